@@ -13,15 +13,26 @@ from slopekit.kinds import cut, wedge
 from slopekit.kinds.single_block.one_block_limit import FoundLimit, moment_limit
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import Loads
-from slopekit.preie.one_block import cracked
-from slopekit.preie.one_block.cracked import cracked_base, cracked_limit
-from slopekit.preie.one_block.polygon_bed import BedSprings, PolygonBed, bed_of
+from slopekit.preie.one_block import bed_path
+from slopekit.preie.one_block.cracked import CrackedBase, cracked_base, guessed
+from slopekit.preie.one_block.polygon_bed import BedSprings, PolygonBed, Unbalanced, bed_of, beds_of
 from slopekit.preie.system.model import JointStrength, build_model
 from slopekit.result import Result
 from tests.preie.cracked_oracle import Block, springs_on
 from tests.support import random_wedge
 
 WIDTH, WEIGHT = 8.0, 2400.0  # m, kN per metre of dam
+
+
+def cracked_limit(bed: PolygonBed, guess: float, split: int) -> CrackedBase:
+    return cracked_base(bed, guessed(bed, guess), (split,))
+
+
+def unbalanced(springs: BedSprings, opening, slip, reduction: float, running=False, sticks=False) -> Unbalanced:
+    """The forces on the one block on these springs."""
+    one = np.zeros(1, dtype=np.int64)
+    at = springs.unbalanced(one, opening[None], slip[None], np.array([reduction]), running, sticks)
+    return Unbalanced(at.out[0], at.by_opening[0], at.by_slip[0], at.by_reduction[0])
 
 
 def dam(eccentricity: float, c: float, phi: float, thrust: float, in_section: bool, dip: float = 0.0) -> PolygonBed:
@@ -65,14 +76,15 @@ def test_a_dam_on_its_base(eccentricity, dip, in_section) -> None:
     """
     c, phi, thrust = 150.0, 40.0, 1500.0
     bed = dam(eccentricity, c, phi, thrust, in_section, dip)
-    found = cracked_base(bed, 1.0)
+    found = cracked_base(bed, guessed(bed, 1.0))
     pressed = min(WIDTH, 3.0 * (WIDTH / 2.0 - abs(eccentricity)))
     toe = WEIGHT / WIDTH * (1.0 + 6.0 * abs(eccentricity) / WIDTH) if pressed == WIDTH else 2.0 * WEIGHT / pressed
     assert found.factor == pytest.approx((c * pressed + WEIGHT * math.tan(math.radians(phi))) / thrust, rel=1e-9)
     assert found.runs
     assert not found.creeps
-    assert found.residual < 1e-12
-    forces = found.forces
+    out = unbalanced(BedSprings(beds_of([bed]), 3), found.opening, found.velocity, 1.0 / found.factor, True).out
+    assert np.abs(out).max() < 1e-12
+    forces = found.forces(bed)
     assert forces.area[forces.pressed].sum() == pytest.approx(pressed / WIDTH, rel=1e-9)
     scale = math.hypot(WEIGHT, thrust) / WIDTH
     assert (forces.normal / forces.area).max() * scale == pytest.approx(toe, rel=1e-9)
@@ -80,7 +92,7 @@ def test_a_dam_on_its_base(eccentricity, dip, in_section) -> None:
 
 @pytest.mark.parametrize("in_section", [True, False])
 def test_a_dam_beyond_its_edge_does_not_rest(in_section) -> None:
-    assert cracked_base(dam(4.001, 150.0, 40.0, 1500.0, in_section), 1.0).factor is None
+    assert cracked_limit(dam(4.001, 150.0, 40.0, 1500.0, in_section), 1.0, 3).factor is None
 
 
 @pytest.mark.parametrize("phi", [0.0, 30.0])
@@ -156,7 +168,7 @@ def test_random_wedges_against_separate_springs(opened) -> None:
     """
     compared = 0
     for inputs, scene, factor in (*opened[:2], *opened[3:5]):  # the third needs as many springs as the second
-        found = cracked_base(bed_on(scene), factor)
+        found = cracked_base(bed_on(scene), guessed(bed_on(scene), factor))
         if found.factor is None or found.creeps:
             continue
         bracket = by_springs(inputs, found.factor, 400)
@@ -176,21 +188,22 @@ def test_the_slopes_are_those_of_the_forces(opened) -> None:
     cut = 0
     in_section = dam(2.0, 150.0, 40.0, 1500.0, True, 17.0)
     for bed in (*(bed_on(scene) for _, scene, _ in opened[:12]), in_section):
-        springs = BedSprings(bed, 2)
+        springs = BedSprings(beds_of([bed]), 2)
+        bonded, (first,) = springs.bonded[0], springs.first
         count = len(bed.load)
-        u, slip = (springs.bonded * (1.0 + 0.2 * rng.standard_normal(count)) for _ in range(2))
-        cut += any(0.0 < (rows[:, 0] @ u < 0.0).mean() < 1.0 for rows in springs.rows)
+        u, slip = (bonded * (1.0 + 0.2 * rng.standard_normal(count)) for _ in range(2))
+        cut += any(0.0 < (rows[:, 0] @ u < 0.0).mean() < 1.0 for rows in map(bed.corner_rows, range(len(bed.corners))))
         for running in (False, True):
-            at = springs.unbalanced(u, slip, 0.3, running)
+            at = unbalanced(springs, u, slip, 0.3, running)
             scale = float(np.abs(at.by_opening + at.by_slip).max())
-            for k, step in enumerate(1e-6 * springs.first * np.eye(count)):
-                opened_by = springs.unbalanced(u + step, slip, 0.3, running).out
-                slopes = (opened_by - springs.unbalanced(u - step, slip, 0.3, running).out) / (2.0 * step[k])
+            for k, step in enumerate(1e-6 * first * np.eye(count)):
+                opened_by = unbalanced(springs, u + step, slip, 0.3, running).out
+                slopes = (opened_by - unbalanced(springs, u - step, slip, 0.3, running).out) / (2.0 * step[k])
                 assert slopes == pytest.approx(at.by_opening[:, k], abs=1e-7 * scale)
-                slipped = springs.unbalanced(u, slip + step, 0.3, running).out
-                slopes = (slipped - springs.unbalanced(u, slip - step, 0.3, running).out) / (2.0 * step[k])
+                slipped = unbalanced(springs, u, slip + step, 0.3, running).out
+                slopes = (slipped - unbalanced(springs, u, slip - step, 0.3, running).out) / (2.0 * step[k])
                 assert slopes == pytest.approx(at.by_slip[:, k], abs=1e-7 * scale)
-            weaker = springs.unbalanced(u, slip, 0.3 + 1e-6, running).out - at.out
+            weaker = unbalanced(springs, u, slip, 0.3 + 1e-6, running).out - at.out
             assert weaker / 1e-6 == pytest.approx(at.by_reduction, abs=1e-6 * scale)
     assert cut > 3
 
@@ -202,8 +215,8 @@ def test_the_limit_does_not_depend_on_the_steps_of_the_path(seed, monkeypatch) -
         guess = factor
         factors = [cracked_limit(bed_on(scene), guess * times, 2).factor for times in (0.7, 1.0, 1.5)]
         with monkeypatch.context() as shorter:
-            shorter.setattr(cracked, "_FIRST", 0.05)
-            shorter.setattr(cracked, "_LONGEST", 0.5)
+            shorter.setattr(bed_path, "_FIRST", 0.05)
+            shorter.setattr(bed_path, "_LONGEST", 0.5)
             factors.append(cracked_limit(bed_on(scene), guess, 2).factor)
         assert factors == pytest.approx([factors[0]] * 4, rel=1e-5)
 
@@ -211,14 +224,14 @@ def test_the_limit_does_not_depend_on_the_steps_of_the_path(seed, monkeypatch) -
 def test_no_force_jumps_where_a_corner_opens() -> None:
     """The sums on either side of the first opening of a corner differ by what the displacement does alone."""
     bed = dam(4.0 / 3.0, 150.0, 40.0, 1500.0, False)
-    springs = BedSprings(bed, 1)
-    rows = springs.rows[0]
-    slip = np.random.default_rng(3).standard_normal(6) * springs.bonded
-    opened = np.linalg.lstsq(rows[:, 0], np.array([0.0, -1.0, -2.0, -1.0]), rcond=None)[0] * springs.first
+    springs = BedSprings(beds_of([bed]), 1)
+    rows, (first,) = bed.corner_rows(0), springs.first
+    slip = np.random.default_rng(3).standard_normal(6) * springs.bonded[0]
+    opened = np.linalg.lstsq(rows[:, 0], np.array([0.0, -1.0, -2.0, -1.0]), rcond=None)[0] * first
     size = float(np.abs(opened).max())
     for away in (1e-6, 1e-9):
-        tip = np.linalg.lstsq(rows[:, 0], np.array([away, 0.0, -away, 0.0]), rcond=None)[0] * springs.first
-        before, after = (springs.unbalanced(opened + way * tip, slip, 0.3, False).out for way in (-1.0, 1.0))
+        tip = np.linalg.lstsq(rows[:, 0], np.array([away, 0.0, -away, 0.0]), rcond=None)[0] * first
+        before, after = (unbalanced(springs, opened + way * tip, slip, 0.3, False).out for way in (-1.0, 1.0))
         assert float(np.abs(after - before).max()) < 50.0 * away * size
 
 
@@ -308,7 +321,7 @@ def test_a_wedge_that_presses_on_all_of_its_joints_follows_no_path(monkeypatch) 
     def never(*_: object) -> None:
         raise AssertionError
 
-    monkeypatch.setattr("slopekit.preie.one_block.flat_limit.cracked_base", never)
+    monkeypatch.setattr(bed_path.BedPath, "follow", never)
     result = sk.wedge(dips=("45/105", "70/235"), face="65/185", upper="12/195")
     assert result.to_dict()["openings"] == {}
     assert not result.moments_govern

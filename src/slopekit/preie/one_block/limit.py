@@ -250,8 +250,8 @@ def forces_only_limit(model: Model) -> Limit:
 
         model = averaged(model)
     held = model if model.unknowns == model.translations else model.without_rotation()
-    normals, first, which = np.unique(held.normal_rows.round(12), axis=0, return_index=True, return_inverse=True)
-    which = which.ravel()
+    _, first, which = np.unique(held.normal_rows.round(12), axis=0, return_index=True, return_inverse=True)
+    normals, which = held.normal_rows[first], which.ravel()
     share = held.control_area / np.bincount(which, held.control_area)[which]
     # bolts that pull one way are one of all their capacity
     _, alike, bolt = np.unique(held.bolt_rows.round(12), axis=0, return_index=True, return_inverse=True)

@@ -12,8 +12,8 @@ slips one way). Where the pressed part grows its shear grows with it: the slopes
 """
 
 import math
-from collections.abc import Mapping
-from functools import cache
+from collections.abc import Mapping, Sequence
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
@@ -43,6 +43,7 @@ class PolygonBed:
     keys : (m,) interface of each contact
     load : (u,) P; bolt_rows : (b, u); bolt_capacity : (b,)
     columns : (u,) which of the six motions are unknowns
+    length_scale : m, root mean square distance of the corners from the centroid
     laws : of each contact, None where its strength is a line; empty where all are
     stress_scale : kPa of a traction of one
     shear_ratio : tangential to normal stiffness
@@ -58,9 +59,16 @@ class PolygonBed:
     bolt_rows: Floats
     bolt_capacity: Floats
     columns: Ints
+    length_scale: float = 1.0
     laws: "tuple[StrengthLaw | None, ...]" = ()
     stress_scale: float = 1.0
     shear_ratio: float = SHEAR_TO_NORMAL
+
+    def in_units_of(self, model: Model, motion: Floats) -> Floats:
+        """Return a motion (u,) of the bed in the units of a model: turns are per length of each."""
+        moved = motion.copy()
+        moved[model.translations :] *= model.length_scale / self.length_scale
+        return moved
 
     def corner_rows(self, k: int) -> Floats:
         """Motions (j, 3, u) of the corners of one contact per unknown: opening and two slips."""
@@ -70,8 +78,99 @@ class PolygonBed:
 
 
 @dataclass(frozen=True, slots=True)
+class Beds:
+    """The flat contacts of n single blocks, each block in scaled units of its own.
+
+    Attributes
+    ----------
+    contact : (n + 1,) first contact of each block; corner : (m + 1,) first corner of each contact
+    rows : (m, 9, u) opening, first and second slip of each contact by 1, ξ and η of its plane per unknown
+    plane : (q, 2) corners in the planes of their contacts
+    line : (m, 3) control area per unit of area, cohesion per control area, tan φ
+    load : (n, u) P; bolt_rows : (n, b, u); bolt_capacity : (n, b)
+    shear_ratio : tangential to normal stiffness
+    laws, stress_scale : as of `PolygonBed`, of a single block
+    """
+
+    contact: Ints
+    corner: Ints
+    rows: Floats
+    plane: Floats
+    line: Floats
+    load: Floats
+    bolt_rows: Floats
+    bolt_capacity: Floats
+    shear_ratio: float = SHEAR_TO_NORMAL
+    laws: "tuple[StrengthLaw | None, ...]" = ()
+    stress_scale: float = 1.0
+
+    def gaps(self, block: Ints, opening: Floats) -> Floats:
+        """Return by 1, ξ and η how far each contact (m,) is open, with openings (n, u) of the blocks; (m, 3)."""
+        moved: Floats = (self.rows[:, :3] @ opening[block][:, :, None])[:, :, 0]
+        return moved
+
+    def following(self) -> Ints:
+        """Return the corner (q,) that follows each corner on its contact."""
+        after = np.arange(1, len(self.plane) + 1)
+        after[self.corner[1:] - 1] = self.corner[:-1]
+        return after
+
+    def contact_of_corners(self) -> Ints:
+        """Return the contact (q,) of each corner."""
+        return np.repeat(np.arange(len(self.rows)), np.diff(self.corner))
+
+    def area(self) -> Floats:
+        """Return the control area (m,) of each contact of an area."""
+        here, there = self.plane, self.plane[self.following()]
+        double = np.add.reduceat(here[:, 0] * there[:, 1] - here[:, 1] * there[:, 0], self.corner[:-1])
+        area: Floats = 0.5 * np.abs(double) * self.line[:, 0]
+        return area
+
+
+def beds_of(beds: Sequence[PolygonBed]) -> Beds:
+    """Return the contacts of several blocks with as many unknowns, bolts and the same shear stiffness each."""
+    contacts = [len(bed.corners) for bed in beds]
+    corners = [corner for bed in beds for corner in bed.corners]
+    first = np.cumsum([0, *(len(corner) for corner in corners)])
+    axes, columns = np.concatenate([bed.axes for bed in beds]), beds[0].columns
+    rows, plane = contact_rows(np.concatenate(corners), first, axes, columns)
+    return Beds(
+        contact=np.cumsum([0, *contacts]),
+        corner=first,
+        rows=rows,
+        plane=plane,
+        line=np.concatenate([np.stack([bed.area, bed.cohesion, bed.tan_friction], axis=1) for bed in beds]),
+        load=np.stack([bed.load for bed in beds]),
+        bolt_rows=np.stack([bed.bolt_rows for bed in beds]),
+        bolt_capacity=np.stack([bed.bolt_capacity for bed in beds]),
+        shear_ratio=beds[0].shear_ratio,
+        laws=beds[0].laws,
+        stress_scale=beds[0].stress_scale,
+    )
+
+
+def contact_rows(corners: Floats, first: Ints, axes: Floats, columns: Ints) -> tuple[Floats, Floats]:
+    """Return what moves in the planes of m contacts, (m, 9, u) as of `Beds`, and their corners (q, 2) there.
+
+    Parameters
+    ----------
+    corners : (q, 3) arms; first : (m + 1,) corner of each contact; axes : (m, 3, 3)
+    columns : (u,) which of the six motions are unknowns
+    """
+    count = np.diff(first)
+    middle = np.add.reduceat(corners, first[:-1]) / count[:, None]
+    moved = np.zeros((len(count), 3, 3, 6))
+    moved[:, :, 0, :3], moved[:, :, 0, 3:] = axes, cross(middle[:, None], axes)
+    for j in (1, 2):
+        moved[:, :, j, 3:] = cross(axes[:, j, None], axes)
+    contact = np.repeat(np.arange(len(count)), count)
+    plane = ((corners - middle[contact])[:, None] * axes[contact, 1:]).sum(axis=2)
+    return np.ascontiguousarray(moved[..., columns].reshape(len(count), 9, -1)), plane
+
+
+@dataclass(frozen=True, slots=True)
 class Unbalanced:
-    """Unbalanced forces (u,) and their slopes by g (u, u), by s (u, u) and by λ (u,)."""
+    """Unbalanced forces (n, u) of blocks and their slopes by g (n, u, u), by s (n, u, u) and by λ (n, u)."""
 
     out: Floats
     by_opening: Floats
@@ -98,22 +197,15 @@ class _Flat:
     rows : (9, u) opening, first and second slip by 1, ξ and η; plane : (j, 2) its corners
     """
 
-    def __init__(self, bed: PolygonBed, k: int) -> None:
-        corners, axes = bed.corners[k], bed.axes[k]
-        self.middle, self.tangents = corners.mean(axis=0), axes[1:]
-        moved = np.zeros((3, 3, 6))
-        moved[:, 0, :3], moved[:, 0, 3:] = axes, cross(np.broadcast_to(self.middle, axes.shape), axes)
-        for j, tangent in enumerate(self.tangents, 1):
-            moved[:, j, 3:] = cross(np.broadcast_to(tangent, axes.shape), axes)
-        self.rows: Floats = np.ascontiguousarray(moved[:, :, bed.columns].reshape(9, -1))
-        self.plane: Floats = (corners - self.middle) @ self.tangents.T
-        self.corners: Floats = np.concatenate([np.ones((len(corners), 1)), self.plane], axis=1)
-        self.share = float(bed.area[k])
-        self.cohesion, self.tan_friction = float(bed.cohesion[k]), float(bed.tan_friction[k])
-        self.law = bed.laws[k] if bed.laws else None
-        self.stress_scale = bed.stress_scale
+    def __init__(self, beds: Beds, k: int) -> None:
+        self.rows: Floats = beds.rows[k]
+        self.plane: Floats = beds.plane[beds.corner[k] : beds.corner[k + 1]]
+        self.corners: Floats = np.concatenate([np.ones((len(self.plane), 1)), self.plane], axis=1)
+        self.share, self.cohesion, self.tan_friction = beds.line[k].tolist()
+        self.law = beds.laws[k] if beds.laws else None
+        self.stress_scale = beds.stress_scale
         # a mean traction is one part of the load on all contacts; steeper laws are lines below the least traction
-        self.least = max(LEAST_KPA, LEAST_TRACTION * bed.stress_scale)
+        self.least = max(LEAST_KPA, LEAST_TRACTION * beds.stress_scale)
 
     def resistance(self, normal: Floats) -> Floats:
         """Return the shear strength (q,) at normal tractions (q,), both in the scaled units of the bed."""
@@ -134,11 +226,6 @@ class _Flat:
         slope = self.law.slope(np.maximum(stress, self.least))
         return np.where(stress < self.least, (least - none) / self.least, slope)
 
-    def places(self, at: Floats) -> Floats:
-        """Arms (q, 3) of points of its plane."""
-        arms: Floats = self.middle + at @ self.tangents
-        return arms
-
 
 @dataclass(frozen=True, slots=True)
 class _Grown:
@@ -154,78 +241,85 @@ class _Grown:
 
 
 class BedSprings:
-    """The springs of a bed, their shear summed over triangles that are split in four `split` times.
+    """The springs under n blocks, their shear summed over triangles that are split in four `split` times.
 
     The forces are moments of the tractions by 1, ξ and η in the plane of each contact, their slopes second moments.
     """
 
-    def __init__(self, bed: PolygonBed, split: int) -> None:
-        self.bed = bed
-        self.rows = [bed.corner_rows(k) for k in range(len(bed.corners))]
-        places, (shares,), _, _ = fan_rule(3, split)
-        self.templates = {2: _line_template(split), 3: (places, shares)}
-        self.flats = [_Flat(bed, k) for k in range(len(bed.corners))]
-        self._whole: list[tuple[Floats, Floats, Floats]] = []
-        unknowns = len(bed.load)
-        stiffness = np.zeros((unknowns, unknowns))
-        for flat in self.flats:
-            at, area = self._points(flat, flat.plane)
-            powers = _powers(at)
-            self._whole.append((np.ascontiguousarray(powers[:, :3].T), powers, area))
-            moments = (area @ powers)[_SECOND]
-            for axis, spring in enumerate((1.0, bed.shear_ratio, bed.shear_ratio)):
-                along = flat.rows[3 * axis : 3 * axis + 3]
-                stiffness += spring * (along.T @ moments @ along)
-        #: (u, u) stiffness with every point bonded, and the displacement under the loads then
-        self.stiffness = stiffness
-        self.bonded = np.asarray(np.linalg.lstsq(stiffness, bed.load, rcond=None)[0], dtype=np.float64)
-        self.first = math.sqrt(float(self.bonded @ self.bonded))
-        self._kernels, self._polygons = self._compiled()
+    def __init__(self, beds: Beds, split: int) -> None:
+        self.beds, self.split = beds, split
+        self.templates = {2: _line_template(split), 3: _triangle_template(split)}
 
-    def _compiled(self) -> tuple[Any, Any]:
-        """The compiled kernels and this bed as they take it; None where NumPy does it."""
+    def finer(self) -> "BedSprings":
+        """Return the springs of the same beds, each triangle split once more."""
+        return BedSprings(self.beds, self.split + 1)
+
+    @cached_property
+    def kernels(self) -> Any:
+        """The compiled kernels; None where NumPy does their work."""
         from slopekit.preie.kernels import compiled  # not for a block whose base is whole
 
-        kernels = None if any(self.bed.laws) else compiled(solvers=False)
-        if kernels is None:
-            return None, None
-        flats = self.flats
-        return kernels, kernels.polygons(
-            len(self.bed.load), self.bed.shear_ratio, TINY, np.cumsum([0, *(len(flat.plane) for flat in flats)]),
-            np.stack([flat.rows for flat in flats]), np.concatenate([flat.plane for flat in flats]),
-            np.array([(flat.share, flat.cohesion, flat.tan_friction) for flat in flats]),
+        return None if any(self.beds.laws) else compiled(solvers=False)
+
+    @cached_property
+    def polygons(self) -> Any:
+        """The beds as the compiled kernels take them."""
+        beds = self.beds
+        return self.kernels.polygons(
+            beds.load.shape[1], beds.shear_ratio, TINY, beds.contact, beds.corner, beds.rows, beds.plane, beds.line,
             *self.templates[2], *self.templates[3],
         )  # fmt: skip
 
+    @cached_property
+    def flats(self) -> list[_Flat]:
+        """The contacts, for NumPy."""
+        return [_Flat(self.beds, k) for k in range(len(self.beds.rows))]
+
+    @cached_property
+    def _whole(self) -> list[tuple[Floats, Floats, Floats]]:
+        whole = []
+        for flat in self.flats:
+            at, area = self._points(flat, flat.plane)
+            powers = _powers(at)
+            whole.append((np.ascontiguousarray(powers[:, :3].T), powers, area))
+        return whole
+
     def unbalanced(
-        self, opening: Floats, slip: Floats, reduction: float, running: bool, sticks: bool = False
-    ) -> Unbalanced:
-        """The unbalanced forces with openings of one motion and slips of another (the same, unless it runs).
+        self, blocks: Ints, opening: Floats, slip: Floats, reduction: Floats, running: bool = False,
+        sticks: bool = False,
+    ) -> Unbalanced:  # fmt: skip
+        """Return the unbalanced forces of some blocks with openings (n, u) of one motion and slips of another.
 
         Parameters
         ----------
+        blocks : (n,) their numbers; reduction : (n,) λ
         running : every pressed point slips, however small the slip; sticks : none does
         """
-        count = len(opening)
-        out = self.bed.load.copy()
-        slopes = np.zeros((count, count)), np.zeros((count, count)), np.zeros(count)
-        if self._kernels is not None:
-            at = np.ascontiguousarray(opening), np.ascontiguousarray(slip)
-            self._kernels.pressed(self._polygons, *at, reduction, running, sticks, out, *slopes)
+        count, unknowns = opening.shape
+        out = self.beds.load[blocks]
+        slopes = (
+            np.zeros((count, unknowns, unknowns)), np.zeros((count, unknowns, unknowns)), np.zeros((count, unknowns)),
+        )  # fmt: skip
+        if self.kernels is not None:
+            at = np.ascontiguousarray(opening), np.ascontiguousarray(slip), np.ascontiguousarray(reduction)
+            self.kernels.pressed(self.polygons, blocks, *at, running, sticks, out, *slopes)
         else:
-            self._add_pressed(opening, slip, reduction, running, sticks, out, *slopes)
-        if len(self.bed.bolt_capacity):
-            self._add_bolts(slip, reduction, running, sticks, out, *slopes[1:])
+            for row, block in enumerate(blocks.tolist()):
+                each = out[row], *(slope[row] for slope in slopes)
+                self._add_pressed(block, opening[row], slip[row], reduction[row], running, sticks, *each)
+        if self.beds.bolt_capacity.shape[1]:
+            self._add_bolts(blocks, slip, reduction, running, sticks, out, *slopes[1:])
         return Unbalanced(out, *slopes)
 
     def _add_pressed(
-        self, opening: Floats, slip: Floats, reduction: float, running: bool, sticks: bool, out: Floats,
+        self, block: int, opening: Floats, slip: Floats, reduction: float, running: bool, sticks: bool, out: Floats,
         by_opening: Floats, by_slip: Floats, by_reduction: Floats,
     ) -> None:  # fmt: skip
-        """What the contacts carry, and its slopes."""
-        spring = self.bed.shear_ratio
+        """What the contacts of one block carry, and its slopes."""
+        spring = self.beds.shear_ratio
         field = np.empty((3, 3))  # normal traction and slips, each by 1, ξ and η
-        for k, flat in enumerate(self.flats):
+        for k in range(self.beds.contact[block], self.beds.contact[block + 1]):
+            flat = self.flats[k]
             gap = flat.rows[:3] @ opening
             part = self._pressed_part(k, gap)
             if part is None:
@@ -280,52 +374,101 @@ class BedSprings:
                 by_opening -= (across.T @ by_ends.reshape(-1, 6).T) @ (grown.ends @ flat.rows[:3])
 
     def _add_bolts(
-        self, slip: Floats, reduction: float, running: bool, sticks: bool, out: Floats, by_slip: Floats,
+        self, blocks: Ints, slip: Floats, reduction: Floats, running: bool, sticks: bool, out: Floats, by_slip: Floats,
         by_reduction: Floats,
     ) -> None:  # fmt: skip
-        """What the passive bolts pull with, and its slopes."""
-        bed = self.bed
-        drawn = -bed.bolt_rows @ slip
+        """Add what the passive bolts pull with, and its slopes."""
+        rows, capacity = self.beds.bolt_rows[blocks], self.beds.bolt_capacity[blocks]
+        pull, spring, full = self.pulls(blocks, slip, reduction, running, sticks)
+        out += (pull[:, None] @ rows)[:, 0]
+        by_reduction += ((full * capacity)[:, None] @ rows)[:, 0]
+        by_slip -= (rows.transpose(0, 2, 1) * spring[:, None]) @ rows
+
+    def pulls(
+        self, blocks: Ints, slip: Floats, reduction: Floats, running: bool, sticks: bool = False
+    ) -> tuple[Floats, Floats, Bools]:
+        """Return the pulls of the passive bolts (n, b), their springs (n, b), and which pull fully."""
+        rows, capacity = self.beds.bolt_rows[blocks], self.beds.bolt_capacity[blocks]
+        drawn, most = -(rows @ slip[:, :, None])[:, :, 0], reduction[:, None] * capacity
         if running:
-            pull, spring = np.where(drawn > NO_MOTION, 1.0, 0.0), np.zeros(len(drawn))
-            out += (reduction * bed.bolt_capacity * pull) @ bed.bolt_rows
-            by_reduction += (bed.bolt_capacity * pull) @ bed.bolt_rows
-        else:
-            stiff = self.bolt_springs
-            full = drawn * stiff > reduction * bed.bolt_capacity
-            if sticks:
-                full = np.zeros(len(drawn), dtype=bool)
-            spring = np.where((drawn > 0.0) & ~full, stiff, 0.0)
-            out += (np.where(full, reduction * bed.bolt_capacity, spring * drawn)) @ bed.bolt_rows
-            by_reduction += np.where(full, bed.bolt_capacity, 0.0) @ bed.bolt_rows
-        by_slip -= (bed.bolt_rows.T * spring) @ bed.bolt_rows
+            full = drawn > NO_MOTION
+            return most * full, np.zeros_like(drawn), full
+        stiff = capacity / (BOLT_GIVE * self.first[blocks])[:, None]
+        full = np.zeros(drawn.shape, dtype=bool) if sticks else drawn * stiff > most
+        spring = stiff * ((drawn > 0.0) & ~full)
+        return np.where(full, most, spring * drawn), spring, full
 
-    @property
-    def bolt_springs(self) -> Floats:
-        """Stiffness of the passive bolts, (b,)."""
-        springs: Floats = self.bed.bolt_capacity / (BOLT_GIVE * self.first)
-        return springs
+    @cached_property
+    def whole(self) -> Floats:
+        """Second moments of 1, ξ and η over the whole of each contact, (m, 3, 3)."""
+        beds = self.beds
+        here, there = (
+            np.concatenate([np.ones((len(at), 1)), at], axis=1) for at in (beds.plane, beds.plane[beds.following()])
+        )
+        middle = here + there
+        both = here[:, :, None] * here[:, None] + there[:, :, None] * there[:, None]
+        # a triangle with a corner at the origin, φ = (1, 0, 0) there
+        middle[:, 0] += 1.0
+        origin = np.zeros((3, 3))
+        origin[0, 0] = 1.0
+        each = middle[:, :, None] * middle[:, None] + both + origin
+        size = (here[:, 1] * there[:, 2] - here[:, 2] * there[:, 1]) / 24.0
+        middle[:, 0] -= 1.0
+        # a line, there and back: Simpson's rule
+        lines = (np.diff(beds.corner) == 2)[beds.contact_of_corners()]
+        line = (middle[:, :, None] * middle[:, None] + both) * (
+            np.sqrt(((there - here) ** 2).sum(axis=1)) / 12.0 * lines
+        )[:, None, None]
+        moments = np.add.reduceat(np.where(lines, 0.0, size)[:, None, None] * each + line, beds.corner[:-1])
+        return moments * (np.sign(moments[:, 0, 0]) * beds.line[:, 0])[:, None, None]
 
-    def first_slip(self, u: Floats) -> float:
-        """λ at which a first point would slip or a first bolt would pull fully if none had at more."""
-        most = 0.0
-        for k, flat in enumerate(self.flats):
-            gap = flat.rows[:3] @ u
-            part = self._pressed_part(k, gap)
-            if part is None:
-                continue
-            (phi, _, _), _ = part
-            slip = (flat.rows[3:] @ u).reshape(2, 3) @ phi
-            strength = flat.resistance(-gap @ phi)
-            shear = self.bed.shear_ratio * np.sqrt((slip * slip).sum(axis=0))
-            most = max(most, float((shear / np.maximum(strength, TINY)).max()))
-        if len(self.bed.bolt_capacity):
-            most = max(most, float((-self.bed.bolt_rows @ u).max() / (BOLT_GIVE * self.first)))
+    @cached_property
+    def stiffness(self) -> Floats:
+        """(n, u, u) with every point bonded."""
+        beds, whole = self.beds, self.whole
+        rows = beds.rows.reshape(len(whole), 3, 3, -1)
+        springs = np.array([1.0, beds.shear_ratio, beds.shear_ratio])[:, None, None]
+        each = (rows.transpose(0, 1, 3, 2) @ (whole[:, None] @ rows) * springs).sum(axis=1)
+        stiffness: Floats = np.add.reduceat(each, beds.contact[:-1])
+        return stiffness
+
+    @cached_property
+    def bonded(self) -> Floats:
+        """(n, u) displacement under the loads with every point bonded."""
+        try:
+            return np.asarray(np.linalg.solve(self.stiffness, self.beds.load[:, :, None])[:, :, 0], dtype=np.float64)
+        except np.linalg.LinAlgError:  # a sheet a thousand million times as long as thick does not resist turning
+            each = zip(self.stiffness, self.beds.load, strict=True)
+            return np.stack([np.linalg.lstsq(matrix, load, rcond=None)[0] for matrix, load in each])
+
+    @cached_property
+    def first(self) -> Floats:
+        """(n,) the size of that displacement."""
+        size: Floats = np.sqrt((self.bonded * self.bonded).sum(axis=1))
+        return size
+
+    def first_slip(self, blocks: Ints, u: Floats) -> Floats:
+        """Return λ (n,) at which a first corner of a pressed part, or a first bolt, yields if none did at more."""
+        beds, every = self.beds, np.zeros((len(self.beds.load), u.shape[1]))
+        every[blocks] = u
+        contact = beds.contact_of_corners()
+        block = np.repeat(np.arange(len(every)), np.diff(beds.contact))
+        moved = (beds.rows @ every[block][:, :, None]).reshape(-1, 3, 3)[contact]
+        gap, first, second = (moved[:, :, 0] + (moved[:, :, 1:] * beds.plane[:, None]).sum(axis=2)).T
+        strength = beds.line[contact, 1] - beds.line[contact, 2] * gap
+        if beds.laws:
+            strength = np.concatenate(
+                [flat.resistance(np.maximum(-flat.corners @ (flat.rows[:3] @ u[0]), 0.0)) for flat in self.flats]
+            )
+        called = beds.shear_ratio * np.sqrt(first * first + second * second) * (gap < 0.0) / np.maximum(strength, TINY)
+        most = np.maximum.reduceat(called, beds.corner[beds.contact[:-1]])[blocks]
+        if beds.bolt_capacity.shape[1]:
+            drawn = -(beds.bolt_rows[blocks] @ u[:, :, None])[:, :, 0].max(axis=1)
+            most = np.maximum(most, drawn / (BOLT_GIVE * self.first[blocks]))
         return most
 
-    def carried(self, opening: Floats, slip: Floats, reduction: float, running: bool) -> "PointForces":
-        """The forces point by point, pressed parts first to last contact, then the points of their open parts."""
-        bed, none = self.bed, np.zeros(0)
+    def carried(self, bed: PolygonBed, opening: Floats, slip: Floats, reduction: float, running: bool) -> "PointForces":
+        """Return the forces of one block point by point: of the pressed part of each contact, then of its open part."""
         by_contact: list[tuple[Floats, ...]] = []
         for k, flat in enumerate(self.flats):
             gap = flat.rows[:3] @ opening
@@ -336,22 +479,20 @@ class BedSprings:
                 at, area = self._points(flat, clipped)
                 at, area = at[area > 0.0], area[area > 0.0]  # a corner that hardly opens has triangles of no area
                 phi = _powers(at)[:, :3]
+                places = bed.corners[k].mean(axis=0) + at @ bed.axes[k, 1:]
                 normal = np.zeros(len(area)) if open_part else np.maximum(-phi @ gap, 0.0)
                 across = phi @ (flat.rows[3:] @ slip).reshape(2, 3).T
                 size = np.maximum(np.sqrt((across * across).sum(axis=1)), TINY)
                 cap = reduction * flat.resistance(normal)
-                shear = cap if running else np.minimum(self.bed.shear_ratio * size, cap)
+                shear = cap if running else np.minimum(bed.shear_ratio * size, cap)
                 shear = np.zeros(len(area)) if open_part else shear * area
                 by_contact.append((
-                    flat.places(at), area, np.full(len(area), k), normal * area,
+                    places, area, np.full(len(area), k), normal * area,
                     -(shear / size)[:, None] * across, np.full(len(area), not open_part),
                 ))  # fmt: skip
         points, area, contact, normal, shear, pressed = (np.concatenate(part) for part in zip(*by_contact, strict=True))
-        pulls = none
-        if len(bed.bolt_capacity):
-            drawn, most = -bed.bolt_rows @ slip, reduction * bed.bolt_capacity
-            pulls = np.where(drawn > NO_MOTION, most, 0.0) if running else np.clip(self.bolt_springs * drawn, 0.0, most)
-        return PointForces(points, area, contact, normal, shear, pressed, pulls)
+        pulls, _, _ = self.pulls(np.zeros(1, dtype=np.int64), slip[None], np.array([reduction]), running)
+        return PointForces(points, area, contact, normal, shear, pressed, pulls[0])
 
     def _pressed_part(self, k: int, gap: Floats) -> "tuple[tuple[Floats, Floats, Floats], _Grown | None] | None":
         """φ (3, q), its products (q, 6) and area (q,) at points of what is pressed, and how they move with g.
@@ -403,6 +544,11 @@ class BedSprings:
         return (points @ cells).reshape(-1, 2), ((size * flat.share)[:, None] * weights).ravel()
 
 
+def rms_length(arms: Floats) -> float:
+    """Return the root mean square length of arms (k, 3)."""
+    return math.sqrt(float((arms * arms).sum()) / len(arms))
+
+
 def bed_of(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> PolygonBed:
     """The contacts of one block on bedrock as an elastic bed.
 
@@ -417,8 +563,10 @@ def bed_of(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> Po
     unknowns, in_section = model.unknowns, model.translations == 2
     columns = np.array([0, 2, 4])[:unknowns] if in_section else np.arange(unknowns)
     corners, axes, area = [], [], []
+    length = rms_length(np.concatenate([polygons[int(key)] for key in keys]) - centroid)
+    to_bed = np.where(np.arange(unknowns) < model.translations, 1.0, model.length_scale / length)
     for key, at in zip(keys, first, strict=True):
-        scaled = (np.asarray(polygons[int(key)]) - centroid) / model.length_scale
+        scaled = (np.asarray(polygons[int(key)]) - centroid) / length
         if in_section:
             way = scaled[1] - scaled[0]
             normal = np.array([way[2], 0.0, -way[0]]) / math.sqrt(float(way @ way))
@@ -441,10 +589,11 @@ def bed_of(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> Po
         cohesion=model.cohesion[first] / model.control_area[first],
         tan_friction=model.tan_friction[first],
         keys=keys,
-        load=model.load,
-        bolt_rows=model.bolt_rows,
+        load=model.load * to_bed,
+        bolt_rows=model.bolt_rows * to_bed,
         bolt_capacity=model.bolt_capacity,
         columns=columns,
+        length_scale=length,
         laws=laws,
         stress_scale=model.force_scale / model.area_scale,
     )
@@ -529,6 +678,13 @@ def _fan_moves(corners: Floats, cells: Floats, ends: list[int], ways: Floats) ->
         a, b = moves[m, :, 1] - moved, moves[m, :, 2] - moved
         grows[m] = a[:, 0] * other[:, 1] - a[:, 1] * other[:, 0] + one[:, 0] * b[:, 1] - one[:, 1] * b[:, 0]
     return moves, grows * math.copysign(0.5, double)
+
+
+@cache
+def _triangle_template(split: int) -> tuple[Floats, Floats]:
+    """Points (q, 3) and shares (q,) of a triangle that is split in four so often."""
+    places, (shares,), _, _ = fan_rule(3, split)
+    return places, shares
 
 
 @cache
