@@ -24,7 +24,7 @@ from slopekit.kinds.single_block.one_block import Cut
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.preie.batch import BlockLimits, Blocks, limits_of_blocks
 from slopekit.preie.one_block.bed_limits import BedStatus
-from slopekit.preie.one_block.flat_limit import flat_limit, lower
+from slopekit.preie.one_block.flat_limit import flat_limit
 from slopekit.studies.prob.sampling import samples
 from slopekit.studies.prob.vectorised import vectorised
 
@@ -67,10 +67,7 @@ def single_factors(cuts: Sequence[Cut]) -> Floats:
         scene = made.scene_at(made.refine)
         assert scene.bedding is not None
         limit = flat_limit(scene.model, scene.bedding.polygons, scene.bedding.centroid)
-        if limit.state is None:
-            factors.append(limit.forces.factor)
-        else:
-            factors.append(None if limit.state.factor is None else lower(limit.forces.factor, limit.state.factor))
+        factors.append(limit.factor)
     return np.array(factors, dtype=np.float64)
 
 

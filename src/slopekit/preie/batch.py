@@ -13,9 +13,9 @@ import numpy as np
 
 from slopekit.core.arrays import Floats, Ints, cross
 from slopekit.core.records import dataclass
-from slopekit.preie.one_block.bed_limits import BedStatus, Slides, bed_limits, corner_gaps
+from slopekit.preie.one_block.bed_limits import BedStatus, Slides, bed_limits
 from slopekit.preie.one_block.bed_path import lengths
-from slopekit.preie.one_block.polygon_bed import Beds, contact_rows
+from slopekit.preie.one_block.polygon_bed import Beds, contact_rows, cross_2d
 from slopekit.preie.system.model import local_axes
 from slopekit.preie.tolerances import NO_FORCE, PARALLEL, TINY
 
@@ -51,44 +51,35 @@ class Blocks:
 
     def of(self, rows: slice) -> "Blocks":
         """Return some of them."""
-        return Blocks(
-            corners=self.corners[rows],
-            counts=self.counts[rows],
-            cohesion=self.cohesion[rows],
-            tan_friction=self.tan_friction[rows],
-            load=self.load[rows],
-        )
+        return Blocks(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 
     def beds(self) -> Beds:
         """Return their elastic beds, each in parts of its load, its area, and the distance of its corners."""
         corners, counts = self.corners, self.counts
-        used = np.arange(corners.shape[2]) < counts[:, :, None]
-        contacts = counts > 0
+        used, contacts = np.arange(corners.shape[2]) < counts[:, :, None], counts > 0
         block = np.repeat(np.arange(len(counts)), used.sum(axis=(1, 2)))
-        arms = corners[used]
-        square = np.bincount(block, (arms * arms).sum(axis=1)) / np.bincount(block)
-        length = np.sqrt(square)
+        arms, corner = corners[used], np.concatenate([[0], np.cumsum(counts[contacts])])
+        length = np.sqrt(np.bincount(block, (arms * arms).sum(axis=1)) / np.bincount(block))
         force = lengths(self.load[:, :3]) + lengths(self.load[:, 3:]) / length
-        first = np.concatenate([[0], np.cumsum(counts[contacts])])
         sides = np.where(used[:, :, 1:, None], corners[:, :, 1:] - corners[:, :, :1], 0.0)
         double = cross(sides[:, :, :-1], sides[:, :, 1:]).sum(axis=2)  # twice the vector area, out of the block
         area = 0.5 * np.sqrt((double * double).sum(axis=2))
-        whole = area.sum(axis=1)
-        axes = local_axes(-double[contacts] / (2.0 * area[contacts])[:, None])
-        rows, plane = contact_rows(arms / length[block, None], first, axes, np.arange(6))
+        axes, whole = local_axes(-double[contacts] / (2.0 * area[contacts])[:, None]), area.sum(axis=1)
+        middle, rows, plane = contact_rows(arms / length[block, None], corner, axes, np.arange(6))
         scale = np.broadcast_to((length * length / whole)[:, None], counts.shape)
-        cohesion = self.cohesion * (whole / force)[:, None]
-        line = np.stack([scale[contacts], cohesion[contacts], self.tan_friction[contacts]], axis=1)
-        none = np.zeros((len(counts), 0))
+        line = np.stack([scale, self.cohesion * (whole / force)[:, None], self.tan_friction], axis=2)[contacts]
         return Beds(
             contact=np.concatenate([[0], np.cumsum(contacts.sum(axis=1))]),
-            corner=first,
+            corner=corner,
+            axes=axes,
+            middle=middle,
             rows=rows,
             plane=plane,
             line=line,
             load=self.load / np.stack([force] * 3 + [force * length] * 3, axis=1),
             bolt_rows=np.zeros((len(counts), 0, 6)),
-            bolt_capacity=none,
+            bolt_capacity=np.zeros((len(counts), 0)),
+            length=length,
         )
 
 
@@ -174,7 +165,7 @@ def forces_slides(beds: Beds) -> tuple[Ints, Slides]:
         pushes[rows[:, None], list(carriers)] = force[fits]
         pull[rows], found[rows] = left[fits], True
     touching = pushes > 0.0
-    area, line = beds.area()[place], beds.line[place]
+    area, line = beds.moments()[place, 0, 0], beds.line[place]
     driving = lengths(pull)
     resisting = (touching * (line[:, :, 1] * area + line[:, :, 2] * pushes)).sum(axis=1)
     status = np.where(touching.any(axis=1), ForcesStatus.SLIDES, ForcesStatus.LIFTED)
@@ -188,23 +179,16 @@ def forces_slides(beds: Beds) -> tuple[Ints, Slides]:
 
 def pressed_shares(beds: Beds, opening: Floats) -> Floats:
     """Return the share (m,) of each contact that is pressed, with openings (n, u) of the blocks."""
-    gaps, after, contact = (
-        corner_gaps(beds, np.arange(len(opening)), opening),
-        beds.following(),
-        beds.contact_of_corners(),
-    )
-    here, there, to = beds.plane, beds.plane[after], gaps[after]
+    here, gaps, after = beds.plane, beds.motions(opening, 1)[:, 0], beds.following
+    there, to = here[after], gaps[after]
     with np.errstate(divide="ignore", invalid="ignore"):
         crossing = here + (gaps / (gaps - to))[:, None] * (there - here)
     leaves, comes = (gaps < 0.0) & (to >= 0.0), (gaps >= 0.0) & (to < 0.0)
-    start = np.where(comes[:, None], crossing, here)
-    end = np.where(leaves[:, None], crossing, there)
-    double = (start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0]) * ((gaps < 0.0) | comes)
-    ends = np.zeros(
-        (2, len(beds.rows), 2)
-    )  # of the new edge: where the way round leaves the pressed part, and comes back
+    sides = cross_2d(np.where(comes[:, None], crossing, here), np.where(leaves[:, None], crossing, there))
+    # of the new edge: where the way round leaves the pressed part, and comes back
+    ends, contact = np.zeros((2, len(beds.rows), 2)), beds.contact_of_corners
     for which, cut in enumerate((leaves, comes)):
         ends[which, contact[cut]] = crossing[cut]
-    double = np.bincount(contact, double) + ends[0, :, 0] * ends[1, :, 1] - ends[0, :, 1] * ends[1, :, 0]
-    share: Floats = 0.5 * np.abs(double) * beds.line[:, 0] / beds.area()
+    double = np.bincount(contact, sides * ((gaps < 0.0) | comes)) + cross_2d(*ends)
+    share: Floats = 0.5 * np.abs(double) * beds.line[:, 0] / beds.moments()[:, 0, 0]
     return share

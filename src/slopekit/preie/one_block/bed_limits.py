@@ -32,7 +32,7 @@ from slopekit.preie.one_block.bed_path import (
     solve_rows,
     solved,
 )
-from slopekit.preie.one_block.polygon_bed import Beds, BedSprings
+from slopekit.preie.one_block.polygon_bed import Beds, BedSprings, PointForces
 from slopekit.preie.tolerances import FINER_PRESSED, LEVEL, NO_FORCE, PARALLEL, POLISHED, ROUGHLY_SETTLED, SETTLED, TINY
 
 #: Splits of the triangles on which limits are settled; the next where it changes one by more than `FINER_PRESSED`.
@@ -91,6 +91,18 @@ class BedLimits:
     change: Floats
     split: Ints
     steps: Ints
+
+    @property
+    def factor(self) -> Floats:
+        """(n,) F, not a number where a block rests at no strength."""
+        return 1.0 / self.reduction
+
+    def carried(self, beds: Beds) -> PointForces:
+        """Return what the points of its bed carry at the limit of a single block."""
+        slides = self.status[0] in (BedStatus.PRESSED, BedStatus.RUNS)
+        opening = self.displacement[0]
+        slip = self.velocity[0] if slides else opening
+        return BedSprings(beds, int(self.split[0])).carried(opening, slip, float(self.reduction[0]), slides)
 
     @classmethod
     def none(cls, count: int, unknowns: int) -> "BedLimits":
@@ -240,10 +252,7 @@ def corner_gaps(beds: Beds, blocks: Ints, opening: Floats) -> Floats:
     """Return the gaps (q,) at all corners of the beds, with openings (n, u) of some of the blocks."""
     every = np.zeros_like(beds.load)
     every[blocks] = opening
-    gaps = beds.gaps(np.repeat(np.arange(len(every)), np.diff(beds.contact)), every)
-    contact = beds.contact_of_corners()
-    at: Floats = gaps[contact, 0] + (gaps[contact, 1:] * beds.plane).sum(axis=1)
-    return at
+    return beds.motions(every, 1)[:, 0]
 
 
 def _widest(beds: Beds, blocks: Ints, opening: Floats) -> Floats:

@@ -8,6 +8,7 @@ where a joint is pressed, and strength is reduced from the stuck state. Where th
 presses on the whole of each joint both are the same number, and no path is followed.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -15,11 +16,11 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
-from slopekit.preie.one_block.bed_limits import BedStatus, Slides
-from slopekit.preie.one_block.cracked import CrackedBase, cracked_base, early_factor
+from slopekit.preie.one_block.bed_limits import BedLimits, BedStatus, Slides, bed_limits
+from slopekit.preie.one_block.bed_path import COARSE, BedPath, lengths
 from slopekit.preie.one_block.limit import dilating_limit, forces_only_limit, stands_without_strength
 from slopekit.preie.one_block.passes import Limit, Outcome
-from slopekit.preie.one_block.polygon_bed import PolygonBed, bed_of
+from slopekit.preie.one_block.polygon_bed import Beds, BedSprings, bed_of
 from slopekit.preie.system.model import Model
 from slopekit.preie.tolerances import TINY
 from slopekit.strength.mohr_coulomb import line
@@ -43,9 +44,16 @@ class FlatLimit:
 
     forces: Limit
     exact: Limit | None = None
-    bed: PolygonBed | None = None
+    bed: Beds | None = None
     slides: Slides | None = None
-    state: CrackedBase | None = None
+    state: BedLimits | None = None
+
+    @property
+    def factor(self) -> float | None:
+        """The limit factor, None without one."""
+        if self.state is None or self.exact is not None:
+            return (self.exact or self.forces).factor
+        return lower(self.forces.factor, self.state)
 
 
 def flat_limit(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> FlatLimit:
@@ -63,21 +71,17 @@ def flat_limit(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -
     if stands or forces.outcome in (Outcome.LIFTED, Outcome.NOT_CONVERGED) or forces.factor == 0.0:
         return FlatLimit(forces)
     bed = bed_of(model, polygons, centroid)
-    slides = slides_of(model, bed, forces)
-    state = cracked_base(bed, slides)
-    if state.status is BedStatus.PRESSED and not model.dilates:
-        exact = _pressed_slide(model, forces, bed.in_units_of(model, state.opening))
+    touching = np.array([forces.bond[model.interface == key].any() for key in sorted(polygons)])
+    slides = Slides(
+        reduction=np.array([1.0 / (forces.factor or 1.0)]),
+        velocity=forces.velocity_of(model)[None],
+        touching=touching & (forces.factor is not None),
+    )
+    state = bed_limits(bed, slides)
+    if state.status[0] == BedStatus.PRESSED and not model.dilates:
+        exact = _pressed_slide(model, forces, bed.in_units_of(model, state.displacement[0]))
         return FlatLimit(exact, exact)
     return FlatLimit(forces, bed=bed, slides=slides, state=state)
-
-
-def slides_of(model: Model, bed: PolygonBed, forces: Limit) -> Slides:
-    """Return the slide of the forces alone as those of a bed are given."""
-    touching = [bool(forces.bond[model.interface == key].any()) for key in bed.keys.tolist()]
-    velocity = forces.velocity_of(model)
-    if not forces.factor:
-        return Slides(np.ones(1), velocity[None], np.zeros(len(touching), dtype=bool))
-    return Slides(np.array([1.0 / forces.factor]), velocity[None], np.array(touching))
 
 
 def _pressed_slide(model: Model, forces: Limit, opening: Floats) -> Limit:
@@ -103,9 +107,8 @@ def forces_limit(model: Model) -> Limit:
 def refined_factor(limit: FlatLimit, split: int) -> float | None:
     """Return the limit factor with each triangle of a pressed part split in four `split` times; None without one."""
     if limit.bed is None or limit.slides is None:
-        return (limit.exact or limit.forces).factor
-    bed_factor = cracked_base(limit.bed, limit.slides, (split,)).factor
-    return None if bed_factor is None else lower(limit.forces.factor, bed_factor)
+        return limit.factor
+    return lower(limit.forces.factor, bed_limits(limit.bed, limit.slides, (split,)))
 
 
 def lowest_factor(limit: FlatLimit) -> float | None:
@@ -115,16 +118,21 @@ def lowest_factor(limit: FlatLimit) -> float | None:
     failed there.
     """
     bed, slides, state = limit.bed, limit.slides, limit.state
-    if bed is None or slides is None or state is None or state.factor is None:
+    if bed is None or slides is None or state is None or limit.factor is None:
         return None
-    factor = lower(limit.forces.factor, state.factor)
-    others = [early_factor(bed, state)]
-    for ratio in SHEAR_RATIOS:
-        others.append(cracked_base(replace(bed, shear_ratio=ratio), slides).factor)
-    lowest = min(other for other in (*others, factor) if other is not None)
-    return lowest if lowest < factor * (1.0 - RANGE_MATTERS) else None
+    early, one = state.early[0], np.zeros(1, dtype=np.int64)
+    if np.isnan(early):
+        path = BedPath(BedSprings(bed, COARSE))
+        u, reduction = path.start(one, slides.reduction)
+        early = np.exp(path.follow(one, u, reduction, lengths(u), np.log(state.reduction)).early[0])
+    ratios = [bed_limits(replace(bed, shear_ratio=ratio), slides).factor[0] for ratio in SHEAR_RATIOS]
+    lowest = float(np.nanmin([limit.factor, 1.0 / early, *ratios]))
+    return lowest if lowest < limit.factor * (1.0 - RANGE_MATTERS) else None
 
 
-def lower(forces: float | None, bed: float) -> float:
-    """Return the lower of a factor of the forces, which may be none, and one of the bed."""
-    return bed if forces is None else min(forces, bed)
+def lower(forces: float | None, bed: BedLimits) -> float | None:
+    """Return the lower of a factor of the forces, which may be none, and that of a bed; None without one of a bed."""
+    factor = float(bed.factor[0])
+    if math.isnan(factor):
+        return None
+    return factor if forces is None else min(forces, factor)
