@@ -17,7 +17,7 @@ from slopekit.kinds.protocol import compare
 from slopekit.kinds.single_block.one_block import block_status
 from slopekit.kinds.single_block.one_block_limit import FoundLimit
 from slopekit.kinds.wedge import compared as compared_form
-from slopekit.preie.one_block.limit import limit_analysis
+from slopekit.preie.one_block.limit import curved_limit_analysis
 
 COUNT = 1000
 
@@ -82,7 +82,7 @@ def compared(design: dict) -> Compared:
     except GeometryError as error:
         return Compared(design, error.codes[0], None, False, None)
     scene = made.scene_at(0)
-    found = limit_analysis(scene.model)
+    found = curved_limit_analysis(scene.model)
     status = block_status(FoundLimit(scene, scene, found), made.joints)
     factor = found.forces_only.factor if found.moments_govern else found.governing.factor
     difference, agree = compare(factor, status, closed, loaded.agree_within)

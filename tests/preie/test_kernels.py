@@ -181,7 +181,9 @@ def test_the_forces_of_a_cracked_base(name) -> None:
                 cuts.update(int((part < 0.0).sum()) - len(part) for part in np.split(gaps, bed.corner[1:-1]))
                 exact, one = (unbalanced(each, opening, slip, reduction, running, sticks) for each in (plain, found))
                 for field in dataclasses.fields(exact):
-                    assert close(getattr(one, field.name), getattr(exact, field.name), 1e-12), field.name
+                    slope, by_steps = getattr(one, field.name), getattr(exact, field.name)
+                    # slopes that are none have the rounding of terms of some one
+                    assert close(slope, by_steps, 1e-12) or np.abs(slope - by_steps).max() < 1e-14, field.name
     assert {0, -1, -2} <= cuts
 
 

@@ -23,7 +23,7 @@ from slopekit.loads import Hull, Loads
 from slopekit.preie.motion.equilibrium import Equilibrium
 from slopekit.preie.one_block.bed_limits import BedLimits
 from slopekit.preie.one_block.flat_limit import FlatLimit, flat_limit, forces_limit
-from slopekit.preie.one_block.limit import LimitAnalysis, governed, limit_analysis
+from slopekit.preie.one_block.limit import LimitAnalysis, curved_limit_analysis, governed
 from slopekit.preie.one_block.passes import Limit, Outcome
 from slopekit.preie.one_block.polygon_bed import Beds, PointForces
 from slopekit.preie.system.model import Model
@@ -66,7 +66,7 @@ class Cut:
     face: int | None = None
     hull: Callable[[], Hull] | None = None
     refine: int = 0
-    limit: Callable[[Model], LimitAnalysis] = limit_analysis
+    limit: Callable[[Model], LimitAnalysis] = curved_limit_analysis
     origin: Floats = field(default_factory=lambda: np.zeros(3))
     axes: Floats = field(default_factory=lambda: np.eye(3))
 

@@ -149,9 +149,7 @@ class _Bases:
     rest: Floats
 
 
-def _slide_or_run(
-    coarse: BedSprings, finer: Sequence[BedPath], slides: Slides, found: BedLimits, ends: Floats
-) -> None:  # fmt: skip
+def _slide_or_run(coarse: BedSprings, finer: Sequence[BedPath], slides: Slides, found: BedLimits, ends: Floats) -> None:
     """Settle the blocks that slide on all of their contacts, and those whose path ends at a running state.
 
     Notes in `ends` ln λ of the running states to which the paths of others rise.
@@ -185,9 +183,14 @@ def _alike(beds: Beds, blocks: Ints, closed: Bools) -> Iterator[tuple[Ints, _Bas
 
 
 def _slide(
-    coarse: BedSprings, finer: Sequence[BedPath], blocks: Ints, bases: _Bases, slides: Slides, found: BedLimits,
+    coarse: BedSprings,
+    finer: Sequence[BedPath],
+    blocks: Ints,
+    bases: _Bases,
+    slides: Slides,
+    found: BedLimits,
     ends: Floats,
-) -> None:  # fmt: skip
+) -> None:
     """Settle blocks with as many free motions each that slide, or run."""
     reduction, velocity = slides.reduction[blocks], slides.velocity[blocks]
     elastic, off, is_pressed = _pressed_slides(coarse, blocks, bases, reduction, velocity)
@@ -211,7 +214,7 @@ def _slide(
 
 def _record(
     found: BedLimits, blocks: Ints, status: BedStatus | Ints, reduction: Floats, displacement: Floats, velocity: Floats
-) -> None:  # fmt: skip
+) -> None:
     found.status[blocks], found.reduction[blocks] = status, reduction
     found.displacement[blocks] = displacement
     found.velocity[blocks] = velocity / lengths(velocity)[:, None]
@@ -281,9 +284,13 @@ class _Running:
 
 
 def _running(
-    coarse: BedSprings, finer: Sequence[BedPath], blocks: Ints, bases: _Bases, start: tuple[Floats, Floats, Floats],
+    coarse: BedSprings,
+    finer: Sequence[BedPath],
+    blocks: Ints,
+    bases: _Bases,
+    start: tuple[Floats, Floats, Floats],
     found: BedLimits,
-) -> _Running:  # fmt: skip
+) -> _Running:
     """Find the running states of blocks with as many free motions each.
 
     Where there is one, all of a contact slips one way, and the coarsest triangles are exact for straight laws.
@@ -310,9 +317,12 @@ def _running(
 
 
 def _run(
-    springs: BedSprings, blocks: Ints, bases: _Bases, start: tuple[Floats, Floats, Floats],
+    springs: BedSprings,
+    blocks: Ints,
+    bases: _Bases,
+    start: tuple[Floats, Floats, Floats],
     finer: BedSprings | None = None,
-) -> tuple[_Running, Floats]:  # fmt: skip
+) -> tuple[_Running, Floats]:
     """Balance the forces of blocks that run, by Newton's method; and say what finer triangles would change."""
     count, (free, size) = len(blocks), (bases.free.shape[2], springs.beds.load.shape[1])
     along = (bases.free.transpose(0, 2, 1) @ start[0][:, :, None])[:, :, 0]
@@ -355,7 +365,7 @@ def _run(
 
 def _along_paths(
     coarse: BedPath, finer: Sequence[BedPath], blocks: Ints, guess: Floats, ends: Floats, found: BedLimits
-) -> None:  # fmt: skip
+) -> None:
     """Follow the paths of blocks to their least λ."""
     u, reduction = coarse.start(blocks, guess)
     rests = np.isfinite(reduction)
@@ -390,7 +400,7 @@ def _along_paths(
 
 def _too_coarse(
     springs: BedSprings, blocks: Ints, rows: Ints, points: Floats, tangent: Floats, found: BedLimits
-) -> Ints:  # fmt: skip
+) -> Ints:
     """Note what finer triangles would change at points of some paths; return those where that matters."""
     if not len(rows):
         return rows
@@ -399,9 +409,7 @@ def _too_coarse(
     return rows[found.change[blocks[rows]] > FINER_PRESSED]
 
 
-def _followed(
-    coarse: BedPath, fine: BedPath, blocks: Ints, u: Floats, reduction: Floats, ends: Floats
-) -> Paths:  # fmt: skip
+def _followed(coarse: BedPath, fine: BedPath, blocks: Ints, u: Floats, reduction: Floats, ends: Floats) -> Paths:
     """Follow paths; on finer triangles, or from a rest at less strength, where one ends before its block runs."""
     elastic = lengths(u)
     path = coarse.follow(blocks, u, reduction, elastic, ends)
@@ -452,9 +460,7 @@ def _settled_runs(
     return settled
 
 
-def _land(
-    fine: BedPath, blocks: Ints, rows: Ints, elastic: Floats, lowest: Floats, tangent: Floats
-) -> None:  # fmt: skip
+def _land(fine: BedPath, blocks: Ints, rows: Ints, elastic: Floats, lowest: Floats, tangent: Floats) -> None:
     """Move points of paths that creep to `FAR` elastic displacements, on finer triangles."""
     if not len(rows):
         return

@@ -264,10 +264,21 @@ class BedPath:
         limits = np.array([how.most, how.patience, how.farthest, how.shortest, self.balanced])
         drag, held = (_NONE, _NONE) if sought.drag is None else (sought.drag, sought.held)
         springs.kernels.balanced(
-            springs.polygons, sought.blocks, beds.load, np.ascontiguousarray(sought.planes),
-            np.ascontiguousarray(sought.offsets), np.ascontiguousarray(sought.scale), np.ascontiguousarray(drag),
-            np.ascontiguousarray(held), sought.sticks, limits, found.x, found.tangent, found.settled, found.evaluations,
-        )  # fmt: skip
+            springs.polygons,
+            sought.blocks,
+            beds.load,
+            np.ascontiguousarray(sought.planes),
+            np.ascontiguousarray(sought.offsets),
+            np.ascontiguousarray(sought.scale),
+            np.ascontiguousarray(drag),
+            np.ascontiguousarray(held),
+            sought.sticks,
+            limits,
+            found.x,
+            found.tangent,
+            found.settled,
+            found.evaluations,
+        )
         return found
 
     def flow(self, blocks: Ints, start: Floats, reduction: Floats) -> tuple[Floats, Bools]:
@@ -415,9 +426,7 @@ class BedPath:
         at.outcome[turned] = PathEnd.TURNED
         at.outcome[scale > FAR * elastic] = PathEnd.FAR
 
-    def settle(
-        self, blocks: Ints, lowest: Floats, heading: Floats, curvature: Floats
-    ) -> tuple[Floats, Floats]:  # fmt: skip
+    def settle(self, blocks: Ints, lowest: Floats, heading: Floats, curvature: Floats) -> tuple[Floats, Floats]:
         """Find the least λ on the turns of paths that were found with coarser triangles.
 
         Parameters
@@ -488,7 +497,7 @@ def tangents(roots: Roots) -> Floats:
 
 def cubic_least(
     span: Floats, before: Floats, before_slope: Floats, after: Floats, slope: Floats
-) -> tuple[Floats, Floats]:  # fmt: skip
+) -> tuple[Floats, Floats]:
     """Return where in parts of their span (n,) cubics with these ends and slopes are least, and what they are there."""
     with np.errstate(all="ignore"):
         rise = 3.0 * (before - after) / span + before_slope + slope
