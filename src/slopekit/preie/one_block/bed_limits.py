@@ -16,6 +16,7 @@ Four stages, each for the rows that the one before did not settle:
 
 from collections.abc import Iterator, Sequence
 from enum import IntEnum
+from math import inf
 
 import numpy as np
 
@@ -25,12 +26,15 @@ from slopekit.preie.one_block.bed_path import (
     COARSE,
     FAR,
     BedPath,
-    Newton,
     PathEnd,
     Paths,
+    Roots,
+    bordered,
     lengths,
+    on_scale,
     solve_rows,
     solved,
+    units,
 )
 from slopekit.preie.one_block.polygon_bed import Beds, BedSprings, PointForces
 from slopekit.preie.tolerances import FINER_PRESSED, LEVEL, NO_FORCE, PARALLEL, POLISHED, ROUGHLY_SETTLED, SETTLED, TINY
@@ -38,11 +42,14 @@ from slopekit.preie.tolerances import FINER_PRESSED, LEVEL, NO_FORCE, PARALLEL, 
 #: Splits of the triangles on which limits are settled; the next where it changes one by more than `FINER_PRESSED`.
 SPLITS = (3, 4)
 _FLAT = 1e-3  # of ln λ: a path that ends so far above its least value may run at that
-_SETTLES = 5.0  # times its slope: λ of a path that runs is as near to that of the running state
-_FAR_OUT = 1e5  # elastic displacements: so far out along its motion it is asked whether a path comes down or up
+_SETTLES = 5  # times its slope: λ of a path that runs is as near to that of the running state
+_FAR_OUT = 100_000  # elastic displacements: so far out along its motion it is asked whether a path comes down or up
 _DEEP = 0.95  # of F by forces: below it paths may turn before they come down to the running state (4 of 328 wedges)
-_RUNNING = Newton(40, shortest=0.05)  # to a running state
+_RUNNING = 40, 0, inf, 0.05  # to a running state, as of `bed_path`
 _MOST_LOWERED = 6  # times that a path goes on from a rest at less strength
+
+#: Motions that keep some contacts of n blocks closed, (n, u, d), and the others, (n, u, u - d).
+Bases = tuple[Floats, Floats]
 
 
 class BedStatus(IntEnum):
@@ -99,24 +106,14 @@ class BedLimits:
 
     def carried(self, beds: Beds) -> PointForces:
         """Return what the points of its bed carry at the limit of a single block."""
-        slides = self.status[0] in (BedStatus.PRESSED, BedStatus.RUNS)
-        opening = self.displacement[0]
-        slip = self.velocity[0] if slides else opening
-        return BedSprings(beds, int(self.split[0])).carried(opening, slip, float(self.reduction[0]), slides)
+        slides, opening = self.status[0] in (BedStatus.PRESSED, BedStatus.RUNS), self.displacement[0]
+        slip, springs = self.velocity[0] if slides else opening, BedSprings(beds, int(self.split[0]))
+        return springs.carried(opening, slip, float(self.reduction[0]), slides)
 
-    @classmethod
-    def none(cls, count: int, unknowns: int) -> "BedLimits":
-        """Return records of blocks that nothing is known of."""
-        return cls(
-            status=np.full(count, BedStatus.NO_REST, dtype=np.int64),
-            reduction=np.full(count, np.nan),
-            displacement=np.zeros((count, unknowns)),
-            velocity=np.zeros((count, unknowns)),
-            early=np.full(count, np.nan),
-            change=np.zeros(count),
-            split=np.full(count, SPLITS[0]),
-            steps=np.zeros(count, dtype=np.int64),
-        )
+    def put(self, blocks: Ints, status: BedStatus | Ints, points: Floats, velocity: Floats) -> None:
+        """Note how blocks end: at displacements and ln λ (n, u + 1), with velocities (n, u) of any length."""
+        self.status[blocks], self.reduction[blocks] = status, np.exp(points[:, -1])
+        self.displacement[blocks], self.velocity[blocks] = points[:, :-1], units(velocity)
 
 
 def bed_limits(beds: Beds, slides: Slides, splits: tuple[int, ...] = SPLITS) -> BedLimits:
@@ -126,362 +123,273 @@ def bed_limits(beds: Beds, slides: Slides, splits: tuple[int, ...] = SPLITS) -> 
     ----------
     splits : of the triangles on which limits are settled; the next where it changes one by more than `FINER_PRESSED`
     """
-    found = BedLimits.none(*beds.load.shape)
-    coarse = BedPath(BedSprings(beds, COARSE), ROUGHLY_SETTLED)
-    finer = [BedPath(BedSprings(beds, split)) for split in splits]
-    ends = np.full(len(beds.load), np.inf)
+    count = len(beds.load)
+    found = BedLimits(
+        status=np.full(count, BedStatus.NO_REST, dtype=np.int64),
+        reduction=np.full(count, np.nan),
+        displacement=np.zeros_like(beds.load),
+        velocity=np.zeros_like(beds.load),
+        early=np.full(count, np.nan),
+        change=np.zeros(count),
+        split=np.full(count, splits[0]),
+        steps=np.zeros(count, dtype=np.int64),
+    )
+    limits = _Limits(beds, splits, found)
+    ends = np.full(count, np.inf)
     if not beds.laws:
-        _slide_or_run(coarse.springs, finer, slides, found, ends)
+        every = np.logical_and.reduceat(slides.touching, beds.contact[:-1])
+        blocks = np.flatnonzero(every & (slides.reduction > 0.0))
+        for rows, bases in limits.alike(blocks, slides.touching):
+            limits.slide(blocks[rows], bases, slides, ends)
     left = np.flatnonzero((found.status == BedStatus.NO_REST) & (slides.reduction > 0.0))
     if len(left):
-        _along_paths(coarse, finer, left, slides.reduction[left], ends[left], found)
+        limits.along_paths(left, slides.reduction[left], ends[left])
     return found
 
 
-# -- stages 1 and 2 ----------------------------------------------------------------------------------------------
+class _Limits:
+    """The stages, and what they found."""
+
+    def __init__(self, beds: Beds, splits: Sequence[int], found: BedLimits) -> None:
+        self.beds, self.found = beds, found
+        self.coarse = BedPath(BedSprings(beds, COARSE), ROUGHLY_SETTLED)
+        self.finer = [BedPath(BedSprings(beds, split)) for split in splits]
+
+    def gaps(self, blocks: Ints, opening: Floats, extreme: np.ufunc) -> Floats:
+        """Return the widest or the narrowest gap (m,) of each contact, with openings (n, u) of some of the blocks."""
+        every = np.zeros_like(self.beds.load)
+        every[blocks] = opening
+        at: Floats = extreme.reduceat(self.beds.motions(every, 1)[:, 0], self.beds.corner[:-1])
+        return at
+
+    # -- stages 1 and 2 ------------------------------------------------------------------------------------------
+
+    def alike(self, blocks: Ints, closed: Bools) -> Iterator[tuple[Ints, Bases]]:
+        """Yield blocks (their places) with as many motions that keep closed contacts (m,) closed, and these motions.
+
+        Blocks that nothing closed holds, or that have no such motion, are left out.
+        """
+        if not len(blocks):
+            return
+        first, unknowns = self.beds.contact, self.beds.rows.shape[2]
+        opening = self.beds.rows[:, :3] * closed[:, None, None]
+        each = first[blocks, None] + np.arange(max(int(np.diff(first).max()), unknowns // 3))
+        inside = each < first[blocks + 1, None]
+        stacked = (opening[np.where(inside, each, 0)] * inside[:, :, None, None]).reshape(len(blocks), -1, unknowns)
+        _, sizes, basis = np.linalg.svd(stacked, full_matrices=False)
+        rank = (sizes > PARALLEL * sizes[:, :1]).sum(axis=1)
+        for size in range(1, unknowns):
+            rows = np.flatnonzero(rank == size)
+            if len(rows):
+                yield rows, (basis[rows, size:].transpose(0, 2, 1), basis[rows, :size].transpose(0, 2, 1))
+
+    def slide(self, blocks: Ints, bases: Bases, slides: Slides, ends: Floats) -> None:
+        """Settle the blocks that slide on all of their contacts, and those whose path ends at a running state.
+
+        Notes in `ends` ln λ of the running states to which the paths of others rise.
+        """
+        reduction, velocity = slides.reduction[blocks], slides.velocity[blocks]
+        elastic, is_pressed = self.pressed(blocks, bases, reduction, velocity)
+        points = np.concatenate([elastic, np.log(reduction)[:, None]], axis=1)
+        self.found.put(blocks[is_pressed], BedStatus.PRESSED, points[is_pressed], velocity[is_pressed])
+        rows = np.flatnonzero(~is_pressed)
+        if not len(rows):
+            return
+        blocks, reduction, some = blocks[rows], reduction[rows], (bases[0][rows], bases[1][rows])
+        runs = self.running(blocks, some, velocity[rows], points[rows])
+        v, w, lam = _motions(some, runs.x)
+        closest = self.gaps(blocks, w, np.minimum)
+        good = runs.settled & (np.maximum.reduceat(closest, self.beds.contact[:-1])[blocks] < 0.0) & (lam > 0.0)
+        far = w + (_FAR_OUT * np.maximum(self.coarse.springs.first[blocks], lengths(w)))[:, None] * v
+        out = self.coarse.springs.unbalanced(blocks, w, far, lam, running=True).out
+        rising = good & ~(_change(runs.slopes, out) > 0.0)
+        ends[blocks[rising]] = np.log(lam[rising])
+        # the bed allows no less than the forces do, or the path comes down to this state
+        good &= (lam <= reduction * (1.0 + SETTLED)) | (~rising & (lam < reduction / _DEEP))
+        self.found.put(blocks[good], BedStatus.RUNS, _points(w, lam)[good], v[good])
+
+    def pressed(self, blocks: Ints, bases: Bases, reduction: Floats, velocity: Floats) -> tuple[Floats, Bools]:
+        """Solve for linear pressures on the whole of each joint under slides at λ (n,), along velocities (n, u).
+
+        Returns
+        -------
+        elastic displacements (n, u) by the motions that press, and whether forces balance and no corner opens (n,)
+        """
+        beds, springs = self.beds, self.coarse.springs
+        count, rest = np.diff(beds.contact)[blocks], bases[1].transpose(0, 2, 1)
+        number, first = np.repeat(np.arange(len(blocks)), count), np.cumsum([0, *count[:-1]])
+        which = np.arange(len(number)) + (beds.contact[blocks] - first)[number]
+        rows, whole, lam = beds.rows[which].reshape(len(which), 3, 3, -1), springs.whole[which], reduction[number]
+        cohesion, tan_friction = lam * beds.line[which, 1], lam * beds.line[which, 2]
+        speed = (rows[:, 1:] @ velocity[number][:, None, :, None])[:, :, 0, 0]  # of slip, alike all over a contact
+        way = speed / np.maximum(lengths(speed), NO_FORCE)[:, None]
+        drag = np.einsum("mj,mjku->mku", way, rows[:, 1:])  # (m, 3, u) what a unit shear by 1, ξ and η does
+        push = rows[:, 0] - tan_friction[:, None, None] * drag
+        matrix = -np.add.reduceat(push.transpose(0, 2, 1) @ (whole @ rows[:, 0]), first)
+        out = beds.load[blocks] - np.add.reduceat(cohesion[:, None] * (whole[:, :1] @ drag)[:, 0], first)
+        if beds.bolt_capacity.shape[1]:
+            pulls, _, _ = springs.pulls(blocks, velocity, reduction, True)
+            out = out + (pulls[:, None] @ beds.bolt_rows[blocks])[:, 0]
+        elastic = solved(rest @ matrix @ bases[1], -(rest @ out[:, :, None])[:, :, 0])
+        opening = (bases[1] @ elastic[:, :, None])[:, :, 0]
+        off = np.abs(out + (matrix @ opening[:, :, None])[:, :, 0]).max(axis=1)
+        widest = np.maximum.reduceat(self.gaps(blocks, opening, np.maximum), beds.contact[:-1])[blocks]
+        return opening, (widest < NO_FORCE) & (off < SETTLED)
+
+    def running(self, blocks: Ints, bases: Bases, velocity: Floats, points: Floats) -> Roots:
+        """Find the running states of blocks with as many free motions each, from motions and points near them.
+
+        Where there is one, all of a contact slips one way, and the coarsest triangles are exact for straight laws.
+        """
+        if bases[0].shape[2] == 1 and not self.beds.laws:
+            return _run(self.coarse.springs, blocks, bases, velocity, points)
+        runs = _run(self.finer[0].springs, blocks, bases, velocity, points)
+        rows = np.flatnonzero(runs.settled)
+        for fine in self.finer:
+            some = bases[0][rows], bases[1][rows]
+            if fine is not self.finer[0]:
+                v, w, lam = _motions(some, runs.x[rows])
+                better = _run(fine.springs, blocks[rows], some, v, _points(w, lam))
+                runs.x[rows[better.settled]] = better.x[better.settled]
+            v, w, lam = _motions(some, runs.x[rows])
+            out = fine.springs.finer().unbalanced(blocks[rows], w, v, lam, running=True).out
+            rows = self.noted(fine, blocks, rows, np.abs(_change(runs.slopes[rows], out) / lam))
+        return runs
+
+    def noted(self, fine: BedPath, blocks: Ints, rows: Ints, change: Floats) -> Ints:
+        """Note what triangles finer than these would change in some rows; return those where that matters."""
+        self.found.split[blocks[rows]], self.found.change[blocks[rows]] = fine.springs.split, change
+        return rows[change > FINER_PRESSED]
+
+    def checked(self, fine: BedPath, blocks: Ints, rows: Ints, lowest: Floats, tangent: Floats) -> Ints:
+        """Note what finer triangles would do to ln λ at points (n, u + 1) of paths, to first order, as `noted`."""
+        springs, some, points = fine.springs, blocks[rows], lowest[rows]
+        u, reduction = points[:, :-1], np.exp(points[:, -1])
+        at = springs.unbalanced(some, u, u, reduction)
+        scaled = (at.by_opening + at.by_slip) * lengths(u)[:, None, None]
+        slopes = bordered(scaled, at.by_reduction * reduction[:, None], tangent[rows])
+        out = springs.finer().unbalanced(some, u, u, reduction).out
+        return self.noted(fine, blocks, rows, np.abs(_change(slopes, out)))
+
+    # -- stages 3 and 4 ------------------------------------------------------------------------------------------
+
+    def along_paths(self, blocks: Ints, guess: Floats, ends: Floats) -> None:
+        """Follow the paths of blocks to their least λ."""
+        u, reduction = self.coarse.start(blocks, guess)
+        rests = np.isfinite(reduction)
+        blocks, u, reduction, ends = blocks[rests], u[rests], reduction[rests], ends[rests]
+        if not len(blocks):
+            return
+        path, elastic = self.followed(blocks, u, reduction, ends), lengths(u)
+        self.found.early[blocks], self.found.steps[blocks] = np.exp(path.early), path.steps
+        lowest, tangent, is_far = path.lowest.copy(), path.tangent.copy(), path.outcome == PathEnd.FAR
+        path.turns &= ~is_far | (path.point[:, -1] - path.lowest[:, -1] > POLISHED)  # else it is level
+        turns = np.flatnonzero(path.turns)
+        for fine in (self.coarse, *self.finer):
+            at, along = fine.settle(blocks[turns], lowest[turns], path.heading[turns])
+            known = np.isfinite(at[:, -1])
+            lowest[turns[known]], tangent[turns[known]] = at[known], along[known]
+            if fine is not self.coarse:
+                turns = self.checked(fine, blocks, turns, lowest, tangent)
+        ends_at = np.where(is_far, path.point[:, -1], lowest[:, -1])
+        may_run = np.flatnonzero((path.outcome != PathEnd.TURNED) & (ends_at - lowest[:, -1] < _FLAT))
+        is_left = np.ones(len(blocks), dtype=bool)
+        is_left[may_run[self.settled_runs(blocks[may_run], path.of(may_run), lowest[may_run])]] = False
+        creeps = is_left & is_far & ~path.turns
+        rows = np.flatnonzero(creeps)
+        for fine in self.finer:
+            _land(fine, blocks, rows, elastic, lowest, tangent)
+            rows = self.checked(fine, blocks, rows, lowest, tangent)
+        status = np.where(creeps, BedStatus.CREEPS, BedStatus.RESTS)
+        motion = _onward(tangent, lowest)
+        self.found.put(blocks[is_left], status[is_left], lowest[is_left], motion[is_left])
+
+    def followed(self, blocks: Ints, u: Floats, reduction: Floats, ends: Floats) -> Paths:
+        """Follow paths; on finer triangles, or from a rest at less strength, where one ends before its block runs."""
+        elastic = lengths(u)
+        path = self.coarse.follow(blocks, u, reduction, elastic, ends)
+        lost = np.flatnonzero(path.outcome == PathEnd.CORNER)
+        if len(lost):
+            again = self.finer[0].follow(blocks[lost], u[lost], reduction[lost], elastic[lost], ends[lost])
+            path.go_on(lost, again)
+        for _ in range(_MOST_LOWERED):
+            lost = np.flatnonzero(path.outcome >= PathEnd.BACK)
+            rest, lower = self.coarse.lower(blocks[lost], path.lowest[lost], elastic[lost])
+            goes_on = np.isfinite(lower)
+            if not goes_on.any():
+                break
+            lost, rest, lower = lost[goes_on], rest[goes_on], lower[goes_on]
+            path.go_on(lost, self.coarse.follow(blocks[lost], rest, lower, elastic[lost], ends[lost]))
+        return path
+
+    def settled_runs(self, blocks: Ints, path: Paths, lowest: Floats) -> Bools:
+        """Find the running states that paths settle to; return for which of them there is one."""
+        settled, is_far = np.zeros(len(blocks), dtype=bool), path.outcome == PathEnd.FAR
+        points = np.concatenate([np.where(is_far[:, None], path.point, lowest)[:, :-1], lowest[:, -1:]], axis=1)
+        motion, least = _onward(path.tangent, points), np.exp(lowest[:, -1])
+        slope = np.where(is_far & ~path.turns, np.abs(path.tangent[:, -1]), 0.0)
+        for rows, bases in self.alike(blocks, self.gaps(blocks, points[:, :-1], np.minimum) < 0.0):
+            nearest = _run(self.coarse.springs, blocks[rows], bases, motion[rows], points[rows])
+            v, w, lam = _motions(bases, nearest.x)
+            near = nearest.settled & (np.abs(lam / least[rows] - 1.0) <= POLISHED + _SETTLES * slope[rows])
+            some = bases[0][near], bases[1][near]
+            runs = self.running(blocks[rows[near]], some, v[near], _points(w, lam)[near])
+            v, w, lam = _motions(some, runs.x)
+            good = rows[near][runs.settled]
+            settled[good] = True
+            self.found.put(blocks[good], BedStatus.RUNS, _points(w, lam)[runs.settled], v[runs.settled])
+        return settled
 
 
-@dataclass(frozen=True, slots=True)
-class _Bases:
-    """Motions that keep some contacts of blocks closed, free (n, u, d), and the others, rest (n, u, u - d)."""
-
-    free: Floats
-    rest: Floats
+def _motions(bases: Bases, x: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return velocities v (n, u), displacements w (n, u) and λ (n,) of running states x."""
+    free = bases[0].shape[2]
+    return (bases[0] @ x[:, :free, None])[:, :, 0], (bases[1] @ x[:, free:-1, None])[:, :, 0], x[:, -1]
 
 
-def _slide_or_run(coarse: BedSprings, finer: Sequence[BedPath], slides: Slides, found: BedLimits, ends: Floats) -> None:
-    """Settle the blocks that slide on all of their contacts, and those whose path ends at a running state.
-
-    Notes in `ends` ln λ of the running states to which the paths of others rise.
-    """
-    beds = coarse.beds
-    every = np.logical_and.reduceat(slides.touching, beds.contact[:-1])
-    blocks = np.flatnonzero(every & (slides.reduction > 0.0))
-    for rows, bases in _alike(beds, blocks, slides.touching):
-        _slide(coarse, finer, blocks[rows], bases, slides, found, ends)
+def _points(displacement: Floats, reduction: Floats) -> Floats:
+    """Return displacements and ln λ, (n, u + 1); that of no strength is none."""
+    return np.concatenate([displacement, np.log(np.maximum(reduction, TINY))[:, None]], axis=1)
 
 
-def _alike(beds: Beds, blocks: Ints, closed: Bools) -> Iterator[tuple[Ints, _Bases]]:
-    """Yield blocks (their places) with as many motions that keep the closed contacts (m,) closed, and these motions.
-
-    Blocks that nothing closed holds, or that have no such motion, are left out.
-    """
-    if not len(blocks):
-        return
-    unknowns = beds.rows.shape[2]
-    opening = beds.rows[:, :3] * closed[:, None, None]
-    most = max(int(np.diff(beds.contact).max()), unknowns // 3)
-    each = beds.contact[blocks, None] + np.arange(most)
-    inside = each < beds.contact[blocks + 1, None]
-    stacked = (opening[np.where(inside, each, 0)] * inside[:, :, None, None]).reshape(len(blocks), -1, unknowns)
-    _, sizes, basis = np.linalg.svd(stacked, full_matrices=False)
-    rank = (sizes > PARALLEL * sizes[:, :1]).sum(axis=1)
-    for size in range(1, unknowns):
-        rows = np.flatnonzero(rank == size)
-        if len(rows):
-            yield rows, _Bases(basis[rows, size:].transpose(0, 2, 1), basis[rows, :size].transpose(0, 2, 1))
+def _onward(tangent: Floats, points: Floats) -> Floats:
+    """Return how blocks move on (n, u): at a corner all sticks until all runs, and goes on as it was displaced."""
+    return np.where(lengths(tangent[:, :-1])[:, None] < LEVEL, points[:, :-1], tangent[:, :-1])
 
 
-def _slide(
-    coarse: BedSprings,
-    finer: Sequence[BedPath],
-    blocks: Ints,
-    bases: _Bases,
-    slides: Slides,
-    found: BedLimits,
-    ends: Floats,
-) -> None:
-    """Settle blocks with as many free motions each that slide, or run."""
-    reduction, velocity = slides.reduction[blocks], slides.velocity[blocks]
-    elastic, off, is_pressed = _pressed_slides(coarse, blocks, bases, reduction, velocity)
-    whole = is_pressed & (off < SETTLED)
-    displacement = (bases.rest @ elastic[:, :, None])[:, :, 0]
-    _record(found, blocks[whole], BedStatus.PRESSED, reduction[whole], displacement[whole], velocity[whole])
-    rows = np.flatnonzero(~whole)
-    if not len(rows):
-        return
-    some = _Bases(bases.free[rows], bases.rest[rows])
-    runs = _running(coarse, finer, blocks[rows], some, (velocity[rows], displacement[rows], reduction[rows]), found)
-    good = runs.settled & _all_closed(coarse.beds, blocks[rows], runs.displacement) & (runs.reduction > 0.0)
-    rising = good & runs.rises
-    ends[blocks[rows[rising]]] = np.log(runs.reduction[rising])
-    # the bed allows no less than the forces do, or the path comes down to this state
-    never = runs.reduction <= reduction[rows] * (1.0 + SETTLED)
-    good &= never | (~runs.rises & (runs.reduction < reduction[rows] / _DEEP))
-    done = blocks[rows[good]]
-    _record(found, done, BedStatus.RUNS, runs.reduction[good], runs.displacement[good], runs.velocity[good])
+def _change(slopes: Floats, out: Floats) -> Floats:
+    """Return by what λ (n,) of states with slopes (n, u + 1, u + 1) changes with unbalanced forces (n, u)."""
+    return solved(slopes, np.concatenate([-out, np.zeros((len(out), 1))], axis=1))[:, -1]
 
 
-def _record(
-    found: BedLimits, blocks: Ints, status: BedStatus | Ints, reduction: Floats, displacement: Floats, velocity: Floats
-) -> None:
-    found.status[blocks], found.reduction[blocks] = status, reduction
-    found.displacement[blocks] = displacement
-    found.velocity[blocks] = velocity / lengths(velocity)[:, None]
-
-
-def _pressed_slides(
-    springs: BedSprings, blocks: Ints, bases: _Bases, reduction: Floats, velocity: Floats
-) -> tuple[Floats, Floats, Bools]:
-    """Solve for linear pressures on the whole of each joint under slides at λ (n,), along velocities (n, u).
-
-    Returns
-    -------
-    elastic displacements (n, e) by the motions that press, what is out of balance (n,), and whether no corner opens
-    """
-    beds = springs.beds
-    which = np.concatenate([np.arange(beds.contact[k], beds.contact[k + 1]) for k in blocks]) if len(blocks) else blocks
-    number = np.repeat(np.arange(len(blocks)), np.diff(beds.contact)[blocks])
-    first = np.cumsum([0, *np.diff(beds.contact)[blocks][:-1]])
-    rows, whole = beds.rows[which].reshape(len(which), 3, 3, -1), springs.whole[which]
-    line, lam = beds.line[which], reduction[number]
-    speed = (rows[:, 1:] @ velocity[number][:, None, :, None])[:, :, 0, 0]  # of slip, alike all over a contact
-    way = speed / np.maximum(lengths(speed), NO_FORCE)[:, None]
-    drag = np.einsum("mj,mjku->mku", way, rows[:, 1:])  # (m, 3, u) what a unit shear by 1, ξ and η does
-    push = rows[:, 0] - (lam * line[:, 2])[:, None, None] * drag
-    matrix = -np.add.reduceat(push.transpose(0, 2, 1) @ (whole @ rows[:, 0]), first)
-    out = beds.load[blocks] - np.add.reduceat((lam * line[:, 1])[:, None] * (whole[:, :1] @ drag)[:, 0], first)
-    if beds.bolt_capacity.shape[1]:
-        pulls, _, _ = springs.pulls(blocks, velocity, reduction, True)
-        out = out + (pulls[:, None] @ beds.bolt_rows[blocks])[:, 0]
-    rest = bases.rest.transpose(0, 2, 1)
-    elastic = solved(rest @ matrix @ bases.rest, -(rest @ out[:, :, None])[:, :, 0])
-    opening = (bases.rest @ elastic[:, :, None])[:, :, 0]
-    off = np.abs(out + (matrix @ opening[:, :, None])[:, :, 0]).max(axis=1)
-    return elastic, off, _widest(beds, blocks, opening) < NO_FORCE
-
-
-def corner_gaps(beds: Beds, blocks: Ints, opening: Floats) -> Floats:
-    """Return the gaps (q,) at all corners of the beds, with openings (n, u) of some of the blocks."""
-    every = np.zeros_like(beds.load)
-    every[blocks] = opening
-    return beds.motions(every, 1)[:, 0]
-
-
-def _widest(beds: Beds, blocks: Ints, opening: Floats) -> Floats:
-    """Return the widest gap (n,) at a corner of each of some blocks; below zero where all of it is pressed."""
-    gaps = corner_gaps(beds, blocks, opening)
-    widest: Floats = np.maximum.reduceat(gaps, beds.corner[beds.contact[:-1]])[blocks]
-    return widest
-
-
-def _all_closed(beds: Beds, blocks: Ints, opening: Floats) -> Bools:
-    """Return which of some blocks press on a part of each of their contacts."""
-    closest = np.minimum.reduceat(corner_gaps(beds, blocks, opening), beds.corner[:-1])
-    pressed: Bools = np.maximum.reduceat(closest, beds.contact[:-1])[blocks] < 0.0
-    return pressed
-
-
-@dataclass(frozen=True, slots=True)
-class _Running:
-    """Running states of n blocks: which were found, w (n, u), v (n, u), λ (n,), whether paths rise to it far out."""
-
-    settled: Bools
-    displacement: Floats
-    velocity: Floats
-    reduction: Floats
-    rises: Bools
-
-
-def _running(
-    coarse: BedSprings,
-    finer: Sequence[BedPath],
-    blocks: Ints,
-    bases: _Bases,
-    start: tuple[Floats, Floats, Floats],
-    found: BedLimits,
-) -> _Running:
-    """Find the running states of blocks with as many free motions each.
-
-    Where there is one, all of a contact slips one way, and the coarsest triangles are exact for straight laws.
-
-    Parameters
-    ----------
-    start : motions and displacements (n, u), λ (n,)
-    """
-    if bases.free.shape[2] == 1 and not coarse.beds.laws:
-        return _run(coarse, blocks, bases, start)[0]
-    state, change = _run(finer[0].springs, blocks, bases, start, finer[0].springs.finer())
-    found.change[blocks] = change
-    rows = np.flatnonzero(state.settled & (change > FINER_PRESSED))
-    if len(finer) == 1 or not len(rows):
-        return state
-    springs, some = finer[1].springs, _Bases(bases.free[rows], bases.rest[rows])
-    again = state.velocity[rows], state.displacement[rows], state.reduction[rows]
-    better, change = _run(springs, blocks[rows], some, again, springs.finer())
-    good = rows[better.settled]
-    for name in ("displacement", "velocity", "reduction", "rises"):
-        getattr(state, name)[good] = getattr(better, name)[better.settled]
-    found.change[blocks[good]], found.split[blocks[good]] = change[better.settled], springs.split
-    return state
-
-
-def _run(
-    springs: BedSprings,
-    blocks: Ints,
-    bases: _Bases,
-    start: tuple[Floats, Floats, Floats],
-    finer: BedSprings | None = None,
-) -> tuple[_Running, Floats]:
-    """Balance the forces of blocks that run, by Newton's method; and say what finer triangles would change."""
-    count, (free, size) = len(blocks), (bases.free.shape[2], springs.beds.load.shape[1])
-    along = (bases.free.transpose(0, 2, 1) @ start[0][:, :, None])[:, :, 0]
-    elastic = (bases.rest.transpose(0, 2, 1) @ start[1][:, :, None])[:, :, 0]
-    first = np.concatenate([along / np.maximum(lengths(along), TINY)[:, None], elastic, start[2][:, None]], axis=1)
-
-    def motions(rows: Ints, x: Floats) -> tuple[Floats, Floats]:
-        return (bases.free[rows] @ x[:, :free, None])[:, :, 0], (bases.rest[rows] @ x[:, free:size, None])[:, :, 0]
+def _run(springs: BedSprings, blocks: Ints, bases: Bases, velocity: Floats, points: Floats) -> Roots:
+    """Balance the forces of blocks that run, by Newton's method from velocities (n, u) and points (n, u + 1)."""
+    free, size = bases[0].shape[2], springs.beds.load.shape[1]
+    along, elastic = (
+        (basis.transpose(0, 2, 1) @ at[:, :, None])[:, :, 0]
+        for basis, at in zip(bases, (velocity, points[:, :-1]), strict=True)
+    )
+    start = np.concatenate([units(along), elastic, np.exp(points[:, -1:])], axis=1)
 
     def equations(rows: Ints, x: Floats) -> tuple[Floats, Floats, Floats]:
-        v, w = motions(rows, x)
-        at = springs.unbalanced(blocks[rows], w, v, x[:, -1], running=True)
-        slopes = np.zeros((len(x), size + 1, size + 1))
-        slopes[:, :size, :free] = at.by_slip @ bases.free[rows]
-        slopes[:, :size, free:size] = at.by_opening @ bases.rest[rows]
-        slopes[:, :size, size] = at.by_reduction
-        slopes[:, size, :free] = x[:, :free]
-        off = 0.5 * (np.einsum("nk,nk->n", x[:, :free], x[:, :free]) - 1.0)
-        return np.concatenate([at.out, off[:, None]], axis=1), slopes, NO_FORCE * np.maximum(1.0, np.abs(x[:, -1]))
+        some = bases[0][rows], bases[1][rows]
+        v, w, lam = _motions(some, x)
+        at = springs.unbalanced(blocks[rows], w, v, lam, running=True)
+        slopes = np.concatenate([at.by_slip @ some[0], at.by_opening @ some[1]], axis=2)
+        speed = np.concatenate([x[:, :free], np.zeros((len(x), size + 1 - free))], axis=1)
+        off = 0.5 * ((speed * speed).sum(axis=1) - 1.0)
+        small = NO_FORCE * np.maximum(1.0, np.abs(lam))
+        return np.concatenate([at.out, off[:, None]], axis=1), bordered(slopes, at.by_reduction, speed), small
 
-    found = solve_rows(equations, first, _RUNNING)
-    v, w = motions(np.arange(count), found.x)
-    reduction = found.x[:, -1]
-
-    def change_by(out: Floats) -> Floats:
-        change: Floats = solved(found.slopes, -np.concatenate([out, np.zeros((count, 1))], axis=1))[:, -1]
-        return change
-
-    far = _FAR_OUT * np.maximum(springs.first[blocks], lengths(w))
-    at_far = springs.unbalanced(blocks, w, far[:, None] * v + w, reduction, running=True)
-    change = np.zeros(count)
-    if finer is not None:
-        out = finer.unbalanced(blocks, w, v, reduction, running=True).out
-        change = np.abs(change_by(out) / np.maximum(np.abs(reduction), TINY))
-    return _Running(found.settled, w, v, reduction, ~(change_by(at_far.out) > 0.0)), change
-
-
-# -- stages 3 and 4 ----------------------------------------------------------------------------------------------
-
-
-def _along_paths(
-    coarse: BedPath, finer: Sequence[BedPath], blocks: Ints, guess: Floats, ends: Floats, found: BedLimits
-) -> None:
-    """Follow the paths of blocks to their least λ."""
-    u, reduction = coarse.start(blocks, guess)
-    rests = np.isfinite(reduction)
-    blocks, u, reduction, ends = blocks[rests], u[rests], reduction[rests], ends[rests]
-    if not len(blocks):
-        return
-    path = _followed(coarse, finer[0], blocks, u, reduction, ends)
-    found.early[blocks], found.steps[blocks] = np.exp(path.early), path.steps
-    lowest, tangent = path.lowest.copy(), path.tangent.copy()
-    turns = np.flatnonzero(path.turns)
-    for fine in (coarse, *finer):
-        at, along = fine.settle(blocks[turns], lowest[turns], path.heading[turns], path.curvature[turns])
-        known = np.isfinite(at[:, -1])
-        lowest[turns[known]], tangent[turns[known]] = at[known], along[known]
-        if fine is coarse:
-            continue
-        turns = _too_coarse(fine.springs, blocks, turns, lowest, tangent, found)
-    ends_at = np.where(path.outcome == PathEnd.FAR, path.ln, lowest[:, -1])
-    may_run = np.flatnonzero((path.outcome != PathEnd.TURNED) & (ends_at - lowest[:, -1] < _FLAT))
-    runs = may_run[_settled_runs(coarse.springs, finer, blocks[may_run], path, lowest, may_run, found)]
-    creeps = np.setdiff1d(np.flatnonzero((path.outcome == PathEnd.FAR) & ~path.turns), runs)
-    rows = creeps
-    for fine in finer:
-        _land(fine, blocks, rows, lengths(u), lowest, tangent)
-        rows = _too_coarse(fine.springs, blocks, rows, lowest, tangent, found)
-    status = np.full(len(blocks), BedStatus.RESTS)
-    status[creeps] = BedStatus.CREEPS
-    motion = np.where(lengths(tangent[:, :-1])[:, None] < LEVEL, lowest[:, :-1], tangent[:, :-1])
-    rows = np.setdiff1d(np.arange(len(blocks)), runs)
-    _record(found, blocks[rows], status[rows], np.exp(lowest[rows, -1]), lowest[rows, :-1], motion[rows])
-
-
-def _too_coarse(
-    springs: BedSprings, blocks: Ints, rows: Ints, points: Floats, tangent: Floats, found: BedLimits
-) -> Ints:
-    """Note what finer triangles would change at points of some paths; return those where that matters."""
-    if not len(rows):
-        return rows
-    found.split[blocks[rows]] = springs.split
-    found.change[blocks[rows]] = _changes(springs, blocks[rows], points[rows], tangent[rows])
-    return rows[found.change[blocks[rows]] > FINER_PRESSED]
-
-
-def _followed(coarse: BedPath, fine: BedPath, blocks: Ints, u: Floats, reduction: Floats, ends: Floats) -> Paths:
-    """Follow paths; on finer triangles, or from a rest at less strength, where one ends before its block runs."""
-    elastic = lengths(u)
-    path = coarse.follow(blocks, u, reduction, elastic, ends)
-    lost = np.flatnonzero(path.outcome == PathEnd.CORNER)
-    if len(lost):
-        path.go_on(lost, fine.follow(blocks[lost], u[lost], reduction[lost], elastic[lost], ends[lost]))
-    lost = np.flatnonzero(path.outcome >= PathEnd.BACK)
-    for _ in range(_MOST_LOWERED):
-        at = path.lowest[lost]
-        rest, lower = coarse.lower(blocks[lost], at[:, :-1], at[:, -1], elastic[lost])
-        goes_on = np.isfinite(lower)
-        lost, rest, lower = lost[goes_on], rest[goes_on], lower[goes_on]
-        if not len(lost):
-            break
-        path.go_on(lost, coarse.follow(blocks[lost], rest, lower, elastic[lost], ends[lost]))
-        lost = lost[path.outcome[lost] >= PathEnd.BACK]
-    return path
-
-
-def _settled_runs(
-    coarse: BedSprings,
-    finer: Sequence[BedPath],
-    blocks: Ints,
-    path: Paths,
-    lowest: Floats,
-    rows: Ints,
-    found: BedLimits,
-) -> Bools:
-    """Find the running states that paths settle to; return for which of them there is one."""
-    beds, settled = coarse.beds, np.zeros(len(rows), dtype=bool)
-    is_far, least = path.outcome[rows] == PathEnd.FAR, np.exp(lowest[rows, -1])
-    u = np.where(is_far[:, None], path.u[rows], lowest[rows, :-1])
-    # at a corner all sticks until all runs: as it was displaced it goes on
-    tangent = path.tangent[rows]
-    motion = np.where(lengths(tangent[:, :-1])[:, None] < LEVEL, u, tangent[:, :-1])
-    slope = np.where(is_far & ~path.turns[rows], np.abs(tangent[:, -1]), 0.0)
-    closest = np.minimum.reduceat(corner_gaps(beds, blocks, u), beds.corner[:-1])
-    for those, bases in _alike(beds, blocks, closest < 0.0):
-        nearest, _ = _run(coarse, blocks[those], bases, (motion[those], u[those], least[those]))
-        near = np.abs(nearest.reduction / least[those] - 1.0) <= POLISHED + _SETTLES * slope[those]
-        near &= nearest.settled
-        those, bases = those[near], _Bases(bases.free[near], bases.rest[near])
-        start = nearest.velocity[near], nearest.displacement[near], nearest.reduction[near]
-        runs = _running(coarse, finer, blocks[those], bases, start, found)
-        good = runs.settled
-        settled[those[good]], done = True, blocks[those[good]]
-        _record(found, done, BedStatus.RUNS, runs.reduction[good], runs.displacement[good], runs.velocity[good])
-    return settled
+    return solve_rows(equations, start, _RUNNING)
 
 
 def _land(fine: BedPath, blocks: Ints, rows: Ints, elastic: Floats, lowest: Floats, tangent: Floats) -> None:
     """Move points of paths that creep to `FAR` elastic displacements, on finer triangles."""
-    if not len(rows):
-        return
-    u, goal = lowest[rows, :-1], FAR * elastic[rows]
-    way = u / lengths(u)[:, None]
-    planes = np.concatenate([way, np.zeros((len(rows), 1))], axis=1)
-    start = np.concatenate([way, lowest[rows, -1:]], axis=1)
-    found = fine.on_planes(blocks[rows], planes, np.ones(len(rows)), goal, start)
+    goal, start = FAR * elastic[rows], lowest[rows]
+    start[:, :-1] = units(start[:, :-1])
+    planes = np.concatenate([start[:, :-1], np.zeros((len(rows), 1))], axis=1)
+    found = fine.on_planes(blocks[rows], planes, goal, start)
     good = rows[found.settled]
-    lowest[good, :-1] = found.x[found.settled, :-1] * goal[found.settled, None]
-    lowest[good, -1], tangent[good] = found.x[found.settled, -1], found.tangent[found.settled]
-
-
-def _changes(springs: BedSprings, blocks: Ints, points: Floats, tangent: Floats) -> Floats:
-    """Return what finer triangles would do to ln λ (n,) at points u and ln λ (n, u + 1) of paths, to first order."""
-    u, reduction, size = points[:, :-1], np.exp(points[:, -1]), lengths(points[:, :-1])
-    at = springs.unbalanced(blocks, u, u, reduction)
-    slopes = np.empty((len(blocks), u.shape[1] + 1, u.shape[1] + 1))
-    slopes[:, :-1, :-1] = (at.by_opening + at.by_slip) * size[:, None, None]
-    slopes[:, :-1, -1] = at.by_reduction * reduction[:, None]
-    slopes[:, -1] = tangent
-    out = springs.finer().unbalanced(blocks, u, u, reduction).out
-    change: Floats = np.abs(solved(slopes, np.concatenate([out, np.zeros((len(out), 1))], axis=1))[:, -1])
-    return change
+    lowest[good] = on_scale(found.x, goal)[found.settled]
+    tangent[good] = found.tangent[found.settled]

@@ -24,124 +24,93 @@ from slopekit.preie.tolerances import LEVEL, PATH_ENDS, POLISHED, ROUNDING, SETT
 COARSE = 1
 #: Elastic displacements after which a block runs, and to which one that creeps is followed. One is the size of the
 #: displacement in which a block rests as a first point slips.
-FAR = 1e4
+FAR = 10_000
 #: Elastic displacements: a block that comes to rest again within them has not failed.
-SNAP = 10.0
+SNAP = 10
 #: Elastic displacements, beyond which a path that creeps has all but failed.
-EARLY = 30.0
-_TURNED, _BACK = math.log(1.2), math.log(20.0)  # ln λ so far above its least value does not come back, or sticks
+EARLY = 30
+_TURNED, _BACK = math.log(1.2), math.log(20)  # ln λ so far above its least value does not come back, or sticks
 _FIRST, _LONGEST = 0.1, 1.5  # steps along the path
 _TURNS, _STRAYS = 0.8, 0.5  # cosine of the angle that a step may turn by, and parts of it that it may leave the tangent
 _CORNER = 1e-3  # steps may turn by more where they are as short: points begin to slip
 _STRAIGHT, _STRAIGHTER = 0.98, 0.9999  # where the path turns by less, the next step is twice or four times as long
 _MOST_STEPS = 150  # along one path
-_MOST_NEWTON, _PATIENCE = 12, 4  # to one point of it; after so many the residual must fall
-_MOST_STUCK = 400  # to where every point sticks: some 300 where little of a contact is pressed
-_MOST_RESTS = 100  # to a rest at one strength
-_SHORTEST = 0.05  # part of a damped step
-_FARTHEST = 3.0  # of x in one step of Newton's method
+# of Newton's method: steps; after so many the residual must fall; size of a step at most; damped: its shortest part
+_POINT = 12, 4, 3, 0  # to a point of the path
+_STUCK = 400, 400, math.inf, 0  # to where every point sticks: each takes a third of a pressed part that is too large
+_REST = 100, 0, math.inf, 0.05  # to a rest at one strength
 _WEAKER = 0.97  # of λ at the first slip
-_STRONGER = (1.0, 2.0, 8.0, 32.0)  # times the strength of the first slip at which a block is looked for at rest
-_STRONG = 4.0  # times the strength that forces in balance need: blocks that do not stick start there
+_STRONGER = 1, 2, 8, 32  # times the strength of the first slip at which a block is looked for at rest
+_STRONG = 4  # times the strength that forces in balance need: blocks that do not stick start there
 #: So many times the strength that forces in balance need is the most that is tried.
-STRONGEST = 4096.0
-_CALMER, _FLOWS, _STIFFEST, _MOST_FLOW = 0.7, 30.0, 1e3, 40  # of viscous flow
-_MARCH = (0.05, 2e-3, 1e-4)  # parts of λ: less strength alone, where the path has a corner
-_MOST_POLISH = 14  # points to the least λ on a turn of the path
+STRONGEST = 4096
+_CALMER, _FLOWS, _STIFFEST, _MOST_FLOW = 0.7, 30, 1000, 40  # of viscous flow
+_MARCH = 0.05, 2e-3, 1e-4  # parts of λ: less strength alone, where the path has a corner
+_MOST_POLISH, _WIDEST = 20, 0.3  # points to the least λ on a turn of the path, and how far one lies from the next
 _LEAST = 1e-10  # of ln λ: so near is the least value found
 _LOWER = 1e-8  # of ln λ along a path: lower by less is rounding
 
 _NONE = np.zeros(0)
 
 Equations = Callable[[Ints, Floats], tuple[Floats, Floats, Floats]]
+Effort = tuple[int, int, float, float]
 
 
 @dataclass(frozen=True, slots=True)
 class Roots:
-    """What Newton's method found for n rows: x (n, k), whether it settled (n,), slopes there, evaluations (n,)."""
+    """What Newton's method found for n rows.
+
+    Attributes
+    ----------
+    x : (n, k); settled : (n,) which of them were found; evaluations : (n,) of the equations
+    slopes : (n, k, k) there, where NumPy solved them
+    tangent : (n, k) unit tangents of the paths through points on planes, the way these look
+    """
 
     x: Floats
     settled: Bools
-    slopes: Floats
     evaluations: Ints
+    slopes: Floats
+    tangent: Floats
+
+    @classmethod
+    def none(cls, start: Floats) -> "Roots":
+        """Return roots at their start, none of which was found yet."""
+        count, size = start.shape
+        settled, evaluations = np.zeros(count, dtype=bool), np.zeros(count, dtype=np.int64)
+        return cls(start.copy(), settled, evaluations, np.zeros((count, size, size)), np.zeros_like(start))
 
 
-@dataclass(frozen=True, slots=True)
-class Newton:
-    """How far Newton's method goes: steps at most, steps after which the residual must fall, the size of a step.
-
-    With a `shortest` part of a step, each is halved until it lowers the residual.
-    """
-
-    most: int
-    patience: int = 0
-    farthest: float = np.inf
-    shortest: float = 0.0
-
-
-def solve_rows(equations: Equations, start: Floats, how: Newton) -> Roots:
-    """Solve n small systems of equations by Newton's method, all at once.
+def solve_rows(equations: Equations, start: Floats, effort: Effort) -> Roots:
+    """Solve n small systems of equations by Newton's method, all at once; damped steps are halved until they gain.
 
     Parameters
     ----------
     equations : rows (m,) and their x (m, k) -> residual (m, k), slopes (m, k, k), and the size (m,) that is none
-    start : (n, k)
+    start : (n, k); effort : steps, patience, size of a step, and the shortest part of a damped one
     """
-    count, unknowns = start.shape
-    roots = Roots(start.copy(), np.zeros(count, bool), np.zeros((count, unknowns, unknowns)), np.full(count, how.most))
+    most_steps, patience, farthest, shortest = effort
+    roots, count = Roots.none(start), len(start)
     rows, x, length = np.arange(count), start, np.ones(count)
     base, step, size = start, np.zeros_like(start), np.full(count, np.inf)
-    for number in range(how.most if count else 0):
+    for number in range(most_steps if count else 0):
         residual, slopes, small = equations(rows, x)
         now = np.abs(residual).max(axis=1)
         done = now <= small
         settled = rows[done]
         roots.settled[settled], roots.evaluations[settled] = True, number + 1
         roots.x[settled], roots.slopes[settled] = x[done], slopes[done]
-        most = size * (1.0 - 0.1 * length) if how.shortest else size
-        lower = now < (most if how.shortest or number > how.patience else np.inf)
+        most = size * (1.0 - 0.1 * length) if shortest else size
+        lower = now < (most if shortest or number > patience else np.inf)
         step = np.where(lower[:, None], solved(slopes, residual), step)
         base, size = np.where(lower[:, None], x, base), np.where(lower, now, size)
-        length = np.where(lower, 1.0, 0.5 * length if how.shortest else 0.0)
-        goes_on = ~done & (length > how.shortest) & (np.abs(step).max(axis=1) < how.farthest)
+        length = np.where(lower, 1.0, 0.5 * length if shortest else 0.0)
+        goes_on = ~done & (length > shortest) & (np.abs(step).max(axis=1) < farthest)
         rows, base, step, size, length = (each[goes_on] for each in (rows, base, step, size, length))
         if not len(rows):
             break
         x = base - length[:, None] * step
     return roots
-
-
-@dataclass(frozen=True, slots=True)
-class _Sought:
-    """Balance of some blocks where x = (u / scale, ln λ) lies on planes; see `BedPath`."""
-
-    blocks: Ints
-    planes: Floats
-    offsets: Floats
-    scale: Floats
-    sticks: bool = False
-    drag: Floats | None = None
-    held: Floats | None = None
-
-    def equations(self, springs: BedSprings, balanced: float) -> Equations:
-        """Return the unbalanced forces and the distance from the planes, and their slopes, as `solve_rows` asks."""
-
-        def equations(rows: Ints, x: Floats) -> tuple[Floats, Floats, Floats]:
-            size, reduction = self.scale[rows], np.exp(np.minimum(x[:, -1], 50.0))
-            u = x[:, :-1] * size[:, None]
-            at = springs.unbalanced(self.blocks[rows], u, u, reduction, sticks=self.sticks)
-            out, by_displacement = at.out, at.by_opening + at.by_slip
-            if self.drag is not None and self.held is not None:
-                out = out - (self.drag[rows] @ (u - self.held[rows])[:, :, None])[:, :, 0]
-                by_displacement = by_displacement - self.drag[rows]
-            slopes = np.empty((len(x), x.shape[1], x.shape[1]))
-            slopes[:, :-1, :-1] = by_displacement * size[:, None, None]
-            slopes[:, :-1, -1] = at.by_reduction * reduction[:, None]
-            slopes[:, -1] = self.planes[rows]
-            off = np.einsum("nk,nk->n", self.planes[rows], x) - self.offsets[rows]
-            return np.concatenate([out, off[:, None]], axis=1), slopes, balanced * np.maximum(1.0, reduction)
-
-        return equations
 
 
 def solved(matrices: Floats, vectors: Floats) -> Floats:
@@ -157,24 +126,19 @@ def solved(matrices: Floats, vectors: Floats) -> Floats:
 
 def lengths(vectors: Floats) -> Floats:
     """Return the lengths (n,) of vectors (n, k)."""
-    size: Floats = np.sqrt(np.einsum("nk,nk->n", vectors, vectors))
+    size: Floats = np.sqrt(dots(vectors, vectors))
     return size
 
 
-@dataclass(frozen=True, slots=True)
-class Balance:
-    """States of n blocks whose forces balance.
+def dots(ones: Floats, others: Floats) -> Floats:
+    """Return the products (n,) of vectors (n, k)."""
+    products: Floats = np.einsum("nk,nk->n", ones, others)
+    return products
 
-    Attributes
-    ----------
-    x : (n, u + 1) u / scale and ln λ; settled : (n,) which of them were found; evaluations : (n,) of the forces
-    tangent : (n, u + 1) unit tangents of the paths through them, the way their planes look
-    """
 
-    x: Floats
-    settled: Bools
-    tangent: Floats
-    evaluations: Ints
+def units(vectors: Floats) -> Floats:
+    """Return vectors (n, k) of unit length, or of none."""
+    return vectors / np.maximum(lengths(vectors), TINY)[:, None]
 
 
 class PathEnd(IntEnum):
@@ -193,24 +157,21 @@ class Paths:
     Attributes
     ----------
     rows : (n,) their numbers among the paths that were begun together
-    u : (n, u); ln : (n,) ln λ; scale : (n,) |u|; tangent : (n, u + 1) unit vectors in (u / |u|, ln λ)
+    point : (n, u + 1) u and ln λ; tangent : (n, u + 1) unit vectors in (u / |u|, ln λ)
     length : (n,) of the next step
     lowest : (n, u + 1) u and ln λ where that is least; turns : (n,) whether λ rises again behind it
-    heading : (n, u) unit direction of u there; curvature : (n,) of ln λ along it, per |u|²
+    heading : (n, u) unit direction of u there
     early : (n,) the least ln λ within `EARLY` elastic displacements; steps : (n,)
     outcome : (n,) `PathEnd`, -1 on the way
     """
 
     rows: Ints
-    u: Floats
-    ln: Floats
-    scale: Floats
+    point: Floats
     tangent: Floats
     length: Floats
     lowest: Floats
     turns: Bools
     heading: Floats
-    curvature: Floats
     early: Floats
     steps: Ints
     outcome: Ints
@@ -237,49 +198,54 @@ class BedPath:
     def __init__(self, springs: BedSprings, balanced: float = SETTLED) -> None:
         self.springs, self.balanced = springs, balanced
 
-    def on_planes(self, blocks: Ints, planes: Floats, offsets: Floats, scale: Floats, start: Floats) -> "Balance":
-        """Balance the forces where x = (u / scale, ln λ) lies on planes: normal (n, u + 1) times x is the offset."""
-        sought = _Sought(blocks=blocks, planes=planes, offsets=offsets, scale=scale)
-        return self._balanced(sought, start, Newton(_MOST_NEWTON, _PATIENCE, _FARTHEST))
+    def on_planes(
+        self, blocks: Ints, planes: Floats, scale: Floats, start: Floats, effort: Effort = _POINT,
+        sticks: bool = False, drag: Floats | None = None,
+    ) -> Roots:  # fmt: skip
+        """Balance the forces on planes (n, u + 1) through where they start, in x = (u / scale, ln λ).
+
+        Parameters
+        ----------
+        sticks : no point slips; drag : (n, u, u) holds the blocks back to where they start
+        """
+        springs, offsets, held = self.springs, dots(planes, start), start[:, :-1] * scale[:, None]
+
+        def equations(rows: Ints, x: Floats) -> tuple[Floats, Floats, Floats]:
+            size, reduction = scale[rows], np.exp(np.minimum(x[:, -1], 50))
+            u = x[:, :-1] * size[:, None]
+            at = springs.unbalanced(blocks[rows], u, u, reduction, sticks=sticks)
+            out, by_displacement = at.out, at.by_opening + at.by_slip
+            if drag is not None:
+                out = out - (drag[rows] @ (u - held[rows])[:, :, None])[:, :, 0]
+                by_displacement = by_displacement - drag[rows]
+            by_log_reduction = at.by_reduction * reduction[:, None]
+            slopes = bordered(by_displacement * size[:, None, None], by_log_reduction, planes[rows])
+            off = dots(planes[rows], x) - offsets[rows]
+            return np.concatenate([out, off[:, None]], axis=1), slopes, self.balanced * np.maximum(1.0, reduction)
+
+        if springs.kernels is None or springs.beds.bolt_capacity.shape[1]:
+            roots = solve_rows(equations, start, effort)
+            along = np.zeros_like(start)
+            along[:, -1] = 1.0
+            roots.tangent[roots.settled] = units(solved(roots.slopes[roots.settled], along[roots.settled]))
+            return roots
+        roots, limits = Roots.none(start), np.array([*effort, self.balanced])
+        drags = (_NONE, _NONE) if drag is None else (drag, held)
+        plain = map(np.ascontiguousarray, (planes, offsets, scale, *drags))
+        springs.kernels.balanced(
+            springs.polygons, blocks, springs.beds.load, *plain, sticks, limits, roots.x, roots.tangent, roots.settled,
+            roots.evaluations,
+        )  # fmt: skip
+        return roots
 
     def rests(
         self, blocks: Ints, start: Floats, reduction: Floats, sticks: bool = False, drag: Floats | None = None
-    ) -> "Balance":
-        """Balance the forces at fixed λ (n,); a drag (n, u, u) holds the blocks back to where they start."""
+    ) -> Roots:
+        """Balance the forces at fixed λ (n,); see `on_planes`."""
         x = np.concatenate([start, np.log(reduction)[:, None]], axis=1)
         planes = np.zeros_like(x)
         planes[:, -1] = 1.0
-        sought = _Sought(blocks, planes, x[:, -1], np.ones(len(x)), sticks, drag, start)
-        # where all sticks full steps: each takes a third of a pressed part that is too large
-        how = Newton(_MOST_STUCK, _MOST_STUCK) if sticks else Newton(_MOST_RESTS, shortest=_SHORTEST)
-        return self._balanced(sought, x, how)
-
-    def _balanced(self, sought: "_Sought", start: Floats, how: "Newton") -> "Balance":
-        """Balance the forces of some blocks by Newton's method."""
-        springs, beds, count = self.springs, self.springs.beds, len(start)
-        if springs.kernels is None or beds.bolt_capacity.shape[1]:
-            roots = solve_rows(sought.equations(springs, self.balanced), start, how)
-            return Balance(roots.x, roots.settled, tangents(roots), roots.evaluations)
-        found = Balance(start.copy(), np.zeros(count, bool), np.zeros_like(start), np.zeros(count, np.int64))
-        limits = np.array([how.most, how.patience, how.farthest, how.shortest, self.balanced])
-        drag, held = (_NONE, _NONE) if sought.drag is None else (sought.drag, sought.held)
-        springs.kernels.balanced(
-            springs.polygons,
-            sought.blocks,
-            beds.load,
-            np.ascontiguousarray(sought.planes),
-            np.ascontiguousarray(sought.offsets),
-            np.ascontiguousarray(sought.scale),
-            np.ascontiguousarray(drag),
-            np.ascontiguousarray(held),
-            sought.sticks,
-            limits,
-            found.x,
-            found.tangent,
-            found.settled,
-            found.evaluations,
-        )
-        return found
+        return self.on_planes(blocks, planes, np.ones(len(x)), x, _STUCK if sticks else _REST, sticks, drag)
 
     def flow(self, blocks: Ints, start: Floats, reduction: Floats) -> tuple[Floats, Bools]:
         """Let blocks move slowly at one λ (n,) each; return where (n, u) they come to rest, and which of them do."""
@@ -294,7 +260,7 @@ class BedPath:
             moved = step.x[step.settled, :-1] - u[moves]
             push = slow[moves] * np.abs((stiffness[moves] @ moved[:, :, None])[:, :, 0]).max(axis=1, initial=0.0)
             u[moves] += moved
-            slow[rows] *= np.where(step.settled, 0.2, 4.0)
+            slow[rows] *= np.where(step.settled, 0.2, 4)
             calmer = moves[push < _CALMER * pushed[moves]]  # driven by more and more there is no rest near
             rest = self.rests(blocks[calmer], u[calmer], reduction[calmer])
             u[calmer[rest.settled]], rested[calmer[rest.settled]] = rest.x[rest.settled, :-1], True
@@ -312,37 +278,38 @@ class BedPath:
         Else at a strength that is that of `reduction` or larger. Returns displacements (n, u), and λ (n,), not a number
         where a block rests at no strength.
         """
-        count, springs = len(blocks), self.springs
-        stuck = self.rests(blocks, springs.bonded[blocks], reduction, sticks=True)
-        u = np.where(stuck.settled[:, None], stuck.x[:, :-1], springs.bonded[blocks])
-        slips = np.clip(_WEAKER * springs.first_slip(blocks, u), TINY, STRONGEST * reduction)
+        stuck = self.rests(blocks, self.springs.bonded[blocks], reduction, sticks=True)
+        u, at, rows = stuck.x[:, :-1], np.full(len(blocks), np.nan), np.arange(len(blocks))
+        slips = np.clip(_WEAKER * self.springs.first_slip(blocks, u), TINY, STRONGEST * reduction)
         first = np.where(stuck.settled, slips, _STRONG * reduction)
-        at, rows = np.full(count, np.nan), np.arange(count)
-        for stronger in _STRONGER:
-            found = self.rests(blocks[rows], u[rows], stronger * first[rows])
-            done = rows[found.settled]
-            u[done], at[done] = found.x[found.settled, :-1], stronger * first[done]
-            rows = rows[~found.settled]
-        for stronger in (1.0, STRONGEST / _STRONG):
-            rest, settled = self.flow(blocks[rows], u[rows], stronger * first[rows])
-            u[rows[settled]], at[rows[settled]] = rest[settled], stronger * first[rows[settled]]
+        tries = [(self._rest, times) for times in _STRONGER] + [
+            (self.flow, times) for times in (1, STRONGEST // _STRONG)
+        ]
+        for attempt, times in tries:
+            if not len(rows):
+                break
+            rest, settled = attempt(blocks[rows], u[rows], times * first[rows])
+            u[rows[settled]], at[rows[settled]] = rest[settled], times * first[rows[settled]]
             rows = rows[~settled]
         return u, at
 
-    def lower(self, blocks: Ints, u: Floats, log_reduction: Floats, elastic: Floats) -> tuple[Floats, Floats]:
-        """Lower λ alone from a rest at a corner of the path; returns rests (n, u) and λ, not a number without one.
+    def _rest(self, blocks: Ints, start: Floats, reduction: Floats) -> tuple[Floats, Bools]:
+        """Return where (n, u) blocks rest at one λ (n,) each, and which of them do, as `flow` does."""
+        found = self.rests(blocks, start, reduction)
+        return found.x[:, :-1], found.settled
+
+    def lower(self, blocks: Ints, points: Floats, elastic: Floats) -> tuple[Floats, Floats]:
+        """Lower λ alone from rests (n, u + 1) at corners of the path; return rests (n, u) and λ, not a number without.
 
         A rest more than `SNAP` elastic displacements away is none.
         """
-        rest, at, rows = u.copy(), np.full(len(blocks), np.nan), np.arange(len(blocks))
+        rest, at, rows = points[:, :-1].copy(), np.full(len(blocks), np.nan), np.arange(len(blocks))
         for part in _MARCH:
-            if not len(rows):
-                break
-            here = np.exp(log_reduction[rows]) * (1.0 - part)
-            found, settled = self.flow(blocks[rows], u[rows], here)
+            here = np.exp(points[rows, -1]) * (1.0 - part)
+            found, settled = self.flow(blocks[rows], points[rows, :-1], here)
             rest[rows[settled]], at[rows[settled]] = found[settled], here[settled]
             rows = rows[~settled]
-        at[lengths(rest - u) > SNAP * elastic] = np.nan
+        at[lengths(rest - points[:, :-1]) > SNAP * elastic] = np.nan
         return rest, at
 
     def follow(self, blocks: Ints, u: Floats, reduction: Floats, elastic: Floats, ends: Floats) -> Paths:
@@ -353,24 +320,21 @@ class BedPath:
         u : (n, u); reduction : (n,); elastic : (n,) size of an elastic displacement
         ends : (n,) ln λ to which a path is known to rise in the end: it is left once λ turned up; infinite: not known
         """
-        scale = lengths(u)
-        x = np.concatenate([u / scale[:, None], np.log(reduction)[:, None]], axis=1)
-        down = np.zeros_like(x)
+        scale, count = lengths(u), len(u)
+        point = np.concatenate([u, np.log(reduction)[:, None]], axis=1)
+        down = np.zeros_like(point)
         down[:, -1] = -1.0
-        begun = self.on_planes(blocks, down, -x[:, -1], scale, x)
+        begun = self.on_planes(blocks, down, scale, on_scale(point, 1.0 / scale))
         every = Paths(
-            rows=np.arange(len(blocks)),
-            u=u.copy(),
-            ln=x[:, -1],
-            scale=scale,
+            rows=np.arange(count),
+            point=point,
             tangent=begun.tangent,
-            length=np.full(len(blocks), _FIRST),
-            lowest=np.concatenate([u, x[:, -1:]], axis=1),
-            turns=np.zeros(len(blocks), dtype=bool),
+            length=np.full(count, _FIRST),
+            lowest=point.copy(),
+            turns=np.zeros(count, dtype=bool),
             heading=begun.tangent[:, :-1].copy(),
-            curvature=np.ones(len(blocks)),
-            early=np.where(scale <= EARLY * elastic, x[:, -1], np.inf),
-            steps=np.zeros(len(blocks), dtype=np.int64),
+            early=np.where(scale <= EARLY * elastic, point[:, -1], np.inf),
+            steps=np.zeros(count, dtype=np.int64),
             outcome=np.where(begun.settled, -1, PathEnd.CORNER),
         )
         at = every.of(np.flatnonzero(begun.settled))
@@ -383,126 +347,89 @@ class BedPath:
 
     def _step(self, blocks: Ints, at: Paths, elastic: Floats, ends: Floats) -> None:
         """Take one step along each path, or shorten it."""
-        along, tangent, here = at.length, at.tangent, at.scale
-        goal = np.concatenate([at.u / here[:, None], at.ln[:, None]], axis=1)
-        ahead = goal + along[:, None] * tangent
-        found = self.on_planes(blocks, tangent, np.einsum("nk,nk->n", tangent, ahead), here, ahead)
-        after = found.tangent
+        along, tangent, before, here = at.length, at.tangent, at.point, lengths(at.point[:, :-1])
+        goal = on_scale(before, 1.0 / here) + along[:, None] * tangent
+        found = self.on_planes(blocks, tangent, here, goal)
+        after, cosine, off = found.tangent, dots(found.tangent, tangent), lengths(found.x - goal)
         after[np.abs(after[:, -1]) < ROUNDING, -1] = -ROUNDING  # level, not turned
-        cosine, off = np.einsum("nk,nk->n", after, tangent), lengths(found.x - ahead)
-        before_slope, slope, ln = tangent[:, -1], after[:, -1], found.x[:, -1]
-        change = ln - at.ln
+        before_slope, slope, change = tangent[:, -1], after[:, -1], found.x[:, -1] - before[:, -1]
         strays = (cosine < _TURNS) | (off > _STRAYS * along)
         # λ does between two points what its slopes at them cannot make: it turned on the way
         strays |= (before_slope * slope > 0.0) & (before_slope * change < 0.0) & (np.abs(change) > POLISHED)
         good = found.settled & ~(strays & (along > _CORNER))
-        u = np.where(good[:, None], found.x[:, :-1] * here[:, None], at.u)
-        ln, scale = np.where(good, ln, at.ln), np.where(good, lengths(u), here)
-        fold = good & (before_slope < 0.0) & (slope >= 0.0)
-        part, least = cubic_least(along, at.ln, before_slope, ln, slope)
-        part, least = np.where(fold, part, 1.0), np.where(fold, least, ln)
-        lower = least < at.lowest[:, -1] - _LOWER
-        if lower.any():
-            way = (u - at.u)[lower]
-            at.lowest[lower] = np.concatenate([at.u[lower] + part[lower, None] * way, least[lower, None]], axis=1)
-            at.turns[lower], at.heading[lower] = fold[lower], way / np.maximum(lengths(way), TINY)[:, None]
-            at.curvature[lower] = ((slope - before_slope) / along)[lower]
+        at.point = np.where(good[:, None], on_scale(found.x, here), before)
+        ln, scale = at.point[:, -1], lengths(at.point[:, :-1])
+        at.turns |= good & (before_slope < 0.0) & (slope >= 0.0) & (before[:, -1] <= at.lowest[:, -1] + _LOWER)
+        lower = ln < at.lowest[:, -1] - _LOWER
+        at.lowest[lower], at.turns[lower] = at.point[lower], (slope >= 0.0)[lower]
+        at.heading[lower] = units((at.point - before)[lower, :-1])
         # between two points ln λ is a line of 1 / |u|, as it is far out
         inside = np.clip((1.0 - here / (EARLY * elastic)) / np.maximum(1.0 - here / scale, LEVEL), 0.0, 1.0)
-        reached = np.where(here <= EARLY * elastic, at.ln + inside * (ln - at.ln), np.inf)
-        at.early = np.minimum(at.early, reached)
+        reached = np.where(here <= EARLY * elastic, before[:, -1] + inside * (ln - before[:, -1]), np.inf)
+        at.early, at.steps = np.minimum(at.early, reached), at.steps + 1
         longer = np.where((cosine > _STRAIGHTER) & (found.evaluations <= 3), 4.0, 1.0)
         longer = np.maximum(longer, np.where((cosine > _STRAIGHT) & (found.evaluations <= 4), 2.0, 1.0))
         longer = np.where(found.evaluations > 6, 0.6, longer)
-        at.length = np.where(good, np.minimum(along * longer, _LONGEST), along / 4.0)
-        after[:, :-1] *= (here / scale)[:, None]
-        at.tangent = np.where(good[:, None], after / np.maximum(lengths(after), TINY)[:, None], tangent)
-        at.u, at.ln, at.scale, at.steps = u, ln, scale, at.steps + 1
-        rise = ln - at.lowest[:, -1]
-        gone = lengths(u - at.lowest[:, :-1]) > SNAP * elastic
+        at.length = np.where(good, np.minimum(along * longer, _LONGEST), along / 4)
+        at.tangent = np.where(good[:, None], units(on_scale(after, here / scale)), tangent)
+        rise, gone = ln - at.lowest[:, -1], lengths((at.point - at.lowest)[:, :-1]) > SNAP * elastic
         turned = ((rise > _TURNED) & gone) | (at.turns & (rise > 0.5 * (ends - at.lowest[:, -1])))
         at.outcome[(at.steps >= _MOST_STEPS) | (at.length < PATH_ENDS)] = PathEnd.CORNER
         at.outcome[rise > _BACK] = PathEnd.BACK
         at.outcome[turned] = PathEnd.TURNED
         at.outcome[scale > FAR * elastic] = PathEnd.FAR
 
-    def settle(self, blocks: Ints, lowest: Floats, heading: Floats, curvature: Floats) -> tuple[Floats, Floats]:
-        """Find the least λ on the turns of paths that were found with coarser triangles.
+    def settle(self, blocks: Ints, lowest: Floats, heading: Floats) -> tuple[Floats, Floats]:
+        """Find the least λ on turns of paths by secants of its slope along a direction, halved where they lead astray.
 
         Parameters
         ----------
-        lowest : (n, u + 1) u and ln λ; heading, curvature : as of `Paths`
+        lowest : (n, u + 1) u and ln λ near it; heading : (n, u) as of `Paths`
 
         Returns
         -------
         u and ln λ (n, u + 1), that infinite where no point was found, and unit tangents (n, u + 1)
         """
-        count = len(blocks)
-        scale = lengths(lowest[:, :-1])
-        planes = np.concatenate([heading, np.zeros((count, 1))], axis=1)
-        x = lowest.copy()
-        x[:, :-1] /= scale[:, None]
-        origin = np.einsum("nk,nk->n", planes, x)
-        at, best, tangent = np.zeros(count), x.copy(), planes.copy()
-        best[:, -1], known = np.inf, np.zeros(count, dtype=bool)
-        # on either side of the least value: where, ln λ and its slope
-        down, up = np.full((count, 3), np.nan), np.full((count, 3), np.nan)
-        curvature, last = np.maximum(curvature, LEVEL), np.full((count, 2), np.nan)
-        rows = np.arange(count)
-        for number in range(_MOST_POLISH):
-            found = self.on_planes(blocks[rows], planes[rows], origin[rows] + at[rows], scale[rows], x[rows])
-            ok = found.settled
-            again = rows[~ok]  # half as far from where the last point was found
-            at[again] = np.where(known[again], 0.5 * (at[again] + last[again, 0]), np.nan)
-            good, after = rows[ok], found.tangent[ok]
-            along = np.einsum("nk,nk->n", after, planes[good])
+        count, scale = len(blocks), lengths(lowest[:, :-1])
+        planes, x = np.concatenate([heading, np.zeros((count, 1))], axis=1), on_scale(lowest, 1.0 / scale)
+        best, tangent, rows = x.copy(), planes.copy(), np.arange(count)
+        best[:, -1] = np.inf
+        at, last, curvature = np.zeros(count), np.full((count, 2), np.nan), np.ones(count)
+        sides = np.tile([-np.inf, np.inf], (count, 1))  # where ln λ falls, and where it rises
+        for _ in range(_MOST_POLISH):
+            found = self.on_planes(blocks[rows], planes[rows], scale[rows], x[rows])
+            good, lost = rows[found.settled], rows[~found.settled]
+            back = 0.5 * (at[lost] - last[lost, 0])  # half as far from where the last point was found
+            x[lost] -= back[:, None] * planes[lost]
+            at[lost] -= back
+            points, after = found.x[found.settled], found.tangent[found.settled]
+            along = dots(after, planes[good])
             after /= np.where(along == 0.0, 1.0, along)[:, None]
-            slope, ln = after[:, -1], found.x[ok, -1]
-            here = at[good]
+            here, slope = at[good], after[:, -1]
+            lower = points[:, -1] < best[good, -1]
+            best[good[lower]], tangent[good[lower]] = points[lower], after[lower]
             bent = (slope - last[good, 1]) / (here - last[good, 0])
             curvature[good] = np.where(bent > 0.0, bent, curvature[good])
-            last[good, 0], last[good, 1], known[good] = here, slope, True
-            lower = good[ln < best[good, -1]]
-            best[lower], tangent[lower] = found.x[ok][ln < best[good, -1]], after[ln < best[good, -1]]
-            for side, those in ((down, slope < 0.0), (up, slope >= 0.0)):
-                side[good[those]] = np.stack([here, ln, slope], axis=1)[those]
-            span = up[good, 0] - down[good, 0]
-            both = span > 0.0
-            fall = down[good, 2] * (up[good, 1] - down[good, 1] - up[good, 2] * span) / (down[good, 2] - up[good, 2])
-            spare = np.where(both, best[good, -1] - down[good, 1] - fall, np.inf)
-            spare = np.minimum(spare, 0.5 * slope * slope / curvature[good])
-            step = -slope / curvature[good]
-            part, _ = cubic_least(span, down[good, 1], down[good, 2], up[good, 1], up[good, 2])
-            inside = down[good, 0] + np.where(number % 4 == 3, 0.5, part) * span
-            following = np.where(both, inside, here + np.clip(step, -0.3, 0.3))
-            x[good] = found.x[ok] + (following - here)[:, None] * after
-            at[good] = following
-            ends = np.isnan(at[rows])
-            ends[ok] |= spare < _LEAST
-            rows = rows[~ends]
+            last[good, 0], last[good, 1] = here, slope
+            sides[good, (slope >= 0.0).astype(int)] = here
+            onward = here + np.clip(-slope / curvature[good], -_WIDEST, _WIDEST)
+            is_inside = (sides[good, 0] < onward) & (onward < sides[good, 1])
+            at[good] = np.where(is_inside, onward, sides[good].mean(axis=1))
+            x[good] = points + (at[good] - here)[:, None] * after
+            goes_on = np.isfinite(at[rows])
+            goes_on[found.settled] &= 0.5 * slope * slope > _LEAST * curvature[good]
+            rows = rows[goes_on]
             if not len(rows):
                 break
-        best[:, :-1] *= scale[:, None]
-        return best, tangent / lengths(tangent)[:, None]
+        return on_scale(best, scale), units(tangent)
 
 
-def tangents(roots: Roots) -> Floats:
-    """Return the unit tangents (n, k) of the paths through points that settled, the way their planes look."""
-    ahead = np.zeros_like(roots.x)
-    ahead[:, -1] = 1.0
-    tangent = np.zeros_like(ahead)
-    tangent[roots.settled] = solved(roots.slopes[roots.settled], ahead[roots.settled])
-    return tangent / np.maximum(lengths(tangent), TINY)[:, None]
+def on_scale(points: Floats, scale: Floats) -> Floats:
+    """Return points (n, u + 1) of paths with their displacements times a scale (n,)."""
+    return np.concatenate([points[:, :-1] * scale[:, None], points[:, -1:]], axis=1)
 
 
-def cubic_least(
-    span: Floats, before: Floats, before_slope: Floats, after: Floats, slope: Floats
-) -> tuple[Floats, Floats]:
-    """Return where in parts of their span (n,) cubics with these ends and slopes are least, and what they are there."""
-    with np.errstate(all="ignore"):
-        rise = 3.0 * (before - after) / span + before_slope + slope
-        root = np.sqrt(np.maximum(rise * rise - before_slope * slope, 0.0))
-        part = np.clip(1.0 - (slope + root - rise) / (slope - before_slope + 2.0 * root), 0.0, 1.0)
-    rest = 1.0 - part
-    value = before * rest * rest * (1.0 + 2.0 * part) + after * part * part * (3.0 - 2.0 * part)
-    return part, value + span * part * rest * (before_slope * rest - slope * part)
+def bordered(slopes: Floats, by_log_reduction: Floats, planes: Floats) -> Floats:
+    """Return slopes (n, u, u) of forces with those by ln λ beside them and planes (n, u + 1) below."""
+    beside = np.concatenate([slopes, by_log_reduction[:, :, None]], axis=2)
+    return np.concatenate([beside, planes[:, None]], axis=1)
