@@ -380,7 +380,7 @@ class BedPath:
         at.outcome[scale > FAR * elastic] = PathEnd.FAR
 
     def settle(self, blocks: Ints, lowest: Floats, heading: Floats) -> tuple[Floats, Floats]:
-        """Find the least λ on turns of paths by secants of its slope along a direction, halved where they lead astray.
+        """Find the least λ on turns of paths: where its slope along a direction is none, by Illinois' rule.
 
         Parameters
         ----------
@@ -394,8 +394,8 @@ class BedPath:
         planes, x = np.concatenate([heading, np.zeros((count, 1))], axis=1), on_scale(lowest, 1.0 / scale)
         best, tangent, rows = x.copy(), planes.copy(), np.arange(count)
         best[:, -1] = np.inf
-        at, last, curvature = np.zeros(count), np.full((count, 2), np.nan), np.ones(count)
-        sides = np.tile([-np.inf, np.inf], (count, 1))  # where ln λ falls, and where it rises
+        at, last, side_before = np.zeros(count), np.full((count, 2), np.nan), np.full(count, -1)
+        sides = np.full((count, 2, 2), np.nan)  # where ln λ falls, and where it rises: place and slope
         for _ in range(_MOST_POLISH):
             found = self.on_planes(blocks[rows], planes[rows], scale[rows], x[rows])
             good, lost = rows[found.settled], rows[~found.settled]
@@ -408,16 +408,20 @@ class BedPath:
             here, slope = at[good], after[:, -1]
             lower = points[:, -1] < best[good, -1]
             best[good[lower]], tangent[good[lower]] = points[lower], after[lower]
+            side = (slope >= 0.0).astype(int)
+            sides[good, side] = np.stack([here, slope], axis=1)
+            again = side == side_before[good]  # Illinois' rule
+            sides[good[again], 1 - side[again], 1] *= 0.5
+            span, rise = (sides[good, 1] - sides[good, 0]).T
             bent = (slope - last[good, 1]) / (here - last[good, 0])
-            curvature[good] = np.where(bent > 0.0, bent, curvature[good])
-            last[good, 0], last[good, 1] = here, slope
-            sides[good, (slope >= 0.0).astype(int)] = here
-            onward = here + np.clip(-slope / curvature[good], -_WIDEST, _WIDEST)
-            is_inside = (sides[good, 0] < onward) & (onward < sides[good, 1])
-            at[good] = np.where(is_inside, onward, sides[good].mean(axis=1))
+            reach = np.fmax(np.abs(slope) / np.where(bent > 0.0, bent, 1.0), 2.0 * np.abs(here - last[good, 0]))
+            is_between = span > 0.0
+            reach = np.where(is_between, np.abs(slope) * span / rise, np.minimum(reach, _WIDEST))
+            last[good, 0], last[good, 1], side_before[good] = here, slope, side
+            at[good] = here - np.sign(slope) * reach
             x[good] = points + (at[good] - here)[:, None] * after
             goes_on = np.isfinite(at[rows])
-            goes_on[found.settled] &= 0.5 * slope * slope > _LEAST * curvature[good]
+            goes_on[found.settled] &= ~is_between | (np.abs(slope) * reach > _LEAST)
             rows = rows[goes_on]
             if not len(rows):
                 break
