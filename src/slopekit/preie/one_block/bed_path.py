@@ -373,7 +373,8 @@ class BedPath:
         at.length = np.where(good, np.minimum(along * longer, _LONGEST), along / 4)
         at.tangent = np.where(good[:, None], units(on_scale(after, here / scale)), tangent)
         rise, gone = ln - at.lowest[:, -1], lengths((at.point - at.lowest)[:, :-1]) > SNAP * elastic
-        turned = ((rise > _TURNED) & gone) | (at.turns & (rise > 0.5 * (ends - at.lowest[:, -1])))
+        spare = ends - at.lowest[:, -1]  # a path that ends lower than it turned goes on
+        turned = ((rise > _TURNED) & gone) | (at.turns & (spare > 0.0) & (rise > 0.5 * spare))
         at.outcome[(at.steps >= _MOST_STEPS) | (at.length < PATH_ENDS)] = PathEnd.CORNER
         at.outcome[rise > _BACK] = PathEnd.BACK
         at.outcome[turned] = PathEnd.TURNED

@@ -94,11 +94,11 @@ class Beds:
         length = np.sqrt(((there - here) ** 2).sum(axis=1))
         size = np.where(is_line, length / 12.0, cross_2d(here[:, 1:], there[:, 1:]) / 24.0)
         moments = np.add.reduceat(size[:, None, None] * each, self.corner[:-1])
-        return moments * (np.sign(moments[:, 0, 0]) * self.line[:, 0])[:, None, None]
+        return np.asarray(moments * (np.sign(moments[:, 0, 0]) * self.line[:, 0])[:, None, None])
 
     def places(self, k: int, at: Floats) -> Floats:
         """Return where points (q, 2) in the plane of a contact of a single block lie from its centroid, (q, 3) in m."""
-        return (self.middle[k] + at @ self.axes[k, 1:]) * self.length[0]
+        return np.asarray((self.middle[k] + at @ self.axes[k, 1:]) * self.length[0])
 
     def in_units_of(self, model: Model, motion: Floats) -> Floats:
         """Return a motion (u,) of a single block in the units of a model: turns are per length of each."""
@@ -285,7 +285,8 @@ class BedSprings:
                 shear = -np.stack([first, second], axis=1)
                 parts.append((self.beds.places(k, at), area, contact, normal, shear, is_pressed))
         pulls, _, _ = self.pulls(np.zeros(1, dtype=np.int64), slip[None], state[:, -1], running)
-        return PointForces(*(np.concatenate(part) for part in zip(*parts, strict=True)), pulls[0])
+        points, areas, contacts, normal, shear, inside = (np.concatenate(part) for part in zip(*parts, strict=True))
+        return PointForces(points, areas, contacts, normal, shear, inside, pulls[0])
 
     def _forces(self, k: int, state: Floats, running: bool, sticks: bool) -> Floats:
         """Return what a contact adds (d, u) to the forces on its block in states (d, 2 u + 1): opening, slip, λ."""
@@ -295,7 +296,7 @@ class BedSprings:
         at, area = part
         tractions = self._tractions(k, at, state, running, sticks) * np.array([1.0, -1.0, -1.0])[:, None, None] * area
         moments = np.stack([tractions.sum(axis=2), *(tractions[:, :, None] @ at)[:, :, 0].transpose(2, 0, 1)], axis=1)
-        return moments.reshape(9, len(state)).T @ self.beds.rows[k]
+        return np.asarray(moments.reshape(9, len(state)).T @ self.beds.rows[k])
 
     def _part(self, k: int, opening: Floats, pressed: bool = True) -> tuple[Floats, Floats] | None:
         """Return points (d, q, 2) and areas (d, q) of the pressed part of a contact, or of the open one; None: none."""
@@ -349,7 +350,8 @@ class BedSprings:
         strength = np.where(stress < least, none + steep * stress, law.resistance(above)) / beds.stress_scale
         if not np.iscomplexobj(normal):
             return strength
-        return strength + 1j * np.where(stress < least, steep, law.slope(above)) * normal.imag
+        slope: Any = np.where(stress < least, steep, law.slope(above))
+        return np.asarray(strength + 1j * slope * normal.imag)
 
 
 def bed_of(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> Beds:
