@@ -20,7 +20,7 @@ import slopekit as sk
 from benchmarks.ordinary_cuts import ordinary_cut
 from slopekit.core.arrays import Floats, cross
 from slopekit.kinds import cut
-from slopekit.kinds.single_block.one_block import Cut
+from slopekit.kinds.single_block.one_block_limit import Cut
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.preie.batch import BlockLimits, Blocks, limits_of_blocks
 from slopekit.preie.one_block.bed_limits import BedStatus

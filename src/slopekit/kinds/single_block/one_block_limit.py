@@ -198,9 +198,10 @@ def _openings(bed: Beds, state: BedLimits, forces: PointForces, scene: ContactMo
         contact = forces.contact == k
         push, area = forces.normal[contact], forces.area[contact]
         total, pressed = float(push.sum()), float(area[forces.pressed[contact]].sum())
-        widest = bed.corner[k] + int(np.argmax(gaps[bed.corner[k] : bed.corner[k + 1]]))
+        corner_gaps = gaps[bed.corner[k] : bed.corner[k + 1]]
+        widest = int(np.argmax(corner_gaps))
         at = (push @ forces.points[contact]) / total + centroid if total > 0.0 else None
-        corner = bed.places(k, bed.plane[widest]) + centroid if gaps[widest] > 0.0 else None
+        corner = np.asarray(scene.bedding.polygons[key])[widest] if corner_gaps[widest] > 0.0 else None
         openings[key] = ContactOpening(pressed / float(area.sum()), total * scene.model.force_scale, at, corner)
     return openings
 
