@@ -15,9 +15,8 @@ from slopekit.core.errors import GeometryError
 from slopekit.kinds import cut
 from slopekit.kinds.protocol import compare
 from slopekit.kinds.single_block.one_block import block_status
-from slopekit.kinds.single_block.one_block_limit import FoundLimit
+from slopekit.kinds.single_block.one_block_limit import moment_limit
 from slopekit.kinds.wedge import compared as compared_form
-from slopekit.preie.one_block.limit import limit_analysis
 
 COUNT = 1000
 
@@ -81,14 +80,12 @@ def compared(design: dict) -> Compared:
         closed = compared_form(loaded)
     except GeometryError as error:
         return Compared(design, error.codes[0], None, False, None)
-    scene = made.scene_at(0)
-    found = limit_analysis(scene.model)
-    status = block_status(FoundLimit(scene, scene, found), made.joints)
-    factor = found.forces_only.factor if found.moments_govern else found.governing.factor
-    difference, agree = compare(factor, status, closed, loaded.analysis.agree_within)
-    if factor and not found.moments_govern and status != "rotates":  # some joint opens in part
+    found = moment_limit(made.scene_at(0))
+    status, governs = block_status(found, made.joints), found.analysis.moments_govern
+    difference, agree = compare(found.comparable, status, closed, loaded.analysis.agree_within)
+    if found.comparable and not governs and status != "rotates":  # some joint opens in part
         agree = agree and status == closed.status
-    return Compared(design, status, agree, found.moments_govern, difference)
+    return Compared(design, status, agree, governs, difference)
 
 
 def compared_until(count: int, seed: int = 18) -> list[Compared]:

@@ -21,7 +21,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
-from slopekit.preie.one_block.limit import curved_limit_analysis, limit_analysis
+from slopekit.preie.one_block.limit import curved_limit_analysis
 from slopekit.preie.one_block.limit_state import elastic_displacement
 from slopekit.preie.programs.mechanism import COLD, least_work_mechanism
 from slopekit.preie.programs.program import BlockProgram, Strengths
@@ -80,7 +80,7 @@ Contacts = OneBlock | AssemblyModel
 def slopekit_limit(contacts: Contacts, curved: bool = False, ranged: bool = False) -> Answer:
     """slopekit's own answer; of many blocks with their static bound, which the path starts from, or the range too."""
     if isinstance(contacts, OneBlock):
-        found = (curved_limit_analysis if curved else limit_analysis)(contacts.one).governing
+        found = curved_limit_analysis(contacts.one).governing
         return Answer(found.factor, note=f"{found.passes} passes" if found.passes else "exact, no pass")
     limit = limit_of_blocks(contacts, ranged)
     steps = f"bound {limit.bound_steps} steps, path {limit.steps} factorisations"

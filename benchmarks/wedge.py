@@ -18,7 +18,7 @@ from benchmarks.golden_budget import packages_of
 from slopekit.kinds import cut
 from slopekit.kinds.wedge import closed_form
 from slopekit.kinds.wedge.design import wedge_design
-from slopekit.preie.one_block.limit import limit_analysis
+from slopekit.preie.one_block.flat_limit import flat_limit
 from slopekit.preie.programs.bound import static_bound
 from tests.support import random_wedge
 
@@ -40,11 +40,13 @@ def stages() -> None:
     print("\n## One wedge in process (median ms)")
     design = wedge_design(PAPER)
     scene = cut(design).scene_at(0)
-    limit = limit_analysis(scene.model).governing
+    assert scene.bedding is not None
+    flat = scene.model, scene.bedding.polygons, scene.bedding.centroid
+    limit = flat_limit(*flat).forces
     rows = {
         "closed form": lambda: closed_form(design),
         "read, cut, load, mesh: design to model": lambda: cut(wedge_design(PAPER)).scene_at(0),
-        "model to limit": lambda: limit_analysis(scene.model),
+        "model to limit": lambda: flat_limit(*flat),
         "static bound": lambda: static_bound(scene.model, limit.velocity_of(scene.model), limit.factor),
         "orientation to checked result (all of it)": lambda: sk.wedge(**PAPER),
     }

@@ -11,7 +11,7 @@ from slopekit.core.orientation import Plane
 from slopekit.kinds import cut
 from slopekit.kinds.wedge import closed_form
 from slopekit.kinds.wedge.design import wedge_design
-from slopekit.preie.one_block.limit import forces_only_limit, limit_analysis
+from slopekit.preie.one_block.limit import curved_limit_analysis, forces_only_limit
 from tests.support import random_wedge
 
 DIPS = ("45/115", "45/245")
@@ -140,7 +140,7 @@ def test_forces_alone_equal_the_closed_form_under_every_load() -> None:
             numbers += 1
             assert alone == pytest.approx(closed, rel=1e-6)
             if numbers % 5 == 0:
-                limit = limit_analysis(model).governing.factor
+                limit = curved_limit_analysis(model).governing.factor
                 assert limit is None or limit <= closed * (1 + 1e-6)
     assert cracks > 5
     assert numbers > 20

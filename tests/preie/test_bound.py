@@ -8,7 +8,7 @@ import pytest
 
 from slopekit.kinds import cut
 from slopekit.kinds.wedge.design import wedge_design
-from slopekit.preie.one_block.limit import curved_limit_analysis, limit_analysis
+from slopekit.preie.one_block.limit import curved_limit_analysis
 from slopekit.preie.programs.bound import static_bound
 from tests.preie import conic_oracle
 from tests.preie.test_limit import block_on_incline
@@ -19,7 +19,7 @@ from tests.scenes import COARSE, PAPER, SPHERE, model_of
 def test_on_one_plane_the_bound_is_the_limit(dip, c, phi) -> None:
     """Normal forces are given there: dilation changes nothing (Davis 1968), to rounding."""
     model = block_on_incline(dip, c, phi, height=0.2)
-    limit = limit_analysis(model).governing
+    limit = curved_limit_analysis(model).governing
     found = static_bound(model, limit.velocity_of(model), limit.factor)
     a = math.radians(dip)
     exact = (4.0 * c + 20.0 * math.cos(a) * math.tan(math.radians(phi))) / (20.0 * math.sin(a))
@@ -95,7 +95,7 @@ JAMS = {
 def test_where_the_joints_jam_newton_is_not_trusted() -> None:
     """A little more strength and forces however large balance: the distance is a step there. Bisection, to 1e-6."""
     model = cut(wedge_design(JAMS)).scene_at(0).model
-    limit = limit_analysis(model).governing
+    limit = curved_limit_analysis(model).governing
     found = static_bound(model, limit.velocity_of(model), limit.factor)
     bound = conic_oracle.sparse_static_bound(model, limit.factor, near=found.factor)
     assert found.factor == pytest.approx(bound, rel=1e-6)

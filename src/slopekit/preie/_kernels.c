@@ -853,9 +853,10 @@ typedef struct {
 
 typedef struct {
     Kept kept;
-    whole u, contacts, points[2];     /* points of a line and of a triangle */
+    whole u, blocks, contacts, points[2]; /* points of a line and of a triangle */
     const double *at[2], *shares[2];  /* their barycentric coordinates (q, 2) and (q, 3), and their shares (q) */
-    const whole *first;               /* corner of each contact, (k + 1) */
+    const whole *contact;             /* first contact of each block, (blocks + 1) */
+    const whole *first;               /* first corner of each contact, (k + 1) */
     const double *rows, *plane, *law; /* (k, 9, u) by 1, ξ and η; corners (2); area per area, cohesion, tan φ (k, 3) */
     double spring, least;             /* k_t / k_n; slips of this size and below have no direction */
     double *gaps, *corners;           /* of one contact: room for all of it, and for its part */
@@ -869,10 +870,10 @@ typedef struct {
 
 static const char POLYGONS[] = "slopekit.polygons";
 
-/* polygons(u, spring, least, first, rows, plane, law, points of a line, shares, points of a triangle, shares) */
+/* polygons(u, spring, least, contact, first, rows, plane, law, points of a line, shares, points of a triangle, shares) */
 static PyObject *polygons(PyObject *self, PyObject *const *a, Py_ssize_t n)
 {
-    if (!enough(n, 11)) return NULL;
+    if (!enough(n, 12)) return NULL;
     Polygons *p = calloc(1, sizeof *p);
     if (!p) return PyErr_NoMemory();
     Kept *kept = &p->kept;
@@ -882,14 +883,15 @@ static PyObject *polygons(PyObject *self, PyObject *const *a, Py_ssize_t n)
         PyErr_SetString(PyExc_ValueError, "a block has up to six unknowns");
         failed = 1;
     }
-    p->first = WHOLES(a[3], -1);
-    whole k = p->contacts = failed ? 0 : kept->views[0].len / 8 - 1, most = 0;
-    p->rows = FLOATS(a[4], k * 9 * p->u), p->plane = FLOATS(a[5], failed ? 0 : p->first[k] * 2);
-    p->law = FLOATS(a[6], k * 3);
+    p->contact = WHOLES(a[3], -1);
+    p->blocks = failed ? 0 : kept->views[0].len / 8 - 1;
+    whole k = p->contacts = failed ? 0 : p->contact[p->blocks], most = 0;
+    p->first = WHOLES(a[4], k + 1), p->rows = FLOATS(a[5], k * 9 * p->u);
+    p->plane = FLOATS(a[6], failed ? 0 : p->first[k] * 2), p->law = FLOATS(a[7], k * 3);
     for (int i = 0; i < 2; i++) {
-        p->shares[i] = FLOATS(a[8 + 2 * i], -1);
+        p->shares[i] = FLOATS(a[9 + 2 * i], -1);
         p->points[i] = failed ? 0 : kept->views[kept->arrays - 1].len / 8;
-        p->at[i] = FLOATS(a[7 + 2 * i], p->points[i] * (2 + i));
+        p->at[i] = FLOATS(a[8 + 2 * i], p->points[i] * (2 + i));
     }
     for (whole i = 0; !failed && i < k; i++)
         if (p->first[i + 1] - p->first[i] > most) most = p->first[i + 1] - p->first[i];
@@ -1049,21 +1051,13 @@ static void add_fan(const Polygons *p, const double *c, whole count, const doubl
     }
 }
 
-/* pressed(polygons, opening, slip, reduction, running, sticks, out, by_opening, by_slip, by_reduction): adds to them */
-static PyObject *pressed(PyObject *self, PyObject *const *a, Py_ssize_t n)
+/* Adds what the contacts of one block carry to the sums, and its slopes. */
+static void add_block(Polygons *p, whole block, const double *opening, const double *slip, double reduction,
+                      int running, int sticks, double *out, double *by_opening, double *by_slip, double *by_reduction)
 {
     static const int SECOND[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-    if (!enough(n, 10)) return NULL;
-    Polygons *p = PyCapsule_GetPointer(a[0], POLYGONS);
-    if (!p) return NULL;
     const whole u = p->u;
-    Kept here = {0}, *kept = &here;
-    double reduction = PyFloat_AsDouble(a[3]);
-    int running = PyObject_IsTrue(a[4]), sticks = PyObject_IsTrue(a[5]), failed = PyErr_Occurred() != NULL;
-    const double *opening = FLOATS(a[1], u), *slip = FLOATS(a[2], u);
-    double *out = OUT(a[6], u), *by_opening = OUT(a[7], u * u), *by_slip = OUT(a[8], u * u);
-    double *by_reduction = OUT(a[9], u);
-    for (whole k = 0; !failed && k < p->contacts; k++) {
+    for (whole k = p->contact[block]; k < p->contact[block + 1]; k++) {
         const double *rows = p->rows + k * 9 * u, *across = rows + 3 * u, *plane = p->plane + 2 * p->first[k];
         const double *law = p->law + 3 * k;
         double field[3][3], gap[3];
@@ -1109,6 +1103,178 @@ static PyObject *pressed(PyObject *self, PyObject *const *a, Py_ssize_t n)
                 for (int i = 0; i < 6; i++) by_slip[b * u + c] -= across[i * u + b] * turns[i][c];
             }
         }
+    }
+}
+
+/* pressed(polygons, blocks, opening, slip, reduction, running, sticks, out, by_opening, by_slip, by_reduction): adds to
+   them, a row for each of these blocks */
+static PyObject *pressed(PyObject *self, PyObject *const *a, Py_ssize_t n)
+{
+    if (!enough(n, 11)) return NULL;
+    Polygons *p = PyCapsule_GetPointer(a[0], POLYGONS);
+    if (!p) return NULL;
+    const whole u = p->u;
+    Kept here = {0}, *kept = &here;
+    int running = PyObject_IsTrue(a[5]), sticks = PyObject_IsTrue(a[6]), failed = PyErr_Occurred() != NULL;
+    const whole *blocks = WHOLES(a[1], -1);
+    whole count = failed ? 0 : kept->views[0].len / 8;
+    const double *opening = FLOATS(a[2], count * u), *slip = FLOATS(a[3], count * u), *reduction = FLOATS(a[4], count);
+    double *out = OUT(a[7], count * u), *by_opening = OUT(a[8], count * u * u), *by_slip = OUT(a[9], count * u * u);
+    double *by_reduction = OUT(a[10], count * u);
+    for (whole r = 0; !failed && r < count; r++)
+        if (blocks[r] < 0 || blocks[r] >= p->blocks) {
+            PyErr_SetString(PyExc_ValueError, "there is no such block");
+            failed = 1;
+        }
+    for (whole r = 0; !failed && r < count; r++)
+        add_block(p, blocks[r], opening + r * u, slip + r * u, reduction[r], running, sticks, out + r * u,
+                  by_opening + r * u * u, by_slip + r * u * u, by_reduction + r * u);
+    released(kept);
+    return failed ? NULL : Py_NewRef(Py_None);
+}
+
+/* What Newton's method needs of one block: unknowns u / scale and ln λ, which it seeks on a plane. */
+typedef struct {
+    whole u, block;
+    const double *load, *plane, *drag, *held; /* drag: NULL where nothing holds the block back to `held` */
+    double offset, scale;
+    int sticks;
+} Sought;
+
+/* Unbalanced forces and the distance from the plane, (u + 1), with their slopes (u + 1, u + 1); returns λ. */
+static double on_plane(Polygons *p, const Sought *s, const double *x, double *out, double *slopes)
+{
+    whole u = s->u, n = u + 1;
+    double at[6], by_opening[36] = {0.0}, by_slip[36] = {0.0}, by_reduction[6] = {0.0};
+    double reduction = exp(x[u] < 50.0 ? x[u] : 50.0);
+    for (whole i = 0; i < u; i++) at[i] = x[i] * s->scale, out[i] = s->load[i];
+    add_block(p, s->block, at, at, reduction, 0, s->sticks, out, by_opening, by_slip, by_reduction);
+    for (whole i = 0; i < u; i++) {
+        for (whole j = 0; j < u; j++) {
+            double slope = by_opening[i * u + j] + by_slip[i * u + j];
+            if (s->drag) slope -= s->drag[i * u + j], out[i] -= s->drag[i * u + j] * (at[j] - s->held[j]);
+            slopes[i * n + j] = slope * s->scale;
+        }
+        slopes[i * n + u] = by_reduction[i] * reduction;
+    }
+    memcpy(slopes + u * n, s->plane, n * sizeof(double));
+    out[u] = dot(s->plane, x, (int)n) - s->offset;
+    return reduction;
+}
+
+/* Solves a small system by elimination with pivots; 0 where it is singular. */
+static int eliminated(const double *from, const double *right, whole n, double *x)
+{
+    double a[7][7];
+    for (whole i = 0; i < n; i++) {
+        memcpy(a[i], from + i * n, n * sizeof(double));
+        x[i] = right[i];
+    }
+    for (whole k = 0; k < n; k++) {
+        whole best = k;
+        for (whole i = k + 1; i < n; i++)
+            if (fabs(a[i][k]) > fabs(a[best][k])) best = i;
+        if (!(fabs(a[best][k]) > 0.0) || !isfinite(a[best][k])) return 0;
+        for (whole j = k; j < n && best != k; j++) {
+            double kept = a[k][j];
+            a[k][j] = a[best][j], a[best][j] = kept;
+        }
+        double right_kept = x[k];
+        x[k] = x[best], x[best] = right_kept;
+        for (whole i = k + 1; i < n; i++) {
+            double part = a[i][k] / a[k][k];
+            for (whole j = k + 1; j < n; j++) a[i][j] -= part * a[k][j];
+            x[i] -= part * x[k];
+        }
+    }
+    for (whole k = n - 1; k >= 0; k--) {
+        for (whole j = k + 1; j < n; j++) x[k] -= a[k][j] * x[j];
+        x[k] /= a[k][k];
+    }
+    return 1;
+}
+
+/* Newton's method of one block from x, which becomes what it found: `newton_rows` and `damped_rows` of bed_path.py. */
+static int found_balance(Polygons *p, const Sought *s, double *x, double *slopes, whole most, whole patience,
+                         double farthest, double shortest, double balanced, whole *used)
+{
+    whole n = s->u + 1;
+    double out[7], step[7] = {0.0}, base[7], last = INFINITY, length = 1.0;
+    memcpy(base, x, n * sizeof(double));
+    for (*used = 1; *used <= most; *used += 1) {
+        double small = on_plane(p, s, x, out, slopes), now = 0.0, far = 0.0;
+        for (whole i = 0; i < n; i++)
+            if (!(fabs(out[i]) <= now)) now = fabs(out[i]);
+        if (now <= balanced * (small > 1.0 ? small : 1.0)) return 1;
+        if (shortest > 0.0) {
+            if (now < last * (1.0 - 0.1 * length)) {
+                if (!eliminated(slopes, out, n, step)) return 0;
+                memcpy(base, x, n * sizeof(double));
+                last = now, length = 1.0;
+            } else length *= 0.5;
+            if (length < shortest) return 0;
+        } else {
+            if (!(now < (*used - 1 > patience ? last : INFINITY)) || !eliminated(slopes, out, n, step)) return 0;
+            memcpy(base, x, n * sizeof(double));
+            last = now;
+        }
+        for (whole i = 0; i < n; i++) {
+            if (!(fabs(step[i]) <= far)) far = fabs(step[i]);
+            x[i] = base[i] - length * step[i];
+        }
+        if (!(far < farthest)) return 0;
+    }
+    *used = most;
+    return 0;
+}
+
+/* balanced(polygons, blocks, load, planes, offsets, scale, drag, held, sticks, (most, patience, farthest, shortest,
+   balanced), x, tangents, settled, used): x is where to start, and then what was found, with unit tangents across the
+   planes; drag and held may be empty */
+static PyObject *balanced(PyObject *self, PyObject *const *a, Py_ssize_t n)
+{
+    if (!enough(n, 14)) return NULL;
+    Polygons *p = PyCapsule_GetPointer(a[0], POLYGONS);
+    if (!p) return NULL;
+    const whole u = p->u, k = u + 1;
+    Kept here = {0}, *kept = &here;
+    int sticks = PyObject_IsTrue(a[8]), failed = PyErr_Occurred() != NULL;
+    const whole *blocks = WHOLES(a[1], -1);
+    whole count = failed ? 0 : kept->views[0].len / 8, used;
+    const double *load = FLOATS(a[2], p->blocks * u), *planes = FLOATS(a[3], count * k), *offsets = FLOATS(a[4], count);
+    const double *scale = FLOATS(a[5], count), *drag = FLOATS(a[6], -1);
+    int dragged = !failed && kept->views[kept->arrays - 1].len > 0;
+    if (dragged && kept->views[kept->arrays - 1].len != count * u * u * 8) {
+        PyErr_SetString(PyExc_ValueError, "a drag of another size");
+        failed = 1;
+    }
+    const double *held = FLOATS(a[7], dragged ? count * u : -1);
+    const double *limits = FLOATS(a[9], 5);
+    double *x = OUT(a[10], count * k), *tangents = OUT(a[11], count * k), slopes[49];
+    char *settled = OUT_BOOLS(a[12], count);
+    whole *evaluations = (whole *)OUT(a[13], count);
+    for (whole r = 0; !failed && r < count; r++)
+        if (blocks[r] < 0 || blocks[r] >= p->blocks) {
+            PyErr_SetString(PyExc_ValueError, "there is no such block");
+            failed = 1;
+        }
+    for (whole r = 0; !failed && r < count; r++) {
+        const Sought sought = {
+            u, blocks[r], load + blocks[r] * u, planes + r * k, dragged ? drag + r * u * u : NULL,
+            dragged ? held + r * u : NULL, offsets[r], scale[r], sticks,
+        };
+        double at[7];
+        memcpy(at, x + r * k, k * sizeof(double));
+        settled[r] = (char)found_balance(p, &sought, at, slopes, (whole)limits[0], (whole)limits[1],
+                                         limits[2], limits[3], limits[4], &used);
+        evaluations[r] = used;
+        if (!settled[r]) continue;
+        memcpy(x + r * k, at, k * sizeof(double));
+        double ahead[7] = {0.0}, *tangent = tangents + r * k;
+        ahead[u] = 1.0;
+        if (!eliminated(slopes, ahead, k, tangent)) memset(tangent, 0, k * sizeof(double));
+        double length = sqrt(dot(tangent, tangent, (int)k));
+        for (whole i = 0; i < k; i++) tangent[i] /= length > 1e-300 ? length : 1e-300;
     }
     released(kept);
     return failed ? NULL : Py_NewRef(Py_None);
@@ -1457,6 +1623,7 @@ static PyObject *cone_middle(PyObject *self, PyObject *const *a, Py_ssize_t n)
 static PyMethodDef METHODS[] = {
     FAST(contacts), FAST(law), FAST(forces), FAST(add_viscous), FAST(stiffness), FAST(couple), FAST(pressed_share), FAST(tangent), FAST(plan),
     FAST(longest_step), FAST(assembled), FAST(fronts), FAST(factored), FAST(solved), FAST(polygons), FAST(pressed),
+    FAST(balanced),
     FAST(cone_residuals), FAST(cone_springs), FAST(cone_sources), FAST(cone_step), FAST(cone_targets), FAST(cone_middle),
     {"bind", bind, METH_O, NULL}, {NULL},
 };

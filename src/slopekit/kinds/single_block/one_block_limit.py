@@ -21,11 +21,11 @@ from slopekit.geometry.rock.cutting import Block
 from slopekit.kinds.single_block.one_block_states import Bedding, ContactModel
 from slopekit.loads import Hull, Loads
 from slopekit.preie.motion.equilibrium import Equilibrium
-from slopekit.preie.one_block.cracked import CrackedBase
+from slopekit.preie.one_block.bed_limits import BedLimits
 from slopekit.preie.one_block.flat_limit import FlatLimit, flat_limit, forces_limit
-from slopekit.preie.one_block.limit import LimitAnalysis, governed, limit_analysis
+from slopekit.preie.one_block.limit import LimitAnalysis, curved_limit_analysis, governed
 from slopekit.preie.one_block.passes import Limit, Outcome
-from slopekit.preie.one_block.polygon_bed import PolygonBed
+from slopekit.preie.one_block.polygon_bed import Beds, PointForces
 from slopekit.preie.system.model import Model
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ class Cut:
     face: int | None = None
     hull: Callable[[], Hull] | None = None
     refine: int = 0
-    limit: Callable[[Model], LimitAnalysis] = limit_analysis
+    limit: Callable[[Model], LimitAnalysis] = curved_limit_analysis
     origin: Floats = field(default_factory=lambda: np.zeros(3))
     axes: Floats = field(default_factory=lambda: np.eye(3))
 
@@ -141,15 +141,15 @@ def moment_limit(scene: ContactModel) -> FoundLimit:
     if bed is None or state is None:
         return FoundLimit(scene, scene, LimitAnalysis(forces, forces, forces, False), factors=factors)
     bounded = _drawn_at_limit(scene, factors)
-    if state.factor is None:
-        outcome = Outcome.NO_REST if state.is_unstable else Outcome.NOT_CONVERGED
-        limit = Limit(outcome, None, np.zeros(model.unknowns), 0.0 * forces.normal_force, forces.bond, 0, 0.0)
-        return FoundLimit(scene, bounded, LimitAnalysis(limit, forces, limit, state.is_unstable), factors=factors)
-    on_bed, limit = _on_bed_points(model, bedding, bed, state)
+    if factors.factor is None:
+        limit = Limit(Outcome.NO_REST, None, np.zeros(model.unknowns), 0.0 * forces.normal_force, forces.bond, 0, 0.0)
+        return FoundLimit(scene, bounded, LimitAnalysis(limit, forces, limit, True), factors=factors)
+    carried = state.carried(bed)
+    on_bed, limit = _on_bed_points(bedding, bed, state, carried, model)
     analysis = governed(on_bed.model, replace(forces_limit(on_bed.model), factor=forces.factor), limit)
-    change = state.change if analysis.moments_govern else None
+    change = float(state.change[0]) if analysis.moments_govern else None
     analysis = replace(analysis, model=_curved(on_bed.model))
-    return FoundLimit(on_bed, bounded, analysis, change, factors, _openings(bed, state, scene))
+    return FoundLimit(on_bed, bounded, analysis, change, factors, _openings(bed, state, carried, scene))
 
 
 def _curved(model: Model) -> Model | None:
@@ -157,15 +157,12 @@ def _curved(model: Model) -> Model | None:
 
 
 def _on_bed_points(
-    model: Model, bedding: Bedding, bed: PolygonBed, state: CrackedBase
+    bedding: Bedding, bed: Beds, state: BedLimits, forces: PointForces, model: Model
 ) -> tuple[ContactModel, Limit]:  # fmt: skip
     """Return the points of the bed as node pairs, with the model on them, and the limit there."""
-    forces, velocity = state.forces, state.velocity
-    assert forces is not None
-    assert velocity is not None
-    keys, count = bed.keys[forces.contact], len(forces.area)
+    keys, count = np.array(sorted(bedding.polygons))[forces.contact], len(forces.area)
     pairs = NodePairs(
-        points=frozen(forces.points * model.length_scale + bedding.centroid),
+        points=frozen(forces.points + bedding.centroid),
         normals=frozen(bed.axes[forces.contact, 0]),
         control_areas=frozen(forces.area * model.area_scale),
         interface=keys,
@@ -177,15 +174,14 @@ def _on_bed_points(
         from slopekit.preie.system.strength_lines import drawn
 
         on_points = drawn(on_points, forces.normal)
-    moved = velocity.copy()
-    moved[model.translations :] *= on_points.length_scale / model.length_scale  # turns are per length of the model
+    moved = bed.in_units_of(on_points, state.velocity[0])
     limit = Limit(
         outcome=Outcome.SLIDES,
-        factor=state.factor,
+        factor=float(state.factor[0]),
         velocity=moved / np.sqrt(moved @ moved),
         normal_force=forces.normal,
         bond=forces.pressed.astype(np.float64),
-        passes=state.points,
+        passes=int(state.steps[0]),
         change=0.0,
         friction=forces.shear,
         pulls=forces.pulls,
@@ -193,22 +189,20 @@ def _on_bed_points(
     return ContactModel(pairs, on_points, bedding), limit
 
 
-def _openings(bed: PolygonBed, state: CrackedBase, scene: ContactModel) -> dict[int, ContactOpening]:
+def _openings(bed: Beds, state: BedLimits, forces: PointForces, scene: ContactModel) -> dict[int, ContactOpening]:
     """Return by interface what is pressed, its force and where that acts, and the corner that opens most."""
-    forces, opening, model = state.forces, state.opening, scene.model
-    assert forces is not None
-    assert opening is not None
     assert scene.bedding is not None
     openings, centroid = dict[int, ContactOpening](), scene.bedding.centroid
-    for k, key in enumerate(bed.keys.tolist()):
+    gaps = bed.motions(state.displacement, 1)[:, 0]
+    for k, key in enumerate(sorted(scene.bedding.polygons)):
         contact = forces.contact == k
         push, area = forces.normal[contact], forces.area[contact]
         total, pressed = float(push.sum()), float(area[forces.pressed[contact]].sum())
-        gaps = bed.corner_rows(k)[:, 0] @ opening
-        widest = int(np.argmax(gaps))
-        at = (push @ forces.points[contact]) / total * model.length_scale + centroid if total > 0.0 else None
-        corner = bed.corners[k][widest] * model.length_scale + centroid if gaps[widest] > 0.0 else None
-        openings[key] = ContactOpening(pressed / float(area.sum()), total * model.force_scale, at, corner)
+        corner_gaps = gaps[bed.corner[k] : bed.corner[k + 1]]
+        widest = int(np.argmax(corner_gaps))
+        at = (push @ forces.points[contact]) / total + centroid if total > 0.0 else None
+        corner = np.asarray(scene.bedding.polygons[key])[widest] if corner_gaps[widest] > 0.0 else None
+        openings[key] = ContactOpening(pressed / float(area.sum()), total * scene.model.force_scale, at, corner)
     return openings
 
 
@@ -226,10 +220,10 @@ def find_limit(made: Cut, clock: Clock) -> FoundLimit:
 
 def _drawn_at_limit(scene: ContactModel, factors: FlatLimit) -> ContactModel:
     """Return the scene with the lines of curved laws at the tractions of the limit on the bed."""
-    model, state = scene.model, factors.state
-    if model.lines is None or state is None or state.opening is None:
+    model, bed, state = scene.model, factors.bed, factors.state
+    if model.lines is None or bed is None or state is None or factors.factor is None:
         return scene
     from slopekit.preie.system.strength_lines import drawn  # only curved laws pay for it
 
-    normal = model.control_area * (-model.normal_rows @ state.opening).clip(0.0)
+    normal = model.control_area * (-model.normal_rows @ bed.in_units_of(model, state.displacement[0])).clip(0.0)
     return replace(scene, model=drawn(model, normal))

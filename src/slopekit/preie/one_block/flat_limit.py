@@ -8,6 +8,7 @@ where a joint is pressed, and strength is reduced from the stuck state. Where th
 presses on the whole of each joint both are the same number, and no path is followed.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -15,13 +16,14 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
-from slopekit.preie.one_block.cracked import CrackedBase, cracked_base, cracked_limit
+from slopekit.preie.one_block.bed_limits import BedLimits, BedStatus, Slides, bed_limits
+from slopekit.preie.one_block.bed_path import COARSE, BedPath, lengths
 from slopekit.preie.one_block.limit import dilating_limit, forces_only_limit, stands_without_strength
-from slopekit.preie.one_block.limit_state import LimitState, intact_limit_state
-from slopekit.preie.one_block.passes import Limit, Outcome, exact_limit
-from slopekit.preie.one_block.polygon_bed import PolygonBed, bed_of
+from slopekit.preie.one_block.passes import Limit, Outcome
+from slopekit.preie.one_block.polygon_bed import Beds, BedSprings, bed_of
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import NO_FORCE
+from slopekit.preie.tolerances import TINY
+from slopekit.strength.mohr_coulomb import line
 
 #: Ratios of tangential to normal stiffness between which that of rock joints lies: the range of a limit on its bed.
 SHEAR_RATIOS = 0.1, 1.0
@@ -37,13 +39,21 @@ class FlatLimit:
     ----------
     forces : the limit of the forces alone
     exact : the same slide with its moments balanced, pressed on the whole of each joint; None where there is none
-    bed, state : the elastic bed and its limit; None where the forces alone settle the limit
+    bed, slides, state : the elastic bed, where its limit is looked for, and that; None where forces alone settle it
     """
 
     forces: Limit
     exact: Limit | None = None
-    bed: PolygonBed | None = None
-    state: CrackedBase | None = None
+    bed: Beds | None = None
+    slides: Slides | None = None
+    state: BedLimits | None = None
+
+    @property
+    def factor(self) -> float | None:
+        """The limit factor, None without one."""
+        if self.state is None or self.exact is not None:
+            return (self.exact or self.forces).factor
+        return lower(self.forces.factor, self.state)
 
 
 def flat_limit(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> FlatLimit:
@@ -69,12 +79,28 @@ def before_bed(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -
     if stands or forces.outcome in (Outcome.LIFTED, Outcome.NOT_CONVERGED) or forces.factor == 0.0:
         return FlatLimit(forces)
     bed = bed_of(model, polygons, centroid)
-    if model.lines is None and not model.dilates:
-        slide = intact_limit_state(model)
-        if slide is not None and presses_everywhere(bed, slide):
-            exact = exact_limit(slide, np.ones(len(model.control_area)), 0)
-            return FlatLimit(exact, exact)
-    return FlatLimit(forces, bed=bed)
+    touching = np.array([forces.bond[model.interface == key].any() for key in sorted(polygons)])
+    slides = Slides(
+        reduction=np.array([1.0 / (forces.factor or 1.0)]),
+        velocity=forces.velocity_of(model)[None],
+        touching=touching & (forces.factor is not None),
+    )
+    state = bed_limits(bed, slides)
+    if state.status[0] == BedStatus.PRESSED and not model.dilates:
+        exact = _pressed_slide(model, forces, bed.in_units_of(model, state.displacement[0]))
+        return FlatLimit(exact, exact)
+    return FlatLimit(forces, bed=bed, slides=slides, state=state)
+
+
+def _pressed_slide(model: Model, forces: Limit, opening: Floats) -> Limit:
+    """Return the slide of the forces alone with its moments balanced by linear pressures, on node pairs."""
+    assert forces.factor is not None
+    normal = np.maximum(-model.control_area * (model.normal_rows @ opening), 0.0)
+    strength = line(model.cohesion, model.tan_friction, normal) / forces.factor
+    velocity = forces.velocity_of(model)
+    slip = model.relative(velocity)[:, 1:]
+    friction = -(strength / np.maximum(model.slip(velocity), TINY))[:, None] * slip
+    return replace(forces, velocity=velocity, normal_force=normal, bond=np.ones(len(normal)), friction=friction)
 
 
 def forces_limit(model: Model) -> Limit:
@@ -86,17 +112,11 @@ def forces_limit(model: Model) -> Limit:
     return mean_stress_limit(model)
 
 
-def presses_everywhere(bed: PolygonBed, slide: LimitState) -> bool:
-    """Return whether an elastic displacement closes every corner: linear pressure is then nowhere below zero."""
-    return all(float((bed.corner_rows(k)[:, 0] @ slide.displacement).max()) < NO_FORCE for k in range(len(bed.corners)))
-
-
 def refined_factor(limit: FlatLimit, split: int) -> float | None:
     """Return the limit factor with each triangle of a pressed part split in four `split` times; None without one."""
-    if limit.bed is None:
-        return (limit.exact or limit.forces).factor
-    bed_factor = cracked_limit(limit.bed, limit.forces.factor or 1.0, split).factor
-    return None if bed_factor is None else lower(limit.forces.factor, bed_factor)
+    if limit.bed is None or limit.slides is None:
+        return limit.factor
+    return lower(limit.forces.factor, bed_limits(limit.bed, limit.slides, (split,)))
 
 
 def lowest_factor(limit: FlatLimit) -> float | None:
@@ -105,16 +125,22 @@ def lowest_factor(limit: FlatLimit) -> float | None:
     `SHEAR_RATIOS` bound the shear stiffness; a path that goes on for more than 30 elastic displacements has all but
     failed there.
     """
-    if limit.bed is None or limit.state is None or limit.state.factor is None:
+    bed, slides, state = limit.bed, limit.slides, limit.state
+    if bed is None or slides is None or state is None or limit.factor is None:
         return None
-    factor = lower(limit.forces.factor, limit.state.factor)
-    others = [limit.state.early_factor]
-    for ratio in SHEAR_RATIOS:
-        others.append(cracked_base(replace(limit.bed, shear_ratio=ratio), factor).factor)
-    lowest = min(other for other in (*others, factor) if other is not None)
-    return lowest if lowest < factor * (1.0 - RANGE_MATTERS) else None
+    early, one = state.early[0], np.zeros(1, dtype=np.int64)
+    if np.isnan(early):
+        path = BedPath(BedSprings(bed, COARSE))
+        u, reduction = path.start(one, slides.reduction)
+        early = np.exp(path.follow(one, u, reduction, lengths(u), np.log(state.reduction)).early[0])
+    ratios = [bed_limits(replace(bed, shear_ratio=ratio), slides).factor[0] for ratio in SHEAR_RATIOS]
+    lowest = float(np.nanmin([limit.factor, 1.0 / early, *ratios]))
+    return lowest if lowest < limit.factor * (1.0 - RANGE_MATTERS) else None
 
 
-def lower(forces: float | None, bed: float) -> float:
-    """Return the lower of a factor of the forces, which may be none, and one of the bed."""
-    return bed if forces is None else min(forces, bed)
+def lower(forces: float | None, bed: BedLimits) -> float | None:
+    """Return the lower of a factor of the forces, which may be none, and that of a bed; None without one of a bed."""
+    factor = float(bed.factor[0])
+    if math.isnan(factor):
+        return None
+    return factor if forces is None else min(forces, factor)

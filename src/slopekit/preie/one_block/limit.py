@@ -1,17 +1,15 @@
-"""The limit factor of safety: the largest F at which the blocks still stand when slip does not dilate the joints.
+"""The limit factor of safety of one block on node pairs, and that of its forces alone.
 
-Four steps, each only where the one before does not settle it:
+Where slip does not dilate the joints:
 
 1. every pair closed, every bond whole: `intact_limit_state`, exact;
-2. the forces alone (no turning): the load splits in one way only into a pull along an admissible velocity and
-   pushes on the joints (Moreau's decomposition), whatever their strength: this is what closed forms compute;
-3. the slide of the forces alone with its moments balanced, by Newton's method, exact;
-4. passes: friction frozen at the normal forces of the last pass, the mechanism of least work of a convex program, new
+2. passes: friction frozen at the normal forces of the last pass, the mechanism of least work of a convex program, new
    normal forces. A pair that the mechanism opens loses its cohesion in the next pass and gets it back if it closes
    again; one that opens twice has lost it. Aitken's rule steers the passes, `settled_limit_state` ends them.
 
-Turning may lower the limit below what the forces alone give, and then governs. Where turning wedges the block and
-would raise it, the forces alone stand: no credit is taken for an arrangement that only moments hold together.
+Forces alone (no turning): the load splits in one way only into a pull along an admissible velocity and pushes on the
+joints (Moreau's decomposition), whatever their strength: this is what closed forms compute. On flat joints `flat_limit`
+sets that of the elastic bed beside it.
 """
 
 import math
@@ -27,7 +25,6 @@ from slopekit.preie.one_block.limit_state import (
     dilating_limit_state,
     elastic_displacement,
     intact_limit_state,
-    settled_limit_state,
 )
 from slopekit.preie.one_block.passes import Limit, Outcome, exact_limit, opens, release, settle_by_passes, unit
 from slopekit.preie.programs.bound import static_bound
@@ -55,11 +52,6 @@ class LimitAnalysis:
     model: Model | None = None
 
     @property
-    def turns(self) -> bool:
-        """Whether turning makes a limit of its own: it depends on the node pairs, as that of the forces does not."""
-        return self.with_turning is not self.forces_only
-
-    @property
     def balanced(self) -> Limit:
         """The limit whose forces balance the moments too, where there is one.
 
@@ -72,11 +64,6 @@ class LimitAnalysis:
         return turning if turning.factor >= factor * (1.0 - SAME_LIMIT) else self.governing
 
 
-def limit_analysis(model: Model) -> LimitAnalysis:
-    """The limit factor of one block, and whether moments govern it."""
-    return _on_lines(model, limit_on_lines)
-
-
 def _on_lines(model: Model, analyse: Callable[[Model], LimitAnalysis]) -> LimitAnalysis:
     """The limit, the lines of curved laws drawn again until they stay."""
     if model.lines is None:
@@ -84,41 +71,6 @@ def _on_lines(model: Model, analyse: Callable[[Model], LimitAnalysis]) -> LimitA
     from slopekit.preie.system.strength_lines import settled  # only curved laws pay for it
 
     return settled(model, analyse)
-
-
-def limit_on_lines(model: Model) -> LimitAnalysis:
-    """The limit on the lines that the model has."""
-    intact = _intact_limit(model)
-    if intact is not None:
-        return _alike(intact)
-    alone = forces_only_limit(model)
-    stands = alone.outcome is Outcome.NO_DRIVING_FORCE and stands_without_strength(model)
-    if stands or alone.outcome is Outcome.LIFTED or alone.factor == 0.0:
-        return _alike(alone)
-    if model.dilates and (associated := _associated_limit(model, limit_analysis)) is not None:
-        return governed(model, alone, associated)
-    start = alone.velocity_of(model)
-    slide = None if model.dilates else _balanced_slide(model, alone)
-    if slide is not None:
-        return governed(model, alone, slide)
-    turning = _by_passes(model, start, alone.normal_force, alone.bond)
-    if turning.outcome is Outcome.NO_STRENGTH:
-        return LimitAnalysis(turning, alone, turning, True)
-    if turning.outcome is Outcome.NOT_CONVERGED:
-        return LimitAnalysis(turning, alone, turning, False)
-    return governed(model, alone, turning)
-
-
-def _balanced_slide(model: Model, alone: Limit) -> Limit | None:
-    """The slide of the forces alone with its moments balanced too, exact; None where turning makes another limit."""
-    if not alone.factor:
-        return None
-    velocity = alone.velocity_of(model)
-    state = settled_limit_state(model, velocity, 1.0 / alone.factor, alone.normal_force, alone.bond)
-    if state is None or abs(state.reduction * alone.factor - 1.0) > SAME_LIMIT:
-        return None
-    renewed, _ = release(model, state.velocity, model.tan_dilation, alone.bond, np.zeros(len(alone.bond)))
-    return exact_limit(state, alone.bond, 1) if (renewed == alone.bond).all() else None
 
 
 def governed(model: Model, alone: Limit, turning: Limit) -> LimitAnalysis:
@@ -139,7 +91,7 @@ def dilating_limit(model: Model) -> Limit | None:
 
 
 def _dilating_on_lines(model: Model) -> LimitAnalysis:
-    limit = _intact_limit(model) or _associated_limit(model, limit_analysis)
+    limit = _intact_limit(model) or _associated_limit(model, forces_only_limit)
     if limit is None:
         bond = np.ones(len(model.control_area))
         limit = Limit(Outcome.NOT_CONVERGED, None, np.zeros(model.unknowns), 0.0 * bond, bond, 0, 0.0)
@@ -147,27 +99,28 @@ def _dilating_on_lines(model: Model) -> LimitAnalysis:
 
 
 def curved_limit_analysis(model: Model) -> LimitAnalysis:
-    """The limit factor of one block on a curved surface, where a block that may not turn cannot slide either.
+    """The limit factor of one block on its node pairs: on a curved surface, where without turning nothing may slide.
 
     There are no forces alone to compare with: `moments_govern` is false.
     """
-    return _on_lines(model, _curved_limit_on_lines)
+    return _on_lines(model, lambda on_lines: _alike(_curved_limit_on_lines(on_lines)))
 
 
-def _curved_limit_on_lines(model: Model) -> LimitAnalysis:
+def _curved_limit_on_lines(model: Model) -> Limit:
     intact = _intact_limit(model)
     if intact is not None:
-        return _alike(intact)
+        return intact
     none, bond = np.zeros(model.unknowns), np.ones(len(model.control_area))
     if float((model.normal_rows @ model.load).min()) > 0.0:  # the load itself moves it off every pair
-        return _alike(Limit(Outcome.LIFTED, None, none, 0.0 * bond, 0.0 * bond, 0, 0.0))
+        return Limit(Outcome.LIFTED, None, none, 0.0 * bond, 0.0 * bond, 0, 0.0)
     if stands_without_strength(model):
-        return _alike(Limit(Outcome.NO_DRIVING_FORCE, None, none, 0.0 * bond, bond, 0, 0.0))
-    if model.dilates and (associated := _associated_limit(model, curved_limit_analysis)) is not None:
-        return _alike(associated)
+        return Limit(Outcome.NO_DRIVING_FORCE, None, none, 0.0 * bond, bond, 0, 0.0)
+    associated = _associated_limit(model, _curved_limit_on_lines) if model.dilates else None
+    if associated is not None:
+        return associated
     start = elastic_displacement(model)
     normal = np.maximum(-model.control_area * (model.normal_rows @ start), 0.0)
-    return _alike(_by_passes(model, start, normal, bond))
+    return _by_passes(model, start, normal, bond)
 
 
 def _by_passes(model: Model, velocity: Floats, normal_force: Floats, bond: Floats) -> Limit:
@@ -199,7 +152,7 @@ def _opens_cohesion(model: Model, state: LimitState) -> bool:
     return bool((opens(model, state.velocity, tan_dilation) & (model.cohesion > 0.0)).any())
 
 
-def _associated_limit(model: Model, analyse: Callable[[Model], LimitAnalysis]) -> Limit | None:
+def _associated_limit(model: Model, without_dilation: Callable[[Model], Limit]) -> Limit | None:
     """The limit where every joint dilates by all its reduced friction angle: the static bound with the bonds left.
 
     The bound itself counts cohesion wherever its motion slips. What lifts by tan ψ of its own slip slides on its
@@ -207,13 +160,13 @@ def _associated_limit(model: Model, analyse: Callable[[Model], LimitAnalysis]) -
 
     Parameters
     ----------
-    analyse : the limit without dilation
+    without_dilation : the limit that the search for the bound begins at
     """
     bond = np.ones(len(model.control_area))
     releases = np.zeros(len(bond))
     for _ in range(_MOST_TRIES):
         rigid = replace(model, tan_dilation=np.zeros_like(bond), cohesion=bond * model.cohesion)
-        without = analyse(rigid).governing
+        without = without_dilation(rigid)
         if not without.factor:
             return None
         bound = static_bound(rigid, without.velocity_of(rigid), without.factor)
@@ -250,8 +203,8 @@ def forces_only_limit(model: Model) -> Limit:
 
         model = averaged(model)
     held = model if model.unknowns == model.translations else model.without_rotation()
-    normals, first, which = np.unique(held.normal_rows.round(12), axis=0, return_index=True, return_inverse=True)
-    which = which.ravel()
+    _, first, which = np.unique(held.normal_rows.round(12), axis=0, return_index=True, return_inverse=True)
+    normals, which = held.normal_rows[first], which.ravel()
     share = held.control_area / np.bincount(which, held.control_area)[which]
     # bolts that pull one way are one of all their capacity
     _, alike, bolt = np.unique(held.bolt_rows.round(12), axis=0, return_index=True, return_inverse=True)

@@ -1,4 +1,4 @@
-"""One block on an elastic bed without tension: the forces of flat contacts that are pressed on part of their polygon.
+"""Single blocks on elastic beds without tension: the forces of flat contacts that are pressed on part of their polygon.
 
 Springs (normal 1, tangential k) are spread evenly over the polygons. With the block's displacement u the opening
 g = B_n u and the slip s = B_t u vary linearly over a polygon. What is pressed (g < 0) carries σ = -g and has all of its
@@ -13,7 +13,7 @@ slips one way). Where the pressed part grows its shear grows with it: the slopes
 
 import math
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
@@ -28,50 +28,105 @@ from slopekit.strength.mohr_coulomb import line
 from slopekit.strength.protocol import LEAST_KPA, StrengthLaw
 
 BOLT_GIVE = 1e-2  # passive bolts pull fully once drawn out by this part of the bonded displacement
+_STEP = 1e-30  # imaginary part of what slopes are taken by: its square is none
 
 
 @dataclass(frozen=True, slots=True)
-class PolygonBed:
-    """Flat contacts of one block in the scaled units of its model.
+class Beds:
+    """The flat contacts of n single blocks, each block in scaled units of its own.
 
     Attributes
     ----------
-    corners : per contact (k, 3), arms about the centroid; k = 2 is a line of a vertical section
-    axes : (m, 3, 3) normal (into the block) and two tangents of each contact
-    area : (m,) control area per unit of area (of length, in a section)
-    cohesion : (m,) per control area, in parts of the load; tan_friction : (m,)
-    keys : (m,) interface of each contact
-    load : (u,) P; bolt_rows : (b, u); bolt_capacity : (b,)
-    columns : (u,) which of the six motions are unknowns
+    contact : (n + 1,) first contact of each block; corner : (m + 1,) first corner of each contact
+    axes : (m, 3, 3) normal (into the block) and two tangents of each contact; middle : (m, 3) arm of its middle
+    rows : (m, 9, u) opening, first and second slip of each contact by 1, ξ and η of its plane per unknown
+    plane : (q, 2) corners in the planes of their contacts, from the middles
+    line : (m, 3) control area per unit of area (of length, in a section), cohesion per control area, tan φ
+    load : (n, u) P; bolt_rows : (n, b, u); bolt_capacity : (n, b)
+    length : (n,) m, root mean square distance of the corners from the centroid
+    shear_ratio : tangential to normal stiffness
     laws : of each contact, None where its strength is a line; empty where all are
     stress_scale : kPa of a traction of one
-    shear_ratio : tangential to normal stiffness
     """
 
-    corners: tuple[Floats, ...]
+    contact: Ints
+    corner: Ints
     axes: Floats
-    area: Floats
-    cohesion: Floats
-    tan_friction: Floats
-    keys: Ints
+    middle: Floats
+    rows: Floats
+    plane: Floats
+    line: Floats
     load: Floats
     bolt_rows: Floats
     bolt_capacity: Floats
-    columns: Ints
+    length: Floats
+    shear_ratio: float = SHEAR_TO_NORMAL
     laws: "tuple[StrengthLaw | None, ...]" = ()
     stress_scale: float = 1.0
-    shear_ratio: float = SHEAR_TO_NORMAL
 
-    def corner_rows(self, k: int) -> Floats:
-        """Motions (j, 3, u) of the corners of one contact per unknown: opening and two slips."""
-        corners, axes = self.corners[k], self.axes[k]
-        turning = np.stack([cross(corners, axis) for axis in axes], axis=1)
-        return np.concatenate([np.broadcast_to(axes, turning.shape), turning], axis=2)[:, :, self.columns]
+    @property
+    def following(self) -> Ints:
+        """The corner (q,) that follows each corner on its contact."""
+        after = np.arange(1, len(self.plane) + 1)
+        after[self.corner[1:] - 1] = self.corner[:-1]
+        return after
+
+    @property
+    def contact_of_corners(self) -> Ints:
+        """The contact (q,) of each corner."""
+        return np.repeat(np.arange(len(self.rows)), np.diff(self.corner))
+
+    def motions(self, motion: Floats, most: int = 3) -> Floats:
+        """Return opening, first and second slip (q, 3), or fewer, at all corners, with motions (n, u) of the blocks."""
+        block, contact = np.repeat(np.arange(len(motion)), np.diff(self.contact)), self.contact_of_corners
+        moved = (self.rows[:, : 3 * most] @ motion[block][:, :, None]).reshape(-1, most, 3)[contact]
+        at: Floats = moved[:, :, 0] + (moved[:, :, 1:] * self.plane[:, None]).sum(axis=2)
+        return at
+
+    def moments(self) -> Floats:
+        """Return ∫ φ_i φ_j (m, 3, 3) over each contact, φ = (1, ξ, η), times control area per area: exact."""
+        here = np.concatenate([np.ones((len(self.plane), 1)), self.plane], axis=1)
+        there, is_line = here[self.following], (np.diff(self.corner) == 2)[self.contact_of_corners]
+        # triangles with a third corner in the middle of the contact; a line there and back
+        corners = np.stack([here, there, np.outer(~is_line, [1.0, 0.0, 0.0])], axis=1)
+        total = corners.sum(axis=1)
+        each = corners.transpose(0, 2, 1) @ corners + total[:, :, None] * total[:, None]
+        length = np.sqrt(((there - here) ** 2).sum(axis=1))
+        size = np.where(is_line, length / 12.0, cross_2d(here[:, 1:], there[:, 1:]) / 24.0)
+        moments = np.add.reduceat(size[:, None, None] * each, self.corner[:-1])
+        return np.asarray(moments * (np.sign(moments[:, 0, 0]) * self.line[:, 0])[:, None, None])
+
+    def places(self, k: int, at: Floats) -> Floats:
+        """Return where points (q, 2) in the plane of a contact of a single block lie from its centroid, (q, 3) in m."""
+        return np.asarray((self.middle[k] + at @ self.axes[k, 1:]) * self.length[0])
+
+    def in_units_of(self, model: Model, motion: Floats) -> Floats:
+        """Return a motion (u,) of a single block in the units of a model: turns are per length of each."""
+        return np.where(np.arange(len(motion)) < model.translations, 1.0, model.length_scale / self.length[0]) * motion
+
+
+def contact_rows(arms: Floats, corner: Ints, axes: Floats, columns: Ints) -> tuple[Floats, Floats, Floats]:
+    """Return middle (m, 3), rows (m, 9, u) and plane (q, 2) of m contacts, as of `Beds`.
+
+    Parameters
+    ----------
+    arms : (q, 3) of the corners; corner : (m + 1,) first of each contact; axes : (m, 3, 3)
+    columns : (u,) which of the six motions are unknowns
+    """
+    count = np.diff(corner)
+    middle = np.add.reduceat(arms, corner[:-1]) / count[:, None]
+    moved = np.zeros((len(count), 3, 3, 6))
+    moved[:, :, 0, :3], moved[:, :, 0, 3:] = axes, cross(middle[:, None], axes)
+    for j in (1, 2):
+        moved[:, :, j, 3:] = cross(axes[:, j, None], axes)
+    contact = np.repeat(np.arange(len(count)), count)
+    plane = ((arms - middle[contact])[:, None] * axes[contact, 1:]).sum(axis=2)
+    return middle, np.ascontiguousarray(moved[..., columns].reshape(len(count), 9, -1)), plane
 
 
 @dataclass(frozen=True, slots=True)
 class Unbalanced:
-    """Unbalanced forces (u,) and their slopes by g (u, u), by s (u, u) and by λ (u,)."""
+    """Unbalanced forces (n, u) of blocks and their slopes by g (n, u, u), by s (n, u, u) and by λ (n, u)."""
 
     out: Floats
     by_opening: Floats
@@ -81,7 +136,10 @@ class Unbalanced:
 
 @dataclass(frozen=True, slots=True)
 class PointForces:
-    """What the points (q) of a bed carry, scaled: `shear` (q, 2) in the local tangents, `pulls` (b,) of the bolts."""
+    """What the points (q) of a bed carry, scaled: `shear` (q, 2) in the local tangents, `pulls` (b,) of the bolts.
+
+    `points` (q, 3) in m from the centroid; `pressed` (q,) those that are.
+    """
 
     points: Floats
     area: Floats
@@ -92,319 +150,212 @@ class PointForces:
     pulls: Floats
 
 
-class _Flat:
-    """One contact in coordinates (ξ, η) of its own plane: what moves there is linear in φ = (1, ξ, η).
-
-    rows : (9, u) opening, first and second slip by 1, ξ and η; plane : (j, 2) its corners
-    """
-
-    def __init__(self, bed: PolygonBed, k: int) -> None:
-        corners, axes = bed.corners[k], bed.axes[k]
-        self.middle, self.tangents = corners.mean(axis=0), axes[1:]
-        moved = np.zeros((3, 3, 6))
-        moved[:, 0, :3], moved[:, 0, 3:] = axes, cross(np.broadcast_to(self.middle, axes.shape), axes)
-        for j, tangent in enumerate(self.tangents, 1):
-            moved[:, j, 3:] = cross(np.broadcast_to(tangent, axes.shape), axes)
-        self.rows: Floats = np.ascontiguousarray(moved[:, :, bed.columns].reshape(9, -1))
-        self.plane: Floats = (corners - self.middle) @ self.tangents.T
-        self.corners: Floats = np.concatenate([np.ones((len(corners), 1)), self.plane], axis=1)
-        self.share = float(bed.area[k])
-        self.cohesion, self.tan_friction = float(bed.cohesion[k]), float(bed.tan_friction[k])
-        self.law = bed.laws[k] if bed.laws else None
-        self.stress_scale = bed.stress_scale
-        # a mean traction is one part of the load on all contacts; steeper laws are lines below the least traction
-        self.least = max(LEAST_KPA, LEAST_TRACTION * bed.stress_scale)
-
-    def resistance(self, normal: Floats) -> Floats:
-        """Return the shear strength (q,) at normal tractions (q,), both in the scaled units of the bed."""
-        if self.law is None:
-            return line(self.cohesion, self.tan_friction, normal)
-        stress = normal * self.stress_scale
-        none, least = self.law.resistance(np.array([0.0, self.least]))
-        curve = self.law.resistance(np.maximum(stress, self.least))
-        strength: Floats = np.where(stress < self.least, none + (least - none) / self.least * stress, curve)
-        return strength / self.stress_scale
-
-    def slope(self, normal: Floats) -> Floats:
-        """Return how that strength grows with the normal traction, (q,)."""
-        if self.law is None:
-            return np.full(len(normal), self.tan_friction)
-        stress = normal * self.stress_scale
-        none, least = self.law.resistance(np.array([0.0, self.least]))
-        slope = self.law.slope(np.maximum(stress, self.least))
-        return np.where(stress < self.least, (least - none) / self.least, slope)
-
-    def places(self, at: Floats) -> Floats:
-        """Arms (q, 3) of points of its plane."""
-        arms: Floats = self.middle + at @ self.tangents
-        return arms
-
-
-@dataclass(frozen=True, slots=True)
-class _Grown:
-    """What the points of a cut contact do as the ends (a) of its zero line move along the sides they lie on.
-
-    points : (a, q, 2) how they move; area : (a, q) how theirs grows; ends : (a, 3) how the ends move with the gap by
-    1, ξ and η
-    """
-
-    points: Floats
-    area: Floats
-    ends: Floats
-
-
 class BedSprings:
-    """The springs of a bed, their shear summed over triangles that are split in four `split` times.
+    """The springs under n blocks, their shear summed over triangles that are split in four `split` times."""
 
-    The forces are moments of the tractions by 1, ξ and η in the plane of each contact, their slopes second moments.
-    """
-
-    def __init__(self, bed: PolygonBed, split: int) -> None:
-        self.bed = bed
-        self.rows = [bed.corner_rows(k) for k in range(len(bed.corners))]
+    def __init__(self, beds: Beds, split: int) -> None:
+        self.beds, self.split = beds, split
         places, (shares,), _, _ = fan_rule(3, split)
         self.templates = {2: _line_template(split), 3: (places, shares)}
-        self.flats = [_Flat(bed, k) for k in range(len(bed.corners))]
-        self._whole: list[tuple[Floats, Floats, Floats]] = []
-        unknowns = len(bed.load)
-        stiffness = np.zeros((unknowns, unknowns))
-        for flat in self.flats:
-            at, area = self._points(flat, flat.plane)
-            powers = _powers(at)
-            self._whole.append((np.ascontiguousarray(powers[:, :3].T), powers, area))
-            moments = (area @ powers)[_SECOND]
-            for axis, spring in enumerate((1.0, bed.shear_ratio, bed.shear_ratio)):
-                along = flat.rows[3 * axis : 3 * axis + 3]
-                stiffness += spring * (along.T @ moments @ along)
-        #: (u, u) stiffness with every point bonded, and the displacement under the loads then
-        self.stiffness = stiffness
-        self.bonded = np.asarray(np.linalg.lstsq(stiffness, bed.load, rcond=None)[0], dtype=np.float64)
-        self.first = math.sqrt(float(self.bonded @ self.bonded))
-        self._kernels, self._polygons = self._compiled()
 
-    def _compiled(self) -> tuple[Any, Any]:
-        """The compiled kernels and this bed as they take it; None where NumPy does it."""
+    def finer(self) -> "BedSprings":
+        """Return the springs of the same beds, each triangle split once more."""
+        return BedSprings(self.beds, self.split + 1)
+
+    @cached_property
+    def kernels(self) -> Any:
+        """The compiled kernels; None where NumPy does their work."""
         from slopekit.preie.kernels import compiled  # not for a block whose base is whole
 
-        kernels = None if any(self.bed.laws) else compiled(solvers=False)
-        if kernels is None:
-            return None, None
-        flats = self.flats
-        return kernels, kernels.polygons(
-            len(self.bed.load), self.bed.shear_ratio, TINY, np.cumsum([0, *(len(flat.plane) for flat in flats)]),
-            np.stack([flat.rows for flat in flats]), np.concatenate([flat.plane for flat in flats]),
-            np.array([(flat.share, flat.cohesion, flat.tan_friction) for flat in flats]),
-            *self.templates[2], *self.templates[3],
-        )  # fmt: skip
+        return None if any(self.beds.laws) else compiled(solvers=False)
+
+    @cached_property
+    def polygons(self) -> Any:
+        """The beds as the compiled kernels take them."""
+        beds = self.beds
+        unknowns, templates = beds.load.shape[1], (*self.templates[2], *self.templates[3])
+        shapes = beds.contact, beds.corner, beds.rows, beds.plane, beds.line
+        return self.kernels.polygons(unknowns, beds.shear_ratio, TINY, *shapes, *templates)
+
+    @cached_property
+    def whole(self) -> Floats:
+        """(m, 3, 3) moments of the whole contacts."""
+        return self.beds.moments()
+
+    @cached_property
+    def stiffness(self) -> Floats:
+        """(n, u, u) with every point bonded."""
+        beds, rows = self.beds, self.beds.rows.reshape(len(self.whole), 3, 3, -1)
+        springs = np.array([1.0, beds.shear_ratio, beds.shear_ratio])[:, None, None]
+        each = (rows.transpose(0, 1, 3, 2) @ (self.whole[:, None] @ rows) * springs).sum(axis=1)
+        stiffness: Floats = np.add.reduceat(each, beds.contact[:-1])
+        return stiffness
+
+    @cached_property
+    def bonded(self) -> Floats:
+        """(n, u) displacement under the loads with every point bonded."""
+        try:
+            return np.asarray(np.linalg.solve(self.stiffness, self.beds.load[:, :, None])[:, :, 0], dtype=np.float64)
+        except np.linalg.LinAlgError:  # a sheet a thousand million times as long as thick does not resist turning
+            each = zip(self.stiffness, self.beds.load, strict=True)
+            return np.stack([np.linalg.lstsq(matrix, load, rcond=None)[0] for matrix, load in each])
+
+    @cached_property
+    def first(self) -> Floats:
+        """(n,) the size of that displacement."""
+        size: Floats = np.sqrt((self.bonded * self.bonded).sum(axis=1))
+        return size
 
     def unbalanced(
-        self, opening: Floats, slip: Floats, reduction: float, running: bool, sticks: bool = False
-    ) -> Unbalanced:
-        """The unbalanced forces with openings of one motion and slips of another (the same, unless it runs).
+        self, blocks: Ints, opening: Floats, slip: Floats, reduction: Floats, running: bool = False,
+        sticks: bool = False,
+    ) -> Unbalanced:  # fmt: skip
+        """Return the unbalanced forces of some blocks with openings (n, u) of one motion and slips of another.
 
         Parameters
         ----------
+        blocks : (n,) their numbers; reduction : (n,) λ
         running : every pressed point slips, however small the slip; sticks : none does
         """
-        count = len(opening)
-        out = self.bed.load.copy()
-        slopes = np.zeros((count, count)), np.zeros((count, count)), np.zeros(count)
-        if self._kernels is not None:
-            at = np.ascontiguousarray(opening), np.ascontiguousarray(slip)
-            self._kernels.pressed(self._polygons, *at, reduction, running, sticks, out, *slopes)
+        out, size = self.beds.load[blocks], opening.shape[1]
+        slopes = np.zeros((len(out), size, size)), np.zeros((len(out), size, size)), np.zeros((len(out), size))
+        if self.kernels is not None:
+            at = np.ascontiguousarray(opening), np.ascontiguousarray(slip), np.ascontiguousarray(reduction)
+            self.kernels.pressed(self.polygons, blocks, *at, running, sticks, out, *slopes)
         else:
-            self._add_pressed(opening, slip, reduction, running, sticks, out, *slopes)
-        if len(self.bed.bolt_capacity):
-            self._add_bolts(slip, reduction, running, sticks, out, *slopes[1:])
+            states = np.concatenate([opening, slip, reduction[:, None]], axis=1)
+            for row, block in enumerate(blocks.tolist()):
+                state = states[row] + 1j * _STEP * np.eye(2 * size + 1)  # slopes are the imaginary parts
+                forces = np.zeros((len(state), size), dtype=complex)
+                for k in range(*self.beds.contact[block : block + 2].tolist()):
+                    forces += self._forces(k, state, running, sticks)
+                out[row] += forces[0].real
+                change = forces.imag.T / _STEP
+                slopes[0][row], slopes[1][row], slopes[2][row] = change[:, :size], change[:, size:-1], change[:, -1]
+        if self.beds.bolt_capacity.shape[1]:
+            rows, capacity = self.beds.bolt_rows[blocks], self.beds.bolt_capacity[blocks]
+            pull, spring, full = self.pulls(blocks, slip, reduction, running, sticks)
+            out += (pull[:, None] @ rows)[:, 0]
+            slopes[1][:] -= (rows.transpose(0, 2, 1) * spring[:, None]) @ rows
+            slopes[2][:] += ((full * capacity)[:, None] @ rows)[:, 0]
         return Unbalanced(out, *slopes)
 
-    def _add_pressed(
-        self, opening: Floats, slip: Floats, reduction: float, running: bool, sticks: bool, out: Floats,
-        by_opening: Floats, by_slip: Floats, by_reduction: Floats,
-    ) -> None:  # fmt: skip
-        """What the contacts carry, and its slopes."""
-        spring = self.bed.shear_ratio
-        field = np.empty((3, 3))  # normal traction and slips, each by 1, ξ and η
-        for k, flat in enumerate(self.flats):
-            gap = flat.rows[:3] @ opening
-            part = self._pressed_part(k, gap)
-            if part is None:
-                continue
-            (phi, powers, area), grown = part
-            field[0], field[1:] = -gap, (flat.rows[3:] @ slip).reshape(2, 3)
-            normal, first, second = field @ phi
-            size = np.sqrt(first * first + second * second)
-            strength = flat.resistance(normal)
-            allowed, elastic = reduction * strength, spring * size
-            size = np.maximum(size, TINY)
-            first, second = first / size, second / size
-            if sticks:
-                sliding, shear = np.zeros(len(size)), elastic
-            elif running:
-                sliding, shear = area, allowed
-            else:
-                slides = elastic > allowed
-                sliding, shear = area * slides, np.where(slides, allowed, elastic)
-            turning = shear / size
-            turning[elastic == 0.0] = 0.0 if running else spring
-            turning *= area
-            slips = turning if running else turning * (sliding > 0.0)
-            weights = np.empty((10, len(area)))
-            np.negative(area, out=weights[0])
-            drags = sliding * (reduction * flat.slope(normal))
-            weights[1], weights[2] = drags * first, drags * second
-            turned = slips * first
-            weights[3], weights[4] = turning - turned * first, -turned * second
-            weights[5] = turning - slips * second * second
-            carried = area * shear
-            weights[6], weights[7] = carried * first, carried * second
-            lost = sliding * strength
-            weights[8], weights[9] = lost * first, lost * second
-            moments = weights @ powers
-            second_moments = moments[:6, _SECOND]
-            across = flat.rows[3:]
-            out += (second_moments[0] @ gap) @ flat.rows[:3] - moments[6:8, :3].ravel() @ across
-            by_opening += (flat.rows.T @ second_moments[:3].reshape(9, 3)) @ flat.rows[:3]
-            turns = second_moments[_TURNS].transpose(0, 2, 1, 3).reshape(6, 6)
-            by_slip -= across.T @ turns @ across
-            by_reduction -= moments[8:, :3].ravel() @ across
-            if grown is not None:  # where the pressed part grows its points move, and its shear with them
-                slipped, pressed = grown.points @ field[1:, 1:].T, grown.points @ -gap[1:]
-                along = (slipped[:, :, 0] * first + slipped[:, :, 1] * second) * slips - drags * pressed
-                gained = np.empty((len(pressed), 2, len(area)))
-                more = grown.area * shear - along
-                gained[:, 0] = more * first + turning * slipped[:, :, 0]
-                gained[:, 1] = more * second + turning * slipped[:, :, 1]
-                by_ends = gained @ phi.T
-                by_ends[:, :, 1:] += weights[6:8] @ grown.points
-                by_opening -= (across.T @ by_ends.reshape(-1, 6).T) @ (grown.ends @ flat.rows[:3])
-
-    def _add_bolts(
-        self, slip: Floats, reduction: float, running: bool, sticks: bool, out: Floats, by_slip: Floats,
-        by_reduction: Floats,
-    ) -> None:  # fmt: skip
-        """What the passive bolts pull with, and its slopes."""
-        bed = self.bed
-        drawn = -bed.bolt_rows @ slip
+    def pulls(
+        self, blocks: Ints, slip: Floats, reduction: Floats, running: bool, sticks: bool = False
+    ) -> tuple[Floats, Floats, Bools]:
+        """Return the pulls of the passive bolts (n, b), their springs (n, b), and which pull fully."""
+        rows, capacity = self.beds.bolt_rows[blocks], self.beds.bolt_capacity[blocks]
+        drawn, most = -(rows @ slip[:, :, None])[:, :, 0], reduction[:, None] * capacity
         if running:
-            pull, spring = np.where(drawn > NO_MOTION, 1.0, 0.0), np.zeros(len(drawn))
-            out += (reduction * bed.bolt_capacity * pull) @ bed.bolt_rows
-            by_reduction += (bed.bolt_capacity * pull) @ bed.bolt_rows
-        else:
-            stiff = self.bolt_springs
-            full = drawn * stiff > reduction * bed.bolt_capacity
-            if sticks:
-                full = np.zeros(len(drawn), dtype=bool)
-            spring = np.where((drawn > 0.0) & ~full, stiff, 0.0)
-            out += (np.where(full, reduction * bed.bolt_capacity, spring * drawn)) @ bed.bolt_rows
-            by_reduction += np.where(full, bed.bolt_capacity, 0.0) @ bed.bolt_rows
-        by_slip -= (bed.bolt_rows.T * spring) @ bed.bolt_rows
+            full = drawn > NO_MOTION
+            return most * full, np.zeros_like(drawn), full
+        stiff = capacity / (BOLT_GIVE * self.first[blocks])[:, None]
+        full = np.zeros(drawn.shape, dtype=bool) if sticks else drawn * stiff > most
+        spring = stiff * ((drawn > 0.0) & ~full)
+        return np.where(full, most, spring * drawn), spring, full
 
-    @property
-    def bolt_springs(self) -> Floats:
-        """Stiffness of the passive bolts, (b,)."""
-        springs: Floats = self.bed.bolt_capacity / (BOLT_GIVE * self.first)
-        return springs
-
-    def first_slip(self, u: Floats) -> float:
-        """λ at which a first point would slip or a first bolt would pull fully if none had at more."""
-        most = 0.0
-        for k, flat in enumerate(self.flats):
-            gap = flat.rows[:3] @ u
-            part = self._pressed_part(k, gap)
-            if part is None:
-                continue
-            (phi, _, _), _ = part
-            slip = (flat.rows[3:] @ u).reshape(2, 3) @ phi
-            strength = flat.resistance(-gap @ phi)
-            shear = self.bed.shear_ratio * np.sqrt((slip * slip).sum(axis=0))
-            most = max(most, float((shear / np.maximum(strength, TINY)).max()))
-        if len(self.bed.bolt_capacity):
-            most = max(most, float((-self.bed.bolt_rows @ u).max() / (BOLT_GIVE * self.first)))
+    def first_slip(self, blocks: Ints, u: Floats) -> Floats:
+        """Return λ (n,) at which a first corner of a pressed part, or a first bolt, yields if none did at more."""
+        beds, every = self.beds, np.zeros_like(self.beds.load)
+        every[blocks] = u
+        gap, first, second = beds.motions(every).T
+        ends = zip(beds.corner[:-1], beds.corner[1:], strict=True)
+        strength = [self._resistance(k, np.maximum(-gap[at:end], 0.0)) for k, (at, end) in enumerate(ends)]
+        slip = np.sqrt(first * first + second * second) * (gap < 0.0)
+        called = beds.shear_ratio * slip / np.maximum(np.concatenate(strength), TINY)
+        most = np.maximum.reduceat(called, beds.corner[beds.contact[:-1]])[blocks]
+        if beds.bolt_capacity.shape[1]:
+            drawn = -(beds.bolt_rows[blocks] @ u[:, :, None])[:, :, 0].max(axis=1)
+            most = np.maximum(most, drawn / (BOLT_GIVE * self.first[blocks]))
         return most
 
-    def carried(self, opening: Floats, slip: Floats, reduction: float, running: bool) -> "PointForces":
-        """The forces point by point, pressed parts first to last contact, then the points of their open parts."""
-        bed, none = self.bed, np.zeros(0)
-        by_contact: list[tuple[Floats, ...]] = []
-        for k, flat in enumerate(self.flats):
-            gap = flat.rows[:3] @ opening
-            for open_part in (False, True):
-                clipped, _ = _pressed(flat.corners @ (-gap if open_part else gap), flat.plane)
-                if clipped is None:
+    def carried(self, opening: Floats, slip: Floats, reduction: float, running: bool) -> PointForces:
+        """Return the forces of a single block point by point: the pressed part of each contact, then the open one."""
+        state, parts = np.concatenate([opening, slip, [reduction]])[None], list[tuple[Floats, ...]]()
+        for k in range(len(self.beds.rows)):
+            for pressed in (True, False):
+                part = self._part(k, state[:, : len(opening)], pressed)
+                if part is None:
                     continue
-                at, area = self._points(flat, clipped)
-                at, area = at[area > 0.0], area[area > 0.0]  # a corner that hardly opens has triangles of no area
-                phi = _powers(at)[:, :3]
-                normal = np.zeros(len(area)) if open_part else np.maximum(-phi @ gap, 0.0)
-                across = phi @ (flat.rows[3:] @ slip).reshape(2, 3).T
-                size = np.maximum(np.sqrt((across * across).sum(axis=1)), TINY)
-                cap = reduction * flat.resistance(normal)
-                shear = cap if running else np.minimum(self.bed.shear_ratio * size, cap)
-                shear = np.zeros(len(area)) if open_part else shear * area
-                by_contact.append((
-                    flat.places(at), area, np.full(len(area), k), normal * area,
-                    -(shear / size)[:, None] * across, np.full(len(area), not open_part),
-                ))  # fmt: skip
-        points, area, contact, normal, shear, pressed = (np.concatenate(part) for part in zip(*by_contact, strict=True))
-        pulls = none
-        if len(bed.bolt_capacity):
-            drawn, most = -bed.bolt_rows @ slip, reduction * bed.bolt_capacity
-            pulls = np.where(drawn > NO_MOTION, most, 0.0) if running else np.clip(self.bolt_springs * drawn, 0.0, most)
-        return PointForces(points, area, contact, normal, shear, pressed, pulls)
+                real = part[1][0] > 0.0  # a corner that hardly opens has triangles of no area
+                at, area = part[0][0, real], part[1][0, real]
+                normal, first, second = pressed * self._tractions(k, at[None], state, running, False)[:, 0] * area
+                normal = np.maximum(normal, 0.0)
+                contact, is_pressed = np.full(len(area), k), np.full(len(area), pressed)
+                shear = -np.stack([first, second], axis=1)
+                parts.append((self.beds.places(k, at), area, contact, normal, shear, is_pressed))
+        pulls, _, _ = self.pulls(np.zeros(1, dtype=np.int64), slip[None], state[:, -1], running)
+        points, areas, contacts, normal, shear, inside = (np.concatenate(part) for part in zip(*parts, strict=True))
+        return PointForces(points, areas, contacts, normal, shear, inside, pulls[0])
 
-    def _pressed_part(self, k: int, gap: Floats) -> "tuple[tuple[Floats, Floats, Floats], _Grown | None] | None":
-        """φ (3, q), its products (q, 6) and area (q,) at points of what is pressed, and how they move with g.
+    def _forces(self, k: int, state: Floats, running: bool, sticks: bool) -> Floats:
+        """Return what a contact adds (d, u) to the forces on its block in states (d, 2 u + 1): opening, slip, λ."""
+        part = self._part(k, state[:, : self.beds.load.shape[1]])
+        if part is None:
+            return np.zeros((len(state), self.beds.load.shape[1]))
+        at, area = part
+        tractions = self._tractions(k, at, state, running, sticks) * np.array([1.0, -1.0, -1.0])[:, None, None] * area
+        moments = np.stack([tractions.sum(axis=2), *(tractions[:, :, None] @ at)[:, :, 0].transpose(2, 0, 1)], axis=1)
+        return np.asarray(moments.reshape(9, len(state)).T @ self.beds.rows[k])
 
-        None where nothing is pressed; nothing moves where all of it is.
-        """
-        flat = self.flats[k]
-        gaps = flat.corners @ gap
-        clipped, chord = _pressed(gaps, flat.plane)
-        if clipped is None:
+    def _part(self, k: int, opening: Floats, pressed: bool = True) -> tuple[Floats, Floats] | None:
+        """Return points (d, q, 2) and areas (d, q) of the pressed part of a contact, or of the open one; None: none."""
+        beds = self.beds
+        plane = beds.plane[beds.corner[k] : beds.corner[k + 1]]
+        across = np.stack([np.ones(len(plane)), *plane.T])
+        gaps = (opening @ beds.rows[k, :3].T @ across) * (1.0 if pressed else -1.0)
+        inside = gaps[0].real < 0.0
+        count, corners = len(plane), list[Floats]()
+        for here in range(count):
+            there = (here + 1) % count
+            if inside[here]:
+                corners.append(np.broadcast_to(plane[here], (len(gaps), 2)))
+            if inside[here] != inside[there] and (count > 2 or here == 0):
+                share = (gaps[:, here] / (gaps[:, here] - gaps[:, there]))[:, None]
+                corners.append((1.0 - share) * plane[here] + share * plane[there])
+        if not inside.any():
             return None
-        if chord is None:
-            return self._whole[k], None
-        edges = [edge for _, edge in chord]
-        after = [(edge + 1) % len(gaps) for edge in edges]
-        here, there = gaps[edges, None], gaps[after, None]
-        ends = (here * flat.corners[after] - there * flat.corners[edges]) / (here - there) ** 2
-        ways = flat.plane[after] - flat.plane[edges]
-        at = [corner for corner, _ in chord]
-        if len(clipped) == 2:
-            points, weights = self.templates[2]
-            part = clipped[1] - clipped[0]
-            length = math.hypot(float(part[0]), float(part[1]))
-            places, area = points @ clipped, (length * flat.share) * weights
-            moves = points[:, at[0], None] * ways
-            growth = float(part @ ways[0]) / length * (1.0 if at[0] else -1.0)
-            grown = _Grown(moves[None], (growth * flat.share * weights)[None], ends)
+        clipped = np.stack(corners, axis=1)
+        if count == 2:
+            cells, size = clipped[:, None], np.sqrt(((clipped[:, 1] - clipped[:, 0]) ** 2).sum(axis=1))[:, None]
         else:
-            points, weights = self.templates[3]
             cells, size = _fan(clipped)
-            places, area = (points @ cells).reshape(-1, 2), ((size * flat.share)[:, None] * weights).ravel()
-            cells_move, grows = _fan_moves(clipped, cells, at, ways)
-            count = len(at)
-            grown = _Grown(
-                (points @ cells_move).reshape(count, -1, 2),
-                ((grows * flat.share)[:, :, None] * weights).reshape(count, -1), ends,
-            )  # fmt: skip
-        powers = _powers(places)
-        return (np.ascontiguousarray(powers[:, :3].T), powers, area), grown
+        points, weights = self.templates[min(count, 3)]
+        area = (size * beds.line[k, 0])[:, :, None] * weights
+        return (points @ cells).reshape(len(gaps), -1, 2), area.reshape(len(gaps), -1)
 
-    def _points(self, flat: _Flat, corners: Floats) -> tuple[Floats, Floats]:
-        """Points (q, 2) and areas (q,) of a part of a contact by its corners."""
-        if len(corners) == 2:
-            points, weights = self.templates[2]
-            way = corners[1] - corners[0]
-            return points @ corners, (math.hypot(float(way[0]), float(way[1])) * flat.share) * weights
-        points, weights = self.templates[3]
-        cells, size = _fan(corners)
-        return (points @ cells).reshape(-1, 2), ((size * flat.share)[:, None] * weights).ravel()
+    def _tractions(self, k: int, at: Floats, state: Floats, running: bool, sticks: bool) -> Floats:
+        """Return normal traction and both shear tractions along the slip (3, d, q) at points of a contact."""
+        beds, unknowns = self.beds, self.beds.load.shape[1]
+        rows = beds.rows[k].reshape(3, 3, -1)
+        fields = [state[:, :unknowns] @ rows[0].T, *(state[:, unknowns:-1] @ rows[j].T for j in (1, 2))]
+        gap, first, second = (by[:, :1] + (at @ by[:, 1:, None])[:, :, 0] for by in fields)
+        slip = np.sqrt(first * first + second * second)
+        most = state[:, -1:] * self._resistance(k, -gap)
+        slides = (beds.shear_ratio * slip.real > np.maximum(most.real, TINY)) & (not sticks) | running
+        spring = np.where(slides, most / np.where(slip.real > TINY, slip, np.inf), beds.shear_ratio)
+        return np.stack([-gap, spring * first, spring * second])
+
+    def _resistance(self, k: int, normal: Floats) -> Floats:
+        """Return the shear strength of a contact at normal tractions, both in the scaled units of its block."""
+        beds = self.beds
+        law = beds.laws[k] if beds.laws else None
+        if law is None:
+            return line(beds.line[k, 1], beds.line[k, 2], normal)
+        # a mean traction is one part of the load on all contacts; steeper laws are lines below the least traction
+        stress, least = normal.real * beds.stress_scale, max(LEAST_KPA, LEAST_TRACTION * beds.stress_scale)
+        above = np.maximum(stress, least)
+        none, lowest = law.resistance(np.array([0.0, least]))
+        steep = (lowest - none) / least
+        strength = np.where(stress < least, none + steep * stress, law.resistance(above)) / beds.stress_scale
+        if not np.iscomplexobj(normal):
+            return strength
+        slope: Any = np.where(stress < least, steep, law.slope(above))
+        return np.asarray(strength + 1j * slope * normal.imag)
 
 
-def bed_of(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> PolygonBed:
-    """The contacts of one block on bedrock as an elastic bed.
+def bed_of(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> Beds:
+    """Return the contacts of one block on bedrock as an elastic bed, in the order of their interfaces.
 
     Parameters
     ----------
@@ -412,145 +363,62 @@ def bed_of(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> Po
     polygons : interface -> (k, 3) corners in m, as for `node_pairs`, or (2, 3) ends of a line in a section
     centroid : (3,) m
     """
-    keys = np.array(sorted(polygons))
-    first = np.array([int(np.flatnonzero(model.interface == key)[0]) for key in keys])
-    unknowns, in_section = model.unknowns, model.translations == 2
-    columns = np.array([0, 2, 4])[:unknowns] if in_section else np.arange(unknowns)
-    corners, axes, area = [], [], []
-    for key, at in zip(keys, first, strict=True):
-        scaled = (np.asarray(polygons[int(key)]) - centroid) / model.length_scale
-        if in_section:
-            way = scaled[1] - scaled[0]
-            normal = np.array([way[2], 0.0, -way[0]]) / math.sqrt(float(way @ way))
-        else:
-            normal = -_vector_area(scaled)
-            normal = normal / math.sqrt(float(normal @ normal))
-        if float(normal[columns[: model.translations]] @ model.rows[at, 0, : model.translations]) < 0.0:
-            normal = -normal
-        corners.append(scaled)
-        axes.append(local_axes(normal[None])[0])
-        own = float(model.control_area[model.interface == key].sum())
-        area.append(own / _size(scaled))
-    laws: tuple[StrengthLaw | None, ...] = ()
-    if model.lines is not None:
-        laws = tuple(model.lines.laws[int(joint)] for joint in model.lines.joint[first])
-    return PolygonBed(
-        corners=tuple(corners),
-        axes=np.array(axes),
-        area=np.array(area),
-        cohesion=model.cohesion[first] / model.control_area[first],
-        tan_friction=model.tan_friction[first],
-        keys=keys,
-        load=model.load,
-        bolt_rows=model.bolt_rows,
-        bolt_capacity=model.bolt_capacity,
-        columns=columns,
+    keys = sorted(polygons)
+    first, moves = [int(np.flatnonzero(model.interface == key)[0]) for key in keys], model.translations
+    columns = np.array([0, 2, 4])[: model.unknowns] if moves == 2 else np.arange(model.unknowns)
+    arms = np.concatenate([polygons[key] for key in keys]) - centroid
+    corner, normals = np.cumsum([0, *(len(polygons[key]) for key in keys)]), np.zeros((len(keys), 3))
+    normals[:, columns[:moves]] = model.rows[first, 0, :moves]
+    axes = local_axes(normals)
+    length = math.sqrt(float((arms * arms).sum()) / len(arms))
+    middle, rows, plane = contact_rows(arms / length, corner, axes, columns)
+    to_bed = np.where(np.arange(model.unknowns) < moves, 1.0, model.length_scale / length)
+    one, straight = np.ones(len(keys)), model.tan_friction[first]
+    laws = () if model.lines is None else tuple(model.lines.laws[int(joint)] for joint in model.lines.joint[first])
+    bed = Beds(
+        contact=np.array([0, len(keys)]),
+        corner=corner,
+        axes=axes,
+        middle=middle,
+        rows=rows,
+        plane=plane,
+        line=np.stack([one, model.cohesion[first] / model.control_area[first], straight], axis=1),
+        load=(model.load * to_bed)[None],
+        bolt_rows=(model.bolt_rows * to_bed)[None],
+        bolt_capacity=model.bolt_capacity[None],
+        length=np.array([length]),
         laws=laws,
         stress_scale=model.force_scale / model.area_scale,
     )
-
-
-# -- polygons -----------------------------------------------------------------------------------------------
-
-
-_SECOND = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])  # which of the products of `_powers` φ_i φ_j is
-_TURNS = np.array([[3, 4], [4, 5]])
-
-
-def _powers(at: Floats) -> Floats:
-    """1, ξ, η, ξξ, ξη, ηη (q, 6) at points."""
-    powers = np.empty((len(at), 6))
-    powers[:, 0], powers[:, 1:3] = 1.0, at
-    np.multiply(at, at[:, :1], out=powers[:, 3:5])
-    np.multiply(at[:, 1], at[:, 1], out=powers[:, 5])
-    return powers
-
-
-def _pressed(gaps: Floats, plane: Floats) -> tuple[Floats | None, list[tuple[int, int]] | None]:
-    """The pressed part (g < 0) of a convex polygon (k, 2): its corners (j, 2), and which are the ends of its new edge.
-
-    Those with the side of the polygon that they lie on. A new edge has two ends, one where a line (k = 2) is cut; None
-    where nothing is cut off.
-    """
-    at, count = gaps.tolist(), len(gaps)
-    if max(at) <= 0.0:
-        return plane, None
-    if min(at) >= 0.0:
-        return None, None
-    corners: list[list[float]] = []
-    chord: list[tuple[int, int]] = []
-    places = plane.tolist()
-    for k in range(count):
-        after = (k + 1) % count
-        if at[k] < 0.0:
-            corners.append(places[k])
-        if (at[k] < 0.0) != (at[after] < 0.0) and (count > 2 or k == 0):
-            part = at[k] / (at[k] - at[after])
-            chord.append((len(corners), k))
-            (x, y), (to_x, to_y) = places[k], places[after]
-            corners.append([(1.0 - part) * x + part * to_x, (1.0 - part) * y + part * to_y])
-    return np.array(corners), chord
+    bed.line[:, 0] = [model.control_area[model.interface == key].sum() for key in keys] / bed.moments()[:, 0, 0]
+    return bed
 
 
 def _fan(corners: Floats) -> tuple[Floats, Floats]:
-    """Triangles (j, 3, 2) of a polygon about its centroid, and their areas (j,).
+    """Return triangles (d, j, 3, 2) of polygons (d, j, 2) about their centroids, and their areas (d, j).
 
     A corner that comes, or goes, where it is cut has a triangle of no area: the points move without a jump.
     """
-    middle = corners.mean(axis=0)
-    after = np.concatenate([corners[1:], corners[:1]])
-    one, other = corners - middle, after - middle
-    double = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
-    whole = float(double.sum())
-    if whole:
-        middle = middle + (double @ (one + other)) / (3.0 * whole)
-        one, other = corners - middle, after - middle
-        double = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
-    cells = np.empty((len(corners), 3, 2))
-    cells[:, 0], cells[:, 1], cells[:, 2] = middle, corners, after
-    return cells, 0.5 * np.abs(double)
+    after, middle = np.roll(corners, -1, axis=1), corners.mean(axis=1, keepdims=True)
+    double = cross_2d(corners - middle, after - middle)
+    whole = double.sum(axis=1)[:, None, None]
+    moment = double[:, None] @ (corners + after - 2.0 * middle)
+    middle = middle + moment / (3.0 * np.where(np.abs(whole) > 0.0, whole, 1.0))
+    cells = np.stack([np.broadcast_to(middle, corners.shape), corners, after], axis=2)
+    return cells, 0.5 * np.sign(whole[:, 0].real) * cross_2d(corners - middle, after - middle)
 
 
-def _fan_moves(corners: Floats, cells: Floats, ends: list[int], ways: Floats) -> tuple[Floats, Floats]:
-    """How the triangles of `_fan` move (a, j, 3, 2) and grow (a, j) as a corner (a) of the new edge moves its way.
-
-    The part gains a sliver along the new edge then, as wide as the way at that corner and closed at the other.
-    """
-    middle, count = cells[0, 0], len(corners)
-    one, other = cells[:, 1] - middle, cells[:, 2] - middle
-    double = float((one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]).sum())
-    moves, grows = np.zeros((len(ends), count, 3, 2)), np.empty((len(ends), count))
-    for m, (k, far) in enumerate(zip(ends, reversed(ends), strict=True)):
-        way, across = ways[m], cells[k, 2] - corners[k - 1]
-        sliver = (2.0 * corners[k] + corners[far]) / 3.0
-        moved = (float(way[0] * across[1] - way[1] * across[0]) / double) * (sliver - middle)
-        moves[m, :, 0] = moved
-        moves[m, k, 1] = moves[m, k - 1, 2] = way
-        a, b = moves[m, :, 1] - moved, moves[m, :, 2] - moved
-        grows[m] = a[:, 0] * other[:, 1] - a[:, 1] * other[:, 0] + one[:, 0] * b[:, 1] - one[:, 1] * b[:, 0]
-    return moves, grows * math.copysign(0.5, double)
+def cross_2d(here: Floats, there: Floats) -> Floats:
+    """Return the cross products of vectors (..., 2)."""
+    product: Floats = here[..., 0] * there[..., 1] - here[..., 1] * there[..., 0]
+    return product
 
 
 @cache
 def _line_template(split: int) -> tuple[Floats, Floats]:
-    """Points (q, 2) and shares (q,) of a line by Simpson's rule on each of its parts."""
+    """Return points (q, 2) and shares (q,) of a line by Simpson's rule on each of its parts."""
     elements = 2**split * 4
-    count = 2 * elements + 1
-    weights = np.where(np.arange(count) % 2 == 1, 4.0, 2.0)
+    weights = np.where(np.arange(2 * elements + 1) % 2 == 1, 4.0, 2.0)
     weights[[0, -1]] = 1.0
-    at = np.linspace(0.0, 1.0, count)
+    at = np.linspace(0.0, 1.0, 2 * elements + 1)
     return np.stack([1.0 - at, at], axis=1), weights / (6.0 * elements)
-
-
-def _vector_area(corners: Floats) -> Floats:
-    sides = corners[1:] - corners[0]
-    area: Floats = cross(sides[:-1], sides[1:]).sum(axis=0) / 2.0
-    return area
-
-
-def _size(corners: Floats) -> float:
-    """Area of a polygon, length of a line."""
-    if len(corners) == 2:
-        return math.sqrt(float(((corners[1] - corners[0]) ** 2).sum()))
-    area = _vector_area(corners)
-    return math.sqrt(float(area @ area))

@@ -1,0 +1,194 @@
+"""The limits of n single blocks on flat joints, all at once: by their forces, on their beds, and the lower of both.
+
+    limit = min(F_forces, F_bed)
+
+as `one_block.flat_limit` has it for one block; rows are taken in chunks, so that memory does not grow with n.
+"""
+
+from dataclasses import fields
+from enum import IntEnum
+from itertools import chain, combinations
+
+import numpy as np
+
+from slopekit.core.arrays import Floats, Ints, cross
+from slopekit.core.records import dataclass
+from slopekit.preie.one_block.bed_limits import BedStatus, Slides, bed_limits
+from slopekit.preie.one_block.bed_path import lengths
+from slopekit.preie.one_block.polygon_bed import Beds, contact_rows, cross_2d
+from slopekit.preie.system.model import local_axes
+from slopekit.preie.tolerances import NO_FORCE, PARALLEL, TINY
+
+#: Rows that are taken at a time: with fewer NumPy's calls take the time, with more memory grows (9 kB a row).
+CHUNK = 4096
+
+
+class ForcesStatus(IntEnum):
+    """What the forces alone do to a block."""
+
+    SLIDES = 0
+    LIFTED = 1  # the load pulls it off every contact
+    NOT_DRIVEN = 2  # nothing drives it: its contacts hold it without strength, but for its moments
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Blocks:
+    """Single blocks on up to k flat contacts of up to c corners each, without passive bolts.
+
+    Attributes
+    ----------
+    corners : (n, k, c, 3) m from the centroid of each block, anticlockwise as seen from outside the block
+    counts : (n, k) corners of each contact; 0: a block has fewer contacts
+    cohesion : (n, k) kPa; tan_friction : (n, k)
+    load : (n, 6) kN and kN m about the centroid
+    """
+
+    corners: Floats
+    counts: Ints
+    cohesion: Floats
+    tan_friction: Floats
+    load: Floats
+
+    def of(self, rows: slice) -> "Blocks":
+        """Return some of them."""
+        return Blocks(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
+
+    def beds(self) -> Beds:
+        """Return their elastic beds, each in parts of its load, its area, and the distance of its corners."""
+        corners, counts = self.corners, self.counts
+        used, contacts = np.arange(corners.shape[2]) < counts[:, :, None], counts > 0
+        block = np.repeat(np.arange(len(counts)), used.sum(axis=(1, 2)))
+        arms, corner = corners[used], np.concatenate([[0], np.cumsum(counts[contacts])])
+        length = np.sqrt(np.bincount(block, (arms * arms).sum(axis=1)) / np.bincount(block))
+        force = lengths(self.load[:, :3]) + lengths(self.load[:, 3:]) / length
+        sides = np.where(used[:, :, 1:, None], corners[:, :, 1:] - corners[:, :, :1], 0.0)
+        double = cross(sides[:, :, :-1], sides[:, :, 1:]).sum(axis=2)  # twice the vector area, out of the block
+        area = 0.5 * np.sqrt((double * double).sum(axis=2))
+        axes, whole = local_axes(-double[contacts] / (2.0 * area[contacts])[:, None]), area.sum(axis=1)
+        middle, rows, plane = contact_rows(arms / length[block, None], corner, axes, np.arange(6))
+        scale = np.broadcast_to((length * length / whole)[:, None], counts.shape)
+        line = np.stack([scale, self.cohesion * (whole / force)[:, None], self.tan_friction], axis=2)[contacts]
+        return Beds(
+            contact=np.concatenate([[0], np.cumsum(contacts.sum(axis=1))]),
+            corner=corner,
+            axes=axes,
+            middle=middle,
+            rows=rows,
+            plane=plane,
+            line=line,
+            load=self.load / np.stack([force] * 3 + [force * length] * 3, axis=1),
+            bolt_rows=np.zeros((len(counts), 0, 6)),
+            bolt_capacity=np.zeros((len(counts), 0)),
+            length=length,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class BlockLimits:
+    """The limits of n single blocks.
+
+    Attributes
+    ----------
+    factor : (n,) the lower of both limits, not a number where there is none
+    forces : (n,) factor of safety of the forces alone; forces_status : (n,) `ForcesStatus`
+    bed : (n,) that on the elastic bed; bed_status : (n,) `BedStatus`, -1 where forces settled it
+    early : (n,) the largest factor reached within 30 elastic displacements, where a path was followed
+    pressed : (n, k) share of each contact that is pressed at the limit on the bed
+    """
+
+    factor: Floats
+    forces: Floats
+    forces_status: Ints
+    bed: Floats
+    bed_status: Ints
+    early: Floats
+    pressed: Floats
+
+
+def limits_of_blocks(blocks: Blocks) -> BlockLimits:
+    """Return the limits of single blocks by their forces and on their beds.
+
+    A block that nothing drives has no limit here: it is for `flat_limit`.
+    """
+    chunks = [_limits(blocks.of(slice(at, at + CHUNK))) for at in range(0, len(blocks.load), CHUNK)]
+    names = [field.name for field in fields(BlockLimits)]
+    return BlockLimits(*(np.concatenate([getattr(chunk, name) for chunk in chunks]) for name in names))
+
+
+def _limits(blocks: Blocks) -> BlockLimits:
+    """Return the limits of as many blocks as one chunk has."""
+    beds, contacts = blocks.beds(), blocks.counts > 0
+    status, slides = forces_slides(beds)
+    found = bed_limits(beds, slides)
+    looked_at = slides.reduction > 0.0
+    rests = found.status != BedStatus.NO_REST
+    pressed = np.full(contacts.shape, np.nan)
+    pressed[contacts] = pressed_shares(beds, found.displacement)
+    pressed[~(looked_at & rests)] = np.nan
+    with np.errstate(divide="ignore"):
+        forces = np.where(status == ForcesStatus.SLIDES, 1.0 / slides.reduction, np.nan)
+    bed = 1.0 / found.reduction
+    return BlockLimits(
+        factor=np.where(rests | ~looked_at, np.fmin(forces, bed), np.nan),
+        forces=forces,
+        forces_status=status,
+        bed=bed,
+        bed_status=np.where(looked_at, found.status, -1),
+        early=1.0 / found.early,
+        pressed=pressed,
+    )
+
+
+def forces_slides(beds: Beds) -> tuple[Ints, Slides]:
+    """Return what the forces alone do to blocks (n,), and how they slide: λ is not a number where none slides.
+
+    Contacts push with N >= 0 so as to leave the least of the load (Moreau's decomposition): of all sets of contacts
+    that may carry it, it is that whose pushes are not negative and which no other contact would add to.
+    """
+    first, count = beds.contact[:-1], np.diff(beds.contact)
+    most, blocks = int(count.max()), len(count)
+    inside = np.arange(most) < count[:, None]
+    place = np.where(inside, first[:, None] + np.arange(most), 0)
+    normals = beds.rows[place, 0, :3] * inside[:, :, None]
+    load = beds.load[:, :3]
+    pushes, pull, found = np.zeros((blocks, most)), load.copy(), np.zeros(blocks, dtype=bool)
+    for carriers in chain.from_iterable(combinations(range(most), size) for size in range(min(most, 3) + 1)):
+        some = normals[:, carriers]
+        gram = some @ some.transpose(0, 2, 1)
+        good = ~found & inside[:, carriers].all(axis=1) & (np.linalg.det(gram) > PARALLEL)
+        rows = np.flatnonzero(good)
+        force = np.linalg.solve(gram[rows], -(some[rows] @ load[rows, :, None]))[:, :, 0]
+        left = load[rows] + (force[:, None] @ some[rows])[:, 0]
+        added = (normals[rows] @ left[:, :, None])[:, :, 0]
+        fits = (force > 0.0).all(axis=1) & (added > -NO_FORCE).all(axis=1)
+        rows = rows[fits]
+        pushes[rows[:, None], list(carriers)] = force[fits]
+        pull[rows], found[rows] = left[fits], True
+    touching = pushes > 0.0
+    area, line = beds.moments()[place, 0, 0], beds.line[place]
+    driving = lengths(pull)
+    resisting = (touching * (line[:, :, 1] * area + line[:, :, 2] * pushes)).sum(axis=1)
+    status = np.where(touching.any(axis=1), ForcesStatus.SLIDES, ForcesStatus.LIFTED)
+    status = np.where(driving > NO_FORCE, status, ForcesStatus.NOT_DRIVEN)
+    with np.errstate(divide="ignore"):
+        reduction = np.where(status == ForcesStatus.SLIDES, driving / resisting, np.nan)
+    velocity = np.zeros_like(beds.load)
+    velocity[:, :3] = pull / np.maximum(driving, TINY)[:, None]
+    return status, Slides(reduction, velocity, touching[inside])
+
+
+def pressed_shares(beds: Beds, opening: Floats) -> Floats:
+    """Return the share (m,) of each contact that is pressed, with openings (n, u) of the blocks."""
+    here, gaps, after = beds.plane, beds.motions(opening, 1)[:, 0], beds.following
+    there, to = here[after], gaps[after]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        crossing = here + (gaps / (gaps - to))[:, None] * (there - here)
+    leaves, comes = (gaps < 0.0) & (to >= 0.0), (gaps >= 0.0) & (to < 0.0)
+    sides = cross_2d(np.where(comes[:, None], crossing, here), np.where(leaves[:, None], crossing, there))
+    # of the new edge: where the way round leaves the pressed part, and comes back
+    ends, contact = np.zeros((2, len(beds.rows), 2)), beds.contact_of_corners
+    for which, cut in enumerate((leaves, comes)):
+        ends[which, contact[cut]] = crossing[cut]
+    double = np.bincount(contact, sides * ((gaps < 0.0) | comes)) + cross_2d(*ends)
+    share: Floats = 0.5 * np.abs(double) * beds.line[:, 0] / beds.moments()[:, 0, 0]
+    return share

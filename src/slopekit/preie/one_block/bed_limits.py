@@ -1,0 +1,395 @@
+"""The limits of n single blocks on their no-tension elastic beds, all at once.
+
+Four stages, each for the rows that the one before did not settle:
+
+1. The slide of the forces alone, every joint of it pressed: linear pressure, one linear system a block. Where no corner
+   opens the bed allows what the forces allow.
+2. The running state: every pressed point slips along a motion that keeps the pressed joints closed,
+
+       g = Y y,   direction of slip = Z z,   |z| = 1,   forces balance at λ
+
+   by Newton's method (Z: motions that keep the pressed joints closed, Y: the rest). Far out along that motion a path
+   has λ(R) = λ_T + a / R; where a > 0 it comes down to λ_T, which then is its least.
+3. The elastic path (`bed_path`) of the other blocks, on coarse triangles.
+4. Its least λ on finer ones: on a turn of the path, at a running state, or where a path that creeps is left.
+"""
+
+from collections.abc import Iterator, Sequence
+from enum import IntEnum
+from math import inf
+
+import numpy as np
+
+from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.records import dataclass
+from slopekit.preie.one_block.bed_path import (
+    COARSE,
+    FAR,
+    BedPath,
+    PathEnd,
+    Paths,
+    Roots,
+    bordered,
+    lengths,
+    on_scale,
+    solve_rows,
+    solved,
+    units,
+)
+from slopekit.preie.one_block.polygon_bed import Beds, BedSprings, PointForces
+from slopekit.preie.tolerances import FINER_PRESSED, LEVEL, NO_FORCE, PARALLEL, POLISHED, ROUGHLY_SETTLED, SETTLED, TINY
+
+#: Splits of the triangles on which limits are settled; the next where it changes one by more than `FINER_PRESSED`.
+SPLITS = (3, 4)
+_FLAT = 1e-3  # of ln λ: a path that ends so far above its least value may run at that
+_SETTLES = 5  # times its slope: λ of a path that runs is as near to that of the running state
+_FAR_OUT = 100_000  # elastic displacements: so far out along its motion it is asked whether a path comes down or up
+_DEEP = 0.95  # of F by forces: below it paths may turn before they come down to the running state (4 of 328 wedges)
+_RUNNING = 40, 0, inf, 0.05  # to a running state, as of `bed_path`
+_MOST_LOWERED = 6  # times that a path goes on from a rest at less strength
+
+#: Motions that keep some contacts of n blocks closed, (n, u, d), and the others, (n, u, u - d).
+Bases = tuple[Floats, Floats]
+
+
+class BedStatus(IntEnum):
+    """How a block on its bed ends as its strength goes down."""
+
+    PRESSED = 0  # it slides, pressed on the whole of each joint
+    RUNS = 1  # it runs on the parts of its joints that are pressed
+    RESTS = 2  # λ turns while the block is still at rest: its pressed part shrinks too fast from there
+    CREEPS = 3  # it runs about an edge; the limit is that at `FAR` elastic displacements
+    NO_REST = 4  # it rests at no strength
+
+
+@dataclass(frozen=True, slots=True)
+class Slides:
+    """The slides of n blocks by their forces alone, where they are known.
+
+    Attributes
+    ----------
+    reduction : (n,) λ = 1/F, or a guess of about the right size; a block is left alone where it is not a number
+    velocity : (n, u) of unit length, without turning; touching : (m,) contacts that carry force
+    """
+
+    reduction: Floats
+    velocity: Floats
+    touching: Bools
+
+
+@dataclass(frozen=True, slots=True)
+class BedLimits:
+    """The limits of n blocks on their beds.
+
+    Attributes
+    ----------
+    status : (n,) `BedStatus`; reduction : (n,) λ at the limit, not a number without one
+    displacement : (n, u) elastic; velocity : (n, u) unit motion
+    early : (n,) the least λ within `EARLY` elastic displacements, not a number where the path was not followed
+    change : (n,) what splitting the triangles once more does to λ, in parts of it (first order)
+    split : (n,) how often triangles were split; steps : (n,) along the path
+    """
+
+    status: Ints
+    reduction: Floats
+    displacement: Floats
+    velocity: Floats
+    early: Floats
+    change: Floats
+    split: Ints
+    steps: Ints
+
+    @property
+    def factor(self) -> Floats:
+        """(n,) F, not a number where a block rests at no strength."""
+        return 1.0 / self.reduction
+
+    def carried(self, beds: Beds) -> PointForces:
+        """Return what the points of its bed carry at the limit of a single block."""
+        slides, opening = self.status[0] in (BedStatus.PRESSED, BedStatus.RUNS), self.displacement[0]
+        slip, springs = self.velocity[0] if slides else opening, BedSprings(beds, int(self.split[0]))
+        return springs.carried(opening, slip, float(self.reduction[0]), slides)
+
+    def put(self, blocks: Ints, status: BedStatus | Ints, points: Floats, velocity: Floats) -> None:
+        """Note how blocks end: at displacements and ln λ (n, u + 1), with velocities (n, u) of any length."""
+        self.status[blocks], self.reduction[blocks] = status, np.exp(points[:, -1])
+        self.displacement[blocks], self.velocity[blocks] = points[:, :-1], units(velocity)
+
+
+def bed_limits(beds: Beds, slides: Slides, splits: tuple[int, ...] = SPLITS) -> BedLimits:
+    """Return the limits of some blocks on their beds.
+
+    Parameters
+    ----------
+    splits : of the triangles on which limits are settled; the next where it changes one by more than `FINER_PRESSED`
+    """
+    count = len(beds.load)
+    found = BedLimits(
+        status=np.full(count, BedStatus.NO_REST, dtype=np.int64),
+        reduction=np.full(count, np.nan),
+        displacement=np.zeros_like(beds.load),
+        velocity=np.zeros_like(beds.load),
+        early=np.full(count, np.nan),
+        change=np.zeros(count),
+        split=np.full(count, splits[0]),
+        steps=np.zeros(count, dtype=np.int64),
+    )
+    limits = _Limits(beds, splits, found)
+    ends = np.full(count, np.inf)
+    if not beds.laws:
+        every = np.logical_and.reduceat(slides.touching, beds.contact[:-1])
+        blocks = np.flatnonzero(every & (slides.reduction > 0.0))
+        for rows, bases in limits.alike(blocks, slides.touching):
+            limits.slide(blocks[rows], bases, slides, ends)
+    left = np.flatnonzero((found.status == BedStatus.NO_REST) & (slides.reduction > 0.0))
+    if len(left):
+        limits.along_paths(left, slides.reduction[left], ends[left])
+    return found
+
+
+class _Limits:
+    """The stages, and what they found."""
+
+    def __init__(self, beds: Beds, splits: Sequence[int], found: BedLimits) -> None:
+        self.beds, self.found = beds, found
+        self.coarse = BedPath(BedSprings(beds, COARSE), ROUGHLY_SETTLED)
+        self.finer = [BedPath(BedSprings(beds, split)) for split in splits]
+
+    def gaps(self, blocks: Ints, opening: Floats, extreme: np.ufunc) -> Floats:
+        """Return the widest or the narrowest gap (m,) of each contact, with openings (n, u) of some of the blocks."""
+        every = np.zeros_like(self.beds.load)
+        every[blocks] = opening
+        at: Floats = extreme.reduceat(self.beds.motions(every, 1)[:, 0], self.beds.corner[:-1])
+        return at
+
+    # -- stages 1 and 2 ------------------------------------------------------------------------------------------
+
+    def alike(self, blocks: Ints, closed: Bools) -> Iterator[tuple[Ints, Bases]]:
+        """Yield blocks (their places) with as many motions that keep closed contacts (m,) closed, and these motions.
+
+        Blocks that nothing closed holds, or that have no such motion, are left out.
+        """
+        if not len(blocks):
+            return
+        first, unknowns = self.beds.contact, self.beds.rows.shape[2]
+        opening = self.beds.rows[:, :3] * closed[:, None, None]
+        each = first[blocks, None] + np.arange(max(int(np.diff(first).max()), unknowns // 3))
+        inside = each < first[blocks + 1, None]
+        stacked = (opening[np.where(inside, each, 0)] * inside[:, :, None, None]).reshape(len(blocks), -1, unknowns)
+        _, sizes, basis = np.linalg.svd(stacked, full_matrices=False)
+        rank = (sizes > PARALLEL * sizes[:, :1]).sum(axis=1)
+        for size in range(1, unknowns):
+            rows = np.flatnonzero(rank == size)
+            if len(rows):
+                yield rows, (basis[rows, size:].transpose(0, 2, 1), basis[rows, :size].transpose(0, 2, 1))
+
+    def slide(self, blocks: Ints, bases: Bases, slides: Slides, ends: Floats) -> None:
+        """Settle the blocks that slide on all of their contacts, and those whose path ends at a running state.
+
+        Notes in `ends` ln λ of the running states to which the paths of others rise.
+        """
+        reduction, velocity = slides.reduction[blocks], slides.velocity[blocks]
+        elastic, is_pressed = self.pressed(blocks, bases, reduction, velocity)
+        points = np.concatenate([elastic, np.log(reduction)[:, None]], axis=1)
+        self.found.put(blocks[is_pressed], BedStatus.PRESSED, points[is_pressed], velocity[is_pressed])
+        rows = np.flatnonzero(~is_pressed)
+        if not len(rows):
+            return
+        blocks, reduction, some = blocks[rows], reduction[rows], (bases[0][rows], bases[1][rows])
+        runs = self.running(blocks, some, velocity[rows], points[rows])
+        v, w, lam = _motions(some, runs.x)
+        closest = self.gaps(blocks, w, np.minimum)
+        good = runs.settled & (np.maximum.reduceat(closest, self.beds.contact[:-1])[blocks] < 0.0) & (lam > 0.0)
+        far = w + (_FAR_OUT * np.maximum(self.coarse.springs.first[blocks], lengths(w)))[:, None] * v
+        out = self.coarse.springs.unbalanced(blocks, w, far, lam, running=True).out
+        rising = good & ~(_change(runs.slopes, out) > 0.0)
+        ends[blocks[rising]] = np.log(lam[rising])
+        # the bed allows no less than the forces do, or the path comes down to this state
+        good &= (lam <= reduction * (1.0 + SETTLED)) | (~rising & (lam < reduction / _DEEP))
+        self.found.put(blocks[good], BedStatus.RUNS, _points(w, lam)[good], v[good])
+
+    def pressed(self, blocks: Ints, bases: Bases, reduction: Floats, velocity: Floats) -> tuple[Floats, Bools]:
+        """Solve for linear pressures on the whole of each joint under slides at λ (n,), along velocities (n, u).
+
+        Returns
+        -------
+        elastic displacements (n, u) by the motions that press, and whether forces balance and no corner opens (n,)
+        """
+        beds, springs = self.beds, self.coarse.springs
+        count, rest = np.diff(beds.contact)[blocks], bases[1].transpose(0, 2, 1)
+        number, first = np.repeat(np.arange(len(blocks)), count), np.cumsum([0, *count[:-1]])
+        which = np.arange(len(number)) + (beds.contact[blocks] - first)[number]
+        rows, whole, lam = beds.rows[which].reshape(len(which), 3, 3, -1), springs.whole[which], reduction[number]
+        cohesion, tan_friction = lam * beds.line[which, 1], lam * beds.line[which, 2]
+        speed = (rows[:, 1:] @ velocity[number][:, None, :, None])[:, :, 0, 0]  # of slip, alike all over a contact
+        way = speed / np.maximum(lengths(speed), NO_FORCE)[:, None]
+        drag = np.einsum("mj,mjku->mku", way, rows[:, 1:])  # (m, 3, u) what a unit shear by 1, ξ and η does
+        push = rows[:, 0] - tan_friction[:, None, None] * drag
+        matrix = -np.add.reduceat(push.transpose(0, 2, 1) @ (whole @ rows[:, 0]), first)
+        out = beds.load[blocks] - np.add.reduceat(cohesion[:, None] * (whole[:, :1] @ drag)[:, 0], first)
+        if beds.bolt_capacity.shape[1]:
+            pulls, _, _ = springs.pulls(blocks, velocity, reduction, True)
+            out = out + (pulls[:, None] @ beds.bolt_rows[blocks])[:, 0]
+        elastic = solved(rest @ matrix @ bases[1], -(rest @ out[:, :, None])[:, :, 0])
+        opening = (bases[1] @ elastic[:, :, None])[:, :, 0]
+        off = np.abs(out + (matrix @ opening[:, :, None])[:, :, 0]).max(axis=1)
+        widest = np.maximum.reduceat(self.gaps(blocks, opening, np.maximum), beds.contact[:-1])[blocks]
+        return opening, (widest < NO_FORCE) & (off < SETTLED)
+
+    def running(self, blocks: Ints, bases: Bases, velocity: Floats, points: Floats) -> Roots:
+        """Find the running states of blocks with as many free motions each, from motions and points near them.
+
+        Where there is one, all of a contact slips one way, and the coarsest triangles are exact for straight laws.
+        """
+        if bases[0].shape[2] == 1 and not self.beds.laws:
+            return _run(self.coarse.springs, blocks, bases, velocity, points)
+        runs = _run(self.finer[0].springs, blocks, bases, velocity, points)
+        rows = np.flatnonzero(runs.settled)
+        for fine in self.finer:
+            some = bases[0][rows], bases[1][rows]
+            if fine is not self.finer[0]:
+                v, w, lam = _motions(some, runs.x[rows])
+                better = _run(fine.springs, blocks[rows], some, v, _points(w, lam))
+                runs.x[rows[better.settled]] = better.x[better.settled]
+            v, w, lam = _motions(some, runs.x[rows])
+            out = fine.springs.finer().unbalanced(blocks[rows], w, v, lam, running=True).out
+            rows = self.noted(fine, blocks, rows, np.abs(_change(runs.slopes[rows], out) / lam))
+        return runs
+
+    def noted(self, fine: BedPath, blocks: Ints, rows: Ints, change: Floats) -> Ints:
+        """Note what triangles finer than these would change in some rows; return those where that matters."""
+        self.found.split[blocks[rows]], self.found.change[blocks[rows]] = fine.springs.split, change
+        return rows[change > FINER_PRESSED]
+
+    def checked(self, fine: BedPath, blocks: Ints, rows: Ints, lowest: Floats, tangent: Floats) -> Ints:
+        """Note what finer triangles would do to ln λ at points (n, u + 1) of paths, to first order, as `noted`."""
+        springs, some, points = fine.springs, blocks[rows], lowest[rows]
+        u, reduction = points[:, :-1], np.exp(points[:, -1])
+        at = springs.unbalanced(some, u, u, reduction)
+        scaled = (at.by_opening + at.by_slip) * lengths(u)[:, None, None]
+        slopes = bordered(scaled, at.by_reduction * reduction[:, None], tangent[rows])
+        out = springs.finer().unbalanced(some, u, u, reduction).out
+        return self.noted(fine, blocks, rows, np.abs(_change(slopes, out)))
+
+    # -- stages 3 and 4 ------------------------------------------------------------------------------------------
+
+    def along_paths(self, blocks: Ints, guess: Floats, ends: Floats) -> None:
+        """Follow the paths of blocks to their least λ."""
+        u, reduction = self.coarse.start(blocks, guess)
+        rests = np.isfinite(reduction)
+        blocks, u, reduction, ends = blocks[rests], u[rests], reduction[rests], ends[rests]
+        if not len(blocks):
+            return
+        path, elastic = self.followed(blocks, u, reduction, ends), lengths(u)
+        self.found.early[blocks], self.found.steps[blocks] = np.exp(path.early), path.steps
+        lowest, tangent, is_far = path.lowest.copy(), path.tangent.copy(), path.outcome == PathEnd.FAR
+        path.turns &= ~is_far | (path.point[:, -1] - path.lowest[:, -1] > POLISHED)  # else it is level
+        turns = np.flatnonzero(path.turns)
+        for fine in (self.coarse, *self.finer):
+            at, along = fine.settle(blocks[turns], lowest[turns], path.heading[turns])
+            known = np.isfinite(at[:, -1])
+            lowest[turns[known]], tangent[turns[known]] = at[known], along[known]
+            if fine is not self.coarse:
+                turns = self.checked(fine, blocks, turns, lowest, tangent)
+        ends_at = np.where(is_far, path.point[:, -1], lowest[:, -1])
+        may_run = np.flatnonzero((path.outcome != PathEnd.TURNED) & (ends_at - lowest[:, -1] < _FLAT))
+        is_left = np.ones(len(blocks), dtype=bool)
+        is_left[may_run[self.settled_runs(blocks[may_run], path.of(may_run), lowest[may_run])]] = False
+        creeps = is_left & is_far & ~path.turns
+        rows = np.flatnonzero(creeps)
+        for fine in self.finer:
+            _land(fine, blocks, rows, elastic, lowest, tangent)
+            rows = self.checked(fine, blocks, rows, lowest, tangent)
+        status = np.where(creeps, BedStatus.CREEPS, BedStatus.RESTS)
+        motion = _onward(tangent, lowest)
+        self.found.put(blocks[is_left], status[is_left], lowest[is_left], motion[is_left])
+
+    def followed(self, blocks: Ints, u: Floats, reduction: Floats, ends: Floats) -> Paths:
+        """Follow paths; on finer triangles, or from a rest at less strength, where one ends before its block runs."""
+        elastic = lengths(u)
+        path = self.coarse.follow(blocks, u, reduction, elastic, ends)
+        lost = np.flatnonzero(path.outcome == PathEnd.CORNER)
+        if len(lost):
+            again = self.finer[0].follow(blocks[lost], u[lost], reduction[lost], elastic[lost], ends[lost])
+            path.go_on(lost, again)
+        for _ in range(_MOST_LOWERED):
+            lost = np.flatnonzero(path.outcome >= PathEnd.BACK)
+            rest, lower = self.coarse.lower(blocks[lost], path.lowest[lost], elastic[lost])
+            goes_on = np.isfinite(lower)
+            if not goes_on.any():
+                break
+            lost, rest, lower = lost[goes_on], rest[goes_on], lower[goes_on]
+            path.go_on(lost, self.coarse.follow(blocks[lost], rest, lower, elastic[lost], ends[lost]))
+        return path
+
+    def settled_runs(self, blocks: Ints, path: Paths, lowest: Floats) -> Bools:
+        """Find the running states that paths settle to; return for which of them there is one."""
+        settled, is_far = np.zeros(len(blocks), dtype=bool), path.outcome == PathEnd.FAR
+        points = np.concatenate([np.where(is_far[:, None], path.point, lowest)[:, :-1], lowest[:, -1:]], axis=1)
+        motion, least = _onward(path.tangent, points), np.exp(lowest[:, -1])
+        slope = np.where(is_far & ~path.turns, np.abs(path.tangent[:, -1]), 0.0)
+        for rows, bases in self.alike(blocks, self.gaps(blocks, points[:, :-1], np.minimum) < 0.0):
+            nearest = _run(self.coarse.springs, blocks[rows], bases, motion[rows], points[rows])
+            v, w, lam = _motions(bases, nearest.x)
+            near = nearest.settled & (np.abs(lam / least[rows] - 1.0) <= POLISHED + _SETTLES * slope[rows])
+            some = bases[0][near], bases[1][near]
+            runs = self.running(blocks[rows[near]], some, v[near], _points(w, lam)[near])
+            v, w, lam = _motions(some, runs.x)
+            good = rows[near][runs.settled]
+            settled[good] = True
+            self.found.put(blocks[good], BedStatus.RUNS, _points(w, lam)[runs.settled], v[runs.settled])
+        return settled
+
+
+def _motions(bases: Bases, x: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return velocities v (n, u), displacements w (n, u) and λ (n,) of running states x."""
+    free = bases[0].shape[2]
+    return (bases[0] @ x[:, :free, None])[:, :, 0], (bases[1] @ x[:, free:-1, None])[:, :, 0], x[:, -1]
+
+
+def _points(displacement: Floats, reduction: Floats) -> Floats:
+    """Return displacements and ln λ, (n, u + 1); that of no strength is none."""
+    return np.concatenate([displacement, np.log(np.maximum(reduction, TINY))[:, None]], axis=1)
+
+
+def _onward(tangent: Floats, points: Floats) -> Floats:
+    """Return how blocks move on (n, u): at a corner all sticks until all runs, and goes on as it was displaced."""
+    return np.where(lengths(tangent[:, :-1])[:, None] < LEVEL, points[:, :-1], tangent[:, :-1])
+
+
+def _change(slopes: Floats, out: Floats) -> Floats:
+    """Return by what λ (n,) of states with slopes (n, u + 1, u + 1) changes with unbalanced forces (n, u)."""
+    return solved(slopes, np.concatenate([-out, np.zeros((len(out), 1))], axis=1))[:, -1]
+
+
+def _run(springs: BedSprings, blocks: Ints, bases: Bases, velocity: Floats, points: Floats) -> Roots:
+    """Balance the forces of blocks that run, by Newton's method from velocities (n, u) and points (n, u + 1)."""
+    free, size = bases[0].shape[2], springs.beds.load.shape[1]
+    along, elastic = (
+        (basis.transpose(0, 2, 1) @ at[:, :, None])[:, :, 0]
+        for basis, at in zip(bases, (velocity, points[:, :-1]), strict=True)
+    )
+    start = np.concatenate([units(along), elastic, np.exp(points[:, -1:])], axis=1)
+
+    def equations(rows: Ints, x: Floats) -> tuple[Floats, Floats, Floats]:
+        some = bases[0][rows], bases[1][rows]
+        v, w, lam = _motions(some, x)
+        at = springs.unbalanced(blocks[rows], w, v, lam, running=True)
+        slopes = np.concatenate([at.by_slip @ some[0], at.by_opening @ some[1]], axis=2)
+        speed = np.concatenate([x[:, :free], np.zeros((len(x), size + 1 - free))], axis=1)
+        off = 0.5 * ((speed * speed).sum(axis=1) - 1.0)
+        small = NO_FORCE * np.maximum(1.0, np.abs(lam))
+        return np.concatenate([at.out, off[:, None]], axis=1), bordered(slopes, at.by_reduction, speed), small
+
+    return solve_rows(equations, start, _RUNNING)
+
+
+def _land(fine: BedPath, blocks: Ints, rows: Ints, elastic: Floats, lowest: Floats, tangent: Floats) -> None:
+    """Move points of paths that creep to `FAR` elastic displacements, on finer triangles."""
+    goal, start = FAR * elastic[rows], lowest[rows]
+    start[:, :-1] = units(start[:, :-1])
+    planes = np.concatenate([start[:, :-1], np.zeros((len(rows), 1))], axis=1)
+    found = fine.on_planes(blocks[rows], planes, goal, start)
+    good = rows[found.settled]
+    lowest[good] = on_scale(found.x, goal)[found.settled]
+    tangent[good] = found.tangent[found.settled]
