@@ -14,7 +14,7 @@ from slopekit.kinds.single_block.one_block_limit import FoundLimit, moment_limit
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import Loads
 from slopekit.preie.one_block import bed_path
-from slopekit.preie.one_block.bed_limits import SPLITS, BedLimits, BedStatus, Slides, bed_limits
+from slopekit.preie.one_block.bed_limits import SPLITS, BedLimits, BedStatus, bed_limits
 from slopekit.preie.one_block.polygon_bed import Beds, BedSprings, Unbalanced, bed_of
 from slopekit.preie.system.model import JointStrength, build_model
 from slopekit.result import Result
@@ -26,8 +26,7 @@ WIDTH, WEIGHT = 8.0, 2400.0  # m, kN per metre of dam
 
 def limit_on(bed: Beds, guess: float, splits: tuple[int, ...] = SPLITS) -> BedLimits:
     """The limit on a bed, no slide of the forces alone known."""
-    none = np.zeros((1, bed.load.shape[1])), np.zeros(len(bed.rows), dtype=bool)
-    return bed_limits(bed, Slides(np.array([1.0 / guess]), *none), splits)
+    return bed_limits(bed, np.append(np.zeros(bed.load.shape[1]), 1.0 / guess)[None], splits)
 
 
 def factor_on(bed: Beds, guess: float, split: int) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats, Ints, cross
 from slopekit.core.records import dataclass
-from slopekit.preie.one_block.bed_limits import BedStatus, Slides, bed_limits
+from slopekit.preie.one_block.bed_limits import BedStatus, bed_limits
 from slopekit.preie.one_block.bed_path import lengths
 from slopekit.preie.one_block.polygon_bed import Beds, contact_rows, cross_2d
 from slopekit.preie.system.model import local_axes
@@ -120,13 +120,13 @@ def _limits(blocks: Blocks) -> BlockLimits:
     beds, contacts = blocks.beds(), blocks.counts > 0
     status, slides = forces_slides(beds)
     found = bed_limits(beds, slides)
-    looked_at = slides.reduction > 0.0
+    looked_at = slides[:, -1] > 0.0
     rests = found.status != BedStatus.NO_REST
     pressed = np.full(contacts.shape, np.nan)
     pressed[contacts] = pressed_shares(beds, found.displacement)
     pressed[~(looked_at & rests)] = np.nan
     with np.errstate(divide="ignore"):
-        forces = np.where(status == ForcesStatus.SLIDES, 1.0 / slides.reduction, np.nan)
+        forces = np.where(status == ForcesStatus.SLIDES, 1.0 / slides[:, -1], np.nan)
     bed = 1.0 / found.reduction
     return BlockLimits(
         factor=np.where(rests | ~looked_at, np.fmin(forces, bed), np.nan),
@@ -139,8 +139,8 @@ def _limits(blocks: Blocks) -> BlockLimits:
     )
 
 
-def forces_slides(beds: Beds) -> tuple[Ints, Slides]:
-    """Return what the forces alone do to blocks (n,), and how they slide: λ is not a number where none slides.
+def forces_slides(beds: Beds) -> tuple[Ints, Floats]:
+    """Return what the forces alone do to blocks (n,), and how they slide, (n, u + 1) as `bed_limits` takes it.
 
     Contacts push with N >= 0 so as to leave the least of the load (Moreau's decomposition): of all sets of contacts
     that may carry it, it is that whose pushes are not negative and which no other contact would add to.
@@ -172,9 +172,9 @@ def forces_slides(beds: Beds) -> tuple[Ints, Slides]:
     status = np.where(driving > NO_FORCE, status, ForcesStatus.NOT_DRIVEN)
     with np.errstate(divide="ignore"):
         reduction = np.where(status == ForcesStatus.SLIDES, driving / resisting, np.nan)
-    velocity = np.zeros_like(beds.load)
-    velocity[:, :3] = pull / np.maximum(driving, TINY)[:, None]
-    return status, Slides(reduction, velocity, touching[inside])
+    slides = np.zeros((blocks, beds.load.shape[1] + 1))
+    slides[:, :3], slides[:, -1] = pull / np.maximum(driving, TINY)[:, None], reduction
+    return status, slides
 
 
 def pressed_shares(beds: Beds, opening: Floats) -> Floats:

@@ -63,21 +63,6 @@ class BedStatus(IntEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Slides:
-    """The slides of n blocks by their forces alone, where they are known.
-
-    Attributes
-    ----------
-    reduction : (n,) λ = 1/F, or a guess of about the right size; a block is left alone where it is not a number
-    velocity : (n, u) of unit length, without turning; touching : (m,) contacts that carry force
-    """
-
-    reduction: Floats
-    velocity: Floats
-    touching: Bools
-
-
-@dataclass(frozen=True, slots=True)
 class BedLimits:
     """The limits of n blocks on their beds.
 
@@ -116,11 +101,13 @@ class BedLimits:
         self.displacement[blocks], self.velocity[blocks] = points[:, :-1], units(velocity)
 
 
-def bed_limits(beds: Beds, slides: Slides, splits: tuple[int, ...] = SPLITS) -> BedLimits:
+def bed_limits(beds: Beds, slides: Floats, splits: tuple[int, ...] = SPLITS) -> BedLimits:
     """Return the limits of some blocks on their beds.
 
     Parameters
     ----------
+    slides : (n, u + 1) of their forces alone: velocity of length one without turning, none where it is not known, and
+        λ = 1/F, or a guess of about the right size; a block is left alone where that is not a number
     splits : of the triangles on which limits are settled; the next where it changes one by more than `FINER_PRESSED`
     """
     count = len(beds.load)
@@ -137,13 +124,14 @@ def bed_limits(beds: Beds, slides: Slides, splits: tuple[int, ...] = SPLITS) -> 
     limits = _Limits(beds, splits, found)
     ends = np.full(count, np.inf)
     if not beds.laws:
-        every = np.logical_and.reduceat(slides.touching, beds.contact[:-1])
-        blocks = np.flatnonzero(every & (slides.reduction > 0.0))
-        for rows, bases in limits.alike(blocks, slides.touching):
-            limits.slide(blocks[rows], bases, slides, ends)
-    left = np.flatnonzero((found.status == BedStatus.NO_REST) & (slides.reduction > 0.0))
+        moves = beds.rows[:, 0] * np.repeat(slides[:, :-1], np.diff(beds.contact), axis=0)
+        apart = np.add.reduceat(np.abs(moves.sum(axis=1)), beds.contact[:-1])
+        blocks = np.flatnonzero((apart < PARALLEL) & slides[:, :-1].any(axis=1) & (slides[:, -1] > 0.0))
+        for rows, bases in limits.alike(blocks, np.ones(len(beds.rows), dtype=bool)):
+            limits.slide(blocks[rows], bases, slides[blocks[rows]], ends)
+    left = np.flatnonzero((found.status == BedStatus.NO_REST) & (slides[:, -1] > 0.0))
     if len(left):
-        limits.along_paths(left, slides.reduction[left], ends[left])
+        limits.along_paths(left, slides[left, -1], ends[left])
     return found
 
 
@@ -183,12 +171,12 @@ class _Limits:
             if len(rows):
                 yield rows, (basis[rows, size:].transpose(0, 2, 1), basis[rows, :size].transpose(0, 2, 1))
 
-    def slide(self, blocks: Ints, bases: Bases, slides: Slides, ends: Floats) -> None:
+    def slide(self, blocks: Ints, bases: Bases, slides: Floats, ends: Floats) -> None:
         """Settle the blocks that slide on all of their contacts, and those whose path ends at a running state.
 
         Notes in `ends` ln λ of the running states to which the paths of others rise.
         """
-        reduction, velocity = slides.reduction[blocks], slides.velocity[blocks]
+        reduction, velocity = slides[:, -1], slides[:, :-1]
         elastic, is_pressed = self.pressed(blocks, bases, reduction, velocity)
         points = np.concatenate([elastic, np.log(reduction)[:, None]], axis=1)
         self.found.put(blocks[is_pressed], BedStatus.PRESSED, points[is_pressed], velocity[is_pressed])

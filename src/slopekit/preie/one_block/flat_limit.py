@@ -16,7 +16,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
-from slopekit.preie.one_block.bed_limits import BedLimits, BedStatus, Slides, bed_limits
+from slopekit.preie.one_block.bed_limits import BedLimits, BedStatus, bed_limits
 from slopekit.preie.one_block.bed_path import COARSE, BedPath, lengths
 from slopekit.preie.one_block.limit import dilating_limit, forces_only_limit, stands_without_strength
 from slopekit.preie.one_block.passes import Limit, Outcome
@@ -39,13 +39,14 @@ class FlatLimit:
     ----------
     forces : the limit of the forces alone
     exact : the same slide with its moments balanced, pressed on the whole of each joint; None where there is none
-    bed, slides, state : the elastic bed, where its limit is looked for, and that; None where forces alone settle it
+    bed, slides, state : the elastic bed, the slide that `bed_limits` begins at, and what it found; None where forces
+        alone settle it
     """
 
     forces: Limit
     exact: Limit | None = None
     bed: Beds | None = None
-    slides: Slides | None = None
+    slides: Floats | None = None
     state: BedLimits | None = None
 
     @property
@@ -79,12 +80,8 @@ def before_bed(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -
     if stands or forces.outcome in (Outcome.LIFTED, Outcome.NOT_CONVERGED) or forces.factor == 0.0:
         return FlatLimit(forces)
     bed = bed_of(model, polygons, centroid)
-    touching = np.array([forces.bond[model.interface == key].any() for key in sorted(polygons)])
-    slides = Slides(
-        reduction=np.array([1.0 / (forces.factor or 1.0)]),
-        velocity=forces.velocity_of(model)[None],
-        touching=touching & (forces.factor is not None),
-    )
+    known = forces.velocity_of(model) * (forces.factor is not None)
+    slides = np.append(known, 1.0 / (forces.factor or 1.0))[None]
     state = bed_limits(bed, slides)
     if state.status[0] == BedStatus.PRESSED and not model.dilates:
         exact = _pressed_slide(model, forces, bed.in_units_of(model, state.displacement[0]))
@@ -131,7 +128,7 @@ def lowest_factor(limit: FlatLimit) -> float | None:
     early, one = state.early[0], np.zeros(1, dtype=np.int64)
     if np.isnan(early):
         path = BedPath(BedSprings(bed, COARSE))
-        u, reduction = path.start(one, slides.reduction)
+        u, reduction = path.start(one, slides[:, -1])
         early = np.exp(path.follow(one, u, reduction, lengths(u), np.log(state.reduction)).early[0])
     ratios = [bed_limits(replace(bed, shear_ratio=ratio), slides).factor[0] for ratio in SHEAR_RATIOS]
     lowest = float(np.nanmin([limit.factor, 1.0 / early, *ratios]))
