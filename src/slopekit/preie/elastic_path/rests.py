@@ -1,6 +1,6 @@
 """Whether all blocks come to rest just before a factor, and whether they are at their limit there.
 
-What was found another way than along the path, by a group or by rounded joints, is held against this.
+What was found another way than along the path, by a group, is held against this.
 """
 
 import math

@@ -39,6 +39,7 @@ if TYPE_CHECKING:  # one block needs no sparse matrices before it comes to progr
 _SPARE = -1.0  # of the lighter block's load, that friction may fall short of its strength everywhere
 _LEFT = 0.99  # of that: beyond it the distance says nothing of λ
 _MOST_TRIALS = 60  # of λ
+_MOST_TURNS = 2  # from one side to the other before the bracket is halved: Newton's method goes nowhere
 _ROUNDED = 1e-4  # λ below which distances are rounding: blocks are locked unless a motion proves their bound
 _LIFTED = 1e3  # λ up to which no forces are seen to balance: there are none, programs of more are badly scaled
 _PAIRS_AN_UNKNOWN = 4.0  # node pairs that a program works on as on one unknown: one block may have thousands
@@ -175,6 +176,7 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
     program = Distance(model, np.zeros(model.load.size), np.ones(len(model.control_area)), start, _SPARE)
     reduction, tolerance, low, high = start, ROUGHLY_SOLVED, 0.0, math.inf
     stride, proved = _LONGEST_STRIDE, 0.0
+    is_short, turns = False, 0  # turns: trials in a row that ended on the other side than the one before
     best: DistanceAt | None = None
     motion = np.zeros(model.load.size)
 
@@ -197,7 +199,9 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
         newton = far.slope < 0.0 and _LEFT * _SPARE < far.distance < math.inf
         trial = reduction - far.distance / far.slope if newton else math.inf
         near_enough = newton and abs(trial / reduction - 1.0) < ROUGHLY_CLOSE
-        if far.distance > 0.0:  # also where the program gave up: it did not find any
+        turns = turns + 1 if is_short != (far.distance > 0.0) else 0
+        is_short = far.distance > 0.0  # also where the program gave up: it did not find any
+        if is_short:
             low = reduction
         else:
             high, best = reduction, far
@@ -217,7 +221,8 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
             return bound(None, locked=True)
         if low > FARTHEST:
             break
-        if not max(low, reduction / stride) < trial < min(high, reduction * stride):
+        if turns > _MOST_TURNS or not max(low, reduction / stride) < trial < min(high, reduction * stride):
+            turns = 0
             if low > 0.0 and high < math.inf:
                 trial = math.sqrt(low * high)
             else:
