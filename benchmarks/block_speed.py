@@ -65,7 +65,7 @@ def scene_of(name: str, blocks: int):
 def case(name: str, blocks: int, passes: int | None) -> dict:
     """Both solvers on one scene; `passes`: how many the other one is said to need, None: run them."""
     from slopekit.preie.many_blocks.blocks import limit_of_blocks
-    from slopekit.preie.programs.program import BlockProgram, Strengths
+    from slopekit.preie.programs.bounds import static_bound
 
     scene, phi, exact = scene_of(name, blocks)
     began = time.perf_counter()
@@ -73,8 +73,7 @@ def case(name: str, blocks: int, passes: int | None) -> dict:
     built = time.perf_counter() - began
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
     began = time.perf_counter()
-    program = BlockProgram(model)
-    program.solve(Strengths(model.tan_dilation, normality=1.0), program.start, 3e-7, 150)
+    static_bound(model)
     bound = time.perf_counter() - began
     began = time.perf_counter()
     found = limit_of_blocks(model)

@@ -24,7 +24,6 @@ from slopekit.preie.many_blocks.blocks import limit_of_blocks
 from slopekit.preie.one_block.limit import curved_limit_analysis
 from slopekit.preie.one_block.limit_state import elastic_displacement
 from slopekit.preie.programs.mechanism import COLD, least_work_mechanism
-from slopekit.preie.programs.program import BlockProgram, Strengths
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.model import Model
 from slopekit.strength.mohr_coulomb import line
@@ -99,25 +98,9 @@ def passes_limit(model: Model, passes: int) -> float:
     return factor
 
 
-def frozen_passes(contacts: Contacts, most: int) -> Answer:
-    """Frozen-friction passes alone, stopped after so many, every bond whole: of many blocks slopekit has none left."""
-    if isinstance(contacts, OneBlock):
-        return Answer(passes_limit(contacts.one, most))
-    program = BlockProgram(contacts)
-    at, changed = program.start, 0.3
-    normal, begin = at.normal, at
-    for _ in range(most):
-        carried = program.cohesion + contacts.tan_friction * contacts.by_group(normal)
-        strengths, trail = Strengths(0.0 * carried, carried), [begin]
-        last = min(max(1e-2 * changed, 1e-7), 1e-3)
-        for tolerance in [part for part in np.logspace(-1.0, -6.0, 11) if part > last] + [last]:
-            trail.append(program.solve(strengths, trail[-1], tolerance, 60).at)
-        at = trail[-1]
-        changed = max(float(np.abs(at.normal - normal).sum()) / float(np.abs(at.normal).sum()), 1e-6)
-        normal = at.normal
-        inside = [x for x in trail[1:] if x.complementarity > 3.0 * changed * at.load_factor]
-        begin = inside[-1] if inside else program.start
-    return Answer(1.0 / at.load_factor if at.load_factor > 0.0 else None)
+def frozen_passes(block: OneBlock, most: int) -> Answer:
+    """Frozen-friction passes of one block alone, stopped after so many, every bond whole."""
+    return Answer(passes_limit(block.one, most))
 
 
 def conic_passes(contacts: Contacts, parts: float, most: int) -> Answer:

@@ -119,7 +119,8 @@ def rivals_of(contacts, about: float, *, passes, parts, widths, checks, budget: 
               siconos_budget: float | None = None):  # fmt: skip
     """The rivals on one model: efforts of the passes, conic sequences, bisections and Siconos (widths)."""
     wait = budget if siconos_budget is None else siconos_budget
-    entrants = [(PASSES, f"{k} pass{'es' if k > 1 else ''}", partial(frozen_passes, contacts, k)) for k in passes]
+    frozen = passes if isinstance(contacts, OneBlock) else ()
+    entrants = [(PASSES, f"{k} pass{'es' if k > 1 else ''}", partial(frozen_passes, contacts, k)) for k in frozen]
     entrants += [
         (SEQUENCE, "1 pass" if part == 1.0 else f"to {part:g}",
          partial(conic_passes, contacts, part, 1 if part == 1.0 else 40)) for part in parts

@@ -1,4 +1,4 @@
-"""The programs of `programs.program` put to a general conic solver (Clarabel): no line in common but the matrix B."""
+"""Frozen friction and the static bound by a general conic solver (Clarabel): no line in common but the matrix B."""
 
 import math
 import time

@@ -14,7 +14,6 @@ from slopekit.preie.programs.bound import StaticBound, is_proved
 from slopekit.preie.programs.bound_of_many import bound_in_one_run
 from slopekit.preie.programs.bounds import static_bound
 from slopekit.preie.programs.distance import bound_by_programs
-from slopekit.preie.programs.program import ProgramResult
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.tolerances import BOUND_ACCURACY, BOUND_ROUGHLY
 from tests.preie import assembly_oracle, path_oracle
@@ -172,7 +171,7 @@ def test_of_many_parts_say_where_to_begin(held_back, monkeypatch) -> None:
     monkeypatch.setattr(bound_of_many, "_LAYERS", 1)
     parts, runs, starts = bound_of_many._of_parts, bound_of_many._run, []
 
-    def watched(program: bound_of_many._Shortfall, start: float, known: bool = False):
+    def watched(program: bound_of_many.Shortfall, start: float, known: bool = False):
         starts.append((len(program.model.load), start, known))
         return runs(program, start, known)
 
@@ -207,6 +206,5 @@ def test_programs_that_did_not_close_are_not_run_again(monkeypatch) -> None:
     programs: list[AssemblyModel] = []
     monkeypatch.setattr(bounds, "bound_in_one_run", lambda *_: None)
     monkeypatch.setattr(bounds, "bound_by_programs", lambda model, *_, **__: programs.append(model))
-    monkeypatch.setattr(bounds.BlockProgram, "solve", lambda self, *_: ProgramResult(self.start, False, 1, 1.0))
     assert static_bound(MODELS["boxes"]()).factor is None
     assert len(programs) == 1

@@ -19,11 +19,8 @@ from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.bed_states import BedForces, Drive, PressedShare
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
 from slopekit.preie.one_block.polygon_bed import Beds, BedSprings, contact_rows
-from slopekit.preie.programs.bound_of_many import _Shortfall, bound_in_one_run
-from slopekit.preie.programs.cone_steps import ConeEquations, residuals
-from slopekit.preie.programs.cones import longest_step
-from slopekit.preie.programs.iterates import IterateStep
-from slopekit.preie.programs.program import BlockProgram, NewtonEquations, Residuals
+from slopekit.preie.programs.bound_of_many import bound_in_one_run
+from slopekit.preie.programs.distance import bound_by_programs
 from slopekit.preie.solvers.fronts import Fronts
 from slopekit.preie.solvers.stiffness import SparseStiffness
 from slopekit.preie.system.patterns import ContactPattern, compiled_contacts
@@ -106,30 +103,6 @@ def test_factors_and_the_stiffness_of_contacts(make, symmetric) -> None:
     tangent = tangent + tangent.transpose(0, 2, 1)
     exact, found = both_ways(lambda: ContactPattern(model).stiffness(springs, tangent))
     assert close(found, exact)
-    tilt, weights = rng.normal(size=(len(tangent), t)), tuple(rng.normal(size=(4, len(tangent))))
-
-    def coupled() -> np.ndarray:
-        out = stiffness.copy()
-        ContactPattern(model).couple(out, springs, tilt, weights)
-        return out
-
-    exact, found = both_ways(coupled)
-    assert not close(exact, stiffness)
-    assert close(found, exact)
-
-
-@compiled_only
-@given(st.integers(0, 10**6), st.sampled_from([2, 3]), st.integers(1, 9))
-@settings(max_examples=40, deadline=None)
-def test_the_longest_step_in_cones(seed, width, rows) -> None:
-    """Into the cones, out of them, and along none (a step of zero)."""
-    rng = np.random.default_rng(seed)
-    point, step = rng.normal(size=(rows, width)), rng.normal(size=(rows, width))
-    point[:, 0] = np.sqrt((point[:, 1:] ** 2).sum(axis=1)) + rng.uniform(0.1, 1.0, rows)
-    step[:, 0] += rng.choice([0.0, 5.0])
-    step *= rng.choice([0.0, 1.0], (rows, 1))
-    plain, found = both_ways(lambda: longest_step(point, step))
-    assert found == pytest.approx(plain, rel=1e-12)
 
 
 def cut_square(cohesion: float = 0.4) -> Beds:
@@ -257,7 +230,7 @@ def test_numpy_when_it_is_asked_for(monkeypatch) -> None:
     assert module.compiled() is None
     model = stack(2).model(30.0)
     assert Bed(model, Drive(model.load.ravel()))._kernels is None
-    assert BlockProgram(model).solver.contacts is None
+    assert SparseStiffness(model).contacts is None
 
 
 def test_kernels_that_are_asked_for_and_missing_are_an_error(monkeypatch) -> None:
@@ -291,30 +264,12 @@ def test_kernels_of_another_source_are_not_used(monkeypatch) -> None:
 @pytest.mark.parametrize(
     "make", [MODELS["bench with cohesion"], MODELS["slivers"], bolted], ids=["bench", "slivers", "bolts"]
 )
-def test_steps_to_the_static_bound(make) -> None:
-    """What is off, and steps with their corrections, along a run; factors of the stiffness are the same in both."""
-    program = _Shortfall(make())
-    strengths, at = program.at(0.5), program.begun()
-    for towards in (0.0, 0.3, 0.0, 0.1, 0.0):
-        exact, off = Residuals.of(program, strengths, at), residuals(program, strengths, at)
-        for field in ("normal", "strength", "factor", "balance", "gap", "unbalanced"):
-            assert close(getattr(off, field), getattr(exact, field), 1e-9), field
-        assert float(np.abs(off.slip - exact.slip).max()) < 1e-13 * float(np.abs(at.slip).max())
-        inertia = program.inertia(off.gap)
-        one = NewtonEquations.at(program, strengths, at, exact, inertia).step(towards=towards)
-        other = ConeEquations.at(program, strengths, at, off, inertia).step(towards)
-        for field in dataclasses.fields(IterateStep):
-            assert close(getattr(other, field.name), getattr(one, field.name), 1e-8), field.name
-        at = one.taken(at, one.longest(at))
-
-
-@compiled_only
-def test_the_static_bound_by_kernels() -> None:
-    """As many steps and the same bound, to 1e-8: a run that takes another way ends 1e-6 off."""
-    one, other = both_ways(lambda: bound_in_one_run(MODELS["bench with cohesion"]()))
-    assert other.factor == pytest.approx(one.factor, rel=1e-8)
-    assert other.steps == one.steps
-    assert close(other.velocity, one.velocity, 1e-3)
+def test_the_static_bound_by_kernels(make) -> None:
+    """One run, which there is none of without kernels, and programs at one λ each, to 4e-6."""
+    model = make()
+    without, found = both_ways(lambda: bound_in_one_run(model))
+    assert without is None
+    assert found.factor == pytest.approx(bound_by_programs(model).factor, rel=4e-6)
 
 
 @compiled_only

@@ -125,15 +125,6 @@ ADMISSIBLE = 1e-7
 #: it. At one factor Newton's method aims at a thousandth of it.
 EQUILIBRIUM = 1e-9
 
-#: Load that a program sheds, in parts of it: more says that no forces balance the load ...
-LIFTED_SHED = 1e-3
-
-#: ... if no block is out of balance by more than this part of its load.
-LIFTED_BALANCED = 2e-2
-
-#: What the residuals of its motion may be worth, in parts of the load factor, and of the equation P v = 1 of that.
-MOTION_RESIDUAL = 1e-4
-
 # -- Searches: where one ends -----------------------------------------------------------------------------------------
 
 #: Tolerance of a cone program, and complementarity of a proposal; distance of admissible forces from those of a

@@ -16,12 +16,11 @@ from slopekit.preie.elastic_path.bed_states import BedForces, NewtonStep
 #: Viscosity after a step that went well (after one that did not the inverse), and in large steps.
 EASES, _GENTLY = 0.2, 0.5
 THICK = 1e-2  # viscosity in parts of the elastic stiffness, to go on with
-#: The least viscosity, and the most that is needed: with that, in space, a step has to be found.
-THIN, THICKEST = 1e-8, 0.3
+THIN = 1e-8  # the least
 _FAILS = 6  # steps in a row
 _MANY = 12  # blocks in space
 _FEW, _ROUNDS, _WORK = 0.3, 8, 60  # part of the blocks that are settled by themselves, how often, factorisations
-ENOUGH = 0.3  # of what may stay unbalanced: blocks that are less out of balance are left alone
+_ENOUGH = 0.3  # of what may stay unbalanced: blocks that are less out of balance are left alone
 _LESS = 0.5  # of what was out of balance, that has to go
 
 
@@ -111,7 +110,7 @@ def _eliminated(bed: Bed, last_step: NewtonStep, before: Floats, viscosity: floa
     for turn in range(_ROUNDS):
         _, off = bed.unbalanced_parts(last_step.at, before, last_step.parameter, viscosity)
         off = np.abs(off / bed.unbalanced_at_most).reshape(-1, size).max(axis=1)
-        out = off > ENOUGH
+        out = off > _ENOUGH
         worst = float(off.max())
         if not 0 < int(out.sum()) <= _FEW * len(out) or (turn > 1 and worst > _LESS * last):
             break

@@ -29,8 +29,7 @@ from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.bed_states import BedForces
 from slopekit.preie.elastic_path.flow import Flow
 from slopekit.preie.kernels import compiled
-from slopekit.preie.programs.cone_steps import PAIR
-from slopekit.preie.programs.cones import determinant
+from slopekit.preie.programs.cone_steps import PAIR, determinant
 from slopekit.preie.solvers.fronts import Solver
 from slopekit.preie.tolerances import DIAGONAL_SHIFT, LAGGED_ROUNDING, SPRING_ROUNDING, TINY
 from slopekit.strength.mohr_coulomb import line

@@ -1,6 +1,6 @@
 """Whether all blocks come to rest just before a factor, and whether they are at their limit there.
 
-What was found another way than along the path, by a group or by rounded joints, is held against this.
+What was found another way than along the path, by a group, is held against this.
 """
 
 import math
@@ -24,7 +24,7 @@ _LAGGED, _LAGGED_FAR = 2000, 30000
 _FAR = 5.0  # times the work: another rest is far away
 _CLOSE_BY = 0.8  # ratio from which on viscous flow is tried
 _OF_LEFT = 0.7  # of the work that is left
-_TO_REST, _LET_GO, _BEYOND = 250, 600, 1e-2  # factorisations to come to rest, and to run; how far beyond a limit
+_TO_REST, _LET_GO, _BEYOND = 250, 600, 1e-2  # factorisations on the way to a rest, and at a limit; how far beyond it
 
 
 def rest_at(bed: Bed, at: Floats, parameter: float) -> Flow | None:
@@ -35,7 +35,7 @@ def rest_at(bed: Bed, at: Floats, parameter: float) -> Flow | None:
     rest = lagged_rest(bed, parameter) if _is_large(bed) else None
     if rest is not None or bed.size > _LAGGED_FAR:
         return rest
-    flow = relaxed(bed, at, parameter, 0.0, runs_at=RUNS, patience=_TO_REST)
+    flow = relaxed(bed, at, parameter, 1.0, runs_at=RUNS, patience=_LET_GO)
     return flow if flow.ended == "rest" else None
 
 

@@ -19,45 +19,21 @@ convex program, a score for each program that `programs.distance` would solve; w
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.arrays import Bools, Ints
 from slopekit.core.errors import SolverError
 from slopekit.preie.kernels import compiled
 from slopekit.preie.many_blocks.key_blocks import sliding_factors
 from slopekit.preie.programs.bound import StaticBound, is_proved
-from slopekit.preie.programs.cone_steps import ConeEquations
-from slopekit.preie.programs.cone_steps import residuals as cone_residuals
-from slopekit.preie.programs.cones import determinant
-from slopekit.preie.programs.iterates import Iterate, IterateStep
-from slopekit.preie.programs.program import (
-    CRAWL,
-    GIVE,
-    MOST_LOAD,
-    MOST_STEPS,
-    STALLED,
-    BlockProgram,
-    NewtonEquations,
-    Residuals,
-    Strengths,
-)
+from slopekit.preie.programs.cone_steps import ConeEquations, Residuals, Shortfall
 from slopekit.preie.system.assembly import AssemblyModel
-from slopekit.preie.tolerances import (
-    BOUND_ACCURACY,
-    DIAGONAL_SHIFT,
-    EACH_BALANCED,
-    FARTHEST,
-    LEAST_STRENGTH,
-    NEAR,
-    TINY,
-)
-from slopekit.strength.mohr_coulomb import line
+from slopekit.preie.tolerances import BOUND_ACCURACY, EACH_BALANCED, FARTHEST, LEAST_STRENGTH, NEAR
 
+_MOST_STEPS = 150  # it takes 20 to 60
+_CRAWL, _STALLED = 0.01, 8  # so many steps as short as that: the boundary holds it
 _MANY = 150  # blocks of which parts come first
 _PARTS, _LAYERS, _LARGEST = 6, 3, 0.7  # at most; contacts about what moves; the largest, in parts of all blocks
 _MOVING = 1e-5  # speed there, in parts of the fastest
 _START, _LOWER = 0.3, 0.1  # λ to begin with, and to begin again with, in parts, where blocks jam at that
-_LARGE = 10.0  # forces and s to begin with, in parts of the loads: half or twice as much take as many steps
-_LIFTED = 1.0  # least of them about the forces of an elastic bed, in parts of the loads; three times as much is as good
-_HARDLY = 1e-3  # of the elastic give of few blocks: all of it moves the bound of 941 by 7e-6
 _AIM, _NO_NEARER = 0.5, 0.1  # of what s may still be: no less complementarity than that where λ moves, and stays
 _KNOWN = 0.5  # part of the complementarity that what is off may be worth for λ to move
 _UNSURE = 3.0  # complementarity in parts of what s may still be, from which on λ stays
@@ -66,83 +42,17 @@ _DOUBT = 10.0  # how many times what residuals are worth at an iterate they may 
 _FALLS, _GROWS = 0.7, 2.0  # parts of λ by which it goes down and up at most
 
 
-class _Shortfall(BlockProgram):
-    """That program in the terms of `BlockProgram`: its load factor is 1 + s."""
-
-    def __init__(self, model: AssemblyModel) -> None:
-        super().__init__(model)
-        own = self.least_load[:: model.unknowns]
-        lighter = np.minimum(own[model.plus], np.where(model.minus < 0, np.inf, own[model.minus]))
-        self.weight, self.pair_weight = lighter[model.group_contact], lighter[model.pair_contact]
-        self.elastic = _HARDLY * GIVE
-        self.own_load, self.pulls = self.load, self.middle
-        self.middle = np.zeros_like(self.load)
-        self.cones = len(self.pair_weight) + len(self.weight) + 1
-
-    def at(self, reduction: float) -> Strengths:
-        """The program of one λ."""
-        self.load = self.own_load + reduction * self.pulls
-        friction = reduction * self.model.tan_friction
-        return Strengths(friction, self.weight, reduction * self.cohesion - self.weight)
-
-    def begun(self) -> Iterate:
-        """A start in which every cone has its middle."""
-        pairs, (groups, tangents) = len(self.pair_weight), self.model.slip_rows.shape[:2]
-        none, unit = np.zeros((groups, tangents)), _LARGE / (2.0 * pairs)
-        normal, room = _LARGE * self.pair_weight, _LARGE * self.weight[:, None]
-        return Iterate(
-            normal, none, _LARGE, unit / MOST_LOAD, np.hstack([room, none]), np.zeros(len(self.load)), unit / normal,
-            np.hstack([unit / room, none]), MOST_LOAD,
-        )  # fmt: skip
-
-    def begun_elastic(self, reduction: float) -> Iterate:
-        """The same about the forces of an elastic bed, which is nearer to a λ that is known to be good."""
-        normal = np.maximum(self.start.normal, _LIFTED * self.pair_weight)
-        room = reduction * self.model.tan_friction * self.model.by_group(normal) + self.weight
-        size = np.sqrt((self.start.friction * self.start.friction).sum(axis=1))
-        friction = self.start.friction * np.minimum(1.0, 0.5 * room / np.maximum(size, TINY))[:, None]
-        strength = np.hstack([room[:, None], friction])
-        slip = strength / determinant(strength)[:, None]
-        slip[:, 1:] *= -1.0
-        unit = 1.0 / float(self.weight @ slip[:, 0])
-        return Iterate(
-            normal, friction, 2.0, unit / MOST_LOAD, strength, np.zeros(len(self.load)), unit / normal, unit * slip,
-            MOST_LOAD,
-        )  # fmt: skip
-
-    def falls(self, at: Iterate) -> float:
-        """ds/dλ."""
-        strength = line(self.cohesion, self.model.tan_friction, self.model.by_group(at.normal))
-        return float(self.pulls @ at.velocity) - float(strength @ at.slip[:, 0])
-
-    def worth(self, at: Iterate, off: Residuals) -> float:
-        """What is off at an iterate may be worth to s."""
-        forces = float(np.abs(off.normal * at.normal).sum()) + float(np.abs(off.slip * at.friction).sum())
-        return forces + abs(float(off.balance @ at.velocity)) + abs(off.factor * (at.load_factor - 1.0))
-
-    def worth_of_strength(self, at: Iterate, off: Residuals) -> float:
-        """The same of what is off at the cones: λ has just moved."""
-        return float(np.abs(off.strength * at.slip).sum())
-
-    def overdrawn(self, off: Residuals) -> float:
-        """The strength by which cones are off at most, in parts of the loads."""
-        return float((np.abs(off.strength).max(axis=1) / self.weight).max())
-
-    def inertia(self, gap: float) -> Floats:
-        """Hardly anything of the stiffness of each block, (n u,): of slivers too, which the mean would hold."""
-        small: Floats = (DIAGONAL_SHIFT * self.cones / gap) * self.least_load * self.least_load
-        return small
-
-
 def bound_in_one_run(model: AssemblyModel, accuracy: float = BOUND_ACCURACY) -> StaticBound | None:
     """The static bound; None where it comes to no end: nothing balances the loads, anything does, or steps are many.
 
-    Nor where its motion does not prove it to an accuracy.
+    Nor where its motion does not prove it to an accuracy, nor without compiled kernels, which have its steps.
     """
+    if compiled() is None:
+        return None
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         known = _of_parts(model) if len(model.load) > _MANY else None
-        bound = None if known is None else _proved(model, _run(_Shortfall(model), known, True), accuracy)
-        return _proved(model, _run(_Shortfall(model), _START), accuracy) if bound is None else bound
+        bound = None if known is None else _proved(model, _run(Shortfall(model), known, True), accuracy)
+        return _proved(model, _run(Shortfall(model), _START), accuracy) if bound is None else bound
 
 
 def _proved(model: AssemblyModel, bound: StaticBound | None, accuracy: float) -> StaticBound | None:
@@ -159,7 +69,7 @@ def _of_parts(model: AssemblyModel) -> float | None:
     for _ in range(_PARTS):
         if not 0 < len(part) <= _LARGEST * len(model.load):
             break
-        bound = _run(_Shortfall(model.among(part)[0]), reduction or _START)
+        bound = _run(Shortfall(model.among(part)[0]), reduction or _START)
         if bound is None or bound.factor is None:
             break
         reduction = 1.0 / bound.factor
@@ -192,22 +102,21 @@ def _that_might_slide(model: AssemblyModel) -> Bools:
     return slides
 
 
-def _run(program: _Shortfall, start: float, known: bool = False) -> StaticBound | None:
+def _run(program: Shortfall, start: float, known: bool = False) -> StaticBound | None:
     """The run from a λ; `known` where the bound's is no lower, and hardly higher."""
     at, reduction, low, high, stalled = program.begun(), start, 0.0, np.inf, 0
     if known:
         at, low = program.begun_elastic(start), (1.0 - 2.0 * _SURE * NEAR) * start
-    residuals = Residuals.of if compiled() is None else cone_residuals
-    for steps in range(MOST_STEPS):
-        strengths = program.at(reduction)
-        off = residuals(program, strengths, at)
+    for steps in range(_MOST_STEPS):
+        program.set_reduction(reduction)
+        off = Residuals.of(program, at)
         if not np.isfinite(off.gap) or not LEAST_STRENGTH < reduction < FARTHEST:
             return None
-        short, falls, worth = at.load_factor - 1.0, program.falls(at), program.worth(at, off)
+        short, falls, worth = at.load_factor - 1.0, program.falls(at), off.worth(at)
         if falls == 0.0:  # no strength at all
             return None
-        most_off, unsure = -NEAR * reduction * falls, worth + program.worth_of_strength(at, off)
-        admissible = max(off.unbalanced, program.overdrawn(off)) < EACH_BALANCED
+        most_off, unsure = -NEAR * reduction * falls, worth + float(np.abs(off.strength * at.slip).sum())
+        admissible = off.outside(program) < EACH_BALANCED
         if admissible and max(abs(short), unsure) < most_off and off.gap < _SURE * most_off:
             bound = reduction - short / falls
             return StaticBound(1.0 / bound, False, False, at.velocity, at.normal, steps)
@@ -222,25 +131,17 @@ def _run(program: _Shortfall, start: float, known: bool = False) -> StaticBound 
             moves = float(np.clip(-middle / falls, farthest / falls, -farthest / falls))
             moves = min(max(moves, -_FALLS * reduction), _GROWS * reduction)
             moves = min(max(moves, 0.5 * (low - reduction)), 0.5 * (high - reduction))
-            strengths = program.at(reduction + moves)
-            off = residuals(program, strengths, at)
+            program.set_reduction(reduction + moves)
+            off = Residuals.of(program, at)
         towards = (_AIM if moves else _NO_NEARER) * abs(middle) if worth < farthest else 0.0
         try:
-            step = _step(program, strengths, at, off, towards)
+            step, length = ConeEquations(program, at, off).step(towards)
         except (SolverError, np.linalg.LinAlgError):
             return None
-        length = step.longest(at)
         at, reduction = step.taken(at, length), reduction + length * moves
-        stalled = stalled + 1 if length < CRAWL else 0
-        if stalled > STALLED and (low > 0.0 or short > 0.0):
+        stalled = stalled + 1 if length < _CRAWL else 0
+        if stalled > _STALLED and (low > 0.0 or short > 0.0):
             return None
-        if stalled > STALLED:
+        if stalled > _STALLED:
             at, reduction, high, stalled = program.begun(), _LOWER * reduction, np.inf, 0
     return None
-
-
-def _step(program: _Shortfall, strengths: Strengths, at: Iterate, off: Residuals, towards: float) -> IterateStep:
-    inertia = program.inertia(off.gap)
-    if compiled() is None:
-        return NewtonEquations.at(program, strengths, at, off, inertia).step(towards=towards)
-    return ConeEquations.at(program, strengths, at, off, inertia).step(towards)

@@ -5,100 +5,96 @@
     B_nᵀ N + B_tᵀ T + P = 0,    N >= 0,    |T_g| <= λ (c_g + μ_g Σ N)
 
 over all blocks that can move, none held. The products λ N make it no cone program, but for each λ the forces form a
-convex set that grows with λ, so that whatever satisfies the first-order conditions is the smallest. Newton on λ and
-the forces together (`Strengths.normality`) gets there at once in sections and for few blocks; else Newton on how far
-forces are at one λ (`programs.distance`) finds where they fit.
+convex set that grows with λ: Newton's method on how far forces are at one λ (`programs.distance`) finds where they fit,
+in space of more than ten blocks with λ on its way in one run (`programs.bound_of_many`).
 
 **Range**: the factors that one mechanism v can have under any admissible forces, N = 0 where it opens and
 T = -λ r in the direction of its slip (METHOD-3.md §13, M): where how far forces are from it is no more than nothing.
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.onlooker import say
-from slopekit.preie.programs.bound import StaticBound, is_proved
+from slopekit.preie.programs.bound import StaticBound
 from slopekit.preie.programs.bound_of_many import bound_in_one_run
 from slopekit.preie.programs.distance import Distance, bound_by_programs
-from slopekit.preie.programs.program import BlockProgram, ProgramResult, Strengths
 from slopekit.preie.solvers.linear import bounded_least_squares
+from slopekit.preie.solvers.stiffness import SparseStiffness
 from slopekit.preie.system.assembly import AssemblyModel
+from slopekit.preie.system.patterns import ContactPattern
 from slopekit.preie.tolerances import (
     BOUND_ACCURACY,
     BOUND_ROUGHLY,
     CARRIES,
-    CLOSE,
     EACH_BALANCED,
     EQUILIBRIUM,
-    LEAST_STRENGTH,
-    LIFTED_BALANCED,
-    LIFTED_SHED,
     LIGHTEST,
     MOVES,
     NEAR,
+    NO_FORCE,
+    NO_MOTION,
     PARALLEL,
     SOLVED,
+    TINY,
     WIDEST_RANGE,
 )
 from slopekit.strength.mohr_coulomb import line
 
-_FEW, _MOST_PROGRAMS = 10, 600  # moving blocks in space: fewer settle at once as a rule, more take minutes
+_FEW = 10  # moving blocks in space up to which programs at one λ each take no longer than one run
+_MOST_PROGRAMS = 600  # and from which they take minutes
 _CLEANED = 1500  # unknowns up to which a motion is cleaned onto its exact kinematics
 _BESIDE, _WIDER = 0.5 * NEAR, 16.0  # of the end of a range: where it is looked for beside Newton's step, and further on
+_RELEASES, _ROUGH = 40, 1e6  # rounds of letting go; springs of contacts in parts of the inertia
 _HELD = 120  # unknowns up to which normal forces that hold all blocks are looked for: a dense problem
 
 
 def static_bound(model: AssemblyModel) -> StaticBound:
     """The static bound of all blocks of a model."""
     say("static bound")
-    size = len(model.load)
-    few, asked = size <= _MOST_PROGRAMS, False
-    if model.unknowns == 6 and size > _FEW:
-        exact_bound, asked = bound_in_one_run(model, BOUND_ACCURACY if few else BOUND_ROUGHLY), few
-        if exact_bound is None and few:
-            exact_bound = bound_by_programs(model)
-        if exact_bound is not None:
-            return exact_bound
-    program = BlockProgram(model)
-    at_once = program.solve(Strengths(model.tan_dilation, normality=1.0), program.start, CLOSE)
-    at, steps = at_once.at, at_once.steps
-    if _is_lifted(at_once):
-        normal = held_by_normals(model, model.load.ravel())
-        if normal is not None:  # flat wedges in slots: their forces are many times the load
-            return StaticBound(None, False, True, at.velocity, normal, steps)
-        return StaticBound(None, True, False, program.release(), at.normal, steps)
-    if at_once.settled and at_once.unbalanced < BOUND_ACCURACY:
-        locked = at.load_factor < LEAST_STRENGTH
-        known = StaticBound(None if locked else 1.0 / at.load_factor, False, locked, at.velocity, at.normal, steps)
-        if locked or not few or (model.unknowns == 3 and is_proved(model, known)):
-            return known
-        # where blocks jam it settles a little low, or anywhere where they are locked; each bound has forces that prove
-        # it, so the higher holds
-        exact = bound_by_programs(model, at.load_factor, steps)
-        higher = exact is not None and (exact.locked or (exact.factor or 0.0) > (1.0 - BOUND_ACCURACY) / at.load_factor)
-        return exact if exact is not None and higher else known
-    # programs that did not close would end as they did
-    exact_bound = bound_by_programs(model, steps=steps) if few and not asked else None
-    if exact_bound is not None:
-        return exact_bound
-    if size == 1 and not len(model.bolts):
-        lifted = _falls_off(model)
-    else:
-        summed = model.by_group(program.start.normal)
-        frozen = line(program.cohesion, model.tan_friction, summed)
-        dilating = Strengths(model.tan_friction, frozen, -model.tan_friction * summed)
-        lifted = _is_lifted(program.solve(dilating, program.start, CLOSE))
+    found: StaticBound | None = None
+    if model.unknowns == 6 and len(model.load) > _FEW:
+        found = bound_in_one_run(model, BOUND_ACCURACY if len(model.load) <= _MOST_PROGRAMS else BOUND_ROUGHLY)
+    found = found or bound_by_programs(model)
+    if found is not None and not found.lifted:
+        return found
     normal = held_by_normals(model, model.load.ravel())
-    if normal is not None:
-        return StaticBound(None, False, True, at.velocity, normal, steps)
-    return StaticBound(None, lifted, False, program.release() if lifted else at.velocity, at.normal, steps)
+    if normal is not None:  # flat wedges in slots: their forces are many times the load
+        return StaticBound(None, False, True, np.zeros(model.load.size), normal, 0)
+    if found is None:
+        return StaticBound(None, False, False, np.zeros(model.load.size), np.zeros(len(model.control_area)), 0)
+    return replace(found, velocity=_first_acceleration(model))
 
 
-def _is_lifted(solution: ProgramResult) -> bool:
-    """Whether no strength however high balances the loads."""
-    return solution.at.shed > LIFTED_SHED and solution.unbalanced < LIFTED_BALANCED
+def _first_acceleration(model: AssemblyModel) -> Floats:
+    """How blocks set off that nothing balances, (N,): the acceleration of least constraint, contacts rough.
+
+    Every kind of motion has the same inertia here (scaled by the size of the blocks); contacts that would pull are let
+    go, one round after the other, and bolts that would push.
+    """
+    solver, pattern = SparseStiffness(model), ContactPattern(model)
+    load = model.load.ravel()
+    roughness = _ROUGH * ((model.tan_friction > NO_FORCE) | model.bolted)
+    pressed, taut = np.ones(len(model.control_area), dtype=bool), np.ones(len(roughness), dtype=bool)
+    velocity = load
+    for _ in range(_RELEASES):
+        springs = np.where(pressed, _ROUGH * model.control_area, 0.0)
+        held = roughness * taut * (model.by_group(springs) > 0.0)
+        rough = np.eye(model.slip_rows.shape[1]) * held[:, None, None]
+        velocity = solver.factored(pattern.stiffness(springs, rough), 0.0, inertia=np.ones(len(load)))(load)
+        opening, slip = model.opening_and_slip(velocity)
+        fastest = max(float(np.abs(velocity).max()), TINY)
+        pulled = pressed & (opening > PARALLEL * fastest)
+        pushed = ~pressed & (opening < -NO_MOTION * fastest)
+        slack = taut & model.bolted & (slip[:, 0] > PARALLEL * fastest)
+        drawn = ~taut & (slip[:, 0] < -NO_MOTION * fastest)
+        if not (pulled.any() or pushed.any() or slack.any() or drawn.any()):
+            break
+        pressed, taut = (pressed & ~pulled) | pushed, (taut & ~slack) | drawn
+    return velocity
 
 
 def held_by_normals(model: AssemblyModel, load: Floats) -> Floats | None:
@@ -121,20 +117,6 @@ def held_by_normals(model: AssemblyModel, load: Floats) -> Floats | None:
     if float(np.abs(left).max(initial=0.0)) > EQUILIBRIUM:
         return None
     return np.concatenate([found, np.zeros(pairs - joints)])
-
-
-def _falls_off(model: AssemblyModel) -> bool:
-    """Whether nothing balances the load of one block: N >= 0, and any friction where its joints have strength.
-
-    What friction cannot do at any strength is left to the normal forces alone.
-    """
-    statics, pairs = model.statics.toarray(), len(model.control_area)
-    strong = np.repeat((model.tan_friction > 0.0) | (model.by_group(model.cohesion) > 0.0), model.slip_rows.shape[1])
-    ways, sizes, _ = np.linalg.svd(statics[:, pairs:][:, strong])
-    rank = int((sizes > PARALLEL * float(sizes.max(initial=0.0))).sum())
-    beyond = ways[:, rank:].T
-    _, left = bounded_least_squares(beyond @ statics[:, :pairs], -beyond @ model.load.ravel(), np.full(pairs, np.inf))
-    return float(np.abs(left).max(initial=0.0)) > EQUILIBRIUM
 
 
 # -- the range of one mechanism ---------------------------------------------------------------------------------------

@@ -39,19 +39,25 @@ if TYPE_CHECKING:  # one block needs no sparse matrices before it comes to progr
 _SPARE = -1.0  # of the lighter block's load, that friction may fall short of its strength everywhere
 _LEFT = 0.99  # of that: beyond it the distance says nothing of λ
 _MOST_TRIALS = 60  # of λ
+_MOST_TURNS = 2  # from one side to the other before the bracket is halved: Newton's method goes nowhere
 _ROUNDED = 1e-4  # λ below which distances are rounding: blocks are locked unless a motion proves their bound
+_LIFTED = 1e3  # λ up to which no forces are seen to balance: there are none, programs of more are badly scaled
 _PAIRS_AN_UNKNOWN = 4.0  # node pairs that a program works on as on one unknown: one block may have thousands
 _LONGEST_STRIDE = 10.0  # of λ: where one is known roughly, less to begin with
 
 
 @dataclass(frozen=True, slots=True)
 class DistanceAt:
-    """The distance s in parts of the load, infinite where the program gave up, and ds/dλ; N (m,) and a motion (N,)."""
+    """The distance s in parts of the load, infinite where the program gave up, and ds/dλ; N (m,) and a motion (N,).
+
+    `is_infeasible`: no forces balance the loads, whatever friction carries.
+    """
 
     distance: float
     slope: float
     normal_force: Floats
     motion: Floats
+    is_infeasible: bool = False
 
 
 class Distance:
@@ -151,12 +157,14 @@ class Distance:
         motion = self.parts * dual[: len(self.parts)]
         normal = np.maximum(x[: self.pairs], 0.0)
         if not str(solution.status).startswith(("Solved", "AlmostSolved")):
-            return DistanceAt(math.inf, 0.0, normal, motion)
+            return DistanceAt(math.inf, 0.0, normal, motion, str(solution.status) == "PrimalInfeasible")
         return DistanceAt(float(x[-1]), float(dual @ (self.grows @ x - self.right_grows)), normal, motion)
 
 
 def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0) -> StaticBound | None:
     """The static bound by Newton on the distance at one λ, bracketed; None where that does not close or is not proved.
+
+    Lifted where no λ however high balances the loads.
 
     Far less is to spare just above a λ where blocks jam than just below it: the bracket is halved there. What is known
     from rough programs says where to begin, and no more: where blocks jam it may be off by a few percent.
@@ -168,6 +176,7 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
     program = Distance(model, np.zeros(model.load.size), np.ones(len(model.control_area)), start, _SPARE)
     reduction, tolerance, low, high = start, ROUGHLY_SOLVED, 0.0, math.inf
     stride, proved = _LONGEST_STRIDE, 0.0
+    is_short, turns = False, 0  # turns: trials in a row that ended on the other side than the one before
     best: DistanceAt | None = None
     motion = np.zeros(model.load.size)
 
@@ -185,10 +194,14 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
     for _ in range(_MOST_TRIALS):
         steps += 1
         far = program.at(reduction, tolerance)
+        if far.is_infeasible or (reduction > FARTHEST and proved > _LIFTED):
+            return StaticBound(None, True, False, motion, far.normal_force, steps)
         newton = far.slope < 0.0 and _LEFT * _SPARE < far.distance < math.inf
         trial = reduction - far.distance / far.slope if newton else math.inf
         near_enough = newton and abs(trial / reduction - 1.0) < ROUGHLY_CLOSE
-        if far.distance > 0.0:  # also where the program gave up: it did not find any
+        turns = turns + 1 if is_short != (far.distance > 0.0) else 0
+        is_short = far.distance > 0.0  # also where the program gave up: it did not find any
+        if is_short:
             low = reduction
         else:
             high, best = reduction, far
@@ -208,7 +221,8 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
             return bound(None, locked=True)
         if low > FARTHEST:
             break
-        if not max(low, reduction / stride) < trial < min(high, reduction * stride):
+        if turns > _MOST_TURNS or not max(low, reduction / stride) < trial < min(high, reduction * stride):
+            turns = 0
             if low > 0.0 and high < math.inf:
                 trial = math.sqrt(low * high)
             else:

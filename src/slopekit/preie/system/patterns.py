@@ -76,30 +76,6 @@ class ContactPattern:
         self._add(out, self.slip, self.slip_upper, self._by_contact(of_slip))
         return out
 
-    def couple(
-        self, out: Floats, springs: Floats, tilt: Floats, weights: tuple[Floats, Floats, Floats, Floats]
-    ) -> None:
-        """Add what couples opening and slip, in place.
-
-        With n = Σ p (rows of the openings) and τ = bᵀ (rows of the slips) of each friction force, the four weights
-        (g,) are those of -n nᵀ, -n τᵀ, -τ nᵀ and τ τᵀ.
-        """
-        if self.kernels is not None:
-            self.kernels.couple(self.contacts, springs, tilt, *weights, out)
-            return
-        n = np.add.reduceat(self.rows * springs[:, None], self.group_first)
-        tau = np.matmul(tilt[:, None, :], self.slips)[:, 0, :]
-        (i, j), (a, b) = self.upper, self.slip_upper
-        nn, nt, tn, tt = weights
-        self._add(out, self.normal, self.upper, -self._by_contact(n[:, i] * n[:, j] * nn[:, None]))
-        self._add(out, self.slip, self.slip_upper, self._by_contact(tau[:, a] * tau[:, b] * tt[:, None]))
-        mixed = (n[:, :, None] * tau[:, None, :]).reshape(len(n), -1)
-        shape = (len(out), len(self.normal), len(self.slip))
-        out[:, self.normal[:, None], self.slip] -= self._by_contact(mixed * nt[:, None]).reshape(shape)
-        out[:, self.slip[:, None], self.normal] -= (
-            self._by_contact(mixed * tn[:, None]).reshape(shape).transpose(0, 2, 1)
-        )
-
     def _by_contact(self, of_groups: Floats) -> Floats:
         """Sums over the friction forces of each contact."""
         if self.one_each:
