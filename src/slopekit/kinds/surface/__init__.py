@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -53,7 +53,6 @@ from slopekit.result import Result, Words
 if TYPE_CHECKING:
     from slopekit.kinds.single_block.ladders import Ladder, Rung
 
-Normals = Literal["true", "smoothed", "facet"]
 NAME = "slip surface"
 _EDGES = (4.0, 2.0, 1.0, 0.5)  # times the edge of the design; meshes halve
 _ROOM = 1.01  # asked for so much more than a halving, to get that and not the next
