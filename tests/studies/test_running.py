@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -161,17 +162,33 @@ def test_crews_that_cannot_be(jobs, scheduler, code, monkeypatch) -> None:
 
 
 @pytest.fixture
-def scheduler(tmp_path):
-    """A Dask scheduler with two workers, as a user starts them; the workers can be killed."""
+def certificates(tmp_path, monkeypatch) -> Iterator[Path]:
+    """A certificate of its own authority, and Dask's configuration that names it."""
+    config = pytest.importorskip("dask.config")
+    command = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=localhost"]
+    made = subprocess.run([*command, "-keyout", "key.pem", "-out", "cert.pem"], cwd=tmp_path, capture_output=True)
+    if made.returncode:
+        pytest.skip("openssl makes no certificate here")
+    names = {"CA_FILE": "cert.pem", **{f"{who}__{part.upper()}": f"{part}.pem" for who in
+             ("CLIENT", "WORKER", "SCHEDULER") for part in ("cert", "key")}}  # fmt: skip
+    with monkeypatch.context() as patch:
+        for name, file in names.items():
+            patch.setenv(f"DASK_DISTRIBUTED__COMM__TLS__{name}", str(tmp_path / file))
+        config.refresh()
+        yield tmp_path
+    config.refresh()
+
+
+@pytest.fixture
+def scheduler(certificates):
+    """A Dask scheduler with two workers, as a user starts them, over TLS; the workers can be killed."""
     root = Path(__file__).parents[2]
     env = os.environ | {"PYTHONPATH": os.pathsep.join([str(root), os.environ.get("PYTHONPATH", "")])}
-    address = tmp_path / "scheduler.json"
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "env": env, "cwd": tmp_path}
+    address = certificates / "scheduler.json"
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "env": env, "cwd": certificates}
     dask = [sys.executable, "-m", "dask"]
-    started = [subprocess.Popen(
-        [*dask, "scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(address)],
-        **quiet,
-    )]  # fmt: skip
+    place = ["--protocol", "tls", "--host", "127.0.0.1", "--port", "0", "--no-dashboard"]
+    started = [subprocess.Popen([*dask, "scheduler", *place, "--scheduler-file", str(address)], **quiet)]
     started += [subprocess.Popen(
         [*dask, "worker", "--scheduler-file", str(address), "--nthreads", "1", "--no-nanny", "--no-dashboard"], **quiet
     ) for _ in range(2)]  # fmt: skip
@@ -183,8 +200,9 @@ def scheduler(tmp_path):
             process.wait()
 
 
-def test_dask_with_a_killed_worker_and_with_none(scheduler, monkeypatch) -> None:
-    import json
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="no openssl")
+def test_dask_over_tls_with_a_killed_worker_and_with_none(scheduler, monkeypatch) -> None:
+    """The scheduler takes no connection without the certificate; the client finds it by Dask's rules."""
 
     from slopekit.studies import running
 
@@ -193,6 +211,7 @@ def test_dask_with_a_killed_worker_and_with_none(scheduler, monkeypatch) -> None
     while not (file.exists() and file.stat().st_size) and time.monotonic() < until:
         time.sleep(0.05)
     address = json.loads(file.read_text())["address"]
+    assert address.startswith("tls://")
     killed = threading.Timer(0.5, lambda: workers[0].send_signal(signal.SIGKILL))
     told: list[int] = []
 
@@ -245,47 +264,3 @@ def test_a_script_without_a_main_guard_is_told_so(tmp_path, guard) -> None:
     assert ran.returncode == 1
     assert "E303 workers died" in ran.stderr
     assert "call studies below if __name__ == '__main__'" in ran.stderr
-
-
-@pytest.fixture
-def certificates(tmp_path, monkeypatch) -> Path:
-    """A certificate of its own authority, and Dask's configuration that names it."""
-    command = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=localhost"]
-    made = subprocess.run([*command, "-keyout", "key.pem", "-out", "cert.pem"], cwd=tmp_path, capture_output=True)
-    if made.returncode:
-        pytest.skip("openssl makes no certificate here")
-    names = {"CA_FILE": "cert.pem", **{f"{who}__{part.upper()}": f"{part}.pem" for who in
-             ("CLIENT", "WORKER", "SCHEDULER") for part in ("cert", "key")}}  # fmt: skip
-    for name, file in names.items():
-        monkeypatch.setenv(f"DASK_DISTRIBUTED__COMM__TLS__{name}", str(tmp_path / file))
-    return tmp_path
-
-
-@pytest.mark.skipif(shutil.which("openssl") is None, reason="no openssl")
-def test_dask_over_tls(certificates) -> None:
-    """The scheduler and its worker take no connection without the certificate; the client finds it by Dask's rules."""
-    pytest.importorskip("distributed")
-    file = certificates / "scheduler.json"
-    dask = [sys.executable, "-m", "dask"]
-    place = ["--protocol", "tls", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(file)]
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    worker = ["--scheduler-file", str(file), "--nthreads", "1", "--no-nanny", "--no-dashboard"]
-    started = [subprocess.Popen([*dask, "scheduler", *place], **quiet)]
-    started.append(subprocess.Popen([*dask, "worker", *worker], **quiet))
-    program = (
-        "import sys\n"
-        "from slopekit.studies.running import checked_crew, run_all\n"
-        "print(run_all(abs, [-1, 2, -3], checked_crew(1, sys.argv[1])))\n"
-    )
-    try:
-        until = time.monotonic() + 40.0
-        while not (file.exists() and file.stat().st_size) and time.monotonic() < until:
-            time.sleep(0.05)
-        address = json.loads(file.read_text())["address"]
-        run = subprocess.run([sys.executable, "-c", program, address], capture_output=True, text=True, timeout=60)
-    finally:
-        for process in reversed(started):
-            process.kill()
-            process.wait()
-    assert address.startswith("tls://")
-    assert run.stdout == "[1, 2, 3]\n", run.stderr

@@ -8,7 +8,6 @@ from types import SimpleNamespace
 import pytest
 
 import slopekit as sk
-from benchmarks import populations
 from benchmarks.blocks import multiplier
 from slopekit.core.errors import Notice
 from slopekit.design.reading.files import with_values
@@ -194,29 +193,39 @@ def test_a_coefficient_beyond_any_earthquake_is_said(height, said) -> None:
 # -- cohesion ---------------------------------------------------------------------------------------------------------
 
 
-def _bench(number):
-    """A random bench with cohesion and no earthquake."""
-    design = populations.bench(number)
-    design["loads"]["seismic"]["k"] = 0.0
-    return sk.load(design)
+def _bonded():
+    """A block of 1 m by 1 m with cohesion on level ground: its base opens before it slides, where k > 1/3.
+
+    F = (c s b + W tan φ) / (k W) with the pressed share s = 3 (1 - k) / 2 of its base.
+    """
+    blocks = COLUMN["blocks"] | {"B1": {"polygon": [[0, 0], [1, 0], [1, 1], [0, 1]]}}
+    return sk.load(COLUMN | {"blocks": blocks, "strength": {"joint": {"c": 5, "phi": 30}}})
 
 
-def test_a_load_on_a_cohesive_bench_says_what_it_has_to_do_with_cohesion() -> None:
+#: k = tan φ + (c b / W) 3 (1 - k) / 2, and the share of the base that is open there.
+BONDED = (math.tan(math.radians(30.0)) + 0.3) / 1.3
+OPEN = 1.0 - 1.5 * (1.0 - BONDED)
+
+
+def test_a_load_on_a_cohesive_block_says_what_it_has_to_do_with_cohesion() -> None:
     """W307 of the factor at the load, on the sheet of `solve` and of `quake`: contacts that open lose their bonds."""
-    found = sk.solve(_bench(7), KEY, fos=1.0)
+    found = sk.solve(_bonded(), KEY, fos=1.0)
+    assert found.answer.value == pytest.approx(BONDED, rel=5e-4)  # three pairs of nodes
     (said,) = [notice.message for notice in found.warnings if notice.code == "W307"]
-    assert "5 of 5 contacts with cohesion are open or partly open" in said
-    assert said.endswith("11 % of the cohesion does not act")
-    shaken = sk.quake(_bench(7), "sine:0.5g,1Hz")
+    assert "1 of 1 contacts with cohesion are open or partly open" in said
+    assert said.endswith(f"{100.0 * OPEN:.0f} % of the cohesion does not act")
+    shaken = sk.quake(with_values(_bonded(), {KEY: 0.0}), "sine:0.5g,1Hz")
     (of_load,) = [notice.message for notice in shaken.warnings if notice.code == "W307"]
     assert "in the state that gives the factor of safety, and carry none there" in of_load
     assert "notes" not in shaken.to_dict()["yield"][0]
 
 
-def test_a_load_that_is_not_limited_by_its_own_path_says_what_the_factor_there_does() -> None:
-    """Bench 5: its strength divided last has the value, and what the design there says of its cohesion is said."""
-    found = sk.solve(_bench(5), KEY, fos=1.0)
-    there = sk.run(with_values(_bench(5), {KEY: found.answer.value}))
+def test_a_load_that_is_not_limited_by_its_own_path_says_what_the_factor_there_does(monkeypatch) -> None:
+    """Its strength divided last has the value, and what the design there says of its cohesion is said."""
+    path_ends(monkeypatch, 0.9 * BONDED)
+    found = sk.solve(_bonded(), KEY, fos=1.0)
+    assert found.answer.value == pytest.approx(BONDED, rel=5e-4)
+    there = sk.run(with_values(_bonded(), {KEY: found.answer.value}))
     at = f"of the factor of safety at {KEY} = {found.answer.value:.4g}: "  # a factor there is no coefficient
     of_bonds = [at + notice.message for notice in there.warnings if notice.code in ("W307",)]
     assert of_bonds

@@ -53,8 +53,6 @@ NUMBERS = re.compile(rf"(?<![^\s\[{{,:])(?:{_LIST}|\[ *{_LIST} *(?:, *{_LIST} *)
 _TOKEN = re.compile(r"[\[\]]|[^\[\], ]+")
 _STAND_IN = "\ue000"
 _LARGE = 20_000
-_MOST_KNOWN = 64  # texts
-_KNOWN: dict[str, Any] = {}
 
 
 class SourceLines:
@@ -82,11 +80,7 @@ def composed(text: str, source: SourceLines) -> Any:
     In a large text each list of numbers goes through ruamel as one word of the same length, which `_Numbers` then
     stands for: ten thousand polygons take a second instead of ten. Where such a word turns up anywhere but as a value
     of its own, or anything is wrong, the text itself is read.
-
-    The trees of the last small texts are kept: sessions and studies read a design more than once.
     """
-    if text in _KNOWN:
-        return _KNOWN[text]
     if len(text) > _LARGE and _STAND_IN not in text:
         try:
             return _composed(NUMBERS.sub(lambda match: _STAND_IN * len(match.group()), text), source, text)
@@ -95,12 +89,7 @@ def composed(text: str, source: SourceLines) -> Any:
         except DesignError as error:
             if error.codes == ("E149",):
                 raise
-    tree = _composed(text, source)
-    if len(text) <= _LARGE:
-        if len(_KNOWN) >= _MOST_KNOWN:
-            _KNOWN.pop(next(iter(_KNOWN)), None)
-        _KNOWN[text] = tree
-    return tree
+    return _composed(text, source)
 
 
 class _NotAlone(Exception):
