@@ -304,6 +304,9 @@ class _Limits:
             path.go_on(lost, again)
         for _ in range(_MOST_LOWERED):
             lost = np.flatnonzero(path.outcome >= PathEnd.BACK)
+            turns = lost[path.turns[lost]]
+            at, _ = self.coarse.settle(blocks[turns], path.lowest[turns], path.heading[turns])
+            path.lowest[turns] = np.where(np.isfinite(at[:, -1:]), at, path.lowest[turns])
             rest, lower = self.coarse.lower(blocks[lost], path.lowest[lost], elastic[lost])
             goes_on = np.isfinite(lower)
             if not goes_on.any():
