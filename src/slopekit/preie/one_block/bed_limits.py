@@ -30,6 +30,7 @@ from slopekit.preie.one_block.bed_path import (
     Paths,
     Roots,
     bordered,
+    dots,
     lengths,
     on_scale,
     solve_rows,
@@ -290,6 +291,7 @@ class _Limits:
             rows = self.checked(fine, blocks, rows, lowest, tangent)
         status = np.where(creeps, BedStatus.CREEPS, BedStatus.RESTS)
         motion = _onward(tangent, lowest)
+        motion *= np.where(dots(self.beds.load[blocks], motion) < 0.0, -1.0, 1.0)[:, None]  # some paths lead back
         self.found.put(blocks[is_left], status[is_left], lowest[is_left], motion[is_left])
 
     def followed(self, blocks: Ints, u: Floats, reduction: Floats, ends: Floats) -> Paths:
@@ -302,6 +304,9 @@ class _Limits:
             path.go_on(lost, again)
         for _ in range(_MOST_LOWERED):
             lost = np.flatnonzero(path.outcome >= PathEnd.BACK)
+            turns = lost[path.turns[lost]]
+            at, _ = self.coarse.settle(blocks[turns], path.lowest[turns], path.heading[turns])
+            path.lowest[turns] = np.where(np.isfinite(at[:, -1:]), at, path.lowest[turns])
             rest, lower = self.coarse.lower(blocks[lost], path.lowest[lost], elastic[lost])
             goes_on = np.isfinite(lower)
             if not goes_on.any():
