@@ -138,8 +138,6 @@ def for_factor(
         closed = replace(closed, roots=tuple(replace(root, both=asked.both(root.value)) for root in closed.roots))
     solution = Solution(design, one, target, (low, high), own, asked.before(), closed, pre_ie)
     said = tuple(notices(solution))
-    known = {notice.code for notice in said}
-    said += tuple(notice for notice in _of_nearest(solution, asked) if notice.code not in known)
     said += (*_at_peak(solution), *(rules_left_out(design, ON_FACTOR) if own else ()))
     return replace(solution, warnings=said, seconds=time.perf_counter() - began)
 
@@ -221,13 +219,3 @@ def _beside(asked: FactorRequest, solved: SolvedValue) -> Iterator[Notice]:
     yield from also_falls_short(solved.both.factors.also, asked.target, f"at {asked.key.shown(solved.value, 4)}")
     said = kind_of(asked.design).beside(with_values(asked.design, values_of(asked.design, [asked.key], [solved.value])))
     yield from said_of_factor(asked, solved.value, Point(replace(solved.both.factors, notes=said)))
-
-
-def _of_nearest(solution: Solution, asked: FactorRequest) -> Iterator[Notice]:
-    """What a run says of the factor that comes nearest to a target which no value gives: it may be one of a chip."""
-    least, most = solution.pre_ie.least, solution.pre_ie.most
-    if solution.answer is not None or least is None or most is None:
-        return
-    value, _ = most if most[1] < solution.target else least
-    if value in asked.points:
-        yield from said_of_factor(asked, value, asked.points[value], named=True)

@@ -144,10 +144,10 @@ def look_roughly(search: RootSearch[Point], asked: FactorRequest, whole: bool) -
     return crossings
 
 
-def said_of_factor(asked: FactorRequest, value: float, there: Point, named: bool = False) -> Iterator[Notice]:
-    """What a run says of the factor at a value, which is `named`, or of a load: a load's own numbers are loads."""
+def said_of_factor(asked: FactorRequest, value: float, there: Point) -> Iterator[Notice]:
+    """What a run says of the factor at a value; of a load the value is named: a load's own numbers are loads."""
     for notice in () if there.factors is None else there.factors.notes:
-        if named or _LOAD.fullmatch(asked.key.path):
+        if _LOAD.fullmatch(asked.key.path):
             where = f"of the factor of safety at {asked.key.path} = {asked.key.shown(value, 4)}: "
             notice = Notice(notice.code, where + notice.message)
         yield notice
