@@ -40,7 +40,7 @@ def test_what_is_spent_within_counts_outside_and_a_part_is_of_what_is_left() -> 
     spend(math.inf)  # nothing is counted
 
 
-@pytest.mark.parametrize("units", [2e5, 1e6, 2e6])
+@pytest.mark.parametrize("units", [2e5, 2e6, 6e6])
 def test_without_enough_work_there_is_no_number_but_what_is_known(units: float) -> None:
     model = model_of(populations.goodman_bray(16))
     found = []
@@ -61,9 +61,9 @@ def test_without_enough_work_there_is_no_number_but_what_is_known(units: float) 
 def test_where_blocks_rested_is_in_the_strength_that_they_have() -> None:
     """With twice the friction they were last at rest at twice the factor, after the same work."""
     model = model_of(populations.goodman_bray(16))
-    with allowed(2e6):
+    with allowed(6e6):
         one = limit_of_blocks(model)
-    with allowed(2e6):
+    with allowed(6e6):
         other = limit_of_blocks(replace(model, tan_friction=2.0 * model.tan_friction))
     assert one.rested is not None
     assert other.rested == pytest.approx(2.0 * one.rested, rel=1e-9)

@@ -427,6 +427,21 @@ class Bed:
         """How strength grows with an even closing of what touches, (g,)."""
         return self.strengths.followed(follows, np.where(there.touching, self.area, 0.0))
 
+    def mixed(self, springs: Floats, tangent: Floats, by_strength: Floats, follows: Floats) -> Floats:
+        """Stiffness (k, u, u) of contacts with given springs.
+
+        Parameters
+        ----------
+        springs : (m,) of the pairs; tangent : (g, t, t) how friction changes with slip
+        by_strength : (g, t) how it changes with what it may carry; follows : how that follows the normal forces, as
+            `JointStrengths.slopes` says
+        """
+        touching = springs / self.area
+        pressing = self._pressing * touching[:, None]
+        dragged = np.matmul(self._transposed, by_strength[:, :, None])[:, :, 0]
+        coupled = self._by_contact(dragged[:, :, None] * self.strengths.rows(follows, pressing)[:, None, :])
+        return self._local(touching, -tangent) + coupled
+
     def by_parameter(self, there: BedForces, parameter: float) -> Floats:
         """How the unbalanced force changes with the parameter, (N,)."""
         if self.drive.ramp is not None:
@@ -536,6 +551,16 @@ class Bed:
                 break
             at, there = trial, seen
         return at, there
+
+    def onward(self, step: NewtonStep) -> Floats | None:
+        """How the blocks go on from a state at rest as work is done, (N,) per unit of work; None where they do not."""
+        try:
+            solver = self.factored(self.tangent(step.forces, step.parameter))
+        except SolverError:
+            return None
+        motion = solver(self.by_parameter(step.forces, step.parameter))
+        gained = float(self.working @ motion)
+        return motion / gained if np.isfinite(motion).all() and gained != 0.0 else None
 
     def _each_balanced(self, off: Floats) -> bool:
         """Whether, in space, where there are slivers, forces (N,) are small in parts of the load of each block."""

@@ -24,6 +24,7 @@ from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.bed_states import BedForces
 from slopekit.preie.elastic_path.flow import EASES, THICK, Flow, relaxed, stepped
 from slopekit.preie.elastic_path.path_limit import BORDERED, PathLimit, PathOutcome, limit_state, result_of
+from slopekit.preie.elastic_path.traced import traced
 from slopekit.preie.programs.bounds import held_by_normals
 from slopekit.preie.solvers.work_limit import WorkSpentError
 from slopekit.preie.tolerances import FARTHEST, LEAST_STRENGTH, RUNS, SAME_LIMIT, VISCOUS_LEFT
@@ -90,7 +91,8 @@ class _Path:
         self.last_near, self.has_crept = math.nan, False
         self.failed: Flow | None = None  # the last flow whose forces did not settle
         cohesion = bed.cells is not None
-        self.brackets = (_BRACKET, *(_COHESIVE if cohesion else _NEARER))
+        self.rounds = self.is_strength and not bed.dilates and not cohesion and bed.tangents > 1
+        self.brackets = (_BRACKET, *(_COHESIVE if cohesion else _NEARER[: None if bed.tangents == 1 else 2]))
         self.tried = 1 if cohesion and bed.tangents > 1 else len(self.brackets)  # brackets with a try at a limit state
 
     def limit(self) -> PathLimit:
@@ -179,6 +181,8 @@ class _Path:
         assert self.stable is not None
         ended = None if flow is self.failed else _run(bed, flow, unstable)
         self.failed = flow  # the same again ends the same
+        if ended is None and self.rounds:
+            ended, self.rounds = traced(bed, self.state.at, self.stable), False
         if bed.cells is None or (ended is not None and self._is_between(ended, unstable)):
             return self._of_this_motion(ended)
         bonded = bed.with_cohesion_at(self.state.at, self.stable)
