@@ -71,11 +71,10 @@ class AnyOf:
     example: str = ""
 
 
-@dataclass(frozen=True, slots=True)
 class Anything:
     """A value of any shape: it is looked at where it will stand."""
 
-    example: str = ""
+    example = ""
 
 
 def check_structure(

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import Any
 
 from slopekit.core.errors import DesignError, Fault
@@ -96,24 +97,18 @@ class _NotAlone(Exception):
     """The stand-in of a list of numbers is part of something else."""
 
 
-@dataclass(frozen=True, slots=True)
-class _At:
-    line: int
-    column: int
-
-
 @dataclass(slots=True)
 class _Numbers:
     """What the tree builder looks at in a node of ruamel's: a number, or a list."""
 
     value: "str | list[_Numbers]"
-    start_mark: _At
+    start_mark: SimpleNamespace
     tag: str = "tag:yaml.org,2002:str"
     anchor: None = None
     style: None = None
 
 
-def _numbers(text: str, at: _At) -> _Numbers:
+def _numbers(text: str, at: SimpleNamespace) -> _Numbers:
     """A list of numbers (or of such lists) that stands in one line."""
     items: list[_Numbers] = []
     above: list[list[_Numbers]] = []
@@ -124,7 +119,8 @@ def _numbers(text: str, at: _At) -> _Numbers:
             holder = above.pop() if above else items
             continue
         inner: list[_Numbers] = []
-        holder.append(_Numbers(inner if token == "[" else token, _At(at.line, at.column + match.start())))
+        mark = SimpleNamespace(line=at.line, column=at.column + match.start())
+        holder.append(_Numbers(inner if token == "[" else token, mark))
         if token == "[":
             above.append(holder)
             holder = inner
@@ -161,7 +157,7 @@ def _composed(text: str, source: SourceLines, original: str = "") -> Any:
             self.values += match.group().count(",") + match.group().count("[")  # its numbers, and lists in it
             if self.values > MAX_VALUES:
                 fail_large(source.place(mark.line, mark.column), deep=False)
-            return _numbers(match.group(), _At(mark.line, mark.column))
+            return _numbers(match.group(), SimpleNamespace(line=mark.line, column=mark.column))
 
     yaml = YAML(typ="safe", pure=True)
     yaml.Composer = Counting

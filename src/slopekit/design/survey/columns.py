@@ -122,34 +122,15 @@ class SurveyColumn:
     convention: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Program:
-    """A program whose lists are known by their columns.
-
-    Attributes
-    ----------
-    columns : all of which stand in its header; repeats : whether its names may stand twice
-    refusal : why its lists hold no joints, where they do not
-    """
-
-    name: str
-    columns: frozenset[str]
-    repeats: bool = False
-    refusal: str = ""
-
-
-PROGRAMS = (
-    Program("CloudCompare Compass", frozenset(("strike", "dip", "dip_dir", "nx", "ny", "nz")), repeats=True),
-    Program("CloudCompare FACETS", frozenset(("normalx", "dip_dir", "dip", "family_ind"))),
-    Program(
-        "CloudCompare Compass", frozenset(("sx", "sy", "sz", "ex", "ey", "ez", "trend", "plunge")),
-        refusal="are lines between two points: lineations or thicknesses, no poles of joints",
-    ),
-    Program(
-        "CloudCompare Compass", frozenset(("trace_id", "start_x", "end_x", "cost")),
-        refusal="are the segments of traces, no joints: its planes stand in the file that ends in _planes",
-    ),
-)  # fmt: skip
+#: All of these columns stand in the header of planes by CloudCompare Compass, whose names may stand twice.
+_COMPASS_PLANES = frozenset(("strike", "dip", "dip_dir", "nx", "ny", "nz"))
+#: Why lists whose headers have all of these columns hold no joints: other files of CloudCompare Compass.
+_NO_JOINTS: Mapping[frozenset[str], str] = {
+    frozenset(("sx", "sy", "sz", "ex", "ey", "ez", "trend", "plunge")):
+        "are lines between two points: lineations or thicknesses, no poles of joints",
+    frozenset(("trace_id", "start_x", "end_x", "cost")):
+        "are the segments of traces, no joints: its planes stand in the file that ends in _planes",
+}  # fmt: skip
 
 
 def convention_of(word: str) -> str | None:
@@ -221,10 +202,15 @@ def way_of(keys: Iterable[str]) -> tuple[str, ...] | None:
     return next((way for way in WAYS if there.issuperset(way)), None)
 
 
-def program_of(headings: Sequence[str]) -> Program | None:
-    """The program that wrote a list with these headings."""
-    there = {spelled(heading) for heading in headings}
-    return next((program for program in PROGRAMS if program.columns <= there), None)
+def names_may_repeat(headings: Sequence[str]) -> bool:
+    """Whether the program that wrote a list with these headings gives a name twice."""
+    return set(map(spelled, headings)) >= _COMPASS_PLANES
+
+
+def why_no_joints(headings: Sequence[str]) -> str:
+    """Why a list with these headings holds no joints, empty where it may."""
+    there = set(map(spelled, headings))
+    return next((why for columns, why in _NO_JOINTS.items() if columns <= there), "")
 
 
 def _split(heading: str) -> tuple[str, str]:

@@ -37,10 +37,11 @@ from slopekit.design.survey.columns import (
     checked_convention,
     column_of,
     key_of,
-    program_of,
+    names_may_repeat,
     size_of,
     spelled,
     way_of,
+    why_no_joints,
 )
 from slopekit.design.survey.joint_list import JointList, MeasuredJoint
 from slopekit.design.survey.ordering import columns_advice, named_in_order, swapped_columns
@@ -367,10 +368,9 @@ class _Reader:
 
     def named_columns(self, cells: Sequence[str], line: int, below: Sequence[int]) -> None:
         """The columns by their headings, and how they give a plane."""
-        program = program_of(cells)
-        if program is not None and program.refusal:
-            raise DesignError([Fault("E191", f"the rows of {self.name} {program.refusal}", self.where(line))])
-        self.may_repeat = program is not None and program.repeats
+        if why := why_no_joints(cells):
+            raise DesignError([Fault("E191", f"the rows of {self.name} {why}", self.where(line))])
+        self.may_repeat = names_may_repeat(cells)
         ignored: list[str] = []
         for index, cell in enumerate(cells):
             size = size_of(cell) if self.sizes else None
