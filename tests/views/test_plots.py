@@ -16,7 +16,7 @@ from slopekit.views.charts.stereonet import project
 
 pytest.importorskip("matplotlib")
 from slopekit.studies.kinematic.criteria import planes_of_poles
-from slopekit.views.charts.charts import draw_speed_errors
+from slopekit.views.charts.charts import draw_reduction, draw_speed_errors
 from slopekit.views.charts.drawing import new_figure
 from slopekit.views.charts.kinematic_charts import draw_kinematic
 from slopekit.views.charts.orientation_charts import draw_orientations, orientations_of
@@ -183,6 +183,32 @@ def test_speed_against_error(monkeypatch) -> None:
     assert times == expected
 
 
+def test_reduction_is_the_papers_figure() -> None:
+    """Sheng et al. 2023, table 3: from 0 to all nine pairs at 1.334, where the block no longer stands."""
+    document = plain(result_of("paper-footing"))
+    left, right = figure_of(draw_reduction, document).axes[:2]
+    pairs = dict(labelled(right, "failed node pairs").tolist())
+    assert (pairs[1.0], pairs[1.2], pairs[1.333]) == (0.0, 4.0, 8.0)
+    assert labelled(right, "no longer stands").tolist() == [[at, 9.0] for at in (1.334, 1.34, 1.35, 1.36, 1.37)]
+    moved = labelled(left, "displacement")
+    step = document["series"][0]["displacement_m"]
+    assert moved[0] == pytest.approx([1.0, 1e3 * np.linalg.norm(step)])
+    assert "limit 1.333" in [text.get_text() for text in left.texts]
+
+
+def test_labels_of_upright_lines_stand_apart() -> None:
+    """The smaller of limit and all-pairs factor is written at the left of its line, whichever it is."""
+    document = plain(result_of("paper-wedge"))
+    fos = document["fos"]
+    assert fos["all_pairs_failed"] < fos["limit"]
+    for values in (fos, fos | {"all_pairs_failed": 1.6}):
+        left, right = figure_of(draw_reduction, document | {"fos": values}).axes[:2]
+        sides = {text.get_text().rsplit(" ", 1)[0]: text.get_ha() for text in left.texts}
+        lower = "all pairs failed" if values["all_pairs_failed"] < values["limit"] else "limit"
+        assert sides == {"limit": "left", "all pairs failed": "left"} | {lower: "right"}
+    assert right.yaxis.label.get_color() == right.lines[0].get_color()  # no series: the search alone is drawn
+
+
 # -- stereonets -------------------------------------------------------------------------------------------------------
 
 
@@ -317,10 +343,10 @@ def test_the_motion_in_six_degrees_of_freedom_beside_that_one_way() -> None:
 def test_offers(scattered) -> None:
     assert set(offers(scattered)) == {"stereonet", "histogram"}
     assert "curve" in offers(plain(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [60, 80]}, methods="closed-form")))
-    assert set(offers(plain(result_of("paper-footing")))) >= {"scene"}
+    assert set(offers(plain(result_of("paper-footing")))) >= {"scene", "reduction"}
     assert offers({"slopekit": "0"}) == {}
     assert set(offers(plain(sk.quake(sk.load(WEDGE), "triangular:0.5g,0.4s")))) == {"motion"}
-    assert len(set(EVERY)) == len(EVERY) == 19
+    assert len(set(EVERY)) == len(EVERY) == 20
 
 
 def test_whole_documents_have_what_charts_need(scattered, tmp_path) -> None:

@@ -365,7 +365,7 @@ def test_run_draws_into_its_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     run = CliRunner().invoke(app, ["run", str(path_of("paper-footing")), "--quiet", "-o", str(out)])
     assert run.exit_code == 0
     assert {path.name for path in out.iterdir()} == {
-        "result.json", "sheet.txt", "scene.png", "mechanism.png",
+        "result.json", "sheet.txt", "scene.png", "mechanism.png", "reduction.png",
     }  # fmt: skip
     bare = CliRunner().invoke(
         app, ["run", str(path_of("paper-footing")), "--quiet", "--no-pictures", "-o", str(tmp_path / "b")]
@@ -380,7 +380,7 @@ def test_run_draws_into_its_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(rendering, "save", lambda picture, path: path.write_bytes(b"drawn again"))
     once_more = CliRunner().invoke(app, [*arguments, "-o", str(out)])
     assert once_more.stderr.strip() == "pictures of an earlier result were removed: stereonet.png"
-    assert {path.name for path in out.glob("*.png")} == {"scene.png", "mechanism.png"}
+    assert {path.name for path in out.glob("*.png")} == {"scene.png", "mechanism.png", "reduction.png"}
     assert (out / "scene.png").read_bytes() == b"drawn again"
     monkeypatch.undo()
     monkeypatch.setattr(rendering, "find_spec", lambda name: None)

@@ -17,7 +17,7 @@ OPTIONS = {
     "quiet": QUIET, "output": FOLDER,
 }  # fmt: skip
 _ENDINGS = (".png", ".glb", ".gltf")
-_PICTURES = ("scene", "elevation", "mechanism", "stereonet")
+_PICTURES = ("scene", "elevation", "mechanism", "stereonet", "reduction")
 
 
 def remove_older(record: dict[str, Any], folder: Path) -> list[Path]:

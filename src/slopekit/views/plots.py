@@ -132,6 +132,12 @@ CHARTS: Mapping[str, Chart] = {
         "time against error of the solver", "check.json: slopekit check design.yaml -o DIR",
         "charts.draw_speed_errors", lambda of: "ladder" in of,
     ),
+    "reduction": Chart(
+        "failed node pairs and displacement over the strength reduction factor",
+        "result.json of a design with analysis.factors, or with analysis.criterion: all-pairs, "
+        "by slopekit run design.yaml -o DIR",
+        "charts.draw_reduction", lambda of: bool(of.get("series") or of.get("all_pairs")),
+    ),
 }  # fmt: skip
 #: The stereonets of studies of surveys, which have no result behind them, by kind.
 _OF_SURVEYS: Mapping[str, Chart] = {

@@ -15,6 +15,7 @@ from slopekit.views.plots import draw, offers
 #: Pictures of a result in the order of the page, those of blocks for many blocks only.
 _OF_RESULT = (
     "scene", "elevation", "stereonet", "tractions", "mechanism", "factors", "ravelling",
+    "reduction",
 )  # fmt: skip
 _SCENES = ("scene", "exploded", "tractions", "forces", "displacement", "mechanism", "factors", "ravelling")
 _TYPES = {".png": "image/png", ".svg": "image/svg+xml"}
