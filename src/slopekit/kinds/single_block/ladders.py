@@ -16,7 +16,7 @@ from slopekit.kinds.protocol import ClosedForm, D
 from slopekit.kinds.single_block.one_block_limit import Cut, find_limit
 from slopekit.kinds.single_block.one_block_states import ContactModel
 from slopekit.preie.motion.balance import Balance
-from slopekit.preie.one_block.flat_limit import before_bed, forces_limit, refined_factor
+from slopekit.preie.one_block.flat_limit import forces_and_bed, forces_limit, refined_factor
 from slopekit.preie.one_block.limit import LimitAnalysis
 from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.system.model import Model
@@ -129,7 +129,7 @@ def meshes(_: object, result: Result, made: Cut) -> Iterator[Rung]:
 def _split_factor(scene: ContactModel, level: int) -> float | None:
     """Return the limit of a block on flat joints whose parts are split so often."""
     assert scene.bedding is not None
-    return refined_factor(before_bed(scene.model, scene.bedding.polygons, scene.bedding.centroid), level)
+    return refined_factor(forces_and_bed(scene.model, scene.bedding.polygons, scene.bedding.centroid), level)
 
 
 def limit_rung(scene: ContactModel, analyse: Callable[[Model], LimitAnalysis], setting: str, level: int) -> Rung:

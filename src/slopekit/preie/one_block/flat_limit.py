@@ -54,13 +54,13 @@ def flat_limit(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -
     model : of the block, from node pairs on the polygons
     polygons : interface -> (k, 3) corners in m, or (2, 3) ends of a line in a section; centroid : (3,) m
     """
-    limit = before_bed(model, polygons, centroid)
+    limit = forces_and_bed(model, polygons, centroid)
     if limit.bed is None:
         return limit
     return replace(limit, state=cracked_base(limit.bed, limit.forces.factor or 1.0))
 
 
-def before_bed(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> FlatLimit:
+def forces_and_bed(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> FlatLimit:
     """Return the limit of one block by its forces and the bed that is to be followed, whose limit is not yet found."""
     if model.dilates and (exact := dilating_limit(model)) is not None:
         return FlatLimit(exact, exact)
