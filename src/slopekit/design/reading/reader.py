@@ -153,8 +153,9 @@ class Reader:
         wanted, holder = tuple(only), holder or self.root
         return {
             name: self.field(field, _below(holder, field.path), owner)
-            for name, field in _plain_fields(record) if not wanted or name in wanted
-        }  # fmt: skip
+            for name, field in _plain_fields(record)
+            if not wanted or name in wanted
+        }
 
     def field(self, field: Field, node: Node | None, owner: str = "") -> Any:
         """The value of one field where `node` gives it, else its default."""
@@ -324,10 +325,15 @@ def _plain_fields(record: Any) -> tuple[tuple[str, Field], ...]:
     """The fields of a record itself that are read by their kind alone, by attribute."""
     shared = fields_of(Design) if record is not Design and issubclass(record, Design) else {}
     return tuple(
-        (name, field) for name, field in fields_of(record).items()
-        if field.measures != "group" and field.of is None and not field.shape.each and field.is_attribute
-        and field.many != "names" and shared.get(name) is not field
-    )  # fmt: skip
+        (name, field)
+        for name, field in fields_of(record).items()
+        if field.measures != "group"
+        and field.of is None
+        and not field.shape.each
+        and field.is_attribute
+        and field.many != "names"
+        and shared.get(name) is not field
+    )
 
 
 @cache

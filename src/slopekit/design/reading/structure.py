@@ -155,11 +155,11 @@ class _Checker:
         before = len(self.faults)
         if before >= _MOST_FAULTS or _SOUND.of(node) is spec:
             return
-        self.shape_of(node, spec)
+        self.check_shape(node, spec)
         if len(self.faults) == before:
             _SOUND.keep(node, spec)
 
-    def shape_of(self, node: Node, spec: Spec) -> None:
+    def check_shape(self, node: Node, spec: Spec) -> None:
         if isinstance(spec, AnyOf):
             self.any_of(node, spec)
         elif node.value is None and (isinstance(spec, Leaf) or not _may_be_empty(spec)):

@@ -47,7 +47,6 @@ from slopekit.strength.mohr_coulomb import line
 _FEW = 10  # moving blocks in space up to which programs at one λ each take no longer than one run
 _MOST_PROGRAMS = 600  # and from which they take minutes
 _CLEANED = 1500  # unknowns up to which a motion is cleaned onto its exact kinematics
-_BESIDE, _WIDER = 0.5 * NEAR, 16.0  # of the end of a range: where it is looked for beside Newton's step, and further on
 _RELEASES, _ROUGH = 40, 1e6  # rounds of letting go; springs of contacts in parts of the inertia
 _HELD = 120  # unknowns up to which normal forces that hold all blocks are looked for: a dense problem
 
@@ -123,9 +122,13 @@ def held_by_normals(model: AssemblyModel, load: Floats) -> Floats | None:
 
 
 def mechanism_range(
-    model: AssemblyModel, velocity: Floats, factor: float, bond: Floats, forces: tuple[Floats, Floats],
+    model: AssemblyModel,
+    velocity: Floats,
+    factor: float,
+    bond: Floats,
+    forces: tuple[Floats, Floats],
     top: float | None = None,
-) -> tuple[float | None, float | None] | None:  # fmt: skip
+) -> tuple[float | None, float | None] | None:
     """The lowest and highest factor of a mechanism under any admissible forces; None where it has none itself.
 
     Parameters
@@ -160,16 +163,16 @@ def _end(away: Distance, inside: float, way: float, last: float) -> float | None
         if not 1.0 / WIDEST_RANGE < outside * stride**way / inside < WIDEST_RANGE or stride > WIDEST_RANGE:
             return None
         stride = stride * stride
-    margin = _BESIDE
+    margin = 0.5 * NEAR
     while True:
         trial = outside - far.distance / far.slope if far.slope * way > 0.0 else inside
         if min(abs(trial / outside - 1.0), abs(outside / inside - 1.0)) < NEAR:
             return trial if inside * way < trial * way < outside * way else inside
         if not min(inside, outside) < trial < max(inside, outside):  # Newton came out just inside: look beside it
-            trial, margin = inside * min(1.0 + margin, math.sqrt((outside / inside) ** way)) ** way, margin * _WIDER
+            trial, margin = inside * min(1.0 + margin, math.sqrt((outside / inside) ** way)) ** way, 16 * margin
         there = away.at(trial)
         if there.distance > SOLVED:
-            outside, far, margin = trial, there, _BESIDE
+            outside, far, margin = trial, there, 0.5 * NEAR
         else:
             inside = trial
 

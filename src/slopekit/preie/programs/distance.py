@@ -100,28 +100,29 @@ class Distance:
         component = statics.col[sheared] - pairs
         along = balance[sheared] * direction.ravel()[component]
         carried = sparse.csc_matrix((along, (statics.row[sheared], component // tangents)), (len(self.parts), groups))
-        by_pair = carried[:, model.group_of_pair].tocoo()
+        pair_entries = carried[:, model.group_of_pair].tocoo()
         friction_of_pair = model.tan_friction[model.group_of_pair]
         # rows: balance; N = 0 where it opens; N and s from below; and the cones (room, T), friction by friction
         shut, width, every = int(opens.sum()), groups * tangents, np.arange(pairs)
         lower = len(self.parts) + shut
-        heads_at = lower + pairs + 1 + np.arange(groups) * (1 + tangents)
-        tails_at = (heads_at[:, None] + np.arange(1, 1 + tangents)).ravel()
+        head_rows = lower + pairs + 1 + np.arange(groups) * (1 + tangents)
+        tail_rows = (head_rows[:, None] + np.arange(1, 1 + tangents)).ravel()
         room = (~slips[model.group_of_pair]) * friction_of_pair
         entries = [
             (statics.row, statics.col, balance + 0j),
-            (by_pair.row, by_pair.col, -1j * (by_pair.data * friction_of_pair[by_pair.col])),
+            (pair_entries.row, pair_entries.col, -1j * (pair_entries.data * friction_of_pair[pair_entries.col])),
             (len(self.parts) + np.arange(shut), np.flatnonzero(opens), np.full(shut, 1.0 + 0j)),
             (lower + every, every, np.full(pairs, -1.0 + 0j)),
             ([lower + pairs], [pairs + width], [-1.0 + 0j]),
-            (heads_at, np.full(groups, pairs + width), -weight + 0j),
-            (heads_at[model.group_of_pair], every, -1j * room),
-            (tails_at, pairs + np.arange(width), np.full(width, -1.0 + 0j)),
+            (head_rows, np.full(groups, pairs + width), -weight + 0j),
+            (head_rows[model.group_of_pair], every, -1j * room),
+            (tail_rows, pairs + np.arange(width), np.full(width, -1.0 + 0j)),
         ]
-        at_row, at_column, values = (np.concatenate(parts) for parts in zip(*entries, strict=True))
+        rows, columns, values = (np.concatenate(parts) for parts in zip(*entries, strict=True))
         # entries of what stays and, imaginary, of what grows with λ: summed for a λ without SciPy's sparse sums
-        both = sparse.csc_matrix((values, (at_row, at_column)), (lower + pairs + 1 + len(heads_at) * (1 + tangents),
-                                                                 pairs + width + 1))  # fmt: skip
+        both = sparse.csc_matrix(
+            (values, (rows, columns)), (lower + pairs + 1 + len(head_rows) * (1 + tangents), pairs + width + 1)
+        )
         both.eliminate_zeros()
         self.matrix, self.grows = both.real, both.imag
         self.of_still, self.of_grows = both.data.real.copy(), both.data.imag.copy()
