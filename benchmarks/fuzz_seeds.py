@@ -194,7 +194,7 @@ rock: {unit_weight: 25}
 water: {pressures: {base: 5 kPa, sides: 2}}
 loads: {seismic: 0.1, forces: [{force: 20 kN, toward: 270/00, block: C1, at: [1, 0, 2]}]}
 support: {bolts: [{force: 200 kN, toward: 090/20, acts: passive, block: C2}]}
-analysis: {mechanisms: 2}
+analysis: {mechanisms: 2, smallest_block: 3 %}
 """,
     "rich bench": """\
 slopekit: 1

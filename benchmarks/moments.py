@@ -78,8 +78,9 @@ def main(count: int = 400, seed: int = 11) -> None:
         bracket, deviation = compare(kwargs, made, found)
         shown = "none" if bracket is None else f"{bracket[0]:.5g} .. {bracket[1]:.5g}"
         off = "" if deviation is None else f"{deviation * 100:+.3f} %"
-        print(f"{drawn:5d}  bed {found.factors.state.factor}  springs {shown}  {off}", flush=True)
-        if found.factors.state.factor is None:
+        factor = float(found.factors.state.factor[0])
+        print(f"{drawn:5d}  bed {factor}  springs {shown}  {off}", flush=True)
+        if np.isnan(factor):
             no_limit += 1
         elif bracket is None:
             no_rest += 1

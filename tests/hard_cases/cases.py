@@ -174,6 +174,6 @@ def bench(
         "slopekit": 1, "kind": "bench", "strength": {"joint": {"c": 0, "phi": phi}}, "rock": {"unit_weight": 26.0},
         "slope": {"face": [70, 180], "height": 15.0 * size, "upper": [0, 180], "length": length * size,
                   "origin": [shift, -shift, shift / 10.0]},
-        "sets": sets | dict(more or {}), "cut": {"min_volume": 1e-4 * size**3},
+        "sets": sets | dict(more or {}), "cut": {"min_volume": 1e-4 * size**3}, "analysis": {"smallest_block": 0},
     }  # fmt: skip
     return Case("bench", design, lambda: Exact("slides", exact.tangent(phi) / exact.tangent(45)))

@@ -58,6 +58,27 @@ def test_what_counts_is_set_by_the_smallest_block() -> None:
         sk.load(design(0.1), set={"analysis.smallest_block": 1.5})
 
 
+def test_where_nothing_heavier_fails_a_chip_is_the_answer() -> None:
+    """A wall on a level base stands without strength; 0.02 m³ on a ramp of 20° beside it slide."""
+    drop = math.tan(math.radians(BETA))
+    chip = [[1.0, 3.0 * drop], [1.4, 2.6 * drop], [1.4, 2.6 * drop + 0.05], [1.0, 3.0 * drop + 0.05]]
+    given = {
+        "slopekit": 1,
+        "kind": "blocks",
+        "blocks": {
+            "base": {"polygon": box(-10, -5, 60, 5), "fixed": True},
+            "ramp": {"polygon": [[0, 0], [4, 0], [0, 4 * drop]], "fixed": True},
+            "wall": {"polygon": box(20, 0, 4, 1)},
+            "chip": {"polygon": chip},
+        },
+        "strength": {"joint": {"c": 0, "phi": 30}},
+        "rock": {"unit_weight": 25},
+    }
+    result = sk.run(given)
+    assert result.fos.limit == pytest.approx(slides(30.0), rel=1e-6)
+    assert result.findings.chips is None
+
+
 def test_chips_of_one_factor_go_before_what_is_heavier() -> None:
     result = sk.run(design(0.1, friction=35.0))
     assert result.findings.chips.blocks == ("chip",)

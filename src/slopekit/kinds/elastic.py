@@ -192,7 +192,6 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
     from slopekit.preie.solvers import work_limit
     from slopekit.preie.system.components import whole_model
 
-    scene = scene.without(_gone(scene, result))
     assembly, (rock, _) = scene.assembly, rock_of(design)
     moving = int((~assembly.fixed).sum())
     if moving > _MOST_BLOCKS:
@@ -361,7 +360,11 @@ def with_elastic(kind: Kind[Any], result: Result) -> Result:
     made = kind.cut(design)
     if any(strength.law is not None for strength in kind.strengths(design)):
         raise _refuse("strength is curved, and the lines of its law would follow the tractions")
-    scene = scene_of_one(design, made) if isinstance(made, Cut) else scene_of_many(design, made, result)
+    scene = (
+        scene_of_one(design, made)
+        if isinstance(made, Cut)
+        else scene_of_many(design, made.without(_gone(made, result)), result)
+    )
     stands = result.status == "no_driving_force"
     if scene.rigid_limit is None and not stands:
         said = Notice("W450", f"no elastic blocks: {result.status_text}, nothing comes to rest at any strength")

@@ -146,10 +146,12 @@ def ravel(
     ----------
     strength : indexed by the patches' joint
     ranged : whether the range of the mechanisms' factors is wanted
-    lightest : weight of the lightest mechanism that counts, kN; lighter ones are chips
+    lightest : weight of the lightest mechanism that counts, kN; lighter ones are chips, but where nothing heavier fails
     """
+    scene = WholeAssembly(assembly, loads, strength, ranged)
     with one_thread():
-        return _ravel(WholeAssembly(assembly, loads, strength, ranged), count, lightest)
+        ravelling = _ravel(scene, count, lightest)
+        return ravelling if ravelling.failures or not ravelling.sequence else _ravel(scene, count, 0.0)
 
 
 def _ravel(scene: WholeAssembly, count: int, lightest: float) -> Ravelling:
@@ -295,7 +297,8 @@ def critical_load(
     Parameters
     ----------
     ramp : forces and moments (b, 3) that grow
-    lightest : weight of the lightest mechanism that counts, kN; what is lighter is taken away
+    lightest : weight of the lightest mechanism that counts, kN; lighter ones are taken away, but where nothing heavier
+        fails
 
     Returns
     -------
@@ -305,7 +308,8 @@ def critical_load(
     scene = WholeAssembly(assembly, replace(loads, live=ramp), strength)
     with one_thread(), work_limit.allowed(work_limit.MOST):
         try:
-            return _critical_load(scene, reduction, lightest)
+            found = _critical_load(scene, reduction, lightest)
+            return found if found is not None or not lightest else _critical_load(scene, reduction, 0.0)
         except work_limit.WorkSpentError:  # before the first step of a path
             return None
 

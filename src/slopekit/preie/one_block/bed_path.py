@@ -414,10 +414,11 @@ class BedPath:
             again = side == side_before[good]  # Illinois' rule
             sides[good[again], 1 - side[again], 1] *= 0.5
             span, rise = (sides[good, 1] - sides[good, 0]).T
-            bent = (slope - last[good, 1]) / (here - last[good, 0])
-            reach = np.fmax(np.abs(slope) / np.where(bent > 0.0, bent, 1.0), 2.0 * np.abs(here - last[good, 0]))
             is_between = span > 0.0
-            reach = np.where(is_between, np.abs(slope) * span / rise, np.minimum(reach, _WIDEST))
+            with np.errstate(divide="ignore", invalid="ignore"):  # a slope that stayed as it was bends nowhere
+                bent = (slope - last[good, 1]) / (here - last[good, 0])
+                reach = np.fmax(np.abs(slope) / np.where(bent > 0.0, bent, 1.0), 2.0 * np.abs(here - last[good, 0]))
+                reach = np.where(is_between, np.abs(slope) * span / rise, np.minimum(reach, _WIDEST))
             last[good, 0], last[good, 1], side_before[good] = here, slope, side
             at[good] = here - np.sign(slope) * reach
             x[good] = points + (at[good] - here)[:, None] * after

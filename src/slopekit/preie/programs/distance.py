@@ -25,7 +25,6 @@ from slopekit.preie.tolerances import (
     FARTHEST,
     LEAST_STRENGTH,
     LIGHTEST,
-    NEAR,
     NO_MOTION,
     ROUGHLY_CLOSE,
     ROUGHLY_SOLVED,
@@ -213,7 +212,7 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
             tolerance, stride, low, high = SOLVED, 1.0 + ROUGHLY_CLOSE, 0.0, math.inf
             continue
         # a step of the distance where blocks jam is no root, nor is what is left of it as λ goes to nothing
-        if newton and abs(trial / reduction - 1.0) < NEAR and abs(far.distance) < ROUGHLY_SOLVED:
+        if newton and abs(trial / reduction - 1.0) < CLOSE and abs(far.distance) < ROUGHLY_SOLVED:
             best, motion = far, far.motion
             return ended(trial, False)
         if high < low * (1.0 + CLOSE):
