@@ -27,6 +27,12 @@ _AGAIN = 0.02  # a deviation beyond which the springs are started again ...
 _STARTS = (0.5, 2.0)  # ... from these times the strength
 
 
+def bed_factor(found):
+    """Return the limit on the bed, None where it rests at no strength."""
+    factor = float(found.factors.state.factor[0])
+    return None if np.isnan(factor) else factor
+
+
 def compare(kwargs, made, found):
     """Return the oracle's bracket of one wedge, None where it finds no rest, and how far the bed lies off it."""
     block, loads = made.block, made.loads
@@ -34,7 +40,7 @@ def compare(kwargs, made, found):
         [block.faces[J1], block.faces[J2]], kwargs["c"], np.tan(np.radians(kwargs["phi"])), block.centroid, _SPRINGS
     )
     bed = Block(springs, loads.force, loads.moment)
-    factor = found.factors.state.factor
+    factor = bed_factor(found)
     guess = factor or found.factors.forces.factor or 1.0
     bracket = bed.factor(guess, _WITHIN)
     if factor is None:
@@ -78,9 +84,9 @@ def main(count: int = 400, seed: int = 11) -> None:
         bracket, deviation = compare(kwargs, made, found)
         shown = "none" if bracket is None else f"{bracket[0]:.5g} .. {bracket[1]:.5g}"
         off = "" if deviation is None else f"{deviation * 100:+.3f} %"
-        factor = float(found.factors.state.factor[0])
+        factor = bed_factor(found)
         print(f"{drawn:5d}  bed {factor}  springs {shown}  {off}", flush=True)
-        if np.isnan(factor):
+        if factor is None:
             no_limit += 1
         elif bracket is None:
             no_rest += 1
