@@ -102,7 +102,7 @@ def test_a_path_that_is_thrown_far_off_is_none(monkeypatch) -> None:
     That was on contacts split twice; splitting them once more says nothing of it.
     """
     monkeypatch.setattr(ravelling, "_MOST_SPLIT", 2)
-    design = populations.bench(619, 40)
+    design = populations.bench(619, 40) | {"analysis": {"smallest_block": 0}}
     design["strength"]["joint"]["c"] = 0.0
     found = sk.run(design)
     assert "W317" in [notice.code for notice in found.warnings]
