@@ -127,7 +127,7 @@ def has_angles(node: Node) -> bool:
     return kind is not None and not is_distribution(node) and any(node.get(angle) is not None for angle in ANGLES[kind])
 
 
-#: Nodes that were found to have the shape that they need, with that shape.
+#: Items of lists that were found to have the shape that they need, with that shape.
 _SOUND: Kept[Any] = Kept()
 
 
@@ -152,14 +152,8 @@ class _Checker:
         self.faults.append(Fault(code, message, str(node.key_place), advice))
 
     def check(self, node: Node, spec: Spec) -> None:
-        before = len(self.faults)
-        if before >= _MOST_FAULTS or _SOUND.of(node) is spec:
+        if len(self.faults) >= _MOST_FAULTS:
             return
-        self.check_shape(node, spec)
-        if len(self.faults) == before:
-            _SOUND.keep(node, spec)
-
-    def check_shape(self, node: Node, spec: Spec) -> None:
         if isinstance(spec, AnyOf):
             self.any_of(node, spec)
         elif node.value is None and (isinstance(spec, Leaf) or not _may_be_empty(spec)):
@@ -210,7 +204,12 @@ class _Checker:
 
     def list_of(self, node: Node, spec: ListOf) -> None:
         for below in node.elements:
+            if _SOUND.of(below) is spec.of:
+                continue
+            before = len(self.faults)
             self.check(below, spec.of)
+            if len(self.faults) == before:
+                _SOUND.keep(below, spec.of)
         given, least, most = len(node.elements), spec.at_least, spec.at_most
         if given < least or (most is not None and given > most):
             needed = f"{least}" if least == most else f"at least {least}" if given < least else f"at most {most}"
