@@ -425,7 +425,7 @@ MUTATIONS = (
         ("chips of a load", "preie/many_blocks/ravelling.py", "and _is_chip(scene, found[0][1], size, lightest)",
          "and False", _CHIPS),
         ("chips at full strength", "kinds/assemblies/many_blocks.py",
-         "settled = at_full_strength(design, standing, scene_loads(standing))",
+         "settled = at_full_strength(design, at_one, scene_loads(at_one))",
          "settled = at_full_strength(design, scene, loads)", _CHIPS),
         ("anchors of chips", "kinds/assemblies/many_blocks_scene.py", "if gone[block] or number in let_go",
          "if gone[block]", _CHIPS),

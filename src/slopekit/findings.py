@@ -85,12 +85,12 @@ class Mechanism:
 
 @dataclass(frozen=True, slots=True)
 class Chips:
-    """Blocks that fail in mechanisms too light to count, and were taken away.
+    """Blocks that fail in mechanisms too light to count before the first that does, and were taken away.
 
     Attributes
     ----------
     blocks : in the order in which they fail; below_t : mass of the lightest mechanism that counts, t
-    fos : from which they fail; None where one falls with any strength
+    fos : from which they fail; None where one falls whatever its strength
     """
 
     blocks: tuple[str, ...]

@@ -146,3 +146,19 @@ def test_check_climbs_with_what_is_left() -> None:
     ladder = kind_of(sk.load(design(0.1))).ladder(sk.load(design(0.1)))
     assert {rung.method for rung in ladder.rungs} == {"stiffness", "mesh"}
     assert [rung.factor for rung in ladder.rungs] == pytest.approx([slides(35.0)] * len(ladder.rungs), rel=1e-6)
+
+
+def test_chips_of_several_groups_that_do_not_stand_are_taken_from_each() -> None:
+    """Two walls with a chip on each, which fall at once: k = tan(φ - β) of the walls all the same."""
+    still = design(0.1, on_wall=True, friction=10.0)
+    still["blocks"]["chip2"] = on_incline({"chip2": box(41, 1, 0.4, 0.1)}, BETA, 35)["blocks"]["chip2"]
+    still["interfaces"]["chip2/wall2"] = "weak"
+    still["loads"] = {"seismic": {"k": 0, "toward": 270}}
+    kind, shaken = kind_of(sk.load(still)), sk.load(still, set={"loads.seismic.k": 1})
+    expected = math.tan(math.radians(35.0 - BETA))
+    assert kind.at_load(sk.load(still), shaken, 1.0) == pytest.approx(expected, rel=1e-6)
+    result = sk.run(still)
+    assert set(result.findings.chips.blocks) == {"chip", "chip2"}
+    assert "3 slide (wall1 to wall3)" in str(result)
+    assert "stay" not in str(result)
+    assert result.forces.weight == pytest.approx(300.0, rel=1e-12)

@@ -32,7 +32,8 @@ from slopekit.elastic.meshing import (
 from slopekit.elastic.model import ElasticModel, dense_or_sparse, with_blocks
 from slopekit.elastic.outcome import ElasticBlocks, ElasticMesh, ElasticPairs, OnElasticJoint
 from slopekit.elastic.rest import Rest, RestSearch
-from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, scene_loads
+from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
+from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, lightest_of, scene_loads
 from slopekit.kinds.protocol import Kind
 from slopekit.kinds.single_block.one_block_limit import Cut
 from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
@@ -252,6 +253,10 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
             give = body(elements, where, sides, length)
         flexible.append((give, at, unknowns))
 
+    loads_of_all = scene_loads(scene)
+    assert isinstance(design, AssemblyDesign)  # blocks have no other
+    lightest = lightest_of(design, scene, loads_of_all)
+
     def limit_without(parted: Bools) -> tuple[float | None, bool]:
         lost = np.bincount(origin[patch], area * parted, len(assembly.patches))
         share = np.divide(lost, assembly.patches.areas, out=np.zeros_like(lost), where=assembly.patches.areas > 0.0)
@@ -266,7 +271,7 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
         )  # fmt: skip
         own = replace(assembly, patches=replace(assembly.patches, joint=np.arange(len(joint))))
         with work_limit.allowed(_WITHOUT * work_limit.MOST):
-            failures = ravel(own, scene_loads(scene), each, ranged=False).failures
+            failures = ravel(own, loads_of_all, each, ranged=False, lightest=lightest).failures
         return (failures[0].limit.factor, failures[0].limit.spent) if failures else (None, False)
 
     names = [scene.names[block] for block in whole.moving.tolist()]
@@ -280,11 +285,8 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
 
 def _gone(scene: AssemblyScene, result: Result) -> Bools:
     """The chips (b,) that fail before the first mechanism."""
-    findings, limit = result.findings, result.fos.limit or math.inf
-    chips = () if findings is None or findings.chips is None else findings.chips.blocks
-    factors = {} if findings is None else findings.factor_by_block
-    first = {name for name in chips if (factors[name] or 0.0) <= limit}
-    return np.array([name in first for name in scene.names], dtype=bool)
+    chips = None if result.findings is None else result.findings.chips
+    return np.isin(scene.names, () if chips is None else chips.blocks)
 
 
 def _bodies(scene: AssemblyScene) -> Callable[[int], Any]:

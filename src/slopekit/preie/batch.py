@@ -119,14 +119,15 @@ def _limits(blocks: Blocks) -> BlockLimits:
     """Return the limits of as many blocks as one chunk has."""
     beds, contacts = blocks.beds(), blocks.counts > 0
     status, slides = forces_slides(beds)
+    with np.errstate(divide="ignore"):
+        forces = np.where(status == ForcesStatus.SLIDES, 1.0 / slides[:, -1], np.nan)
+    slides[forces == 0.0, -1] = np.nan  # without strength no bed is looked at
     found = bed_limits(beds, slides)
     looked_at = slides[:, -1] > 0.0
     rests = found.status != BedStatus.NO_REST
     pressed = np.full(contacts.shape, np.nan)
     pressed[contacts] = pressed_shares(beds, found.displacement)
     pressed[~(looked_at & rests)] = np.nan
-    with np.errstate(divide="ignore"):
-        forces = np.where(status == ForcesStatus.SLIDES, 1.0 / slides[:, -1], np.nan)
     bed = 1.0 / found.reduction
     return BlockLimits(
         factor=np.where(rests | ~looked_at, np.fmin(forces, bed), np.nan),

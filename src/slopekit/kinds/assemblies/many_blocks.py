@@ -31,7 +31,7 @@ from slopekit.kinds.assemblies.many_blocks_notices import (
     debonding_notices,
     notices_of,
 )
-from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, scene_loads
+from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, lightest_of, scene_loads
 from slopekit.kinds.assemblies.many_blocks_states import (
     assembly_arrows,
     assembly_pair_state,
@@ -210,7 +210,7 @@ def _critical(
     ramp = (second.forces - first.forces, second.moments - first.moments)
     if not ramp[0].any() and not ramp[1].any():
         return scene, first, None
-    lightest = _lightest(without, scene, first)
+    lightest = lightest_of(without, scene, first)
     critical = critical_load(scene.assembly, first, ramp, joint_strength(scene.strengths), 1.0 / target, lightest)
     return scene, first, critical
 
@@ -249,7 +249,7 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
         loads = scene_loads(scene)
     with clock("solve"), work_limit.allowed(math.inf):
         ravelling = _ravelled(design, scene, loads, design.mechanisms)
-    standing = scene.without(ravelling.gone)
+    standing = scene.without(ravelling.gone())
     with clock("mechanisms"):
         moving = (mechanism(failure, scene) for failure in ravelling.failures)
         mechanisms = tuple(with_sizes(moving, scene, design.rock.gravity_m_s2))
@@ -270,14 +270,15 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
             low = low if stable is None else min(stable, low or stable)
     with clock("displacements"):
         stands = status == "no_driving_force" or (limit is not None and limit > 1.0)
-        settled = at_full_strength(design, standing, scene_loads(standing)) if stands else None
+        at_one = scene.without(ravelling.gone(1.0))
+        settled = at_full_strength(design, at_one, scene_loads(at_one)) if stands else None
     with clock("closed_form"):
         closed, table = own.closed_form(design, mechanisms[0] if mechanisms else None)
     difference, agree = compare(limit, status, closed, design.analysis.agree_within)
     findings = Findings(
         mechanisms, _factors(ravelling, scene), _standing(ravelling, scene), len(assembly),
         int(assembly.fixed.sum()), len(assembly.patches), len(ravelling.parts), _checks(scene, ravelling), table,
-        SHEAR_TO_NORMAL, _chips(ravelling, scene, _lightest(design, scene, loads) / design.rock.gravity_m_s2),
+        SHEAR_TO_NORMAL, _chips(ravelling, scene, lightest_of(design, scene, loads) / design.rock.gravity_m_s2),
     )  # fmt: skip
     parts = ravelling.parts
     first = ravelling.failures[0].parts if ravelling.failures else ()
@@ -286,7 +287,7 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
         int((~assembly.fixed).sum()), sum(part.model.load.size for part in parts),
         sum(part.model.joint_pairs.stop for part in parts), max(split, default=0),
         max((part.mesh_change for part in first if part.mesh_change is not None), default=None),
-        _left_out(design, scene, parts),
+        _left_out(design, scene, parts, drained=design.mechanisms > 1 or bool(ravelling.chips)),
         max((part.limit.steps for part in first), default=0), mechanisms[0].change if mechanisms else 0.0,
     )  # fmt: skip
     of_kind = own.notices(design, scene, ravelling.failures[0], closed) if mechanisms else ()
@@ -294,7 +295,7 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
         design=design, words=own.words, status=status,
         fos=FactorsOfSafety(limit, closed.factor, bound, all_pairs.factor if all_pairs else None, low, high),
         difference=difference, agree=agree, moments_govern=False,
-        geometry=_geometry(scene), forces=_forces(scene, loads, parts), model=size,
+        geometry=_geometry(scene), forces=_forces(standing, scene_loads(standing), parts), model=size,
         warnings=(*notices_of(design, scene, ravelling, mechanisms), *lower, *of_kind),
         limit_state=LimitState(
             assembly_pair_state(scene, parts), assembly_arrows(scene, loads, parts), balance=balance_of(parts),
@@ -310,13 +311,8 @@ def _ravelled(
     design: AssemblyDesign, scene: AssemblyScene, loads: AssemblyLoads, count: int, ranged: bool = True
 ) -> Ravelling:
     """The first mechanisms of a scene that are no chips."""
-    lightest = _lightest(design, scene, loads)
+    lightest = lightest_of(design, scene, loads)
     return ravel(scene.assembly, loads, joint_strength(scene.strengths), count, ranged, lightest)
-
-
-def _lightest(design: AssemblyDesign, scene: AssemblyScene, loads: AssemblyLoads) -> float:
-    """Weight of the lightest mechanism that counts, kN."""
-    return design.smallest_block * float(np.median(loads.weights[~scene.assembly.fixed]))
 
 
 def debonding(part: Part, most: int, limit: float) -> tuple[float | None, tuple[Notice, ...]]:
@@ -375,13 +371,12 @@ def _factors(ravelling: Ravelling, scene: AssemblyScene) -> dict[str, float | No
 
 
 def _chips(ravelling: Ravelling, scene: AssemblyScene, below_t: float) -> Chips | None:
-    """What was too light to count; None where nothing was."""
-    chips = [failure for failure in ravelling.sequence if failure.is_chip]
-    if not chips:
+    """What was too light to count and failed before the first mechanism; None where nothing did."""
+    if not ravelling.chips:
         return None
-    factors = [chip.limit.factor for chip in chips]
+    factors = [chip.limit.factor for chip in ravelling.chips]
     known = [factor for factor in factors if factor is not None]
-    names = tuple(scene.names[block] for chip in chips for block in chip.blocks.tolist())
+    names = tuple(scene.names[block] for chip in ravelling.chips for block in chip.blocks.tolist())
     return Chips(names, below_t, min(known) if len(known) == len(factors) else None)
 
 
@@ -423,7 +418,9 @@ def balance_of(parts: Sequence[Part], at_rest: bool = False) -> Balance | None:
     ])  # fmt: skip
 
 
-def _left_out(design: AssemblyDesign, scene: AssemblyScene, parts: Sequence[Part]) -> tuple[str, ...]:
+def _left_out(
+    design: AssemblyDesign, scene: AssemblyScene, parts: Sequence[Part], drained: bool = False
+) -> tuple[str, ...]:
     """What was not modelled, with the proof or the check that lets it be."""
     said = ["bedrock and fixed blocks (they do not move), contacts between them, free faces", *scene.left_out]
     if len(parts) > 1:
@@ -439,7 +436,7 @@ def _left_out(design: AssemblyDesign, scene: AssemblyScene, parts: Sequence[Part
         ends = "three node pairs a contact (Simpson's rule), its friction one force: a flat contact slips as one"
         said += ["everything repeats along the strike: 3 unknowns a block instead of 6 (exact)", ends]
     said += left_out_of_laws(scene.strengths)
-    if design.mechanisms > 1 and scene.pressures.any():
+    if drained and scene.pressures.any():
         said.append("water in joints that a block has left: they stand open")
     return tuple(said)
 

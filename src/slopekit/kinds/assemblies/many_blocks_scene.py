@@ -152,7 +152,12 @@ class AssemblyScene:
         """Return the scene without some blocks (n,), what acts on them, and the bolts and anchors to them."""
         if not gone.any():
             return self
-        return replace(self, assembly=self.assembly.without(gone), acting=self.acting.without(gone))
+        assembly = self.assembly.without(gone)
+        parted = (assembly.patches.plus != self.assembly.patches.plus) | (
+            assembly.patches.minus != self.assembly.patches.minus
+        )
+        pressures = np.where(parted, 0.0, self.pressures)
+        return replace(self, assembly=assembly, pressures=pressures, acting=self.acting.without(gone))
 
 
 def with_loads(design: AssemblyDesign, scene: AssemblyScene, toward_deg: float, advice: str = "") -> AssemblyScene:
@@ -201,6 +206,11 @@ def scene_loads(scene: AssemblyScene) -> AssemblyLoads:
         acting.pond,
         acting.anchors,
     )
+
+
+def lightest_of(design: AssemblyDesign, scene: AssemblyScene, loads: AssemblyLoads) -> float:
+    """Weight of the lightest mechanism that counts, kN."""
+    return design.smallest_block * float(np.median(loads.weights[~scene.assembly.fixed]))
 
 
 def _pushed(design: AssemblyDesign, scene: AssemblyScene) -> SceneLoads:

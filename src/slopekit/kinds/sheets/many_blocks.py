@@ -61,7 +61,8 @@ def status(result: Result, findings: Findings) -> str:
         return result.status_text
     first = findings.mechanisms[0]
     words = _motions(first, _order(result))
-    still = findings.blocks - findings.fixed - len(first.blocks)
+    chips = 0 if findings.chips is None else len(findings.chips.blocks)
+    still = findings.blocks - findings.fixed - len(first.blocks) - chips
     if still > 0:
         words += f", {still} {'stays' if still == 1 else 'stay'}"
     return _joined(result.status_text, words)
@@ -178,7 +179,7 @@ def _chips(chips: Chips | None) -> list[Entry]:
     if chips is None:
         return []
     blocks, below = counted(len(chips.blocks), "block"), mass_in_words(chips.below_t)
-    fails = "no strength holds" if chips.fos is None else f"from FoS {factor_text(chips.fos).strip()}"
+    fails = "whatever their strength" if chips.fos is None else f"from FoS {factor_text(chips.fos).strip()}"
     return [f"mechanisms lighter than {below}: {blocks}, {fails}; taken away first (analysis.smallest_block)"]
 
 

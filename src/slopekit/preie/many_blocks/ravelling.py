@@ -112,11 +112,15 @@ class Ravelling:
         return tuple(failure for failure in self.sequence if not failure.is_chip)
 
     @property
-    def gone(self) -> Bools:
-        """The blocks (b,) of the chips that were taken away before the first mechanism."""
+    def chips(self) -> tuple[Failure, ...]:
+        """The chips that were taken away before the first mechanism."""
+        return tuple(takewhile(attrgetter("is_chip"), self.sequence))
+
+    def gone(self, most: float = math.inf) -> Bools:
+        """Return the blocks (b,) of those chips that fail at no more than this factor."""
         gone = np.zeros(len(self.left), dtype=bool)
-        for chip in takewhile(attrgetter("is_chip"), self.sequence):
-            gone[chip.blocks] = True
+        for chip in self.chips:
+            gone[chip.blocks] = chip.parts[0].rank <= most
         return gone
 
     @property
@@ -316,30 +320,37 @@ def critical_load(
 
 def _critical_load(scene: WholeAssembly, reduction: float, lightest: float) -> tuple[float, Failure] | None:
     """The multiplier and the mechanism of `critical_load`."""
-    size, there = block_sizes(scene.assembly), ~scene.assembly.fixed
+    fixed, size, there = scene.assembly.fixed, block_sizes(scene.assembly), ~scene.assembly.fixed
     found: list[tuple[float, Part]] = []
     waiting = [np.flatnonzero(there)]
     while waiting:
-        for blocks in components(scene, waiting.pop()):
-            model_patch = model_of(scene, there, blocks)
-            if model_patch is None or not model_patch[0].live.any():
-                continue
+        among = waiting.pop()
+        among = among[there[among]]
+        blocks, *others = components(scene, among) or [among]
+        waiting += others
+        model_patch = model_of(scene, there, blocks) if len(blocks) else None
+        gone = np.zeros(len(there), dtype=bool)
+        if model_patch is not None and model_patch[0].live.any():
             model, path, limit = _load_limit(model_patch[0], reduction)
             if path.parameter is not None and (path.found or path.outcome is PathOutcome.BRACKET):
                 found.append((path.parameter, Part(model, limit, blocks, model_patch[1])))
             elif path.outcome is not PathOutcome.STANDS:
-                chips = _chips_at_once(scene, there, reduction, lightest)
-                if not chips[blocks].any():
+                gone = _chips_at_once(scene, there, reduction, lightest)
+                if not gone[blocks].any():
                     return None
-                there[chips] = False
-                waiting.append(blocks[there[blocks]])
+                waiting.append(blocks)
         found.sort(key=itemgetter(0))
         if found and not waiting and _is_chip(scene, found[0][1], size, lightest):
             _, chip = found.pop(0)
-            there[_moving(chip, size)[0]] = False
-            waiting.append(chip.blocks[there[chip.blocks]])
-        left = _drained(scene, there)
-        scene = replace(left, loads=replace(left.loads, live=scene.loads.live))
+            gone[_moving(chip, size)[0]] = True
+            waiting.append(chip.blocks)
+        if gone.any():
+            there &= ~gone
+            freed = _let_go(scene.loads, there, fixed) | gone
+            waiting += [part.blocks for _, part in found if freed[part.blocks].any()]
+            found = [(multiplier, part) for multiplier, part in found if not freed[part.blocks].any()]
+            left = _drained(scene, there)
+            scene = replace(left, loads=replace(left.loads, live=scene.loads.live))
     if not found:
         return None
     multiplier, part = found[0]
@@ -352,9 +363,10 @@ def _chips_at_once(scene: WholeAssembly, there: Bools, reduction: float, lightes
     live = np.zeros_like(scene.loads.live[0]), np.zeros_like(scene.loads.live[1])
     still = replace(scene, assembly=scene.assembly.without(gone), loads=replace(scene.loads, live=live), ranged=False)
     chips = np.zeros(len(there), dtype=bool)
-    for failure in _ravel(still, 1, lightest).sequence:
-        if failure.is_chip and failure.parts[0].rank * reduction < 1.0:
-            chips[failure.blocks] = True
+    for failure in _ravel(still, 1, lightest).chips:
+        if failure.parts[0].rank * reduction >= 1.0:
+            break
+        chips[failure.blocks] = True
     return chips
 
 
