@@ -33,6 +33,16 @@ def test_random_cuts_as_one_by_one() -> None:
     assert {BedStatus.PRESSED, BedStatus.RUNS, BedStatus.RESTS, BedStatus.CREEPS} <= set(found.bed_status.tolist())
 
 
+def test_blocks_without_strength_have_none() -> None:
+    """A factor of 0 beside others, as a single block's; no bed is looked at."""
+    blocks, closed_form = scattered(3)
+    bare = np.array([1.0, 0.0, 1.0])[:, None]
+    found = limits_of_blocks(replace(blocks, cohesion=blocks.cohesion * bare, tan_friction=blocks.tan_friction * bare))
+    assert found.factor[1] == found.forces[1] == 0.0
+    assert found.bed_status[1] == -1
+    assert found.forces[[0, 2]] == pytest.approx(closed_form[[0, 2]], rel=1e-12)
+
+
 def test_wedges_of_an_independent_bed() -> None:
     """Within 2 %, what a path that creeps about an edge leaves: as the single analyses are (`test_one_rule`)."""
     found = limits_of_blocks(blocks_of([cut(wedge_design(case["inputs"])) for case in CASES]))
