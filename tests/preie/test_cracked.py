@@ -7,15 +7,18 @@ import numpy as np
 import pytest
 
 import slopekit as sk
+from benchmarks.wedge_paths import as_assembly
 from slopekit.geometry.interfaces import BEDROCK, NodePairs, node_pairs
 from slopekit.geometry.rock.rockmass import J1, J2
 from slopekit.kinds import cut, wedge
 from slopekit.kinds.single_block.one_block_limit import FoundLimit, moment_limit
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import Loads
+from slopekit.preie.many_blocks.blocks import limit_of_blocks
 from slopekit.preie.one_block import bed_path
 from slopekit.preie.one_block.bed_limits import SPLITS, BedLimits, BedStatus, bed_limits
-from slopekit.preie.one_block.polygon_bed import Beds, BedSprings, Unbalanced, bed_of
+from slopekit.preie.one_block.flat_limit import flat_limit
+from slopekit.preie.one_block.polygon_bed import Beds, BedSprings, Unbalanced, elastic_bed
 from slopekit.preie.system.model import JointStrength, build_model
 from slopekit.result import Result
 from tests.preie.cracked_oracle import Block, springs_on
@@ -75,7 +78,7 @@ def dam(eccentricity: float, c: float, phi: float, thrust: float, in_section: bo
     else:
         polygon = np.array([ends[0] - across / 2, ends[0] + across / 2, ends[1] + across / 2, ends[1] - across / 2])
         pairs = node_pairs({0: polygon})
-    return bed_of(build_model(pairs, loads, centroid, strength, in_section=in_section), {0: polygon}, centroid)
+    return elastic_bed(build_model(pairs, loads, centroid, strength, in_section=in_section), {0: polygon}, centroid)
 
 
 @pytest.mark.parametrize("in_section", [True, False])
@@ -119,7 +122,7 @@ def test_a_square_base_in_torsion(phi) -> None:
     loads = Loads(force, np.array([0.0, 0.0, torque]), {"weight": force}, none, none)
     strength = JointStrength(c * one, math.tan(math.radians(phi)) * one, 0.0 * one, 0.0 * one)
     model = build_model(node_pairs({0: square}), loads, np.array([0.0, 0.0, 1.0]), strength)
-    bed = bed_of(model, {0: square}, np.array([0.0, 0.0, 1.0]))
+    bed = elastic_bed(model, {0: square}, np.array([0.0, 0.0, 1.0]))
     exact = (c + load / 4.0 * math.tan(math.radians(phi))) * 8.0 * (math.sqrt(2) + math.log(1 + math.sqrt(2))) / 6
     errors = [abs(factor_on(bed, 1.0, split) * torque / exact - 1.0) for split in (1, 2, 3, 4)]
     assert errors[-1] < 2e-4
@@ -161,7 +164,7 @@ def analysed(opened) -> list[Result]:
 
 
 def bed_on(scene) -> Beds:
-    return bed_of(scene.model, scene.bedding.polygons, scene.bedding.centroid)
+    return elastic_bed(scene.model, scene.bedding.polygons, scene.bedding.centroid)
 
 
 def by_springs(inputs, guess: float, count: int) -> tuple[float, float] | None:
@@ -339,3 +342,25 @@ def test_a_wedge_that_presses_on_all_of_its_joints_follows_no_path(monkeypatch) 
     result = sk.wedge(dips=("45/105", "70/235"), face="65/185", upper="12/195")
     assert result.to_dict()["openings"] == {}
     assert not result.moments_govern
+
+
+def test_no_turn_of_a_path_lies_between_two_of_its_points() -> None:
+    """A joint opens within three elastic displacements: a path in long steps passed the turn there, 5 % lower.
+
+    Against the same block as one of many, whose path goes down in the strength.
+    """
+    design = wedge_design({
+        "dips": [[10.991020980985217, 89.85809374583152], [34.55425120453483, 117.32531901466191]],
+        "face": [43.55579301639267, 100.35160668358684],
+        "upper": [0.776999742967952, 100.35160668358684],
+        "height": 1.651764519949974,
+        "c": [47.21858731897871, 6.256340620919598],
+        "phi": [8.225853010644679, 24.582445497023976],
+        "unit_weight": 28.350721813872532,
+        "water": [4.097802301404191, 1.726054204321697],
+        "bolts": [{"force": 30.229490533557318, "toward": (319.48891816311834, 19.195931995617578), "acts": "active"}],
+    })  # fmt: skip
+    scene = cut(design).scene_at(0)
+    found = flat_limit(scene.model, scene.bedding.polygons, scene.bedding.centroid)
+    many = limit_of_blocks(as_assembly(scene), ranged=False)
+    assert found.factor == pytest.approx(many.factor, rel=0.01)

@@ -241,7 +241,7 @@ def test_what_is_said_of_the_factor_at_a_load_never_reads_as_a_load() -> None:
     for key, at in ((KEY, f"of the factor of safety at {KEY} = 0.2: "), ("strength.joint.phi", "")):
         shown = SimpleNamespace(path=key, shown=lambda value, _: f"{value:g}")
         asked = factor_request.FactorRequest(None, shown, 0.0, 1.0, 1.5, ALONE, lambda _: None)
-        said = [notice.message for notice in factor_request.said_of_factor(asked, 0.2, point)]
+        said = [notice.message for notice in factor_request.factor_notices(asked, 0.2, point)]
         assert said == [at + notice.message for notice in notes]
 
 

@@ -5,6 +5,7 @@ import numpy as np
 from slopekit.block_scene import BlockScene
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.records import dataclass
+from slopekit.geometry.solids.sliding_mass import volume_and_moment
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +31,7 @@ class WrittenBlock:
     @property
     def volume(self) -> float:
         """m³, about its own middle."""
-        return volume_of(self.vertices, self.triangles)
+        return volume_and_moment(self.vertices, self.triangles)[0]
 
     @property
     def outline(self) -> Floats:
@@ -38,21 +39,15 @@ class WrittenBlock:
         return self.vertices[: len(self.vertices) // 2]
 
 
-def bodies_of(scene: BlockScene) -> tuple[WrittenBlock, ...]:
+def block_bodies(scene: BlockScene) -> tuple[WrittenBlock, ...]:
     """Every block of a scene with its surface."""
     shapes = scene.shapes
     return tuple(WrittenBlock(k, name, *shapes.solids.of(k)) for k, name in enumerate(shapes.names))
 
 
-def state_of(scene: BlockScene, body: WrittenBlock) -> int:
+def mechanism_state(scene: BlockScene, body: WrittenBlock) -> int:
     """Whether a block is bedrock, 0, stands, 1, or moves in a mechanism, 2."""
     return 0 if scene.shapes.fixed[body.index] else 2 if scene.order[body.index] else 1
-
-
-def volume_of(vertices: Floats, triangles: Ints) -> float:
-    """The volume (m³) that a closed surface encloses."""
-    a, b, c = ((vertices - vertices.mean(axis=0))[triangles[:, k]] for k in range(3))
-    return float(np.einsum("ti,ti->", a, np.cross(b, c))) / 6.0
 
 
 def line_of_intersection(scene: BlockScene) -> Floats | None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from slopekit.block_scene import Bolts
 from slopekit.bolts import nearest
-from slopekit.exchange.bodies import WrittenBlock, bodies_of, line_of_intersection, state_of
+from slopekit.exchange.bodies import WrittenBlock, block_bodies, line_of_intersection, mechanism_state
 from slopekit.exchange.solids import Files
 from slopekit.exchange.source import ExportSource
 
@@ -44,8 +44,8 @@ def write_dxf(path: Path, source: ExportSource) -> Files:
         return name
 
     scene = source.scene
-    for body in bodies_of(scene):
-        _add_block(space, body, layer(*_STATES[state_of(scene, body)]))
+    for body in block_bodies(scene):
+        _add_block(space, body, layer(*_STATES[mechanism_state(scene, body)]))
         if source.is_section:
             _add_outline(space, body, layer(*_OUTLINES))
     if (line := line_of_intersection(scene)) is not None:

@@ -12,11 +12,12 @@ import numpy as np
 from slopekit.core.errors import DesignError, Fault, Notice, writing
 from slopekit.core.records import dataclass
 from slopekit.core.whole_files import whole_files
-from slopekit.exchange.bodies import bodies_of, volume_of
+from slopekit.exchange.bodies import block_bodies
 from slopekit.exchange.dxf import write_dxf
 from slopekit.exchange.solids import Files, write_glb, write_obj, write_stl
 from slopekit.exchange.source import ExportSource, Given, sources_of
 from slopekit.exchange.vtu import write_vtu
+from slopekit.geometry.solids.sliding_mass import volume_and_moment
 
 _SMOOTH = 1e-6  # of the volume: what flat triangles leave of a curved body is said above it
 
@@ -131,12 +132,14 @@ def export(
 
 def _written_file(path: Path, source: ExportSource, case: str) -> Written:
     """Write one file of one case, and count what is in it."""
-    suffix, scene, bodies = path.suffix.lower(), source.scene, bodies_of(source.scene)
+    suffix, scene, bodies = path.suffix.lower(), source.scene, block_bodies(source.scene)
     name, write = FORMATS[suffix]
     with writing(path), whole_files(path.parent) as staging:  # VTU has a file more for each part
         files, precision = write(staging / path.name, source)
     if suffix in _ROUNDED:
-        volume = sum(volume_of(body.local.astype(np.float32).astype(np.float64), body.triangles) for body in bodies)
+        volume = sum(
+            volume_and_moment(body.local.astype(np.float32).astype(np.float64), body.triangles)[0] for body in bodies
+        )
     else:
         volume = sum(body.volume for body in bodies)
     interfaces, pairs = (len(scene.shapes.contacts), len(scene.pairs)) if suffix == ".vtu" else (0, 0)
@@ -148,7 +151,7 @@ def _written_file(path: Path, source: ExportSource, case: str) -> Written:
 def _alike(sources: Mapping[str, ExportSource]) -> list[Notice]:
     """W376 where every load case has the same blocks."""
     first, *others = [
-        [(one.name, one.vertices.tobytes(), one.triangles.tobytes()) for one in bodies_of(source.scene)]
+        [(one.name, one.vertices.tobytes(), one.triangles.tobytes()) for one in block_bodies(source.scene)]
         for source in sources.values()
     ]  # fmt: skip
     if not others or any(other != first for other in others):
@@ -190,7 +193,7 @@ def _notices(source: ExportSource) -> Iterator[Notice]:
     """What the files do not say themselves: W376 flat triangles for a curved body."""
     true = float((source.document.get("geometry") or {}).get("volume_m3") or 0.0)
     if source.is_curved and true > 0.0:
-        flat = sum(body.volume for body in bodies_of(source.scene))
+        flat = sum(body.volume for body in block_bodies(source.scene))
         share, word = abs(1.0 - flat / true), "less" if flat < true else "more"
         if share > _SMOOTH:
             message = f"the mass is written with flat triangles: {flat:.6g} m³"

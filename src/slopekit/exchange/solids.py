@@ -13,7 +13,7 @@ import numpy as np
 from slopekit.block_scene import BlockScene, joined
 from slopekit.bolts import nearest, plates, rods
 from slopekit.core.arrays import Floats, Ints
-from slopekit.exchange.bodies import bodies_of, state_of
+from slopekit.exchange.bodies import block_bodies, mechanism_state
 from slopekit.exchange.source import ExportSource
 
 _RESERVED = re.compile(r"(?i)solid|facet|normal|vertex|loop")  # readers look for these words, in names as well
@@ -31,7 +31,7 @@ Files = tuple[list[Path], str]
 def write_stl(path: Path, source: ExportSource) -> Files:
     """ASCII STL: one `solid` a block."""
     lines: list[str] = []
-    for body in bodies_of(source.scene):
+    for body in block_bodies(source.scene):
         words = _words(body.vertices)
         normals = [f"{x:.6g} {y:.6g} {z:.6g}" for x, y, z in _normals(body.vertices[body.triangles]).tolist()]
         lines.append(f"solid {stl_name(body.name)}")
@@ -54,7 +54,7 @@ def write_obj(path: Path, source: ExportSource) -> Files:
     lines = ["# slopekit; metres, x east, y north, z up"]
     at = 1
     solids, fixed = source.scene.shapes.solids, source.scene.shapes.fixed
-    for body in bodies_of(source.scene):
+    for body in block_bodies(source.scene):
         lines += [f"o {_token(body.name)}", *(f"v {words}" for words in _words(body.vertices))]
         unnamed, last = "bedrock" if fixed[body.index] else "moving", None
         faces = solids.face[solids.block == body.index]
@@ -97,7 +97,7 @@ def write_glb(path: Path, source: ExportSource) -> Files:
     """Write blocks and bolts as a .glb, or as a .gltf with its buffers within."""
     import trimesh
 
-    blocks, bodies = source.scene, bodies_of(source.scene)
+    blocks, bodies = source.scene, block_bodies(source.scene)
     vertices = blocks.shapes.solids.vertices
     origin = np.round((vertices.min(axis=0) + vertices.max(axis=0)) / 2.0)
     scene = trimesh.Scene()
@@ -116,7 +116,7 @@ def write_glb(path: Path, source: ExportSource) -> Files:
         scene.graph.update(frame_from=_ORIGIN, frame_to=name, matrix=_shift(at - origin), geometry=name)
 
     for body in bodies:
-        colour = _STATES[state_of(blocks, body)]
+        colour = _STATES[mechanism_state(blocks, body)]
         add(body.name, body.local, body.triangles, body.middle, colour, _of_block(blocks, body.index))
     _add_bolts(blocks, add)
     save_gltf(scene, path)

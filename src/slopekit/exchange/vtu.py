@@ -14,7 +14,7 @@ import numpy as np
 
 from slopekit.block_scene import MODES, BlockScene, Bolts
 from slopekit.core.arrays import Floats, Ints
-from slopekit.exchange.bodies import bodies_of
+from slopekit.exchange.bodies import block_bodies
 from slopekit.exchange.panels import areas_of
 from slopekit.exchange.solids import Files
 from slopekit.exchange.source import ExportSource
@@ -43,7 +43,7 @@ def write_vtu(path: Path, source: ExportSource) -> Files:
 
 
 def _blocks(scene: BlockScene) -> bytes:
-    bodies = bodies_of(scene)
+    bodies = block_bodies(scene)
     firsts = np.cumsum([0, *(len(body.vertices) for body in bodies)])
     stream, ends = [], []
     length = 0

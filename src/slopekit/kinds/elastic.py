@@ -33,7 +33,7 @@ from slopekit.elastic.model import ElasticModel, dense_or_sparse, with_blocks
 from slopekit.elastic.outcome import ElasticBlocks, ElasticMesh, ElasticPairs, OnElasticJoint
 from slopekit.elastic.rest import Rest, RestSearch
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
-from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, lightest_of, scene_loads
+from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, least_counted_weight, scene_loads
 from slopekit.kinds.protocol import Kind
 from slopekit.kinds.single_block.one_block_limit import Cut
 from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
@@ -255,7 +255,7 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
 
     loads_of_all = scene_loads(scene)
     assert isinstance(design, AssemblyDesign)  # blocks have no other
-    lightest = lightest_of(design, scene, loads_of_all)
+    lightest = least_counted_weight(design, scene, loads_of_all)
 
     def limit_without(parted: Bools) -> tuple[float | None, bool]:
         lost = np.bincount(origin[patch], area * parted, len(assembly.patches))

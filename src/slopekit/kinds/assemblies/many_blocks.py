@@ -31,7 +31,7 @@ from slopekit.kinds.assemblies.many_blocks_notices import (
     debonding_notices,
     notices_of,
 )
-from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, lightest_of, scene_loads
+from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, least_counted_weight, scene_loads
 from slopekit.kinds.assemblies.many_blocks_states import (
     assembly_arrows,
     assembly_pair_state,
@@ -210,7 +210,7 @@ def _critical(
     ramp = (second.forces - first.forces, second.moments - first.moments)
     if not ramp[0].any() and not ramp[1].any():
         return scene, first, None
-    lightest = lightest_of(without, scene, first)
+    lightest = least_counted_weight(without, scene, first)
     critical = critical_load(scene.assembly, first, ramp, joint_strength(scene.strengths), 1.0 / target, lightest)
     return scene, first, critical
 
@@ -278,7 +278,8 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
     findings = Findings(
         mechanisms, _factors(ravelling, scene), _standing(ravelling, scene), len(assembly),
         int(assembly.fixed.sum()), len(assembly.patches), len(ravelling.parts), _checks(scene, ravelling), table,
-        SHEAR_TO_NORMAL, _chips(ravelling, scene, lightest_of(design, scene, loads) / design.rock.gravity_m_s2),
+        SHEAR_TO_NORMAL,
+        _chips(ravelling, scene, least_counted_weight(design, scene, loads) / design.rock.gravity_m_s2),
     )  # fmt: skip
     parts = ravelling.parts
     first = ravelling.failures[0].parts if ravelling.failures else ()
@@ -311,7 +312,7 @@ def _ravelled(
     design: AssemblyDesign, scene: AssemblyScene, loads: AssemblyLoads, count: int, ranged: bool = True
 ) -> Ravelling:
     """The first mechanisms of a scene that are no chips."""
-    lightest = lightest_of(design, scene, loads)
+    lightest = least_counted_weight(design, scene, loads)
     return ravel(scene.assembly, loads, joint_strength(scene.strengths), count, ranged, lightest)
 
 

@@ -208,7 +208,7 @@ def scene_loads(scene: AssemblyScene) -> AssemblyLoads:
     )
 
 
-def lightest_of(design: AssemblyDesign, scene: AssemblyScene, loads: AssemblyLoads) -> float:
+def least_counted_weight(design: AssemblyDesign, scene: AssemblyScene, loads: AssemblyLoads) -> float:
     """Weight of the lightest mechanism that counts, kN."""
     return design.smallest_block * float(np.median(loads.weights[~scene.assembly.fixed]))
 

@@ -31,6 +31,7 @@ SNAP = 10
 EARLY = 30
 _TURNED, _BACK = math.log(1.2), math.log(20)  # ln λ so far above its least value does not come back, or sticks
 _FIRST, _LONGEST = 0.1, 1.5  # steps along the path
+_EARLY_STEP = 0.4  # the longest within `EARLY` elastic displacements, where parts of joints open and close
 _TURNS, _STRAYS = 0.8, 0.5  # cosine of the angle that a step may turn by, and parts of it that it may leave the tangent
 _CORNER = 1e-3  # steps may turn by more where they are as short: points begin to slip
 _STRAIGHT, _STRAIGHTER = 0.98, 0.9999  # where the path turns by less, the next step is twice or four times as long
@@ -370,7 +371,8 @@ class BedPath:
         longer = np.where((cosine > _STRAIGHTER) & (found.evaluations <= 3), 4.0, 1.0)
         longer = np.maximum(longer, np.where((cosine > _STRAIGHT) & (found.evaluations <= 4), 2.0, 1.0))
         longer = np.where(found.evaluations > 6, 0.6, longer)
-        at.length = np.where(good, np.minimum(along * longer, _LONGEST), along / 4)
+        most = np.where(scale < EARLY * elastic, _EARLY_STEP, _LONGEST)
+        at.length = np.where(good, np.minimum(along * longer, most), along / 4)
         at.tangent = np.where(good[:, None], units(on_scale(after, here / scale)), tangent)
         rise, gone = ln - at.lowest[:, -1], lengths((at.point - at.lowest)[:, :-1]) > SNAP * elastic
         spare = ends - at.lowest[:, -1]  # a path that ends lower than it turned goes on

@@ -20,7 +20,7 @@ from slopekit.preie.one_block.bed_limits import BedLimits, BedStatus, bed_limits
 from slopekit.preie.one_block.bed_path import COARSE, BedPath, lengths
 from slopekit.preie.one_block.limit import dilating_limit, forces_only_limit, stands_without_strength
 from slopekit.preie.one_block.passes import Limit, Outcome
-from slopekit.preie.one_block.polygon_bed import Beds, BedSprings, bed_of
+from slopekit.preie.one_block.polygon_bed import Beds, BedSprings, elastic_bed
 from slopekit.preie.system.model import Model
 from slopekit.preie.tolerances import TINY
 from slopekit.strength.mohr_coulomb import line
@@ -71,7 +71,7 @@ def flat_limit(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -
     stands = forces.outcome is Outcome.NO_DRIVING_FORCE and stands_without_strength(model)
     if stands or forces.outcome in (Outcome.LIFTED, Outcome.NOT_CONVERGED) or forces.factor == 0.0:
         return FlatLimit(forces)
-    bed = bed_of(model, polygons, centroid)
+    bed = elastic_bed(model, polygons, centroid)
     known = forces.velocity_of(model) * (forces.factor is not None)
     slides = np.append(known, 1.0 / (forces.factor or 1.0))[None]
     state = bed_limits(bed, slides)

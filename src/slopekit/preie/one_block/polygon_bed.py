@@ -354,7 +354,7 @@ class BedSprings:
         return np.asarray(strength + 1j * slope * normal.imag)
 
 
-def bed_of(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> Beds:
+def elastic_bed(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> Beds:
     """Return the contacts of one block on bedrock as an elastic bed, in the order of their interfaces.
 
     Parameters

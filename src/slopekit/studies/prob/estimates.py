@@ -152,10 +152,10 @@ def rank_correlation(a: Floats, b: Floats) -> float | None:
     return float(first @ second) / size if size > 0.0 else None
 
 
-def drawn_of(path: str, values: Floats) -> dict[str, str | float]:
+def sample_statistics(path: str, values: Floats) -> dict[str, str | float]:
     """What was drawn of a number: (n,) values. Of a direction the mean is the mean direction, the sd about it.
 
-    >>> found = drawn_of("joints.J1.plane.dip_direction", np.array([350.0, 20.0]))
+    >>> found = sample_statistics("joints.J1.plane.dip_direction", np.array([350.0, 20.0]))
     >>> [round(found[name], 9) for name in ("mean", "sd", "min", "max")]
     [5.0, 21.213203436, 350.0, 20.0]
     """

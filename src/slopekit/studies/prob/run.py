@@ -35,7 +35,7 @@ from slopekit.studies.prob.bolts import (
     without_force,
 )
 from slopekit.studies.prob.cracks import checked_alone, cracked
-from slopekit.studies.prob.estimates import Share, Summary, drawn_of, share_of, summary_of
+from slopekit.studies.prob.estimates import Share, Summary, sample_statistics, share_of, summary_of
 from slopekit.studies.prob.judged import (
     IMPOSSIBLE,
     Confirmation,
@@ -138,7 +138,7 @@ class Probability(StudyOutcome):
     def variables(self) -> tuple[dict[str, Any], ...]:
         """What was drawn of each number, in short."""
         samples = self.samples
-        return tuple(drawn_of(*column) for column in zip(samples.names, samples.values.T, strict=True))
+        return tuple(sample_statistics(*column) for column in zip(samples.names, samples.values.T, strict=True))
 
     @cached_property
     def summary(self) -> Summary | None:

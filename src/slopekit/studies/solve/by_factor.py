@@ -22,10 +22,10 @@ from slopekit.studies.solve.factor_request import (
     FactorRequest,
     answers_of,
     crossings_of,
+    factor_notices,
     level_at,
     look_roughly,
     runs_of,
-    said_of_factor,
 )
 from slopekit.studies.solve.roots import Crossing, RootSearch, Sample
 from slopekit.studies.solve.solutions import (
@@ -218,4 +218,4 @@ def _beside(asked: FactorRequest, solved: SolvedValue) -> Iterator[Notice]:
         return
     yield from also_falls_short(solved.both.factors.also, asked.target, f"at {asked.key.shown(solved.value, 4)}")
     said = kind_of(asked.design).beside(with_values(asked.design, values_of(asked.design, [asked.key], [solved.value])))
-    yield from said_of_factor(asked, solved.value, Point(replace(solved.both.factors, notes=said)))
+    yield from factor_notices(asked, solved.value, Point(replace(solved.both.factors, notes=said)))

@@ -144,7 +144,7 @@ def look_roughly(search: RootSearch[Point], asked: FactorRequest, whole: bool) -
     return crossings
 
 
-def said_of_factor(asked: FactorRequest, value: float, there: Point) -> Iterator[Notice]:
+def factor_notices(asked: FactorRequest, value: float, there: Point) -> Iterator[Notice]:
     """What a run says of the factor at a value; of a load the value is named: a load's own numbers are loads."""
     for notice in () if there.factors is None else there.factors.notes:
         if _LOAD.fullmatch(asked.key.path):
@@ -194,7 +194,7 @@ def _found(method: Method, asked: FactorRequest, crossing: Crossing[Point]) -> S
         best = replace(crossing.before, label=crossing.after.label)  # the last that stands, and how it goes
     ends = [(end.at, factor_at(end.found, method) or 0.0) for end in (crossing.before, crossing.after)]
     factor = factor_at(best.found, method) or 0.0
-    notes = tuple(said_of_factor(asked, best.at, best.found)) if method == "pre_ie" else ()
+    notes = tuple(factor_notices(asked, best.at, best.found)) if method == "pre_ie" else ()
     return SolvedValue(
         crossing.how, best.at, factor, best.label, (ends[0], ends[1]), crossing.rises, best.found, notes=notes
     )
