@@ -11,7 +11,7 @@ import slopekit as sk
 from slopekit.block_scene import BlockScene
 from slopekit.exchange import dxf
 from slopekit.geometry.solids.meshes import outward, read_mesh
-from slopekit.geometry.solids.sliding_mass import volume_and_moment
+from slopekit.geometry.solids.sliding_mass import volume_moments
 from tests.bolted import bolted
 from tests.exchange.conftest import EAST, NORTH, TEMPLATES
 from tests.exchange.meshes import read_blocks
@@ -42,8 +42,8 @@ def test_blocks_come_back(result, tmp_path, scene, suffix) -> None:
         middle, size = vertices.mean(axis=0), float(np.ptp(vertices, axis=0).max())
         apart = cKDTree(found[name][0] - middle).query(vertices - middle)[0].max()
         assert apart <= EXACT[suffix] * size + (grain if EXACT[suffix] else 0.0)
-        assert volume_and_moment(*found[name])[0] == pytest.approx(
-            volume_and_moment(vertices, triangles)[0], rel=1e-12 + 20 * EXACT[suffix]
+        assert volume_moments(*found[name])[0] == pytest.approx(
+            volume_moments(vertices, triangles)[0], rel=1e-12 + 20 * EXACT[suffix]
         )
         assert len(found[name][1]) == len(triangles)
 
@@ -53,7 +53,7 @@ def test_meshes_of_designs_keep_map_coordinates(result, tmp_path, suffix) -> Non
     sk.export(result("map"), tmp_path / f"x{suffix}")
     vertices, triangles, closed = read_mesh(tmp_path / f"x{suffix}", "x")
     assert closed
-    assert volume_and_moment(vertices, triangles)[0] == pytest.approx(
+    assert volume_moments(vertices, triangles)[0] == pytest.approx(
         209461.4964585, rel=3e-6 if suffix == ".glb" else 1e-9
     )
     toe = np.array([EAST, NORTH, 300.0])
@@ -69,7 +69,7 @@ def test_a_mesh_at_map_coordinates_that_is_inside_out_is_turned(tmp_path) -> Non
     (tmp_path / "box.obj").write_text("\n".join(text))
     vertices, triangles, closed = read_mesh(tmp_path / "box.obj", "box")
     assert closed
-    assert volume_and_moment(vertices, outward(vertices, triangles))[0] == pytest.approx(1.0, rel=1e-8)
+    assert volume_moments(vertices, outward(vertices, triangles))[0] == pytest.approx(1.0, rel=1e-8)
 
 
 def test_stl_by_trimesh_and_by_its_text(result, tmp_path) -> None:
@@ -153,7 +153,7 @@ def test_vtu_indices_mean_the_names_listed(result, tmp_path) -> None:
     blocks, interfaces = (pyvista.read(path) for path in done.files)
     names = [str(name) for name in blocks.field_data["block_names"]]
     for at, volume in zip(blocks.cell_data["block"], blocks.cell_data["volume_m3"], strict=True):
-        assert volume == pytest.approx(volume_and_moment(*shapes.solids.of(shapes.names.index(names[at])))[0], rel=1e-9)
+        assert volume == pytest.approx(volume_moments(*shapes.solids.of(shapes.names.index(names[at])))[0], rel=1e-9)
     cells = {names[at]: blocks.extract_cells(k) for k, at in enumerate(blocks.cell_data["block"].tolist())}
     assert [str(name) for name in interfaces.field_data["block_names"]] == names
     for k, sides in enumerate(
@@ -274,4 +274,4 @@ def test_dxf_by_single_faces(result, tmp_path, monkeypatch) -> None:
     assert not ezdxf.readfile(tmp_path / "x.dxf").query("POLYLINE")
     vertices, triangles, closed = read_mesh(tmp_path / "x.dxf", "x")
     assert closed
-    assert volume_and_moment(vertices, triangles)[0] == pytest.approx(209461.4964585, rel=1e-9)
+    assert volume_moments(vertices, triangles)[0] == pytest.approx(209461.4964585, rel=1e-9)

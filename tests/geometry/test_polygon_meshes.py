@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from slopekit.core.errors import DesignError
 from slopekit.geometry.solids.meshes import read_mesh, triangulated
-from slopekit.geometry.solids.sliding_mass import volume_and_moment
+from slopekit.geometry.solids.sliding_mass import volume_moments
 
 ELL = [(0.0, 0.0), (3.0, 0.0), (3.0, 1.0), (1.0, 1.0), (1.0, 3.0), (0.0, 3.0)]  # 5 m²
 ARROW = [(0.0, 0.0), (4.0, 2.0), (0.0, 4.0), (1.0, 2.0)]  # a concave quadrilateral, 6 m²
@@ -91,7 +91,7 @@ def test_an_end_that_is_not_convex(tmp_path, name, first) -> None:
     a, b, c = vertices[triangles].transpose(1, 0, 2)
     assert closed
     assert len(vertices) == 12
-    assert volume_and_moment(vertices, triangles)[0] == pytest.approx(5.0, rel=1e-12)
+    assert volume_moments(vertices, triangles)[0] == pytest.approx(5.0, rel=1e-12)
     assert np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2.0 == pytest.approx(22.0, rel=1e-12)
 
 
@@ -114,7 +114,7 @@ def test_faces_of_dxf_that_are_not_convex(tmp_path, kind, first) -> None:
     points, triangles, closed = read_mesh(tmp_path / "arrow.dxf", "arrow")
     a, b, c = points[triangles].transpose(1, 0, 2)
     assert closed
-    assert volume_and_moment(points, triangles)[0] == pytest.approx(6.0, rel=1e-12)
+    assert volume_moments(points, triangles)[0] == pytest.approx(6.0, rel=1e-12)
     sides = 2 * np.hypot(4, 2) + 2 * np.hypot(1, 2)
     assert np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2.0 == pytest.approx(12.0 + sides, rel=1e-12)
 

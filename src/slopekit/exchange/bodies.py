@@ -5,7 +5,7 @@ import numpy as np
 from slopekit.block_scene import BlockScene
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.records import dataclass
-from slopekit.geometry.solids.sliding_mass import volume_and_moment
+from slopekit.geometry.solids.sliding_mass import volume_moments
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,7 @@ class WrittenBlock:
     @property
     def volume(self) -> float:
         """m³, about its own middle."""
-        return volume_and_moment(self.vertices, self.triangles)[0]
+        return volume_moments(self.vertices, self.triangles)[0]
 
     @property
     def outline(self) -> Floats:

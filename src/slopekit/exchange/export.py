@@ -17,7 +17,7 @@ from slopekit.exchange.dxf import write_dxf
 from slopekit.exchange.solids import Files, write_glb, write_obj, write_stl
 from slopekit.exchange.source import ExportSource, Given, sources_of
 from slopekit.exchange.vtu import write_vtu
-from slopekit.geometry.solids.sliding_mass import volume_and_moment
+from slopekit.geometry.solids.sliding_mass import volume_moments
 
 _SMOOTH = 1e-6  # of the volume: what flat triangles leave of a curved body is said above it
 
@@ -138,7 +138,7 @@ def _written_file(path: Path, source: ExportSource, case: str) -> Written:
         files, precision = write(staging / path.name, source)
     if suffix in _ROUNDED:
         volume = sum(
-            volume_and_moment(body.local.astype(np.float32).astype(np.float64), body.triangles)[0] for body in bodies
+            volume_moments(body.local.astype(np.float32).astype(np.float64), body.triangles)[0] for body in bodies
         )
     else:
         volume = sum(body.volume for body in bodies)

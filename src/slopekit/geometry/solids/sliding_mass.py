@@ -91,7 +91,7 @@ def cut_mass(ground: Cutter, body: Cutter) -> SlidingMass:
         what = "touches none of the slip surface" if not (on == SLIP).any() else "lies wholly within the ground"
         advice = "The slip surface must come out at the ground surface."
         raise GeometryError([Fault("E214", f"the mass {what}: it cannot move", "", advice)])
-    volume, moment = volume_and_moment(vertices, triangles)
+    volume, moment = volume_moments(vertices, triangles)
     area = float(np.sqrt((_vector_areas(vertices, triangles[on == SLIP]) ** 2).sum(axis=1)).sum())
     others = tuple(part.volume() for part in parts[1:] if part.volume() > NUMERICAL_SLIVER * volume)
     return SlidingMass(
@@ -237,7 +237,7 @@ def _vector_areas(vertices: Floats, triangles: Ints) -> Floats:
     return np.asarray(np.cross(b - a, c - a) / 2.0, dtype=np.float64)
 
 
-def volume_and_moment(vertices: Floats, triangles: Ints) -> tuple[float, Floats]:
+def volume_moments(vertices: Floats, triangles: Ints) -> tuple[float, Floats]:
     """Volume and first moment of a closed mesh, by tetrahedra from its first vertex."""
     apex = vertices[0]
     a, b, c = (vertices[triangles[:, k]] - apex for k in range(3))
@@ -306,7 +306,7 @@ def _refined(mass: SlidingMass, metric: Floats) -> SlidingMass:
     ])  # fmt: skip
     vertices = np.concatenate([mass.vertices, middle])
     on, facet = np.tile(mass.on, 4), np.tile(mass.facet, 4)
-    volume, moment = volume_and_moment(vertices, split)
+    volume, moment = volume_moments(vertices, split)
     area = float(np.sqrt((_vector_areas(vertices, split[on == SLIP]) ** 2).sum(axis=1)).sum())
     return SlidingMass(frozen(vertices), split, on, facet, volume, frozen(moment / volume), area, mass.pieces)
 
@@ -326,7 +326,7 @@ def _snapped(mass: SlidingMass, metric: Floats) -> SlidingMass:
     along = np.einsum("nik,njk,nj->ni", axes, axes, gradient)
     vertices = mass.vertices.copy()
     vertices[rim] += _onto(vertices[rim], along, metric)[:, None] * along
-    volume, moment = volume_and_moment(vertices, mass.triangles)
+    volume, moment = volume_moments(vertices, mass.triangles)
     return replace(mass, vertices=frozen(vertices), volume=volume, centroid=frozen(moment / volume))
 
 

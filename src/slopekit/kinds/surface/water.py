@@ -10,7 +10,7 @@ import numpy as np
 from slopekit.core.arrays import Floats, cross
 from slopekit.geometry.pressure import Height, Pressure, in_strips
 from slopekit.geometry.solids.shapes import GROUND, SLIP
-from slopekit.geometry.solids.sliding_mass import SlidingMass, volume_and_moment
+from slopekit.geometry.solids.sliding_mass import SlidingMass, volume_moments
 from slopekit.kinds.surface.design import SurfaceDesign, along_x
 from slopekit.kinds.water import pressure_below, refuse_above
 from slopekit.loads import PointForce
@@ -46,7 +46,7 @@ def pushes_of(design: SurfaceDesign, mass: SlidingMass, origin: Floats) -> dict[
         refuse_above(water, list(ground), float(np.ptp(vertices[:, 2])), np.eye(3))
     centre = mass.centroid + origin
     force, couple, wet = _on_facets(water, slip, centre)
-    volume, moment = volume_and_moment(mass.vertices, mass.triangles)
+    volume, moment = volume_moments(mass.vertices, mass.triangles)
     sliver, first = mass.volume - volume, mass.volume * mass.centroid - moment
     lift = np.array([0.0, 0.0, water.unit_weight * wet])
     loads = {"water": PointForce(

@@ -184,15 +184,15 @@ class _Path:
         if ended is None and self.rounds:
             ended, self.rounds = traced(bed, self.state.at, self.stable), False
         if bed.cells is None or (ended is not None and self._is_between(ended, unstable)):
-            return self._same_motion(ended)
+            return self._checked_motion(ended)
         bonded = bed.with_cohesion_at(self.state.at, self.stable)
         flow = relaxed(bonded, self.state.at, unstable, THICK, runs_at=RUNS)
-        ended = self._same_motion(_run(bonded, flow, unstable)) if flow.ended == "runs" else None
+        ended = self._checked_motion(_run(bonded, flow, unstable)) if flow.ended == "runs" else None
         if ended is None or ended.parameter is None or bed.drive.gap(ended.parameter, self.stable) < 1.0:
             return None
         return ended
 
-    def _same_motion(self, ended: PathLimit | None) -> PathLimit | None:
+    def _checked_motion(self, ended: PathLimit | None) -> PathLimit | None:
         """Return a limit that is that of the motion which ends the last rest; None where it is another's."""
         assert self.stable is not None
         if ended is None or ended.parameter is None:
