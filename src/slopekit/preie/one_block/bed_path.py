@@ -370,7 +370,7 @@ class BedPath:
         at.early, at.steps = np.minimum(at.early, reached), at.steps + 1
         longer = np.where((cosine > _STRAIGHTER) & (found.evaluations <= 3), 4.0, 1.0)
         longer = np.maximum(longer, np.where((cosine > _STRAIGHT) & (found.evaluations <= 4), 2.0, 1.0))
-        longer = np.where(found.evaluations > 6, 0.6, longer)
+        longer[found.evaluations > 6] = 0.6
         most = np.where(scale < EARLY * elastic, _EARLY_STEP, _LONGEST)
         at.length = np.where(good, np.minimum(along * longer, most), along / 4)
         at.tangent = np.where(good[:, None], units(on_scale(after, here / scale)), tangent)
