@@ -47,6 +47,7 @@ _SETTLES = 5  # times its slope: λ of a path that runs is as near to that of th
 _FAR_OUT = 100_000  # elastic displacements: so far out along its motion it is asked whether a path comes down or up
 _DEEP = 0.95  # of F by forces: below it paths may turn before they come down to the running state (4 of 328 wedges)
 _RUNNING = 40, 0, inf, 0.05  # to a running state, as of `bed_path`
+_LANDING = 200, 0, inf, 1e-3  # to where a path that creeps is left: far out, where few points carry
 _MOST_LOWERED = 6  # times that a path goes on from a rest at less strength
 
 #: Motions that keep some contacts of n blocks closed, (n, u, d), and the others, (n, u, u - d).
@@ -286,9 +287,11 @@ class _Limits:
         is_left[may_run[self.settled_runs(blocks[may_run], path.of(may_run), lowest[may_run])]] = False
         creeps = is_left & is_far & ~path.turns
         rows = np.flatnonzero(creeps)
+        lowest[rows], tangent[rows] = path.point[rows], path.tangent[rows]  # as low, and nearer to where it is left
+        self.found.split[blocks[rows]] = COARSE  # where no finer triangles balance
         for fine in self.finer:
-            _land(fine, blocks, rows, elastic, lowest, tangent)
-            rows = self.checked(fine, blocks, rows, lowest, tangent)
+            landed = _land(fine, blocks, rows, elastic, lowest, tangent)
+            rows = self.checked(fine, blocks, rows[landed], lowest, tangent)
         status = np.where(creeps, BedStatus.CREEPS, BedStatus.RESTS)
         motion = _onward(tangent, lowest)
         motion *= np.where(dots(self.beds.load[blocks], motion) < 0.0, -1.0, 1.0)[:, None]  # some paths lead back
@@ -377,12 +380,13 @@ def _run(springs: BedSprings, blocks: Ints, bases: Bases, velocity: Floats, poin
     return solve_rows(equations, start, _RUNNING)
 
 
-def _land(fine: BedPath, blocks: Ints, rows: Ints, elastic: Floats, lowest: Floats, tangent: Floats) -> None:
-    """Move points of paths that creep to `FAR` elastic displacements, on finer triangles."""
+def _land(fine: BedPath, blocks: Ints, rows: Ints, elastic: Floats, lowest: Floats, tangent: Floats) -> Bools:
+    """Move points of paths that creep to `FAR` elastic displacements, on finer triangles; return which were moved."""
     goal, start = FAR * elastic[rows], lowest[rows]
     start[:, :-1] = units(start[:, :-1])
     planes = np.concatenate([start[:, :-1], np.zeros((len(rows), 1))], axis=1)
-    found = fine.on_planes(blocks[rows], planes, goal, start)
+    found = fine.on_planes(blocks[rows], planes, goal, start, _LANDING)
     good = rows[found.settled]
     lowest[good] = on_scale(found.x, goal)[found.settled]
     tangent[good] = found.tangent[found.settled]
+    return found.settled
