@@ -92,6 +92,7 @@ def test_a_block_tips_under_a_push_at_its_top(part, status) -> None:
         assert result.fos.limit == pytest.approx(math.tan(math.radians(60.0)) * weight / push, rel=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("loads", "place"),
     [

@@ -192,6 +192,7 @@ def test_text_is_folded_to_the_terminal(columns, widest, monkeypatch) -> None:
     assert faults.getvalue().startswith("E142 ")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("typed", "wanted"),
     [
@@ -227,6 +228,7 @@ def test_a_wedge_loads_nothing_that_it_does_not_use() -> None:
     assert run.stdout.splitlines()[:1] + run.stdout.splitlines()[-1:] == [QUIET, "[]"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("before", "is_ended_by_python"),
     [

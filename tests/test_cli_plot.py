@@ -125,6 +125,7 @@ def test_wrong_files(text, code, says, run, tmp_path) -> None:
     assert explanation(code)
 
 
+@pytest.mark.slow
 def test_a_key_that_is_missing_is_named(run, folder, tmp_path) -> None:
     """Any one key left out of a document is E340 or does not matter; nothing else happens."""
     whole = json.loads((folder / "sweep.json").read_text())
@@ -233,6 +234,7 @@ def test_without_a_picture_the_words(folder) -> None:
     assert "stereonet" in sk.plot(sk.run(WEDGE))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("ending", "begins"), [("pdf", b"%PDF")])
 def test_pictures_of_studies_take_every_ending(ending, begins, monkeypatch, tmp_path) -> None:
     target = tmp_path / f"a.{ending}"
@@ -251,6 +253,7 @@ def test_without_the_extra(run, folder, monkeypatch) -> None:
     assert err.startswith("E140 drawing needs the extra plot")
 
 
+@pytest.mark.slow
 def test_prob_and_kinematic_draw_with_their_folder(monkeypatch, capsys, tmp_path) -> None:
     """histogram.png lies beside prob.json, which keeps what it draws."""
     arguments = ["prob", path_of("wedge-scatter"), "-n", "200", "--confirm", "2", "--near", "0", "--quiet"]

@@ -261,6 +261,7 @@ def without(design: str, keys: list[str]) -> str:
     return "".join(kept)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: str(path.relative_to(ROOT)))
 def test_page(path, tmp_path, monkeypatch) -> None:
     monkeypatch.delenv("SLOPEKIT_DEBUG", raising=False)

@@ -14,6 +14,7 @@ from slopekit.views import notebook
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("[0-9]*.py"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.name)
 def test_example(path, capsys) -> None:
     runpy.run_path(str(path))
@@ -26,6 +27,7 @@ def kinds_stored(cell) -> list[str]:
     return [kind for one in cell["outputs"] if one["output_type"] == "execute_result" for kind in sorted(one["data"])]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", notebooks(), ids=lambda path: path.name)
 def test_notebook(path, tmp_path, monkeypatch) -> None:
     """Run as a kernel runs it, in this process: no cell fails, and each shows what is stored of its kind.

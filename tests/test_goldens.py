@@ -28,6 +28,7 @@ NOT_REACHED = {
 }
 
 
+@pytest.mark.slow
 def test_a_cheap_part_is_as_stored() -> None:
     """All of it: `python -m benchmarks.goldens compare`."""
     some = [case for case in cases() if CHEAP.search(case.name)]

@@ -95,6 +95,7 @@ def test_the_page_of_the_package_leads_nowhere_that_it_has_not(pure) -> None:
     assert "*What each screen\ndoes, in eight pictures*" in page
 
 
+@pytest.mark.slow
 def test_the_pure_wheel_works_without_its_compiled_part(pure, tmp_path) -> None:
     """Read from the archive itself: Goodman & Bray's columns, closed form 0.999957 (tests/validation)."""
     with zipfile.ZipFile(pure) as wheel:

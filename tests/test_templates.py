@@ -57,6 +57,7 @@ def test_there_is_a_template_for_every_kind_and_every_example_of_the_paper() -> 
     assert {"paper-wedge", "paper-footing", "paper-ellipsoid"} <= set(names())
 
 
+@pytest.mark.slow
 def test_a_wedge_from_a_file_is_the_wedge_of_the_command_line(tmp_path) -> None:
     """Everything but the title and the times: one path."""
     command = ["--dips", "45/105", "70/235", "--face", "65/185", "--upper", "12/195", "--height", "30", "--c", "24,48",
@@ -150,6 +151,7 @@ def test_list_and_show() -> None:
     assert slopekit("templates", "show", "wedge").stdout == path_of("wedge").read_text()
 
 
+@pytest.mark.slow
 def test_doctor_finds_a_sound_machine() -> None:
     run = slopekit("doctor")
     assert run.returncode == 0, run.stdout

@@ -24,6 +24,7 @@ def both_ends(session, control):
     return control["words"] if control["type"] == "words" else [control["low"], control["high"]]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("template", [name for name in names() if name not in LIKE_OTHERS])
 def test_every_end_of_every_slider_is_a_design_or_a_fault_with_a_code(template):
     session = Session.of_template(template)

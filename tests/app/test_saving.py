@@ -109,6 +109,7 @@ def test_aliases_are_not_torn():
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("template", ["wedge", "wedge-scatter", "rough", "goodman-bray", "wall", "surface", "bench"])
 def test_many_changes_read_again_are_the_design(template):
     """Each against the reader: the text that would be saved is the design on the page."""

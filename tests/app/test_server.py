@@ -245,6 +245,7 @@ def test_messages_that_come_too_fast_wait(desk):
     assert asyncio.run(scene()) > 1.9
 
 
+@pytest.mark.slow
 def test_four_thousand_messages_of_any_kind_leave_it_standing(desk):
     """Mostly broken ones; each is answered, none by a bug, and nothing piles up."""
     generator = random.Random(20)
@@ -327,6 +328,7 @@ BASAL = ("basal", {"plane": "25/180", "height": "3 m", "strength": "stepped"})
 SHARED = [("joints.J2.strength", "rough"), BASAL]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("template", "sets"), [
     ("wedge-scatter", []), ("wedge-basal", []), ("rough", SHARED), ("plane", []), ("footing", []),
 ])  # fmt: skip

@@ -45,6 +45,7 @@ import(script).then((it) => { window.stopIt = it.default.render({ model, el: doc
 """
 
 
+@pytest.mark.slow
 def test_the_page_of_a_widget_in_a_browser(browser) -> None:
     widget = sk.wedge(dips=("45/115", "45/245")).view()
     browser.get("about:blank")

@@ -201,6 +201,7 @@ def test_a_file_without_permission(tmp_path, monkeypatch) -> None:
     assert str(error.faults[0]).splitlines()[0] == "E148 design.yaml cannot be read: permission denied"
 
 
+@pytest.mark.slow
 def test_files_that_are_too_large(tmp_path) -> None:
     large = caught(lambda: load_document(written(tmp_path, b"# " + b"x" * 5_000_000)))
     assert str(large.faults[0]).splitlines()[0] == ("E149 design.yaml is larger than 5 MB, that is no design")

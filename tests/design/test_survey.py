@@ -165,6 +165,7 @@ def test_missing_and_oversize_files(tmp_path) -> None:
     assert "esh" not in fault.advice
 
 
+@pytest.mark.slow
 def test_a_hundred_thousand_rows(tmp_path) -> None:
     content = "dip,dd\n" + "".join(f"{k % 90},{k % 360}\n" for k in range(100_000))
     survey = read_joints(written(tmp_path, content))

@@ -90,6 +90,7 @@ def test_the_limit_is_the_rigid_one_without_the_cohesion_that_is_pulled_open(mor
     assert found.limit == pytest.approx(without, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_state_that_is_not_that_of_full_strength_is_said() -> None:
     """A wet, cracked wedge: no rest at F = 1 while the limit without what is open at 0.95 lies above (W455)."""
     given = {
@@ -149,6 +150,7 @@ def test_the_same_wedge_elsewhere(changed: str) -> None:
         assert found.joints[name].elastic_kpa[1] == pytest.approx(joint.elastic_kpa[1] * size, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_where_moments_govern_once_cohesion_is_lost() -> None:
     """Wedge 41 of the oracle: it rests beyond the rigid limit with turning, and not up to that of the forces alone.
 

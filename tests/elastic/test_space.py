@@ -116,6 +116,7 @@ def bench():
     return design, sk.analyse(design)
 
 
+@pytest.mark.slow
 def test_blocks_of_a_bench_balance(bench) -> None:
     design, answer = bench
     scene = scene_of_many(design, cut(design), answer)
@@ -171,6 +172,7 @@ def test_stiff_rock_is_rigid_in_space(bench) -> None:
     assert found.motion == pytest.approx(exact.motion, abs=1e-6 * np.abs(exact.motion).max())
 
 
+@pytest.mark.slow
 def test_a_bench_says_what_it_took(bench, monkeypatch: pytest.MonkeyPatch) -> None:
     design, _ = bench
     found = sk.analyse(design, elastic=True)

@@ -212,6 +212,7 @@ def test_outlines_of_a_section(result, tmp_path) -> None:
     assert {tuple(corner) for corner in corners[1].round(12).tolist()} == {(0, 0, 0), (0, 0, 5), (-5, 0, 5)}
 
 
+@pytest.mark.slow
 def test_bolts_in_dxf(tmp_path) -> None:
     """By ezdxf: on the layer BOLTS a point with its number at each head, and a line to its end, to the millimetre."""
     bolts = bolted("bench").scene.bolts

@@ -39,6 +39,7 @@ def ellipsoid_cap(radii, distance: float, dip: float):
     return volume, area, centroid, cut
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("radii", [(10, 10, 10), (10, 4, 7), (5, 20, 8)])
 @pytest.mark.parametrize(("share", "dip"), [(-0.5, 26.565), (0.1, 40.0), (0.6, 0.0), (-0.85, 60.0)])
 def test_caps_of_ellipsoids(radii, share, dip) -> None:

@@ -493,6 +493,7 @@ def test_a_wall_has_its_limit_state_or_says_that_its_factor_is_a_last_rest() -> 
     assert [notice.code for notice in result.warnings].count("W317") == 1
 
 
+@pytest.mark.slow
 def test_a_last_rest_whose_mechanism_is_too_large_has_no_range() -> None:
     """The rest and where the blocks run are 8e-5 apart: no range for other load paths, which is not known."""
     result = sk.run(benches.bench(1.9, 5.0))

@@ -37,6 +37,7 @@ def random_ones() -> list[Compared]:
     return compared_until(30)
 
 
+@pytest.mark.slow
 def test_thirty_random_wedges_agree_with_the_closed_form_to_1e_9() -> None:
     """`closed_form.basal` shares no line with the solver; where moments govern, the forces alone are compared."""
     blocks = [one for one in random_ones() if one.status[0] != "E"]

@@ -38,6 +38,7 @@ def both(bed) -> tuple[Flow, Flow]:
     return rest, sharp
 
 
+@pytest.mark.slow
 def test_it_is_near_a_sharp_rest(bed, both):
     """Forces that balance every block within strength, and the work of the rest that Newton's method finds."""
     factor, (rest, sharp) = 0.95 * LIMIT, both
@@ -70,6 +71,7 @@ def test_beyond_a_limit_there_is_none(bed):
     assert lagged_rest(bed, 1.0 / (1.0005 * LIMIT)) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("part", "is_one"), [(1.0, True), (0.97, False)])
 def test_blocks_are_at_a_limit_where_they_run_beyond_it(bed, monkeypatch, part, is_one):
     """Whatever a rounded rest says of the strength that a few of them use."""

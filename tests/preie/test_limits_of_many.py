@@ -42,6 +42,7 @@ def reordered(model: AssemblyModel) -> AssemblyModel:
     )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [8, 20])
 def test_limits_are_those_of_histories(number) -> None:
     """Benches of 11 and 6 blocks without cohesion, whose limits lie far below the static bound.

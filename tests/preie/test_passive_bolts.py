@@ -148,6 +148,7 @@ def test_the_papers_wedge_as_one_block_and_as_an_assembly() -> None:
         assert many.factor == pytest.approx(analysis.governing.factor, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_random_wedges_with_passive_bolts() -> None:
     """The limit of a wedge on its exact polygons, and of one block of many (`benchmarks.wedge_paths`)."""
     rng = np.random.default_rng(4)

@@ -396,6 +396,7 @@ def test_the_strength_does_not_move_the_static_bound_of_blocks_that_jam(by) -> N
     assert by * other.static_bound == pytest.approx(one.static_bound, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_contacts_that_twist_are_told_by_what_they_carry_at_the_limit() -> None:
     """c and F a million times as high: the same contacts, though c alone would be all that they carry."""
     part = first_part(populations.bench(9))

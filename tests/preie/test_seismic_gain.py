@@ -137,6 +137,7 @@ def _bench(**changes) -> dict:
     return BENCH | {"slope": BENCH["slope"] | changes}
 
 
+@pytest.mark.slow
 def test_where_contacts_change_just_above_the_limit_the_factor_above_is_taken() -> None:
     """A bench whose side joint presses with next to nothing: the equation of motion never has the limit's factor."""
     design = sk.load(_bench(height=4, face="65/180"))
@@ -147,6 +148,7 @@ def test_where_contacts_change_just_above_the_limit_the_factor_above_is_taken() 
     assert [notice.code for notice in found.warnings] == ["W462", "W338"]
 
 
+@pytest.mark.slow
 def test_a_motion_that_does_not_settle_has_the_factor_of_one_block_and_says_so() -> None:
     found = sk.quake(sk.load(_bench(height=4, length=8)), "sine:0.3g,2Hz")
     ours = found.yields[0]

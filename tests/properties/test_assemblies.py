@@ -87,6 +87,7 @@ def more_strength_never_lowers_the_bound(design) -> None:
 # -- sections of polygons ---------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", SECTIONS.values(), ids=SECTIONS)
 def test_a_section(family) -> None:
     @quick

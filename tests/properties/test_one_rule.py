@@ -60,6 +60,7 @@ def test_a_snap_that_comes_to_rest_again_is_no_limit() -> None:
     assert found == sorted(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES, ids=[case["id"] for case in CASES])
 def test_the_limit_is_the_lower_of_hoek_and_bray_and_an_independent_bed(case) -> None:
     """Beds of 450 points a joint by another program: within 2 %, what a path that creeps about an edge leaves.

@@ -49,6 +49,7 @@ def paper_wedge(law, **more):
     return with_law(wedge_design({"dips": ["45/115", "45/245"], **more}), law)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "mean", "varying"),
     [
@@ -114,6 +115,7 @@ def test_a_law_that_is_a_line_is_solved_as_one(curved) -> None:
     assert not any(one.law for _, one in with_law(design, curved).strengths)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "law"),
     [*(("paper-wedge", law) for law in CURVED), ("plane", ROUGH), ("plane", CURVED[3]), ("wall", ROUGH),

@@ -187,6 +187,7 @@ def test_what_scatters_is_read_anew() -> None:
     assert with_values(design, {"strength.rough.jcs": "90 MPa"}).strengths[0].law.jcs_kpa == 90e3
 
 
+@pytest.mark.slow
 def test_studies_ask_the_law() -> None:
     """A sample, a sweep and a solution of JRC by the closed form are those of designs with that JRC."""
     rough = {**ROUGH, "jrc": {"dist": "uniform", "min": 6, "max": 10}}

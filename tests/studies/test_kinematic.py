@@ -330,6 +330,7 @@ def test_json_sheet_and_tables() -> None:
     assert "not possible: there are no edges" in str(alone)
 
 
+@pytest.mark.slow
 def test_the_command(tmp_path) -> None:
     folder = tmp_path / "out"
     run = slopekit("kinematic", LIST, "--face", "65/180", "-o", str(folder))
@@ -372,6 +373,7 @@ def test_of_many_joints_pairs_are_drawn_and_said(monkeypatch) -> None:
     assert "drawn_pairs" not in every.to_dict()
 
 
+@pytest.mark.slow
 def test_the_list_of_a_pit(tmp_path) -> None:
     """A list of more than 5 MB, every joint tested, a million pairs drawn; combos ranks every pair, and takes fewer."""
     rows = (f"{k},{'seen from the haul road ' * 50},{40 + k % 50},{k % 360}" for k in range(4500))

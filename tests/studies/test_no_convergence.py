@@ -40,6 +40,7 @@ def without_a_number(monkeypatch, low: float, high: float, code: str = "not_conv
     monkeypatch.setattr(factor_request.FactorRequest, "samples", samples)
 
 
+@pytest.mark.slow
 def test_a_target_among_values_at_which_pre_ie_does_not_converge(monkeypatch) -> None:
     without_a_number(monkeypatch, 18.0, 22.0)
     found = sk.solve(_slab(), PHI, fos=1.0)
@@ -55,6 +56,7 @@ def test_a_target_among_values_at_which_pre_ie_does_not_converge(monkeypatch) ->
     assert (stretch["code"], stretch["message"]) == ("not_converged", "PRE-IE did not converge")
 
 
+@pytest.mark.slow
 def test_an_input_that_is_refused_is_no_lack_of_convergence(monkeypatch) -> None:
     without_a_number(monkeypatch, 18.0, 22.0, "E113", "it looks like radians")
     found = sk.solve(_slab(), PHI, fos=1.0)
@@ -64,6 +66,7 @@ def test_an_input_that_is_refused_is_no_lack_of_convergence(monkeypatch) -> None
     assert found.exit_code == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("low", "target", "code", "said"), [
     (50.0, 90.0, "E315", "; from 5"),  # what is known ends there
     (-1.0, 9.0, "E318", "gives a block with a factor: PRE-IE did not converge"),

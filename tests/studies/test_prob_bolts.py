@@ -94,6 +94,7 @@ def test_bolts_hold_whose_line_goes_in_by_a_free_face_and_out_by_a_joint(name, v
     assert seen == {True, False}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("values", "acts"), [(WEDGE, "passive"), (PLANE | {"slope": PLANE["slope"] | {"face": "65/180"}}, "active")],
     ids=["wedge", "plane"],

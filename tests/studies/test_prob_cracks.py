@@ -135,6 +135,7 @@ def test_many_are_refused_where_the_mean_values_cut_no_block_too() -> None:
         sk.prob(design, n=201)
 
 
+@pytest.mark.slow
 def test_few_are_looked_for_alone_and_others_never_refused() -> None:
     design = sk.load({**WEDGE, "crack": IN_METRES})
     found = sk.prob(design, n=2, confirm=0, near=0.0)

@@ -143,6 +143,7 @@ def test_directions_about_north_have_a_mean_about_north() -> None:
     assert north[1] == pytest.approx(east[1], abs=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("values", "met"),
     [
@@ -200,6 +201,7 @@ def test_pre_ie_confirms_at_random_and_near_the_target() -> None:
     assert study.exit_code == 0
 
 
+@pytest.mark.slow
 def test_where_moments_govern_the_closed_form_is_not_trusted() -> None:
     """A wedge that turns (cases.json, 9_single-plane): PRE-IE's probability lies above, each way of asking finds it.
 
@@ -233,6 +235,7 @@ def test_where_moments_govern_the_closed_form_is_not_trusted() -> None:
     assert "by PRE-IE's judgement" in study.line
 
 
+@pytest.mark.slow
 def test_the_same_numbers_whoever_works() -> None:
     design = load(WILD)
     alone = prob(design, 8, seed=7, by="pre-ie")
@@ -329,6 +332,7 @@ def test_the_line_on_acceptance_says_what_the_exit_code_says() -> None:
     assert "NOT MET, no sample forms a block" in " ".join(str(none).split())
 
 
+@pytest.mark.slow
 def test_pre_ies_estimate_has_the_same_denominator_and_its_limits_hold() -> None:
     joints = {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}
     strength = {"s": {"c": {"dist": "normal", "mean": 50, "sd": 20.5}, "phi": {"dist": "normal", "mean": 12, "sd": 2}}}
@@ -397,6 +401,7 @@ def test_limits_of_shares() -> None:
     assert (even.mean, even.sd, sum(even.counts)) == (1.5, 0.0, 10)
 
 
+@pytest.mark.slow
 def test_the_command(tmp_path) -> None:
     file = tmp_path / "wedge.json.yaml"
     file.write_text(json.dumps(default_wedge(0.8)))
@@ -439,6 +444,7 @@ def test_what_is_accepted_is_a_probability_and_the_old_word_is_understood(tmp_pa
     assert slopekit(*few, "--accept", "5%", "--accept-pf", "50%").stderr.startswith("E100")
 
 
+@pytest.mark.slow
 def test_samples_csv_has_every_digit_of_every_sample(tmp_path) -> None:
     """The table of the sheet, its file and its records are the same; the journal goes when all is written."""
     file = tmp_path / "wedge.json.yaml"

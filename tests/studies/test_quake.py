@@ -173,6 +173,7 @@ def test_a_plane_gains_by_cos_of_dip_less_phi_over_cos_phi(dip, phi, cohesion) -
         assert found.coefficient == pytest.approx(math.tan(f - b), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_bolt_and_a_curved_law_have_a_factor_too() -> None:
     """An active bolt is a load: it moves k_y and not the factor. A curved law has the slope at its own traction."""
     bolt = {"support": {"bolts": [{"force": "200 kN", "toward": "000/00", "acts": "active"}]}}
@@ -187,6 +188,7 @@ def test_a_bolt_and_a_curved_law_have_a_factor_too() -> None:
     assert rough.yields[1].factor == pytest.approx(math.cos(math.radians(35.0) - slope) / math.cos(slope), rel=1e-4)
 
 
+@pytest.mark.slow
 def test_curved_strength_parts_the_methods_and_not_their_agreement() -> None:
     """PRE-IE sees the traction of each pair, the closed form one a joint; held against each other as `run` does it."""
     found = sk.quake(sk.load(str(path_of("rough"))), "sine:0.9g,2Hz")
@@ -214,6 +216,7 @@ def test_columns_have_the_factor_of_the_one_that_goes_farthest_by_both_methods()
     assert blocks.charts == ()
 
 
+@pytest.mark.slow
 def test_what_the_closed_form_says_nothing_of_is_not_compared() -> None:
     """Goodman and Bray's columns fall out of the slope, φ = 0 on a sphere is shaken along it: no disagreement."""
     columns = sk.load(path_of("topple"), {"columns.heights": [4, 6, 8]})
@@ -232,6 +235,7 @@ def test_what_the_closed_form_says_nothing_of_is_not_compared() -> None:
     assert replace(reach, yields=(replace(reach.yields[0], agree=None), one)).agree is False
 
 
+@pytest.mark.slow
 def test_the_way_of_the_slope_named_is_the_way_of_the_slope() -> None:
     """A sphere toward 090 is compared with its closed form as without --toward; toward another trend it is not."""
     design = sk.load(path_of("sphere"), COARSE)
@@ -252,6 +256,7 @@ def test_a_section_shaken_along_its_face_says_what_is_left_out() -> None:
     assert "W323" not in [notice.code for notice in own.warnings]
 
 
+@pytest.mark.slow
 def test_joints_of_several_blocks_that_dilate_have_no_factor() -> None:
     found = sk.quake(sk.load(str(path_of("topple")), set={"strength.joint.dilation": 3}), "sine:0.2g,2Hz")
     assert found.factor is None
@@ -267,6 +272,7 @@ def test_the_other_polarity_is_the_record_turned_round(wedge) -> None:
     assert turned.motion.way == ("as recorded" if wedge.motion.way == "reversed" else "reversed")
 
 
+@pytest.mark.slow
 def test_toward_another_trend_a_symmetric_wedge_sees_the_part_along_its_line(wedge) -> None:
     aside = sk.quake(sk.load(WEDGE), "sine:0.5g,1Hz", toward=150)
     assert aside.coefficient == pytest.approx(wedge.coefficient / math.cos(math.radians(30.0)), rel=1e-8)
@@ -274,6 +280,7 @@ def test_toward_another_trend_a_symmetric_wedge_sees_the_part_along_its_line(wed
     assert aside.toward_deg == 150.0
 
 
+@pytest.mark.slow
 def test_toward_into_the_slope_is_said_with_the_way_out(wedge) -> None:
     """The wedge goes toward 180: toward 000 it would have to be pushed up, at seven times the k_y."""
     into = sk.quake(wedge.design, "sine:0.5g,1Hz", toward=0)
@@ -313,6 +320,7 @@ def test_percentiles_ask_for_seven_records(wedge) -> None:
 # -- as users meet it --------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_command_and_its_files(tmp_path) -> None:
     t, a = _sine(50, 0.45)
     record = tmp_path / "made.csv"
@@ -375,6 +383,7 @@ def test_designs_that_take_no_shaking_say_what_is_missing(name, arguments, said)
     assert max(map(len, done.stderr.splitlines())) <= 100
 
 
+@pytest.mark.slow
 def test_node_pairs_are_made_finer_until_the_sliding_stays(wedge) -> None:
     """0.3 g across as well: on the 8 pairs of the analysis a corner opens with an eighth of a joint, and 9.5 % more."""
     sine = "sine:0.3g,2Hz"
@@ -444,6 +453,7 @@ def test_turning_is_in_degrees_about_the_axis_of_a_section() -> None:
     assert found.turned_deg[-1] == pytest.approx([-90.0 / math.pi, 0.0, 0.0])
 
 
+@pytest.mark.slow
 def test_what_hangs_on_node_pairs_is_said(wedge, monkeypatch) -> None:
     """No finer ones than 20: 0.5 g across as well still changes by a fifth."""
     monkeypatch.setattr("slopekit.studies.quake.six._MOST_PAIRS", 20)
@@ -463,6 +473,7 @@ def test_what_changes_by_more_than_a_percent_is_not_settled(change, said) -> Non
     assert [notice.message.partition(" by ")[2].partition(":")[0] for notice in notices] == said
 
 
+@pytest.mark.slow
 def test_six_degrees_of_freedom(tmp_path) -> None:
     """A plane moves as in the slide one way, also with a push up; its work is balanced."""
     plane = sk.load(PLANE)
@@ -499,6 +510,7 @@ def in_six(residual: bool):
     return sk.quake(sk.load(PLANE | {"strength": {"bedding": strength}}), "sine:0.4g,2Hz", six=True)
 
 
+@pytest.mark.slow
 def test_six_degrees_of_freedom_fall_to_the_residual_strength() -> None:
     """It begins as on the peak strength and goes on as on the residual one: near what that gives from the beginning."""
 
@@ -591,6 +603,7 @@ def test_what_no_shaking_moves_says_so() -> None:
     assert json.loads(json.dumps(found.to_dict(), allow_nan=False))["yield"][0]["coefficient"] is None
 
 
+@pytest.mark.slow
 def test_where_moments_open_the_joint_the_coefficient_is_where_they_do() -> None:
     """Cohesion of 5 MPa on the pressed part of the joint alone: that goes to nothing before the block slides.
 

@@ -34,6 +34,7 @@ def test_a_worker_that_dies_loses_no_task(tmp_path) -> None:
     assert sum(told) == 60
 
 
+@pytest.mark.slow
 def test_workers_that_always_die_are_an_error_or_cost_their_task_alone(tmp_path) -> None:
     with pytest.raises(SolverError) as caught:
         run_all(dies, range(3), Crew(2), at_once=3)
@@ -81,6 +82,7 @@ def test_ctrl_c_as_workers_start_is_for_the_one_who_asked(tmp_path) -> None:
     assert (run.stdout, run.stderr) == ("[1, 2, 3] False\n", "")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="signals")
 @pytest.mark.parametrize("number", ["SIGKILL"])
 @pytest.mark.parametrize("work", ["pool", "app"])
@@ -200,6 +202,7 @@ def scheduler(certificates):
             process.wait()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("openssl") is None, reason="no openssl")
 def test_dask_over_tls_with_a_killed_worker_and_with_none(scheduler, monkeypatch) -> None:
     """The scheduler takes no connection without the certificate; the client finds it by Dask's rules."""
@@ -251,6 +254,7 @@ def test_dask_over_tls_with_a_killed_worker_and_with_none(scheduler, monkeypatch
     assert caught.value.codes == ("E301",)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("guard", [False, True])
 def test_a_script_without_a_main_guard_is_told_so(tmp_path, guard) -> None:
     """Its workers begin it anew and die; below the guard that the message names it runs."""

@@ -41,6 +41,7 @@ def codes(outcome) -> set[str]:
     return {notice.code for notice in outcome.warnings}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DESIGNS)
 def test_studies_say_what_the_run_says(name) -> None:
     """The codes of `run` at each point, and at the value found for a factor."""
@@ -57,6 +58,7 @@ def test_studies_say_what_the_run_says(name) -> None:
     assert codes(at) - APART <= codes(swept)
 
 
+@pytest.mark.slow
 def test_support_says_what_the_run_says_with_its_bolts_and_without() -> None:
     """W410: the whole wedge, which the basal joint cuts off, may need the bolts more than the block above it."""
     found = sk.support(sk.load(BASAL), 1.5, acts="active")
@@ -130,6 +132,7 @@ def solved_for_both():
     return sk.solve(sk.load(BASAL, set={"cases": cases}), "strength.bedding.phi")
 
 
+@pytest.mark.slow
 def test_a_value_that_the_whole_wedge_does_not_bear_is_not_enough() -> None:
     """W507: the block above the basal joint has 3.5 with 61.6° on that joint, the wedge that it is cut from 3.171."""
     short = solved_for_both().cases["high"]
@@ -142,6 +145,7 @@ def test_a_value_that_the_whole_wedge_does_not_bear_is_not_enough() -> None:
     assert enough.exit_code == 0
 
 
+@pytest.mark.slow
 def test_bolts_that_hold_a_part_of_a_wedge_alone_are_said() -> None:
     found = sk.support(sk.load(BASAL, set={"strength.joint.phi": 10}), 1.5, acts="passive")
     (notice,) = (notice for notice in found.warnings if notice.code == "W507")

@@ -162,6 +162,7 @@ def test_terzaghi() -> None:
 # -- clusters ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("sets", "anywhere"), [((), 50), (THREE[:1], 6), (THREE[:2], 6), (THREE, 10), ((*THREE, (85, 300, 40, 25)), 8)]
 )

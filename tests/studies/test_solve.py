@@ -107,6 +107,7 @@ def by_hand() -> dict[str, float]:
     }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", [1.1, 1.5])
 def test_a_plane_against_exact_expressions(target) -> None:
     """F = (c L + N tan φ) / D is linear in c and tan φ; a bolt up the plane takes from D (active) or adds to R."""

@@ -101,6 +101,7 @@ def plane_by_hand(plunge: float, factor: float) -> float:
     return (factor * drives - 25.0 * area - presses * friction) / (math.cos(off) * friction + factor * math.sin(off))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("acts", "plunge"), [("active", 48.0), ("passive", 50.0)])
 def test_an_anchor_from_the_crest_is_hoek_and_brays(acts, plunge) -> None:
     """A passive anchor pulls with its capacity divided by the factor."""

@@ -119,6 +119,7 @@ def test_a_jump_beyond_the_end_of_the_path_is_found(monkeypatch) -> None:
     assert [notice.code for notice in found.warnings] == ["W356"]
 
 
+@pytest.mark.slow
 def test_blocks_that_fail_without_the_load_are_said_to_at_once() -> None:
     """Goodman & Bray's columns hold 0.99996 without an earthquake, though they rest elastically to k 0.018."""
     found = sk.solve(sk.load(path_of("goodman-bray")), KEY, fos=1.0)
@@ -127,6 +128,7 @@ def test_blocks_that_fail_without_the_load_are_said_to_at_once() -> None:
     assert "at most 0.999957, at 0 " in found.reason.message
 
 
+@pytest.mark.slow
 def test_a_snap_on_the_way_is_no_limit() -> None:
     """A bench that snaps to another rest at k 0.2763 is at its limit at 0.2767, by either history."""
     changes = {"slope.height": 7, "slope.length": 12, "slope.face": "75/180", "sets.S2.spacing": 3}

@@ -36,6 +36,7 @@ def same(one: str, other: str) -> bool:
     return all(float(a) == pytest.approx(float(b), rel=2e-5, abs=1e-6) for a, b in pairs)
 
 
+@pytest.mark.slow
 def test_the_page_in_docs_is_what_the_suite_gives(verification) -> None:
     now = without_times(page_of(verification))
     kept = without_times((DOCS / "verification.md").read_text(encoding="utf-8"))

@@ -114,6 +114,7 @@ def test_forces_on_random_planes_give_the_target_when_put_back(seed) -> None:
 SEEDS = (0, 73, 88)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS)
 def test_forces_on_random_wedges_give_the_target_when_put_back(seed) -> None:
     given = random_wedge(np.random.default_rng(seed))
@@ -260,6 +261,7 @@ def turning():
     return sk.support(loaded(ONE_PLANE), 1.8, bolt_capacity=150.0, bond=2.5)
 
 
+@pytest.mark.slow
 def test_moments_govern_and_the_larger_number_is_the_one_to_use(turning) -> None:
     for case in turning.cases:
         assert case.pre_ie.force > 1.05 * case.closed_form.force
@@ -351,6 +353,7 @@ def test_the_yaml_of_bolts_whose_moments_govern_meets_the_target(turning, acts, 
     assert 1.8 <= _pasted(ONE_PLANE, turning, acts, tmp_path).fos.limit <= 1.8 * 1.02
 
 
+@pytest.mark.slow
 def test_bolts_that_are_enough_are_kept_where_fewer_would_not_be() -> None:
     """Three passive bolts ask for what two could take, and two for more than that: three are built."""
     found = sk.support(loaded(ONE_PLANE), 1.8, acts="passive", bolt_capacity=250.0, bond=2.5)
@@ -377,6 +380,7 @@ def test_where_the_target_is_not_reached_there_is_nothing_to_paste(monkeypatch) 
     assert "NOT REACHED, FoS 2: no bolts give it (E329)" in " ".join(str(none).split())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("capacity", [150.0, 5.0], ids=["few", "more than 50"])
 def test_bolts_that_fall_short_when_they_are_solved_again_are_not_reached(monkeypatch, capacity) -> None:
     """Of any number of bolts: the file says so first, and so do the line, the sheet and the exit code."""

@@ -148,6 +148,7 @@ def test_sheet_json_and_line(study) -> None:
     assert document["bars"][0]["swing"].keys() == {"pre_ie", "closed_form"}
 
 
+@pytest.mark.slow
 def test_picture(study, tmp_path) -> None:
     pytest.importorskip("matplotlib")
     sk.plot(study, "tornado", tmp_path / "tornado.png")
@@ -161,6 +162,7 @@ def test_picture(study, tmp_path) -> None:
     assert caught.value.codes == ("E273",)
 
 
+@pytest.mark.slow
 def test_the_command(monkeypatch, capsys, tmp_path) -> None:
     pytest.importorskip("matplotlib")
     from slopekit.cli import main

@@ -295,6 +295,7 @@ class Arch:
         return float(found.x[3]) if found.status == 0 else None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("thickness", "voussoirs", "embrace", "phi"),
     [(0.12, 27, 180, 40), (0.07, 12, 157.5, 40), (0.045, 12, 140, 40)],
@@ -336,6 +337,7 @@ def test_the_earthquake_that_an_arch_carries() -> None:
 # -- a box that slides and turns on its base --------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("wide", "deep", "off"), [(2.0, 2.0, 0.9), (4.0, 1.0, 1.5)])
 def test_a_box_pushed_off_its_middle(tmp_path: Path, wide, deep, off) -> None:
     """A push along y at the level of the base, `off` from its middle: even pressure, slip about a point on the x axis.
@@ -378,6 +380,7 @@ def stack(part: float) -> dict[str, Any]:
     return section(moving, {"base": box(-3, 2, -1, 0)}, 35, loads=pushed(0.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", [0.9, 0.999])
 def test_a_stack_that_leans_out_stands(part) -> None:
     """The harmonic series: it tips at k where the weight above a joint, 1/4 m or more high, reaches the edge.
@@ -399,6 +402,7 @@ def test_a_stack_that_leans_out_too_far_topples() -> None:
     assert "slopekit run says how" in found.reason.advice
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("wide", "pressure"), [(1.0, 0.0), (0.8, 0.0), (4.0, 19.0), (4.0, 21.0)])
 def test_the_pressed_part_of_a_base_has_the_cohesion(wide, pressure) -> None:
     """A block 1 m high on 20°: its base is pressed on 3 (1/2 - e / b) of it, e = M / N; node pairs give 0.4 %."""

@@ -80,6 +80,7 @@ def test_required_friction_and_toe_force() -> None:
     assert needed == pytest.approx(2012.857, abs=5e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("friction", "toe_force"), [(38.15, 0.0), (33.0239, 2013.0), (38.6598, 0.0)])
 def test_the_limit_of_the_columns_is_that_of_the_method(friction, toe_force) -> None:
     """The same contact modes: PRE-IE and the closed form differ by rounding. The force pushes into C1 half-way up."""

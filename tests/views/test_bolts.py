@@ -126,6 +126,7 @@ def eyes() -> list[np.ndarray]:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lines", [4, 40])
 def test_legend_scale_compass_and_bar_never_overlap(lines: int) -> None:
     """From any side, with a legend of forty long lines and a colour bar; the names of the arrows lie on no arrow."""
@@ -159,6 +160,7 @@ def test_legend_scale_compass_and_bar_never_overlap(lines: int) -> None:
 # -- the elevation ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*NAMES, "two hundred"])
 def test_the_elevation_has_heads_at_their_places_and_numbers_that_can_be_read(name: str) -> None:
     figure = new_figure("x")

@@ -43,6 +43,7 @@ def test_nothing_to_draw_is_refused(curves, chart, tmp_path) -> None:
     assert not path.exists()
 
 
+@pytest.mark.slow
 def test_an_empty_curve_beside_others_is_left_out(drawn, tmp_path) -> None:
     speed_error_chart([Curve("a", [], []), Curve("b", [1.0, 2.0], [1e-3, 1e-6])], tmp_path / "b.png", "title")
     assert legend(drawn[0]) == ["b"]
@@ -74,6 +75,7 @@ def test_what_the_picture_says_of_itself(drawn, tmp_path) -> None:
     assert [line.get_xdata()[0] for line in axes.lines if line.get_marker() == "x" and len(line.get_xdata())] == [2.0]
 
 
+@pytest.mark.slow
 def test_a_tolerance_alone_and_no_entry_for_what_is_not_there(drawn, tmp_path) -> None:
     sweep_chart([Curve("a", [1.0], [1e-12])], tmp_path / "a.png", "title", "x", tolerance=1e-9, crosses="c")
     assert [text.get_text() for text in drawn[0].axes[0].texts] == ["tolerance 1e-9"]

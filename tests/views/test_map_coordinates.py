@@ -76,6 +76,7 @@ def surface() -> dict[str, Any]:
     return {**design, "slope": {"profile": profile}, "slip": slip}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("design", [WEDGE, blocks(), surface()], ids=["wedge", "blocks", "surface"])
 def test_results(design, tmp_path) -> None:
     """Sheet, texts of the JSON, notebook, client page and schedule of bolts."""
@@ -96,6 +97,7 @@ def test_the_page_has_the_schedule_as_the_csv_has_it(tmp_path) -> None:
     assert coordinates(PLACE)[1:-1] in page
 
 
+@pytest.mark.slow
 def test_studies_of_a_coordinate(tmp_path) -> None:
     """A key that is a coordinate: sheets, CSV, page and the ticks of the chart."""
     swept = sk.sweep(sk.load(WEDGE), {KEY: f"{RANGE}:3"}, methods="closed-form")

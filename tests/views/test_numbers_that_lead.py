@@ -40,6 +40,7 @@ LED = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("template", "rules", "name"), LED)
 def test_the_factor_that_acceptance_hangs_on_leads(template, rules, name) -> None:
     result = sk.run(path_of(template), set={"acceptance": {"rules": rules}})

@@ -37,6 +37,7 @@ def page(*which: int) -> str:
     return report_of([documents()[k] for k in which], with_pictures=False).html
 
 
+@pytest.mark.slow
 def test_bolts_stand_in_the_schedule_and_hashes_once() -> None:
     text = page(0, 1, 2)
     assert text.count(">W320</strong>") >= 1
@@ -92,6 +93,7 @@ def test_light_pictures_look_the_same() -> None:
     assert np.abs(seen - own).mean() < 4.0
 
 
+@pytest.mark.slow
 def test_what_acceptance_hangs_on_leads_in_studies() -> None:
     """The upper limit of a probability; the lowest factor of a mechanism."""
     found = sk.prob(sk.load(SCATTER), n=200, confirm=0, accept=0.9)

@@ -80,6 +80,7 @@ def test_a_curve_from_its_json() -> None:
     assert other.get_xlabel() == "slope.face.dip (°)"
 
 
+@pytest.mark.slow
 def test_a_contour_and_a_tornado_from_their_json() -> None:
     grid = plain(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [60, 70, 80], "water.fill": [0, 0.5, 1]},
                           methods="closed-form"))  # fmt: skip
@@ -247,6 +248,7 @@ def test_the_crack_of_a_plane_is_upright() -> None:
     assert str(orientations_of(plain(result_of("plane"))).slope["crack"]) == "90/180"
 
 
+@pytest.mark.slow
 def test_a_plane_has_the_zone_of_poles() -> None:
     """Shaded cells against the planar test of joints with these poles (φ 37°, ±20°); no zone of lines, no circle."""
     figure = figure_of(draw_orientations, plain(result_of("plane")))
@@ -264,6 +266,7 @@ def test_a_plane_has_the_zone_of_poles() -> None:
     assert 0 < modes.planar.sum() < modes.planar_without_limits.sum()
 
 
+@pytest.mark.slow
 def test_zones_say_which_friction_angle() -> None:
     """Of joints with their own angles the zones take the least, direct toppling the greatest."""
     said = legend(figure_of(draw_kinematic, plain(sk.kinematic("examples/joints.csv", face="65/180", phi=30))))
@@ -303,6 +306,7 @@ def test_the_stereonets_of_a_survey() -> None:
     assert 0.0 < (image[..., 3] > 0).mean() < 0.2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("joints", [["45/170"], ["0/0", "90/0", "90/90"]])
 @pytest.mark.parametrize("face", ["0/180", "90/180", "25/000"])
 def test_stereonets_of_odd_surveys(joints, face) -> None:
@@ -318,6 +322,7 @@ def test_stereonets_of_odd_surveys(joints, face) -> None:
 # -- earthquakes -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_motion_in_six_degrees_of_freedom_beside_that_one_way() -> None:
     """Ends at the displacements of the table, its parts at the vector; lines without an end go on at rest."""
     found = sk.quake(sk.load(WEDGE), "triangular:0.5g,0.4s", toward=150, six=True)
@@ -349,6 +354,7 @@ def test_offers(scattered) -> None:
     assert len(set(EVERY)) == len(EVERY) == 20
 
 
+@pytest.mark.slow
 def test_whole_documents_have_what_charts_need(scattered, tmp_path) -> None:
     """What slopekit writes is never called damaged."""
     swept = [sk.sweep(sk.load(WEDGE), keys, methods="closed-form") for keys in (
@@ -365,6 +371,7 @@ def test_whole_documents_have_what_charts_need(scattered, tmp_path) -> None:
             draw(document, what, tmp_path / "a.svg")
 
 
+@pytest.mark.slow
 def test_plot_from_python(tmp_path, scattered) -> None:
     """A dict, a study or a path; the same bytes twice; beside the JSON by default."""
     first = sk.plot(scattered, "histogram", tmp_path / "a.png")

@@ -109,6 +109,7 @@ def test_each_kind_makes_a_whole_page_that_loads_nothing(name) -> None:
     assert "None" not in seen.replace("None of", "")
 
 
+@pytest.mark.slow
 def test_the_numbers_of_a_wedge_stand_with_their_units() -> None:
     found, seen = document("wet"), words(page("wet"))
     forces, geometry = found["forces_kn"], found["geometry"]
@@ -217,6 +218,7 @@ def test_the_sheets_words_are_in_the_json_without_times(made, tables) -> None:
     assert {"MODEL", "SENSITIVITY"} <= set(said)  # details too
 
 
+@pytest.mark.slow
 def test_map_coordinates_lose_nothing_in_the_view() -> None:
     """float32 has seven digits: half a million metres east the view must be the one at the origin."""
     near, far = (viewer_data(wet_wedge(origin=at).to_dict()) for at in ((0, 0, 0), (512345.6, 5412345.6, 321.0)))
@@ -257,6 +259,7 @@ def test_without_a_sheet_there_is_no_page_without_a_scene_no_view() -> None:
     assert [notice.code for notice in made.notices] == ["W372"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "junk"), [("wedge", (None, "x", [3], "gone")), ("goodman-bray", ({"x": 1}, [None]))])
 def test_damage_never_gives_a_traceback(name, junk, monkeypatch) -> None:
     """Each key taken away, or replaced by something else: a page or a fault with a code."""

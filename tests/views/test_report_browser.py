@@ -106,6 +106,7 @@ def changed(one: np.ndarray, two: np.ndarray) -> float:
     return float((np.abs(one - two).max(axis=2) > 12).mean())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["wedge", "columns"])
 def test_the_page_opens_without_a_complaint_or_a_request(browser, pages, name) -> None:
     page = Page(browser, pages[name])
@@ -118,6 +119,7 @@ def test_the_page_opens_without_a_complaint_or_a_request(browser, pages, name) -
     assert page.script("return document.getElementById('view-none').hidden")
 
 
+@pytest.mark.slow
 def test_it_turns_by_mouse_wheel_keyboard_and_comes_back(browser, pages) -> None:
     page = Page(browser, pages["wedge"])
     first = page.canvas()
@@ -166,6 +168,7 @@ CONTROLS = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["wedge", "columns"])
 def test_every_control_changes_the_view(browser, pages, name) -> None:
     """What is set back to what it was shows the same again; joints behind opaque blocks need them apart."""
@@ -186,6 +189,7 @@ def test_every_control_changes_the_view(browser, pages, name) -> None:
     assert page.complaints() == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["wedge", "columns"])
 def test_no_page_is_wider_than_a_phone(browser, pages, name) -> None:
     page = Page(browser, pages[name], 390, mobile=True)
@@ -193,6 +197,7 @@ def test_no_page_is_wider_than_a_phone(browser, pages, name) -> None:
     assert page.script("return document.documentElement.clientWidth") == 390
 
 
+@pytest.mark.slow
 def test_it_prints(browser, pages) -> None:
     """A PDF of A4 pages, the view as it was seen last on it and its controls not."""
     page = Page(browser, pages["wedge"])
@@ -233,6 +238,7 @@ def test_no_printed_table_is_cut_off(browser, tmp_path) -> None:
         page.command("Emulation.setEmulatedMedia", media="")
 
 
+@pytest.mark.slow
 def test_each_scene_of_several_can_be_turned(browser, pages) -> None:
     """One view goes from place to place; where it is not stands its last picture, and all are printed."""
     page = Page(browser, pages["two"])
@@ -332,6 +338,7 @@ def test_without_webgl_the_page_says_so(browser, pages) -> None:
         browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", added)
 
 
+@pytest.mark.slow
 def test_bolts_are_shown_and_numbered_where_there_is_room(browser, pages) -> None:
     """Rods come and go with their box; no number lies on another, the axes or the scale; a bare page has no box."""
     page = Page(browser, pages["bolts"])

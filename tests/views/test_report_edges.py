@@ -72,6 +72,7 @@ def test_what_a_limit_of_many_blocks_is() -> None:
     assert limit_of(document("wet")) == "PRE-IE"
 
 
+@pytest.mark.slow
 def test_without_a_limit_no_number_is_praised() -> None:
     seen = words(report_of(no_limit(), with_pictures=False).html)
     for text in ("with them there is no factor of safety. Forces alone give 0.199",
@@ -170,6 +171,7 @@ def test_arrays_that_do_not_fit_are_damage(part) -> None:
     assert "do not fit" in made.notices[0].message
 
 
+@pytest.mark.slow
 def test_a_chart_too_large_for_a_drawing_is_a_picture(monkeypatch) -> None:
     from slopekit.views.pages import page_pictures
 

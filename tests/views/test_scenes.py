@@ -317,6 +317,7 @@ def test_arrows_reach_from_start_to_tip() -> None:
     assert np.bincount(ball).tolist() == [32, 32]
 
 
+@pytest.mark.slow
 def test_the_frame_holds_every_layer() -> None:
     for name in ("wedge", "goodman-bray"):
         picture = made(name, "scene")
@@ -334,6 +335,7 @@ def test_map_coordinates_make_the_same_picture() -> None:
         np.testing.assert_allclose(np.sort(a.vertices - offset, axis=0), np.sort(b.vertices, axis=0), atol=1e-6)
 
 
+@pytest.mark.slow
 def test_png_glb_and_gltf(tmp_path: Path) -> None:
     import matplotlib.image
 
@@ -356,6 +358,7 @@ def test_png_glb_and_gltf(tmp_path: Path) -> None:
         np.testing.assert_allclose(back["blocks"] - back["rock"], least["blocks"] - least["rock"], atol=1e-3)
 
 
+@pytest.mark.slow
 def test_run_draws_into_its_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from typer.testing import CliRunner
 
@@ -393,6 +396,7 @@ def test_run_draws_into_its_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert (tmp_path / "one.glb").stat().st_size > 1000
 
 
+@pytest.mark.slow
 def test_the_scale_bar_is_true(tmp_path: Path) -> None:
     """The bar of 50 m against the pixels that the whole scene takes across."""
     import matplotlib.image
