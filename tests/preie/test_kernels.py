@@ -18,12 +18,15 @@ from slopekit.preie import kernels as module
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.bed_states import BedForces, Drive, PressedShare
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
+from slopekit.preie.one_block.bed_path import BedPath
 from slopekit.preie.one_block.polygon_bed import Beds, BedSprings, contact_rows
 from slopekit.preie.programs.bound_of_many import bound_in_one_run
 from slopekit.preie.programs.distance import bound_by_programs
 from slopekit.preie.solvers.fronts import Fronts
 from slopekit.preie.solvers.stiffness import SparseStiffness
 from slopekit.preie.system.patterns import ContactPattern, compiled_contacts
+from slopekit.strength.barton_bandis import BartonBandis
+from slopekit.strength.bilinear import Bilinear
 from tests.preie.block_scenes import boxes_in_space, columns, random_bench, stack, wall
 from tests.preie.path_oracle import model_of
 from tests.preie.test_bound_of_many import MODELS, bolted
@@ -126,8 +129,15 @@ def springs_on(bed: Beds, split: int) -> BedSprings:
     return springs
 
 
+def curved_square() -> Beds:
+    """The same with a curved law on the square, and on the triangle one with a kink."""
+    laws = (BartonBandis(8.0, 60000.0, 30.0), Bilinear(25.0, 15.0, 80.0))
+    return dataclasses.replace(cut_square(), laws=laws, stress_scale=120.0)
+
+
 CRACKED = {
     "in space": cut_square,
+    "curved": curved_square,
     "without cohesion": lambda: cut_square(0.0),
     "section": lambda: dam(2.0, 150.0, 40.0, 1500.0, True, 17.0),
     "dam": lambda: dam(2.0, 150.0, 40.0, 1500.0, False),
@@ -163,11 +173,37 @@ def test_the_forces_of_a_cracked_base(name) -> None:
 @compiled_only
 def test_limits_of_cracked_bases_are_the_same() -> None:
     """To 1e-9, by paths that end alike."""
-    for bed in (dam(2.0, 150.0, 40.0, 1500.0, True, 17.0), dam(3.0, 150.0, 40.0, 1500.0, False), cut_square()):
+    for bed in (
+        dam(2.0, 150.0, 40.0, 1500.0, True, 17.0),
+        dam(3.0, 150.0, 40.0, 1500.0, False),
+        cut_square(),
+        curved_square(),
+    ):
         plain, found = both_ways(lambda bed=bed: limit_on(bed, 1.0, (2,)))
         assert np.isfinite(plain.factor).all()
         assert found.factor == pytest.approx(plain.factor, rel=1e-9)
         assert found.status == plain.status
+
+
+@compiled_only
+def test_a_law_that_fails_raises_its_error_and_may_be_asked_again() -> None:
+    class Broken(BartonBandis):
+        is_broken = True
+
+        def resistance(self, normal: np.ndarray) -> np.ndarray:
+            if self.is_broken:
+                raise ArithmeticError("no strength")
+            return super().resistance(normal)
+
+    law = Broken(8.0, 60000.0, 30.0)
+    springs = springs_on(dataclasses.replace(cut_square(), laws=(law, None), stress_scale=120.0), 1)
+    at = springs.bonded[0], springs.bonded[0], 0.5
+    with pytest.raises(ArithmeticError, match="no strength"):
+        unbalanced(springs, *at)
+    with pytest.raises(ArithmeticError, match="no strength"):
+        BedPath(springs).rests(np.zeros(1, dtype=np.int64), springs.bonded, np.ones(1))
+    Broken.is_broken = False
+    assert np.isfinite(unbalanced(springs, *at).out).all()
 
 
 LIMITS = {

@@ -859,6 +859,14 @@ typedef struct {
     const whole *first;               /* first corner of each contact, (k + 1) */
     const double *rows, *plane, *law; /* (k, 9, u) by 1, ξ and η; corners (2); area per area, cohesion, tan φ (k, 3) */
     double spring, least;             /* k_t / k_n; slips of this size and below have no direction */
+    PyObject *strengths;              /* of curved laws: called with a contact and how many points it has; or NULL */
+    const char *curved;               /* which contacts have one */
+    double *curve;                    /* (3, room): their normal tractions, strengths and slopes */
+    whole room, next;                 /* the next point of them; -1 on a line */
+    int asks, broken;                 /* whether the tractions are collected; whether the law raised an error */
+    whole bolts;                      /* passive ones of each block */
+    const double *bolt_rows, *capacity, *stiff; /* (blocks, bolts, u), and (blocks, bolts) */
+    double moves;                     /* bolts drawn out by more than this pull fully where a block runs */
     double *gaps, *corners;           /* of one contact: room for all of it, and for its part */
     End *ends;
 } Polygons;
@@ -870,10 +878,11 @@ typedef struct {
 
 static const char POLYGONS[] = "slopekit.polygons";
 
-/* polygons(u, spring, least, contact, first, rows, plane, law, points of a line, shares, points of a triangle, shares) */
+/* polygons(u, spring, least, contact, first, rows, plane, law, points of a line, shares, points of a triangle, shares,
+            strengths or None, curved, curve (3, room), bolts, their capacities, springs, motion that is none) */
 static PyObject *polygons(PyObject *self, PyObject *const *a, Py_ssize_t n)
 {
-    if (!enough(n, 12)) return NULL;
+    if (!enough(n, 19)) return NULL;
     Polygons *p = calloc(1, sizeof *p);
     if (!p) return PyErr_NoMemory();
     Kept *kept = &p->kept;
@@ -895,6 +904,19 @@ static PyObject *polygons(PyObject *self, PyObject *const *a, Py_ssize_t n)
     }
     for (whole i = 0; !failed && i < k; i++)
         if (p->first[i + 1] - p->first[i] > most) most = p->first[i + 1] - p->first[i];
+    p->capacity = FLOATS(a[16], -1);
+    p->bolts = failed || !p->blocks ? 0 : kept->views[kept->arrays - 1].len / 8 / p->blocks;
+    p->bolt_rows = FLOATS(a[15], p->blocks * p->bolts * p->u), p->stiff = FLOATS(a[17], p->blocks * p->bolts);
+    p->moves = PyFloat_AsDouble(a[18]);
+    if (a[12] != Py_None) {
+        p->strengths = kept->other = Py_NewRef(a[12]);
+        p->curved = BOOLS(a[13], k), p->curve = OUT(a[14], -1);
+        p->room = failed ? 0 : kept->views[kept->arrays - 1].len / 24;
+        if (!failed && p->room < (most + 2) * (p->points[1] > p->points[0] ? p->points[1] : p->points[0])) {
+            PyErr_SetString(PyExc_ValueError, "too little room for the points of a contact");
+            failed = 1;
+        }
+    }
     char *room = failed ? NULL : malloc((size_t)(most + 1) * (sizeof(End) + 5 * sizeof(double)));
     if (!failed && !room) {
         PyErr_NoMemory();
@@ -939,21 +961,29 @@ static const double *pressed_part(Polygons *p, const double *plane, whole count,
 }
 
 /* Adds a point at (x, y) with its area to the sums, and to those of the ends, which move it. */
-INLINE void add_point(const Polygons *p, const double *law, const double field[3][3], double reduction, int running,
+INLINE void add_point(Polygons *p, const double *law, const double field[3][3], double reduction, int running,
                       int sticks, double x, double y, double area, whole ends, Sums *to)
 {
     const double powers[6] = {1.0, x, y, x * x, x * y, y * y};
     double normal = field[0][0] + field[0][1] * x + field[0][2] * y;
+    double strength = law[1] + law[2] * normal, steep = law[2];
+    if (p->next >= 0) {
+        double *at = p->curve + p->next++;
+        if (p->asks) {
+            *at = normal;
+            return;
+        }
+        strength = at[p->room], steep = at[2 * p->room];
+    }
     double first = field[1][0] + field[1][1] * x + field[1][2] * y;
     double second = field[2][0] + field[2][1] * x + field[2][2] * y;
-    double size = sqrt(first * first + second * second), elastic = p->spring * size;
-    double strength = law[1] + law[2] * normal, allowed = reduction * strength;
+    double size = sqrt(first * first + second * second), elastic = p->spring * size, allowed = reduction * strength;
     size = size > p->least ? size : p->least;
     first /= size, second /= size;
     int slides = !sticks && (running || elastic > allowed);
     double sliding = slides ? area : 0.0, shear = slides ? allowed : elastic;
     double turning = area * (elastic == 0.0 ? (running ? 0.0 : p->spring) : shear / size);
-    double slips = slides ? turning : 0.0, drags = sliding * (reduction * law[2]);
+    double slips = slides ? turning : 0.0, drags = sliding * (reduction * steep);
     double turned = slips * first, carried = area * shear, lost = sliding * strength;
     const double slopes[6] = {
         -area, drags * first, drags * second, turning - turned * first, -turned * second,
@@ -978,7 +1008,7 @@ INLINE void add_point(const Polygons *p, const double *law, const double field[3
 }
 
 /* The part of a line between two corners. */
-static void add_line(const Polygons *p, const double *c, const double *law, const double field[3][3], double reduction,
+static void add_line(Polygons *p, const double *c, const double *law, const double field[3][3], double reduction,
                      int running, int sticks, whole ends, Sums *to)
 {
     double way[2] = {c[2] - c[0], c[3] - c[1]}, length = hypot(way[0], way[1]);
@@ -1002,7 +1032,7 @@ INLINE double turn(const double *one, const double *other)
 }
 
 /* The triangles of a part about its centroid: `_fan` and `_fan_moves` of polygon_bed.py. */
-static void add_fan(const Polygons *p, const double *c, whole count, const double *law, const double field[3][3],
+static void add_fan(Polygons *p, const double *c, whole count, const double *law, const double field[3][3],
                     double reduction, int running, int sticks, whole ends, Sums *to)
 {
     double middle[2] = {0.0, 0.0}, moment[2] = {0.0, 0.0}, all = 0.0;
@@ -1051,7 +1081,31 @@ static void add_fan(const Polygons *p, const double *c, whole count, const doubl
     }
 }
 
-/* Adds what the contacts of one block carry to the sums, and its slopes. */
+/* Asks the law of a contact for the strengths at the points that were collected. */
+static void ask_law(Polygons *p, whole contact)
+{
+    PyObject *answer = p->broken ? NULL : PyObject_CallFunction(p->strengths, "nn", (Py_ssize_t)contact, (Py_ssize_t)p->next);
+    p->broken = !answer;
+    Py_XDECREF(answer);
+}
+
+/* Adds what the passive bolts of one block pull: `BedSprings.pulls`. */
+static void add_bolts(const Polygons *p, whole block, const double *slip, double reduction, int running, int sticks,
+                      double *out, double *by_slip, double *by_reduction)
+{
+    const whole u = p->u;
+    for (whole i = block * p->bolts; i < (block + 1) * p->bolts; i++) {
+        const double *row = p->bolt_rows + i * u, most = reduction * p->capacity[i], drawn = -dot(row, slip, (int)u);
+        int full = running ? drawn > p->moves : !sticks && drawn * p->stiff[i] > most;
+        double spring = running || full || drawn <= 0.0 ? 0.0 : p->stiff[i], pull = full ? most : spring * drawn;
+        for (whole b = 0; b < u; b++) {
+            out[b] += pull * row[b], by_reduction[b] += full * p->capacity[i] * row[b];
+            for (whole c = 0; c < u; c++) by_slip[b * u + c] -= spring * row[b] * row[c];
+        }
+    }
+}
+
+/* Adds what the contacts and bolts of one block carry, and its slopes. */
 static void add_block(Polygons *p, whole block, const double *opening, const double *slip, double reduction,
                       int running, int sticks, double *out, double *by_opening, double *by_slip, double *by_reduction)
 {
@@ -1071,8 +1125,13 @@ static void add_block(Polygons *p, whole block, const double *opening, const dou
         if (!left) continue;
         Sums sums = {{{0.0}}, {{0.0}}};
         for (whole m = 0; m < ends; m++) memset(p->ends[m].by, 0, sizeof p->ends[m].by);
-        if (count == 2) add_line(p, part, law, field, reduction, running, sticks, ends, &sums);
-        else add_fan(p, part, left, law, field, reduction, running, sticks, ends, &sums);
+        int curved = p->strengths && p->curved[k];
+        for (p->asks = curved; p->asks >= 0; p->asks--) { /* twice where the law is curved */
+            p->next = curved ? 0 : -1;
+            if (count == 2) add_line(p, part, law, field, reduction, running, sticks, ends, &sums);
+            else add_fan(p, part, left, law, field, reduction, running, sticks, ends, &sums);
+            if (p->asks) ask_law(p, k);
+        }
         /* from moments by 1, ξ and η to the block: out, then the slopes */
         double lifts[3] = {0.0}, opens[9][6] = {{0.0}}, turns[6][6] = {{0.0}};
         for (int i = 0; i < 3; i++)
@@ -1104,6 +1163,7 @@ static void add_block(Polygons *p, whole block, const double *opening, const dou
             }
         }
     }
+    add_bolts(p, block, slip, reduction, running, sticks, out, by_slip, by_reduction);
 }
 
 /* pressed(polygons, blocks, opening, slip, reduction, running, sticks, out, by_opening, by_slip, by_reduction): adds to
@@ -1129,6 +1189,7 @@ static PyObject *pressed(PyObject *self, PyObject *const *a, Py_ssize_t n)
     for (whole r = 0; !failed && r < count; r++)
         add_block(p, blocks[r], opening + r * u, slip + r * u, reduction[r], running, sticks, out + r * u,
                   by_opening + r * u * u, by_slip + r * u * u, by_reduction + r * u);
+    failed |= p->broken, p->broken = 0;
     released(kept);
     return failed ? NULL : Py_NewRef(Py_None);
 }
@@ -1276,6 +1337,7 @@ static PyObject *balanced(PyObject *self, PyObject *const *a, Py_ssize_t n)
         double length = sqrt(dot(tangent, tangent, (int)k));
         for (whole i = 0; i < k; i++) tangent[i] /= length > 1e-300 ? length : 1e-300;
     }
+    failed |= p->broken, p->broken = 0;
     released(kept);
     return failed ? NULL : Py_NewRef(Py_None);
 }

@@ -224,7 +224,7 @@ class BedPath:
             off = dots(planes[rows], x) - offsets[rows]
             return np.concatenate([out, off[:, None]], axis=1), slopes, self.balanced * np.maximum(1.0, reduction)
 
-        if springs.kernels is None or springs.beds.bolt_capacity.shape[1]:
+        if springs.kernels is None:
             roots = solve_rows(equations, start, effort)
             along = np.zeros_like(start)
             along[:, -1] = 1.0

@@ -167,7 +167,7 @@ class BedSprings:
         """The compiled kernels; None where NumPy does their work."""
         from slopekit.preie.kernels import compiled  # not for a block whose base is whole
 
-        return None if any(self.beds.laws) else compiled(solvers=False)
+        return compiled(solvers=False)
 
     @cached_property
     def polygons(self) -> Any:
@@ -175,7 +175,9 @@ class BedSprings:
         beds = self.beds
         unknowns, templates = beds.load.shape[1], (*self.templates[2], *self.templates[3])
         shapes = beds.contact, beds.corner, beds.rows, beds.plane, beds.line
-        return self.kernels.polygons(unknowns, beds.shear_ratio, TINY, *shapes, *templates)
+        laws = _laws_for_kernels(beds, max(len(templates[1]), len(templates[3])))
+        bolts = np.ascontiguousarray(beds.bolt_rows), np.ascontiguousarray(beds.bolt_capacity), self.bolt_springs
+        return self.kernels.polygons(unknowns, beds.shear_ratio, TINY, *shapes, *templates, *laws, *bolts, NO_MOTION)
 
     @cached_property
     def whole(self) -> Floats:
@@ -206,6 +208,11 @@ class BedSprings:
         size: Floats = np.sqrt((self.bonded * self.bonded).sum(axis=1))
         return size
 
+    @cached_property
+    def bolt_springs(self) -> Floats:
+        """(n, b) of the passive bolts."""
+        return self.beds.bolt_capacity / (BOLT_GIVE * self.first)[:, None]
+
     def unbalanced(
         self, blocks: Ints, opening: Floats, slip: Floats, reduction: Floats, running: bool = False,
         sticks: bool = False,
@@ -222,16 +229,16 @@ class BedSprings:
         if self.kernels is not None:
             at = np.ascontiguousarray(opening), np.ascontiguousarray(slip), np.ascontiguousarray(reduction)
             self.kernels.pressed(self.polygons, blocks, *at, running, sticks, out, *slopes)
-        else:
-            states = np.concatenate([opening, slip, reduction[:, None]], axis=1)
-            for row, block in enumerate(blocks.tolist()):
-                state = states[row] + 1j * _STEP * np.eye(2 * size + 1)  # slopes are the imaginary parts
-                forces = np.zeros((len(state), size), dtype=complex)
-                for k in range(*self.beds.contact[block : block + 2].tolist()):
-                    forces += self._forces(k, state, running, sticks)
-                out[row] += forces[0].real
-                change = forces.imag.T / _STEP
-                slopes[0][row], slopes[1][row], slopes[2][row] = change[:, :size], change[:, size:-1], change[:, -1]
+            return Unbalanced(out, *slopes)
+        states = np.concatenate([opening, slip, reduction[:, None]], axis=1)
+        for row, block in enumerate(blocks.tolist()):
+            state = states[row] + 1j * _STEP * np.eye(2 * size + 1)  # slopes are the imaginary parts
+            forces = np.zeros((len(state), size), dtype=complex)
+            for k in range(*self.beds.contact[block : block + 2].tolist()):
+                forces += self._forces(k, state, running, sticks)
+            out[row] += forces[0].real
+            change = forces.imag.T / _STEP
+            slopes[0][row], slopes[1][row], slopes[2][row] = change[:, :size], change[:, size:-1], change[:, -1]
         if self.beds.bolt_capacity.shape[1]:
             rows, capacity = self.beds.bolt_rows[blocks], self.beds.bolt_capacity[blocks]
             pull, spring, full = self.pulls(blocks, slip, reduction, running, sticks)
@@ -249,7 +256,7 @@ class BedSprings:
         if running:
             full = drawn > NO_MOTION
             return most * full, np.zeros_like(drawn), full
-        stiff = capacity / (BOLT_GIVE * self.first[blocks])[:, None]
+        stiff = self.bolt_springs[blocks]
         full = np.zeros(drawn.shape, dtype=bool) if sticks else drawn * stiff > most
         spring = stiff * ((drawn > 0.0) & ~full)
         return np.where(full, most, spring * drawn), spring, full
@@ -338,20 +345,39 @@ class BedSprings:
 
     def _resistance(self, k: int, normal: Floats) -> Floats:
         """Return the shear strength of a contact at normal tractions, both in the scaled units of its block."""
-        beds = self.beds
-        law = beds.laws[k] if beds.laws else None
-        if law is None:
-            return line(beds.line[k, 1], beds.line[k, 2], normal)
-        # a mean traction is one part of the load on all contacts; steeper laws are lines below the least traction
-        stress, least = normal.real * beds.stress_scale, max(LEAST_KPA, LEAST_TRACTION * beds.stress_scale)
-        above = np.maximum(stress, least)
-        none, lowest = law.resistance(np.array([0.0, least]))
-        steep = (lowest - none) / least
-        strength = np.where(stress < least, none + steep * stress, law.resistance(above)) / beds.stress_scale
-        if not np.iscomplexobj(normal):
-            return strength
-        slope: Any = np.where(stress < least, steep, law.slope(above))
-        return np.asarray(strength + 1j * slope * normal.imag)
+        strength, slope = strength_and_slope(self.beds, k, normal.real)
+        return np.asarray(strength + 1j * slope * normal.imag) if np.iscomplexobj(normal) else strength
+
+
+def strength_and_slope(beds: Beds, k: int, normal: Floats) -> tuple[Floats, Floats]:
+    """Return the shear strength of a contact and its slope at normal tractions, in the scaled units of its block."""
+    law = beds.laws[k] if beds.laws else None
+    if law is None:
+        return line(beds.line[k, 1], beds.line[k, 2], normal), np.full_like(normal, beds.line[k, 2])
+    # a mean traction is one part of the load on all contacts; steeper laws are lines below the least traction
+    stress, least = normal * beds.stress_scale, max(LEAST_KPA, LEAST_TRACTION * beds.stress_scale)
+    above = np.maximum(stress, least)
+    none, lowest = law.resistance(np.array([0.0, least]))
+    steep = (lowest - none) / least
+    strength = np.where(stress < least, none + steep * stress, law.resistance(above)) / beds.stress_scale
+    return strength, np.where(stress < least, steep, law.slope(above))
+
+
+def _laws_for_kernels(beds: Beds, points: int) -> tuple[Any, Bools, Floats]:
+    """Return what asks the laws of contacts, which are curved (m,), and room (3, n) for what they are asked at.
+
+    Parameters
+    ----------
+    points : of a triangle, or of a line
+    """
+    curved = np.array([law is not None for law in beds.laws], dtype=bool)
+    most = int(np.diff(beds.corner).max()) + 2  # corners: where a polygon is cut it gains one or two
+    normal, strength, slope = room = np.zeros((3, most * points if curved.any() else 0))
+
+    def ask(contact: int, count: int) -> None:
+        strength[:count], slope[:count] = strength_and_slope(beds, contact, normal[:count])
+
+    return ask if curved.any() else None, curved, room
 
 
 def elastic_bed(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> Beds:
