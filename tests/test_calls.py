@@ -191,6 +191,7 @@ def test_advice_leads_somewhere() -> None:
     assert caught.value.faults[0].advice == "Did you mean fos?"
 
 
+@pytest.mark.slow
 def test_numbers_come_as_texts_and_from_numpy() -> None:
     design = sk.load(DESIGN)
     one, other, third = (

@@ -259,6 +259,7 @@ def test_templates_alone_shows_its_help() -> None:
     assert "  new   Write a template" in ran.stdout
 
 
+@pytest.mark.slow
 def test_picture(tmp_path, monkeypatch) -> None:
     pytest.importorskip("pyvista")
     target = tmp_path / "wedge.png"

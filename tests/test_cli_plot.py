@@ -43,6 +43,7 @@ def folder(tmp_path_factory) -> Path:
     return made
 
 
+@pytest.mark.slow
 def test_it_lists_and_draws(run, folder) -> None:
     code, out, _ = run(folder / "sweep.json")
     assert (code, out.splitlines()[0]) == (0, "sweep.json can give")

@@ -45,6 +45,7 @@ def test_every_end_of_every_slider_is_a_design_or_a_fault_with_a_code(template):
     assert tried > 20
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("template", LIVE)
 def test_the_same_are_answered_with_a_number_or_a_fault(template):
     """No exception comes through: analysing the ends is what dragging a slider does."""

@@ -123,6 +123,7 @@ def test_every_kind_can_start_what_there_is_for_it():
 # -- the process ------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_job_is_done_over_there_cancel_ends_it_and_the_next_one_works(tmp_path):
     """A bench of a second: ended while it works, its process is gone; the answer of another stands on the page."""
     desk = desk_of(tmp_path, "bench")

@@ -229,6 +229,7 @@ def test_what_is_changed_while_a_file_is_written_stays_changed(on_disk, monkeypa
     assert on_disk.session.changed == [DIP]
 
 
+@pytest.mark.slow
 def test_messages_that_come_too_fast_wait(desk):
     desk.most_a_second = 20
 

@@ -219,6 +219,7 @@ def test_an_interface_that_carries_the_active_block() -> None:
     assert 0.0 < missing < 2000.0 / found.factor
 
 
+@pytest.mark.slow
 @settings(max_examples=80, deadline=None)
 @given(
     weights=st.tuples(st.floats(1.0, 1e4), st.floats(1.0, 1e4)),

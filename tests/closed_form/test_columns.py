@@ -159,6 +159,7 @@ CIRCLES = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("circle", "profile", "unit_weight", "cohesion"), CIRCLES)
 @pytest.mark.parametrize(("friction", "pore_ratio", "seismic"), [(20.0, 0.0, 0.0), (25.0, 0.25, 0.0), (30.0, 0.1, 0.1)])
 def test_a_level_cylinder_is_the_classic_circle(circle, profile, unit_weight, cohesion, friction, pore_ratio, seismic):

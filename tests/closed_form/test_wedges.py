@@ -361,6 +361,7 @@ def test_shapes_and_forces_are_the_scalar_ones(given) -> None:
     assert formed > 50
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [*range(16), 51])  # every branch that sixty take
 def test_passive_bolts_are_the_scalar_ones(seed) -> None:
     """Bolts that may pull any way, from a thousandth of the weight to all of it, one to three, with water and a force.

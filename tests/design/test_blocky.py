@@ -421,6 +421,7 @@ def _large(count: int) -> str:
     return head + base + "\n".join(rows) + "\nstrength: {joint: {c: 0, phi: 30}}\nrock: {unit_weight: 25}\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("old", "new"),
     [

@@ -164,6 +164,7 @@ def _accepts(kind: str, design: dict, path: str, value: object) -> bool:
     return True
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "design", "path", "value", "expected"), CASES.values(), ids=CASES)
 def test_units_and_limits_are_those_of_the_reader(kind, design, path, value, expected) -> None:
     """Just beyond a limit a value is refused; the limit itself or what lies just within is taken."""

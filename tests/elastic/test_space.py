@@ -136,6 +136,7 @@ def test_blocks_of_a_bench_balance(bench) -> None:
     assert (found.opened(model) == open_).all()
 
 
+@pytest.mark.slow
 def test_lighter_dashpots_lead_to_rest_where_the_others_give_up(bench, monkeypatch: pytest.MonkeyPatch) -> None:
     """With no rounds of the heavy ones: another way, to forces within 5 % of the largest, in balance."""
     design, answer = bench

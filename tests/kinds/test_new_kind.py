@@ -83,6 +83,7 @@ def test_it_is_checked_and_varied() -> None:
     assert exact(phi=root) == pytest.approx(1.5, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_it_is_drawn_and_written(tmp_path) -> None:
     result = sk.run(SLAB)
     sk.report(result, tmp_path / "slab.html", pictures=False)

@@ -32,6 +32,7 @@ COLUMNS = {
 SMALL = BENCH | {"slope": {"face": "70/180", "height": "6 m", "length": "8 m"}}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("design", "level"), [(SECTION, 30.0), (SMALL, 20.0), (COLUMNS, 200.0)], ids="sbc")
 def test_drowned_blocks_have_their_buoyant_weight(design, level) -> None:
     """Archimedes: γ_w V less, through the centroid, whatever the contacts; and the factor of that weight."""

@@ -177,6 +177,7 @@ def test_the_worst_crack_of_a_dry_plane_is_hoek_and_brays(face, dip, height) -> 
     assert "the worst place by the closed form" in " ".join(str(result.sheet).split())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("more", [
     {}, {"water": "full"}, {"water": {"mode": "table", "depth": "5 m"}, "loads": {"surcharge": "30 kPa"}},
 ], ids=str)  # fmt: skip

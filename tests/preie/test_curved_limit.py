@@ -250,6 +250,7 @@ def random_scene(seed: int) -> dict:
             continue
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [*range(20), 32, 35, 36, 41, 59])  # every branch that sixty take
 def test_random_scenes(seed) -> None:
     """Forces that balance at the limit exist (Clarabel): limit <= static bound; strength / F leaves F = 1."""

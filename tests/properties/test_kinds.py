@@ -115,6 +115,7 @@ def test_footings(load, dip, length, share, phi) -> None:
         assert one.fos.limit <= one.fos.static_bound * (1.0 + 1e-9)
 
 
+@pytest.mark.slow
 @settings(quick, max_examples=2)
 @given(
     radius=st.floats(30.0, 60.0), wide=st.floats(0.4, 2.0), aside=st.floats(-1e3, 1e3), c=st.floats(5.0, 50.0),

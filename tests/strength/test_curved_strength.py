@@ -143,6 +143,7 @@ def test_the_tractions_under_a_footing(law) -> None:
     assert analyse(with_law(design, law)).fos.limit == pytest.approx(mean / 150.0, rel=2e-4)
 
 
+@pytest.mark.slow
 def test_water_bolts_a_crack_and_an_earthquake() -> None:
     """Both methods ask the law at effective tractions: the forces alone agree with Hoek & Bray to 1e-9."""
     for more in (
@@ -238,6 +239,7 @@ strength: {{joint: {{c: 0, phi: 30}}}}
     assert result.limit_state.curved_strength["joint"].traction_kpa == pytest.approx(normal / 2.0, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_where_the_lines_begin_says_nothing(monkeypatch) -> None:
     """From a tenth and from ten times the mean traction: columns that follow their law, and those that have lines."""
     first = strength_lines.first_lines

@@ -159,6 +159,7 @@ def test_a_rule_on_what_is_too_much_asks_for_no_level_of_a_tornado() -> None:
     assert all("falls short of 0.3" in text for text in notices(found, "W507"))
 
 
+@pytest.mark.slow
 def test_an_earthquake_that_moves_the_whole_wedge_before_is_not_passed() -> None:
     found = sk.quake(sk.load(CUT, set=GENTLE), "sine:0.5g,1Hz")
     (said,) = notices(found, "W507")

@@ -12,6 +12,7 @@ from slopekit.studies.sweep import sweep
 WEDGE = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", names())
 def test_every_key_of_a_template_takes_its_own_value(name) -> None:
     """Writing the present value back leaves the design as it is, but for what two keys say of one thing."""

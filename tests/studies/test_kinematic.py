@@ -150,6 +150,7 @@ def test_planes_parallel_to_the_face_daylight_where_the_closed_form_has_a_block(
             plane_failure(face_dip, 0.0, dip, 10.0, 0.0, 30.0, 26.0, crack_distance_m=None)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("face", [Plane(65, 180), Plane(85, 140)], ids=str)
 def test_wedges_against_the_rock_mass_and_the_closed_form(face) -> None:
     """Flat ground: a line daylights where `wedge_rock_mass` cuts a wedge. c = 0, dry, two friction angles:

@@ -40,6 +40,7 @@ def found(name: str) -> Any:
     return STUDIES[name]()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", STUDIES)
 def test_what_happens_is_told_in_the_names_of_the_user(name) -> None:
     text = " ".join(str(found(name)).split())

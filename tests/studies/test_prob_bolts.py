@@ -61,6 +61,7 @@ def faces_met(block, head: np.ndarray, way: np.ndarray) -> list[tuple[float, int
     return sorted(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "values"), [("crack", CRACKED), ("plane", PLANE)])
 def test_bolts_hold_whose_line_goes_in_by_a_free_face_and_out_by_a_joint(name, values) -> None:
     design = load(values)

@@ -35,6 +35,7 @@ CASES = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_as_each_sample_read_by_itself(name) -> None:
     """The single search is `crack: {distance: worst}` of a design with the sample's values, another way through.

@@ -199,6 +199,7 @@ def test_curved_strength_parts_the_methods_and_not_their_agreement() -> None:
     assert found.agree is None
 
 
+@pytest.mark.slow
 def test_columns_have_the_factor_of_the_one_that_goes_farthest_by_both_methods() -> None:
     found = sk.quake(sk.load(str(path_of("topple"))), "sine:0.2g,2Hz")
     ours, closed = found.yields
@@ -246,6 +247,7 @@ def test_the_way_of_the_slope_named_is_the_way_of_the_slope() -> None:
     assert off.coefficient > own.coefficient
 
 
+@pytest.mark.slow
 def test_a_section_shaken_along_its_face_says_what_is_left_out() -> None:
     """The part along the section alone is used: k_y over cos 60°."""
     design = sk.load("templates/plane.yaml")
@@ -264,6 +266,7 @@ def test_joints_of_several_blocks_that_dilate_have_no_factor() -> None:
     assert found.yields[0].why_not.startswith("its joints dilate")
 
 
+@pytest.mark.slow
 def test_the_other_polarity_is_the_record_turned_round(wedge) -> None:
     record = wedge.shaken[0].record
     turned = sk.quake(wedge.design, record_of("turned", record.times_s, -record.accelerations))

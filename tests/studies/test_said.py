@@ -167,6 +167,7 @@ def test_no_load_case_is_met_that_the_whole_wedge_does_not_meet() -> None:
     assert found.exit_code == 1
 
 
+@pytest.mark.slow
 def test_rules_that_a_study_does_not_judge_are_named() -> None:
     """W332: the value found gives the factor of the rule on fos, a rule on the lowest breaks there."""
     rules = {"acceptance.rules": ["fos >= 1.2", "fos.lowest >= 1.2"]}

@@ -286,6 +286,7 @@ def test_orientations_of_other_documents() -> None:
     assert orientations_of(plain(result_of("footing"))) is None
 
 
+@pytest.mark.slow
 def test_the_stereonets_of_a_survey() -> None:
     """Counts in the legend are the study's; the shaded share of the net is that of the critical cells."""
     study = sk.kinematic("examples/joints.csv", face="65/180", phi=30)

@@ -130,6 +130,7 @@ def test_the_numbers_of_a_wedge_stand_with_their_units() -> None:
     assert f"driving, along the slide{alone} {forces['driving']:.1f} resisting {forces['resisting']:.1f}" in seen
 
 
+@pytest.mark.slow
 def test_moments_that_govern_are_said_with_the_number_to_use() -> None:
     """A tall slice whose moments govern; the fields are set by hand, the words follow from them alone."""
     wet = wet_wedge()
@@ -201,6 +202,7 @@ def test_titles_are_texts_and_never_html() -> None:
     assert text.count("</script>") == 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("made", "tables"),
     # moments govern the wet one: why its SENSITIVITY is not given is a sentence
@@ -435,6 +437,7 @@ class Study:
         return {"slopekit": "0.1.0", "study": "sweep"}
 
 
+@pytest.mark.slow
 def test_from_python(tmp_path) -> None:
     result = wet_wedge()
     one = sk.report(result, tmp_path / "a.html", pictures=False)

@@ -142,6 +142,7 @@ def test_it_turns_by_mouse_wheel_keyboard_and_comes_back(browser, pages) -> None
     assert changed(first, page.canvas()) == 0.0
 
 
+@pytest.mark.slow
 def test_it_turns_by_touch(browser, pages) -> None:
     page = Page(browser, pages["wedge"], 390, mobile=True)
     first = page.canvas()
@@ -216,6 +217,7 @@ def test_it_prints(browser, pages) -> None:
         page.command("Emulation.setEmulatedMedia", media="")
 
 
+@pytest.mark.slow
 def test_no_printed_table_is_cut_off(browser, tmp_path) -> None:
     """Many bolts at map coordinates: on paper A4 every cell ends within the page (they stood in two columns)."""
     head = [512300.125, 4187645.0, 1245.0]
@@ -269,6 +271,7 @@ def test_each_scene_of_several_can_be_turned(browser, pages) -> None:
     assert page.complaints() == []
 
 
+@pytest.mark.slow
 def test_the_printed_view_has_its_legend_scale_and_north(browser, pages) -> None:
     """The canvas alone has none of them: they are drawn into the picture, the legend stands beneath it."""
     page = Page(browser, pages["columns"])
@@ -307,6 +310,7 @@ def test_names_of_the_arrows_never_lie_on_each_other(browser, pages) -> None:
                 assert one[1] <= two[0] + 1 or two[1] <= one[0] + 1 or one[3] <= two[2] + 4 or two[3] <= one[2] + 4
 
 
+@pytest.mark.slow
 def test_a_table_wider_than_a_phone_says_so(browser, pages) -> None:
     """Goodman & Bray's columns have eleven; every table that scrolls is shaded there and followed by a hint."""
     page = Page(browser, pages["columns"], 390, mobile=True)
