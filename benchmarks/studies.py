@@ -218,7 +218,7 @@ def bench_rows(count: int = 300) -> list[str]:
         began, processor = time.perf_counter(), _processor()
         found = bench_design(planes, **(given | more))
         seconds, processor = time.perf_counter() - began, _processor() - processor
-        said = None if found.checked is None else found.checked.said
+        said = found.checked
         asked = 0 if said is None else said.samples
         moments = (
             0 if said is None else sum(one.factors is not None and one.factors.moments_govern for one in said.points)

@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import fields, replace
+from typing import TypeAlias
 
 import numpy as np
 
 from slopekit.core.errors import SlopekitError
 from slopekit.core.orientation import Plane
-from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Strength, Water
 from slopekit.kinds.plane import PlaneDesign
@@ -22,23 +22,13 @@ from slopekit.studies.running import Crew, Journal, Record
 _MODES = (WEDGE, PLANE)
 
 
-@dataclass(frozen=True, slots=True)
-class Confirmed:
-    """What PRE-IE says.
-
-    Attributes
-    ----------
-    said : over the blocks of all benches
-    doubted : heights and faces of benches in which a block fails by PRE-IE alone, or has no answer of it
-    """
-
-    said: Confirmation
-    doubted: frozenset[tuple[float, float]]
+#: Heights and faces of benches in which a block fails by PRE-IE alone, or has no answer of it.
+Doubted: TypeAlias = frozenset[tuple[float, float]]
 
 
 def confirmed(
     asked: BenchInputs, trials: Trials, benches: Sequence[Bench], crew: Crew, desk: Workplace
-) -> tuple[Confirmed | None, Journal | None]:
+) -> tuple[Confirmation | None, Doubted, Journal | None]:
     """PRE-IE's judgement of the blocks that are chosen; None where none forms, or none is asked for."""
     forms, factor, fails = (
         np.concatenate([getattr(bench, name)[mode] for bench in benches for mode in _MODES])
@@ -47,9 +37,9 @@ def confirmed(
     target, within, seed = asked.number("fos"), asked.near, int(asked.number("seed"))
     index = chosen(forms, factor, target, int(asked.number("confirm")), within, seed)
     if not len(index[0]):
-        return None, None
+        return None, frozenset(), None
     rows = [divmod(int(one), len(trials)) for one in index[0]]
-    keys, strengths = [], strengths_at(asked.ground(0.0), trials)
+    keys, strengths = [], strengths_at(asked, trials)
     for part, trial in rows:
         bench, mode = benches[part // len(_MODES)], _MODES[part % len(_MODES)]
         first, second = int(trials.first[trial]), int(trials.second[trial])
@@ -69,7 +59,7 @@ def confirmed(
         (benches[part // len(_MODES)].height_m, benches[part // len(_MODES)].face_dip_deg)
         for (part, _), key, stood in zip(rows, keys, stands, strict=True) if stood and _is_doubted(points[key], target)
     )  # fmt: skip
-    return Confirmed(said, doubted), journal
+    return said, doubted, journal
 
 
 def _is_doubted(point: Point, target: float) -> bool:

@@ -18,7 +18,6 @@ from slopekit.design.joint_lists import JointList, joint_list
 from slopekit.design.parts import Seismic
 from slopekit.design.words import between
 from slopekit.kinds.wedge.design import WedgeDesign
-from slopekit.studies.bench_design.bench import BenchSite
 from slopekit.studies.keys import Key
 from slopekit.studies.ranges import parse_values
 from slopekit.studies.surveys import range_of, slope_of, strengths_of_joints
@@ -65,7 +64,8 @@ class BenchInputs:
     joints : the survey; slope : its loads as a wedge design whose joints and face mean nothing
     heights_m, face_dips_deg : of the benches, each with each; berms_m : of each of those, None: the width needed
     toward_deg : dip direction of the faces; toe : one of `TOES`
-    cohesion_kpa, friction_deg, trace_m, spacing_m : (n,) of the joints, see `bench.BenchSite`
+    cohesion_kpa, friction_deg, trace_m, spacing_m : (n,) of the joints: strength, how far each runs (inf
+        where nothing is known), spacing of its set (nan likewise)
     own : how many joints have c, φ, a trace and a spacing of their own
     numbers : by name, those of `_NUMBERS`; None where nothing was said
     every_m : along the bench, by the height of a bench where None
@@ -110,16 +110,18 @@ class BenchInputs:
         width_m = self.numbers["catch"]
         return float(catch_width(height_m)) if width_m is None else width_m
 
-    def ground(self, height_m: float) -> BenchSite:
-        """What the trials are judged with in benches of a height."""
-        water, slope = self.slope.water, self.slope
-        return BenchSite(
-            self.joints.dips_deg, self.joints.dip_directions_deg, self.cohesion_kpa, self.friction_deg, self.trace_m,
-            self.spacing_m, self.toward_deg, slope.rock.unit_weight_kn_m3, slope.water_unit_weight_kn_m3, water.fill,
-            water.pressures_kpa[0] if water.pressures_kpa else None, slope.seismic.coefficient, self.number("lateral"),
-            self.number("lateral_toppling"), self.number("fos"), self.toe == "bench",
-            height_m if self.every_m is None else self.every_m, self.number("swell"), self.number("repose"),
-        )  # fmt: skip
+    def step_m(self, height_m: float) -> float:
+        """How far it is from place to place along a bench of a height."""
+        return height_m if self.every_m is None else self.every_m
+
+    @property
+    def loads(self) -> dict[str, float]:
+        """Weight, fill of the joints and earthquake, as the closed forms take them."""
+        slope = self.slope
+        return {
+            "unit_weight_kn_m3": slope.rock.unit_weight_kn_m3, "fill": slope.water.fill,
+            "water_unit_weight_kn_m3": slope.water_unit_weight_kn_m3, "seismic": slope.seismic.coefficient,
+        }  # fmt: skip
 
     def to_dict(self) -> dict[str, Any]:
         """All but the joints, as JSON values."""

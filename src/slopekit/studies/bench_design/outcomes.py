@@ -131,7 +131,7 @@ def of_cohesion(asked: BenchInputs, bench: Bench, of: OfBench) -> OfCohesion:
         name: float((bad & there).sum() / there.sum()) if there.any() else None
         for name, bad, there in zip(_CALLED, fails, forms, strict=True)
     }
-    steps = steps_of(bench, asked.ground(bench.height_m).every_m)
+    steps = steps_of(bench, asked.step_m(bench.height_m))
     lost = quantiles(bench.setback_m, [asked.number("reliability")], steps)[0]
     given = of.modes["any"]["fails"]
     decides = shares["any"] > given.high and 2.0 * (given.share or 0.0) <= shares["any"]
@@ -142,7 +142,7 @@ def outcome_of(asked: BenchInputs, trials: Trials, bench: Bench) -> OfBench:
     """Everything that is said of one bench."""
     height, face, confidence = bench.height_m, bench.face_dip_deg, asked.number("confidence")
     wanted, catch = asked.number("reliability"), asked.catch_m(height)
-    lost, steps = bench.setback_m, steps_of(bench, asked.ground(height).every_m)
+    lost, steps = bench.setback_m, steps_of(bench, asked.step_m(height))
     loss_at = quantiles(lost, [wanted], steps)[0]
     needed = catch + loss_at
     berms = (needed,) if asked.berms_m is None else asked.berms_m

@@ -16,16 +16,17 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from slopekit.core.codec import record_of
+from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design.joint_lists import JointList
 from slopekit.studies.bench_design.bench import bench_of
-from slopekit.studies.bench_design.confirmed import Confirmed, confirmed
+from slopekit.studies.bench_design.confirmed import Doubted, confirmed
 from slopekit.studies.bench_design.given import BenchInputs, bench_inputs
 from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, of_cohesion, outcome_of
 from slopekit.studies.bench_design.trials import drawn_trials
+from slopekit.studies.prob.judged import Confirmation
 from slopekit.studies.protocol import DESK, Argument, Jobs, Option, Scheduler, StudyOutcome, Workplace, documented
 from slopekit.studies.running import Journal, checked_crew, crew_in_words
 from slopekit.studies.surveys import Columns, Convention, SkipBad, left_out, survey_head
@@ -33,7 +34,7 @@ from slopekit.studies.surveys import Columns, Convention, SkipBad, left_out, sur
 _FEW = 30  # joints: below it, a survey says little of its sets
 
 
-def notices_of(asked: BenchInputs, benches: Sequence[OfBench], checked: Confirmed | None) -> Iterator[Notice]:
+def notices_of(asked: BenchInputs, benches: Sequence[OfBench], said: Confirmation | None) -> Iterator[Notice]:
     """Yield what a reader must know of the survey, of the options and of what was not counted."""
     yield from left_out(asked.joints)
     n = len(asked.joints)
@@ -85,9 +86,8 @@ def notices_of(asked: BenchInputs, benches: Sequence[OfBench], checked: Confirme
         yield Notice(
             "W395", "toppling columns are judged by their weight alone: water and earthquake do not act on them"
         )
-    if checked is None:
+    if said is None:
         return
-    said = checked.said
     if said.unsafe:
         yield Notice("W353", f"{said.unsafe} of the {said.samples} blocks that PRE-IE looked at fail by it and stand "
                      "by the closed form: moments decide there")  # fmt: skip
@@ -126,7 +126,7 @@ class BenchDesigns(StudyOutcome):
     name: ClassVar[str] = "bench-design"
     given: BenchInputs
     benches: tuple[OfBench, ...]
-    checked: Confirmed | None
+    checked: Confirmation | None
     crew: str
     warnings: tuple[Notice, ...]
     timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
@@ -173,7 +173,7 @@ class BenchDesigns(StudyOutcome):
     @property
     def exit_code(self) -> int:
         """0 done, 1 no bench is accepted, 4 the methods disagree or PRE-IE did not converge."""
-        if self.checked is not None and self.checked.said.disagree:
+        if self.checked is not None and self.checked.disagree:
             return 4
         return 1 if self.accepted is False else 0
 
@@ -187,7 +187,7 @@ class BenchDesigns(StudyOutcome):
             "best": {name: getattr(best, name) for name in ("height_m", "face_dip_deg", "berm_needed_m")}
             | {"inter_ramp_deg": best.inter_ramp_deg, "reliability": self.given.number("reliability")},
             "accept": self.given.numbers["accept"], "accepted": self.accepted,
-            "pre_ie": None if self.checked is None else record_of(self.checked.said),
+            "pre_ie": json_of(self.checked),
             "timing_s": dict(self.timing_s),
             **self.words(),
         }  # fmt: skip
@@ -275,18 +275,16 @@ def bench_design(
     read = time.perf_counter()
     trials = drawn_trials(asked.joints, int(asked.number("n")), int(asked.number("seed")), asked.toe == "anywhere")
     sizes = [(height, dip) for height in asked.heights_m for dip in asked.face_dips_deg]
-    benches = [bench_of(asked.ground(height), trials, height, dip) for height, dip in sizes]
+    benches = [bench_of(asked, trials, height, dip) for height, dip in sizes]
     judged = time.perf_counter()
     outcomes = [outcome_of(asked, trials, bench) for bench in benches]
     if asked.has_cohesion:
-        bare = [
-            bench_of(replace(asked.ground(height), cohesion_kpa=np.zeros(len(asked.joints))), trials, height, dip)
-            for height, dip in sizes
-        ]
+        without = replace(asked, cohesion_kpa=np.zeros(len(asked.joints)))
+        bare = [bench_of(without, trials, height, dip) for height, dip in sizes]
         outcomes = [replace(of, bare=of_cohesion(asked, bench, of)) for bench, of in zip(bare, outcomes, strict=True)]
     shares = time.perf_counter()
-    checked, journal = confirmed(asked, trials, benches, crew, desk)
-    outcomes = [accepted(asked, one, checked) for one in outcomes]
+    checked, doubted, journal = confirmed(asked, trials, benches, crew, desk)
+    outcomes = [accepted(asked, one, doubted) for one in outcomes]
     end = time.perf_counter()
     times = {
         "read": read - began, "closed_form": judged - read, "shares": shares - judged, "pre_ie": end - shares,
@@ -299,11 +297,11 @@ def bench_design(
     return study
 
 
-def accepted(asked: BenchInputs, bench: OfBench, checked: Confirmed | None) -> OfBench:
+def accepted(asked: BenchInputs, bench: OfBench, doubted: Doubted) -> OfBench:
     """The bench with what is said of acceptance: the lower limit counts, and that PRE-IE doubts no block of it."""
     least = asked.numbers["accept"]
     if least is None:
         return bench
-    doubted = checked is not None and (bench.height_m, bench.face_dip_deg) in checked.doubted
-    berms = (replace(berm, accepted=not doubted and berm.reliability.low >= least) for berm in bench.berms)
+    is_sure = (bench.height_m, bench.face_dip_deg) not in doubted
+    berms = (replace(berm, accepted=is_sure and berm.reliability.low >= least) for berm in bench.berms)
     return replace(bench, berms=tuple(berms))

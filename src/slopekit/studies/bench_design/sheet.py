@@ -37,7 +37,7 @@ def line_of(study: BenchDesigns) -> str:
     best, wanted = study.best, study.given.number("reliability")
     said = "" if study.accepted is None else "  ACCEPTED" if study.accepted else "  NOT ACCEPTED"
     checked = study.checked
-    agree = "" if checked is None else f"  PRE-IE agrees on {checked.said.agree} of {checked.said.samples}"
+    agree = "" if checked is None else f"  PRE-IE agrees on {checked.agree} of {checked.samples}"
     steepest = study.steepest_accepted
     line = (
         f"steepest accepted: {_in_words(steepest)}{agree}{said}"
@@ -173,7 +173,7 @@ def _in_words(berm: OfBerm) -> str:
 def _pre_ie(study: BenchDesigns) -> list[str]:
     if study.checked is None:
         return ["not asked, or no wedge and no plane forms"]
-    said = study.checked.said
+    said = study.checked
     largest = "" if said.largest is None else f", largest difference {100.0 * said.largest:.2g} %"
     rows = [
         f"{said.samples} blocks: {said.at_random} at random, {said.near} within "
