@@ -115,7 +115,7 @@ class BenchInputs:
         return height_m if self.every_m is None else self.every_m
 
     @property
-    def loads(self) -> dict[str, float]:
+    def loads(self) -> dict[str, Any]:
         """Weight, fill of the joints and earthquake, as the closed forms take them."""
         slope = self.slope
         return {
