@@ -3,16 +3,12 @@
 The whole wedge that a basal joint cuts the toe off is another file without that joint: the closed form of two joints.
 """
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 import slopekit as sk
 from benchmarks import populations
-from slopekit.evidence import WithoutBasal
 from slopekit.studies import points
-from slopekit.studies.points import Point
 from slopekit.studies.prob import bolts
 
 WHOLE = {
@@ -117,18 +113,6 @@ def test_an_accepted_probability_is_not_met_by_the_block_alone() -> None:
     assert found.all_samples.share == 1.0
     assert (found.confirmation.unsafe, found.confirmation.safe) == (0, 0)
     assert "the whole wedge without the basal joint: slides on both" in str(found.sheet)
-
-
-def test_a_whole_wedge_that_nothing_holds_has_no_factor_among_those_at_random() -> None:
-    """Of four samples one whole wedge is lifted, one is driven by nothing, one has less than the block, one more."""
-    found = sk.prob(sk.load(CUT, set={"strength.bedding.phi": {"dist": "normal", "mean": 40, "sd": 0.1}}), 8, confirm=4)
-    block = Point(replace(found.confirmation.points[0].factors, limit=1.7))
-    besides = [("lifted", None), ("no_driving_force", None), ("slides_on_both", 0.7), ("slides_on_both", 2.0)]
-    wholes = [replace(block, factors=replace(block.factors, also=WithoutBasal(*one))) for one in besides]
-    checked = replace(found.confirmation, points=tuple(wholes), random=np.ones(4, dtype=bool))
-    shown = replace(found, confirmation=checked).to_dict()["histogram"]
-    assert shown["pre_ie_at_random"] == [0.7, 1.7, 1.7]
-    assert (shown["pre_ie_without_factor"], shown["pre_ie_samples"]) == (1, 4)
 
 
 def test_a_sweep_says_where_the_whole_wedge_falls_short() -> None:

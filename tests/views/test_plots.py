@@ -146,8 +146,6 @@ def test_a_histogram(scattered) -> None:
     assert abs(np.interp(1.2, *line.T) - 100.0 * share["probability"]) < within
     assert line[-1, 1] == pytest.approx(100.0 * (1.0 - bins["above"] / 600))
     assert f"P(FoS < 1.2) = {100 * share['probability']:.3g} %" in axes.get_title()
-    assert len(labelled(right, "PRE-IE's, cumulated")) == 4
-    assert len(labelled(axes, "4 at random by PRE-IE")) == len(bins["pre_ie_at_random"]) == 4
 
 
 def test_histograms_of_odd_samples(scattered) -> None:

@@ -13,13 +13,21 @@ from slopekit.studies.bench_design.bench import MODES, Bench
 from slopekit.studies.bench_design.given import BenchInputs
 from slopekit.studies.bench_design.trials import Trials, bootstrapped, share_of
 from slopekit.studies.prob.estimates import Share
-from slopekit.studies.prob.sizes import SizeStatistics
 
 STRETCH_M = 100.0
 PERCENTILES = (0.5, 0.8, 0.9, 0.95, 0.99)
 #: Of the curves in JSON.
 _CURVE = tuple(k / 100.0 for k in range(101))
 _CALLED = (*MODES, "any")
+
+
+@dataclass(frozen=True, slots=True)
+class SizeStatistics:
+    """One size of places or stretches of a bench: its mean, percentiles by share, and the largest."""
+
+    mean: float
+    quantiles: Mapping[float, float]
+    most: float = field(metadata={"json": "max"})
 
 
 def along_the_bench(values: Floats, weights: Floats | None = None) -> SizeStatistics:

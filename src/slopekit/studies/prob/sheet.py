@@ -36,7 +36,7 @@ _SAMPLING = {"monte-carlo": "Monte Carlo", "latin-hypercube": "Latin hypercube"}
 
 def sheet_of(study: Probability) -> Sheet:
     """The sheet of a study of probability."""
-    asked, summary = study.asked, study.summary
+    asked, summary, scaled = study.asked, study.summary, study.scaled_down
     samples = f"{len(study.samples.values)} by {_SAMPLING[asked.method]}, seed {asked.seed}; {study.judged.evaluator}"
     times = "  ".join(f"{name} {value:.3g} s" for name, value in study.timing_s.items())
     return Sheet(head(study.design, "prob"), (
@@ -48,7 +48,7 @@ def sheet_of(study: Probability) -> Sheet:
         Section(f"P(F < {asked.target:g})", [*_leading(study), _probabilities(study)]),
         Section("FoS", [] if summary is None else [_mean(summary, asked.target)]),
         Section("SENSITIVITY", [_matters(study.sensitivities[:_FEW])]),
-        Section("SIZE", _scaled(study)),
+        Section("SIZE", [f"limits of size: {counted(scaled, 'sample')} made smaller"] if scaled else []),
         Section("PRE-IE", _pre_ie(study)[:2], details=_pre_ie(study)[2:]),
         Section("ACCEPT", _accept(study)),
         Section("TIME", [f"{times}  ({study.crew})"]),
@@ -91,8 +91,7 @@ def _every_sample(study: Probability) -> Table[int]:
         Column("FoS", judged.factor.item, "fos_closed_form" if study.asked.by == "closed-form" else "fos_limit"),
         Column("fails", lambda row: int(judged.fails[row]), "fails"),
     ]
-    if study.sizes is not None:
-        columns += [Column(key, _item_of(column), key) for key, column in study.sizes.columns.items()]
+    columns += [Column(key, _item_of(column), key) for key, column in study.sizes.items()]
     if checked is not None:
         also = dict(zip(checked.index.tolist(), checked.points, strict=True))
         columns += [
@@ -152,11 +151,6 @@ def _leading(study: Probability) -> list[str]:
         return []
     low, high = _percent(lead["low"]), _percent(lead["high"])
     return [f"{_percent(lead['probability'])} by {lead['by']} ({low} to {high}); closed form, which is too low here:"]
-
-
-def _scaled(study: Probability) -> list[str]:
-    scaled = 0 if study.sizes is None else study.sizes.scaled
-    return [f"limits of size: {counted(scaled, 'sample')} made smaller"] if scaled else []
 
 
 def _probabilities(study: Probability) -> Table[tuple[Share, str]]:

@@ -43,7 +43,6 @@ def draw_histogram(figure: Any, document: Document) -> None:
     _cumulated(right, bins, edges, counts, share, target)
     right.set_ylim(0.0, 108.0)
     right.set_ylabel("samples with a lower factor, % of all (line)")
-    _pre_ie(right, axes, bins)
     finish(figure, axes, f"{title_of(document)}\n{_words(document)}", size=9.5)
 
 
@@ -75,19 +74,6 @@ def _cumulated(
         axes.errorbar([target], [middle], yerr=[[max(0.0, middle - low)], [max(0.0, high - middle)]], color=RED,
                       marker="D", markersize=6, markerfacecolor="white", capsize=6, linewidth=1.8, zorder=5,
                       label=f"P(FoS < {number(target)}), {share['confidence'] * 100:.4g} % limits")  # fmt: skip
-
-
-def _pre_ie(cumulative: Any, axes: Any, bins: Document) -> None:
-    """The factors that PRE-IE gave samples at random: a tick each, and their own cumulated line."""
-    factors = sorted(bins.get("pre_ie_at_random") or ())
-    if not factors:
-        return
-    axes.plot(factors, np.full(len(factors), 0.012), "|", color=DARK, markersize=9, alpha=0.6, zorder=3,
-              transform=axes.get_xaxis_transform(), label=f"{len(factors)} at random by PRE-IE")  # fmt: skip
-    heights = 100.0 * np.arange(1, len(factors) + 1) / bins["pre_ie_samples"]
-    heights += 100.0 * (bins.get("pre_ie_without_factor") or 0) / bins["pre_ie_samples"]
-    cumulative.step(factors, heights, where="post", color=DARK, linewidth=0.9, linestyle="--",
-                    label="PRE-IE's, cumulated")  # fmt: skip
 
 
 def _words(document: Document) -> str:
