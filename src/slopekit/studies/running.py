@@ -34,7 +34,7 @@ Advance = Callable[[int], None]
 _MOST_LOSSES = 3  # times that workers may die without a task being finished in between
 _CONNECT_S = 10.0
 _MOST_JOBS = 512
-_LAYOUT = 2  # of records, to be raised with them: since 2 points have what acceptance is held against besides
+_LAYOUT = 3  # of records, to be raised with them: since 3 those of points have names
 
 
 @dataclass(slots=True)

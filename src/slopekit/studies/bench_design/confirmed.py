@@ -6,7 +6,6 @@ from typing import TypeAlias
 
 import numpy as np
 
-from slopekit.core.errors import SlopekitError
 from slopekit.core.orientation import Plane
 from slopekit.design.common import Design
 from slopekit.design.parts import Strength, Water
@@ -14,10 +13,10 @@ from slopekit.kinds.plane import PlaneDesign
 from slopekit.studies.bench_design.bench import PLANE, WEDGE, Bench, strengths_at
 from slopekit.studies.bench_design.given import BenchInputs
 from slopekit.studies.bench_design.trials import Trials
-from slopekit.studies.points import Point, falls_short, kept_points
+from slopekit.studies.points import Point, both_methods, falls_short, kept_points
 from slopekit.studies.prob.judged import Confirmation, chosen, confirmation_of
 from slopekit.studies.protocol import Workplace
-from slopekit.studies.running import Crew, Journal, Record
+from slopekit.studies.running import Crew, Journal
 
 _MODES = (WEDGE, PLANE)
 
@@ -66,17 +65,6 @@ def _is_doubted(point: Point, target: float) -> bool:
     """Whether PRE-IE does not say that a block stands."""
     factors = point.factors
     return factors is None or factors.status == "not_converged" or falls_short(factors.status, factors.limit, target)
-
-
-def both_methods(design: Design) -> Record:
-    """Both factors of safety of a block as JSON values: what a worker does."""
-    from slopekit.kinds import factors_of
-
-    try:
-        return Point(factors_of(design)).to_record()
-    except SlopekitError as error:
-        fault = error.faults[0]
-        return Point(None, fault.code, fault.message).to_record()
 
 
 def _design(

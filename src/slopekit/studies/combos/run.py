@@ -11,23 +11,22 @@
 import time
 from collections.abc import Mapping
 from dataclasses import field, replace
-from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
 from slopekit.core.arrays import Bools
-from slopekit.core.codec import json_of, record_of
+from slopekit.core.codec import json_of
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import Plane
-from slopekit.core.records import dataclass
+from slopekit.core.records import dataclass, names_of
 from slopekit.design.joint_lists import JointList
 from slopekit.kinds.protocol import Factors
-from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.kinds.wedge.limits import LIMITED_BY
 from slopekit.studies.combos.pairs import NEVER, PAIR_OUTCOMES, JointPairs, PairInputs, evaluated, pair_inputs
+from slopekit.studies.points import UNSETTLED, Point, both_methods, kept_points
 from slopekit.studies.protocol import DESK, Jobs, Option, Scheduler, StudyOutcome, Workplace, documented
-from slopekit.studies.running import Crew, Journal, checked_crew, run_all
+from slopekit.studies.running import Crew, checked_crew
 from slopekit.studies.surveys import AFace, AJointList, Columns, Convention, SkipBad, left_out, survey_head
 
 _NOTHING_HOLDS = ("lifted", "falls", "topples")
@@ -308,27 +307,23 @@ def _looked_at(asked: PairInputs, pairs: JointPairs, crew: Crew, desk: Workplace
         )
         for k, a, b in zip(chosen, one[chosen], two[chosen], strict=True)
     ]  # fmt: skip
-    journal = Journal.of(desk.folder or Path.cwd(), "combos", asked.input_hash(), streamed=desk.folder is not None)
-    with desk.bar("PRE-IE", len(designs)) as advance:
-        records = run_all(both_methods, designs, crew, journal=journal, advance=advance)
+    points, journal = kept_points(both_methods, designs, crew, desk, "combos", "PRE-IE", asked.input_hash())
     journal.remove()
     checks = tuple(
         PairCheck(
-            **record, index=int(k), names=design.joint_names, planes=design.joints, height_m=design.height_m,
+            **_said_of(point), index=int(k), names=design.joint_names, planes=design.joints, height_m=design.height_m,
             volume_m3=float(pairs.volume_m3[k]), face_width_m=float(pairs.shapes.sizes.face_width_m[k]),
             setback_m=float(pairs.shapes.sizes.setback_m[k]), scale=float(pairs.shapes.scale[k]),
             limited_by=LIMITED_BY[pairs.shapes.by[k]], trend_deg=float(pairs.trend_deg[k]),
             plunge_deg=float(pairs.plunge_deg[k]),
         )
-        for k, design, record in zip(chosen, designs, records, strict=True)
+        for k, design, point in zip(chosen, designs, points, strict=True)
     )  # fmt: skip
     return tuple(sorted(checks, key=PairCheck.severity)) if asked.top is None else checks
 
 
-def both_methods(design: WedgeDesign) -> dict[str, Any]:
-    """Both factors of safety of a wedge as JSON values: what a worker does."""
-    from slopekit.kinds import factors_of
-
-    factors = factors_of(design)
-    settled = factors.settled and factors.status != "not_converged"
-    return record_of(factors) | {"closed_status": factors.closed_status or "", "settled": settled}
+def _said_of(point: Point) -> dict[str, Any]:
+    """What both methods say of a pair; one that broke is not settled."""
+    factors = point.factors or Factors(UNSETTLED, None, "", None, None, None, False, False)
+    settled = factors.settled and factors.status != UNSETTLED
+    return {name: getattr(factors, name) for name in names_of(Factors)} | {"settled": settled}

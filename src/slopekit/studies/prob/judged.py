@@ -113,7 +113,7 @@ def also_of(
     without_block : the same of a point, by its number, at which no block forms
     """
     every = [
-        point.factors.also if point.factors is not None
+        point.also if point.factors is not None
         else without_block(row) if point.code.startswith(("E2", "E44")) and point.code not in UNJUDGED else None
         for row, point in enumerate(points)
     ]  # fmt: skip
@@ -230,7 +230,7 @@ class Confirmation:
         return self._verdicts().count(None)
 
     def _verdicts(self) -> list[bool | None]:
-        return [None if point.factors is None else point.factors.agree for point in self.points]
+        return [point.agree for point in self.points]
 
     @property
     def settled(self) -> int:
@@ -283,7 +283,7 @@ def confirmation_of(
     other_at_random = int((other & random).sum())
     factors = [point.factors for point in points if point.factors is not None]
     differences = [both.difference for both in factors if both.difference is not None]
-    governed = np.array([point.factors is not None and point.factors.moments_govern for point in points])
+    governed = np.array([point.moments_govern for point in points], dtype=bool)
     # one-sided: only the upper limit is of interest
     at_most = clopper_pearson(other_at_random, asked_at_random, 2.0 * confidence - 1.0)[1] if asked_at_random else 1.0
     return Confirmation(
@@ -361,7 +361,7 @@ def notices_of(
     if share.count < _RARE and share.of:
         yield Notice("W350", f"{share.count} failures among {share.of} samples: judge by the upper limit, or draw more")
     if confirmation is None:
-        governed = sum(point.factors is not None and point.factors.moments_govern for point in judged.points)
+        governed = sum(point.moments_govern for point in judged.points)
         if governed:
             yield Notice(
                 "W353",

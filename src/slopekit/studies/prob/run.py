@@ -152,7 +152,7 @@ class Probability(StudyOutcome):
     @cached_property
     def warnings(self) -> tuple[Notice, ...]:
         """What a reader must know: of the samples, and what a run says of the design at its means."""
-        notes = new_notices(() if self.means.factors is None else self.means.factors.notes, self.of_samples)
+        notes = new_notices(self.means.notes, self.of_samples)
         at_means = (Notice(note.code, f"of the design at its means: {note.message}") for note in notes)
         peak = peak_only(self.design, "samples are judged by factors")
         return (*self.of_samples, *at_means, *peak)

@@ -129,8 +129,7 @@ class Tornado(StudyOutcome):
             if not math.isfinite(factor_at(point, method) or math.inf)
         ]
         short = also_short(self.points, self._where, method, self.design.accepted_fos or 1.0)
-        notes = () if self.base.factors is None else self.base.factors.notes
-        compared = all(note.code != _OF_ENDS for note in notes)
+        compared = all(note.code != _OF_ENDS for note in self.base.notes)
         there = said_at(self.points, self._where, self.of_inputs)
         said = (*short, *(note for note in there if not (compared and note.code == _OF_ENDS)))
         if not bare:

@@ -10,7 +10,7 @@ from slopekit.core.orientation import millimetre
 from slopekit.core.records import dataclass
 from slopekit.design.fields import words_of
 from slopekit.design.registry import KINDS, record_of
-from slopekit.studies.points import Line, Method, Point, asked_of, factor_at, lines_of, lower_of, point_from_record
+from slopekit.studies.points import Line, Method, Point, asked_of, factor_at, lines_of, lower_of
 from slopekit.studies.words import METHODS, cell
 from slopekit.views.charts.drawing import (
     BLUE,
@@ -61,7 +61,7 @@ class _Swept:
 
     @cached_property
     def points(self) -> list[Point]:
-        return [point_from_record(record) for record in self.document["points"]]
+        return [Point.from_record(record) for record in self.document["points"]]
 
     @cached_property
     def asked(self) -> tuple[Method, ...]:
@@ -91,7 +91,7 @@ def draw_curve(figure: Any, document: Document) -> None:
     swept = _Swept(document)
     key, (_, points) = swept.keys[0], swept.lines()[0]
     drawn = {method: [(value, factor_at(point, method)) for value, point in points] for method in swept.asked}
-    besides = [(value, None if point.factors is None else point.factors.also) for value, point in points]
+    besides = [(value, point.also) for value, point in points]
     known = next((also for _, also in besides if also is not None), None)
     of_also = [(value, None if also is None else also.factor) for value, also in besides]
     axes = _axes(figure, [factor for line in (*drawn.values(), of_also) for _, factor in line])
@@ -175,7 +175,7 @@ def draw_contour(figure: Any, document: Document) -> None:
         if low < level < high:
             axes.contour(across, down, shown, levels=[level], colors=[colour], linewidths=2.2)
             axes.plot([], [], color=colour, linewidth=2.2, label=what)
-    known = next((one.factors.also for one in swept.points if one.factors is not None and one.factors.also), None)
+    known = next((one.also for one in swept.points if one.also), None)
     also = "" if known is None else f", or {known.BRIEF} where lower"
     figure.colorbar(filled, ax=axes, label=f"factor of safety ({METHODS[method]}{also})")
     _grid_points(axes, swept, across, down, lines)
@@ -196,12 +196,12 @@ _TornadoBar: TypeAlias = tuple[str, Sequence[str], list[Point], Document]
 
 def draw_tornado(figure: Any, document: Document) -> None:
     """A bar for each number from its factor at one end to that at the other, the longest on top."""
-    own = point_from_record(document["base"])
+    own = Point.from_record(document["base"])
     asked = asked_of(document["methods"], [own])
     method = asked[0]
     base = factor_at(own, method)
     every: list[_TornadoBar] = [
-        (_words(document, bar, 40), _shown(bar), [point_from_record(bar[end]) for end in ("at_low", "at_high")],
+        (_words(document, bar, 40), _shown(bar), [Point.from_record(bar[end]) for end in ("at_low", "at_high")],
          bar["swing"])
         for bar in document["bars"]
     ]  # fmt: skip
@@ -305,7 +305,7 @@ def _with_unit(value: float, unit: str, digits: int) -> str:
 
 
 def _moments(axes: Any, points: Sequence[tuple[float, Point]]) -> None:
-    governed = [(v, p.factors.limit) for v, p in points if p.factors and p.factors.moments_govern and p.factors.limit]
+    governed = [(v, p.factors.limit) for v, p in points if p.factors and p.moments_govern and p.factors.limit]
     if governed:
         axes.plot(*zip(*governed, strict=True), marker="o", markersize=9.0, markerfacecolor="none", color=BLUE,
                   linestyle="none", label="moments govern")  # fmt: skip
@@ -366,10 +366,10 @@ def _grid_points(axes: Any, swept: _Swept, across: Sequence[float], down: Sequen
     if bare:
         axes.plot(*zip(*bare, strict=True), "x", color=DARK, markersize=5.0, clip_on=False,
                   label="no factor: status or code")  # fmt: skip
-    moments = [(x, y) for x, y, point in every if point.factors is not None and point.factors.moments_govern]
+    moments = [(x, y) for x, y, point in every if point.moments_govern]
     if moments:
         axes.plot(*zip(*moments, strict=True), "o", color=BLUE, markerfacecolor="none", label="moments govern")
-    wrong = [(x, y) for x, y, point in every if point.factors is not None and point.factors.agree is False]
+    wrong = [(x, y) for x, y, point in every if point.agree is False]
     if wrong:
         axes.plot(*zip(*wrong, strict=True), "s", color=RED, markerfacecolor="none", markersize=9.0,
                   label="the methods disagree")  # fmt: skip
