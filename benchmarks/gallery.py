@@ -111,7 +111,7 @@ PARTS: tuple[tuple[str, tuple[Picture, ...]], ...] = (
                 (_BENCHES, _plot("benches", "reliability"))),
         Picture("motion", "Acceleration, velocity and displacement in the record that moves the block most.",
                 ("slopekit quake templates/wedge.yaml sine:0.5g,1Hz,3 -o quake --quiet", _plot("quake", "motion"))),
-        Picture("six", "How the block goes in six degrees of freedom: beside the sliding one way, its parts, turning.",
+        Picture("six", "How the block goes in six degrees of freedom, its parts, turning.",
                 ("slopekit quake templates/wedge.yaml sine:0.5g,1Hz,3 --six -o six --quiet", _plot("six", "six"))),
     )),
     ("Checks", (

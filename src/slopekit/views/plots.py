@@ -124,7 +124,7 @@ CHARTS: Mapping[str, Chart] = {
         lambda of: of.get("study") == "quake" and of.get("motion") is not None,
     ),
     "six": Chart(
-        "displacement and turning in six degrees of freedom, beside the sliding one way",
+        "displacement and turning in six degrees of freedom",
         "quake.json: slopekit quake design.yaml RECORD... --six -o DIR", "quake_charts.draw_six",
         lambda of: of.get("study") == "quake" and of.get("six_motion") is not None,
     ),
