@@ -389,7 +389,7 @@ def test_command(tmp_path: Path) -> None:
     assert ran.returncode == 0, ran.stderr
     assert {"W390", "W391", "W394"} <= set(ran.stdout.split())
     names = {path.name for path in (tmp_path / "out").iterdir()}
-    pictures = {"backbreak.png", "reliability.png"}
+    pictures = {"backbreak.png"}
     assert names == {"bench-design.json", "bench-design.txt", "benches.csv", "berms.csv"} | pictures
     assert slopekit(*words, "--quiet", "--accept", "99%").returncode == 1
     refused = slopekit(*words, "--every", "0")

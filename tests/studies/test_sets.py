@@ -253,7 +253,7 @@ def test_a_set_that_scatters_one_way_is_said(tmp_path) -> None:
     found = sk.sets(joints, n=1)
     assert "W401" in codes(found)
     angles = found.sets[0].angles
-    assert (angles.dip_sd_deg, angles.dip_direction_sd_deg) == pytest.approx((2, 15), rel=0.25)
+    assert (angles["dip_sd_deg"], angles["dip_direction_sd_deg"]) == pytest.approx((2, 15), rel=0.25)
     assert "dip_direction: {dist: normal, mean: 1" in found.scatter_block
 
 

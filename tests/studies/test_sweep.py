@@ -89,28 +89,28 @@ def test_points_without_a_block_are_kept_and_counted(curve) -> None:
 def test_levels_that_are_passed_are_interpolated_and_said_to_be(curve) -> None:
     """1, the acceptance rule (1.5) and the target; F straight between neighbours, by both methods."""
     assert curve.levels == ((1.0, "FoS 1"), (1.5, "acceptance, fos >= 1.5"), (1.6, "target, FoS 1.6"))
-    found = [one for one in curve.critical if one.level == 1.5]
-    assert [one.method for one in found] == ["pre_ie", "closed_form"]
-    assert found[0].between == (71.0, 88.0)
-    assert found[0].how == "interpolated"
-    low, high = (sk.run(WEDGE, set={"slope.face.dip": dip}).fos.limit for dip in found[0].between)
-    share = (found[0].at - 71.0) / 17.0
+    found = [one for one in curve.critical if one["fos"] == 1.5]
+    assert [one["method"] for one in found] == ["pre_ie", "closed_form"]
+    assert found[0]["between"] == (71.0, 88.0)
+    assert found[0]["how"] == "interpolated"
+    low, high = (sk.run(WEDGE, set={"slope.face.dip": dip}).fos.limit for dip in found[0]["between"])
+    share = (found[0]["at"] - 71.0) / 17.0
     assert pytest.approx((1.0 - share) * low + share * high, rel=1e-12) == 1.5
-    assert abs(found[0].at - 72.9958) < 1.0  # where solve finds it
-    assert [one for one in curve.critical if one.level == 1.0] == []
+    assert abs(found[0]["at"] - 72.9958) < 1.0  # where solve finds it
+    assert [one for one in curve.critical if one["fos"] == 1.0] == []
     assert "interpolated between 71° and 88°" in str(curve)
     exact = sweep(sk.load(WEDGE), {"strength.weak.phi": [10, 20]}, fos=curve.points[2].factors.limit)
-    assert exact.critical[0].how in ("interpolated", "at a point")
+    assert exact.critical[0]["how"] in ("interpolated", "at a point")
 
 
 def test_a_level_on_a_point_is_found_once() -> None:
     design = sk.load(WEDGE)
     here = sk.analyse(design).fos.closed_form
     swept = sweep(design, {"strength.weak.phi": [15, 20, 25]}, methods="closed-form", fos=here)
-    found = [one for one in swept.critical if one.level == here]
-    assert [(one.at, one.how) for one in found] == [(20.0, "at a point")]
+    found = [one for one in swept.critical if one["fos"] == here]
+    assert [(one["at"], one["how"]) for one in found] == [(20.0, "at a point")]
     first = sweep(design, {"strength.weak.phi": [20, 25]}, methods="closed-form", fos=here)
-    assert [(one.at, one.how) for one in first.critical if one.level == here] == [(20.0, "at a point")]
+    assert [(one["at"], one["how"]) for one in first.critical if one["fos"] == here] == [(20.0, "at a point")]
 
 
 def test_changes_of_status_are_marked() -> None:
@@ -120,9 +120,9 @@ def test_changes_of_status_are_marked() -> None:
     same = {change["statuses"] for change in swept.changes}
     assert ("slides_on_both", "slides_on_J2") in same
     assert swept.counts["lifted"] >= 1
-    assert any(one.how == "across a change of status" for one in swept.critical if one.level == 0.75)
-    over = [one for one in swept.critical if one.how == "to where there is no number"]
-    assert all(one.at is None for one in over)
+    assert any(one["how"] == "across a change of status" for one in swept.critical if one["fos"] == 0.75)
+    over = [one for one in swept.critical if one["how"] == "to where there is no number"]
+    assert all(one["at"] is None for one in over)
     assert swept.warnings[0].code == "W359"
     curve = sweep(sk.load(WET), {"water.pressures.J1": [0, 300, 360]}, methods="closed-form")
     assert [line[31] for line in str(curve).splitlines()[3:6]] == [" ", " ", ">"]

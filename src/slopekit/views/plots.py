@@ -109,11 +109,6 @@ CHARTS: Mapping[str, Chart] = {
         "how much of the crest is lost along the bench, by height and face angle",
         "bench-design.json: slopekit bench-design survey.csv -o DIR", "bench_charts.draw_backbreak", _of_benches,
     ),
-    "reliability": Chart(
-        "which heights and face angles keep their berm",
-        "bench-design.json: slopekit bench-design survey.csv -o DIR", "bench_charts.draw_reliability",
-        _of_benches,
-    ),
     "tornado": Chart(
         "what each number does to the factor", "tornado.json: slopekit sweep design.yaml --tornado -o DIR",
         "sweep_charts.draw_tornado", lambda of: of.get("study") == "tornado",

@@ -134,8 +134,8 @@ class BenchDesigns(StudyOutcome):
 
     @property
     def charts(self) -> tuple[str, ...]:
-        """Cumulative curves of backbreak, and the table of reliability."""
-        return ("reliability", "backbreak")
+        """Cumulative curves of backbreak."""
+        return ("backbreak",)
 
     def done(self) -> None:
         """Remove what was kept for an interruption: the results are written."""

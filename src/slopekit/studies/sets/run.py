@@ -47,22 +47,6 @@ SHARES = (0.68, 0.95)  # of joints within the cones of variability
 
 
 @dataclass(frozen=True, slots=True)
-class SetAngles:
-    """Dip and dip direction of the joints of a set, each by itself; turned over at the vertical, not folded back.
-
-    Attributes
-    ----------
-    dip_sd_deg, dip_direction_sd_deg : standard deviations, nan of one joint; the second also of a flat set, whose dip
-        directions go all round
-    """
-
-    dip_mean_deg: float
-    dip_sd_deg: float
-    dip_direction_mean_deg: float
-    dip_direction_sd_deg: float
-
-
-@dataclass(frozen=True, slots=True)
 class FoundSet:
     """A joint set.
 
@@ -70,7 +54,9 @@ class FoundSet:
     ----------
     members : its joints, by their number in the list
     axes : mean, scatter and shape of its poles
-    plane : the mean; angles : dip and dip direction by themselves
+    plane : the mean
+    angles : mean and standard deviation of dip and of dip direction by themselves, turned over at the vertical, not
+        folded back; nan of one joint, the last also of a flat set, whose dip directions go all round
     spacing, trace : where the list has such columns
     """
 
@@ -78,7 +64,7 @@ class FoundSet:
     members: Ints
     axes: Axes
     plane: Plane
-    angles: SetAngles
+    angles: Mapping[str, float]
     spacing: Lengths | None
     trace: Traces | None
 
@@ -342,7 +328,7 @@ def _found(name: str, members: Ints, joints: JointList, poles: Floats, weights: 
     )  # fmt: skip
 
 
-def _angles(poles: Floats, weights: Floats, axes: Axes, plane: Plane) -> SetAngles:
+def _angles(poles: Floats, weights: Floats, axes: Axes, plane: Plane) -> dict[str, float]:
     """Dips and dip directions about the mean, each pole on the side of the mean."""
     up = np.where((poles @ axes.mean)[:, None] < 0.0, poles, -poles)
     dips = np.degrees(np.arctan2(np.hypot(up[:, 0], up[:, 1]), up[:, 2]))
@@ -350,13 +336,14 @@ def _angles(poles: Floats, weights: Floats, axes: Axes, plane: Plane) -> SetAngl
     off = (ways - plane.dip_direction_deg + 180.0) % 360.0 - 180.0
     part = weights / weights.sum()
     dip, way = float(part @ dips), float(part @ off)
-    if axes.joints <= 1.0:
-        return SetAngles(dip, math.nan, plane.dip_direction_deg, math.nan)
-    bessel = axes.joints / (axes.joints - 1.0)
-    dip_sd = math.sqrt(bessel * float(part @ (dips - dip) ** 2))
-    flat = not plane.dip_deg > 2.0 * axes.scatter_deg
-    way_sd = math.nan if flat else math.sqrt(bessel * float(part @ (off - way) ** 2))
-    return SetAngles(dip, dip_sd, (plane.dip_direction_deg + (0.0 if flat else way)) % 360.0, way_sd)
+    flat, alone = not plane.dip_deg > 2.0 * axes.scatter_deg, axes.joints <= 1.0
+    bessel = math.nan if alone else axes.joints / (axes.joints - 1.0)
+    off_mean = 0.0 if flat or alone else way
+    return {
+        "dip_mean_deg": dip, "dip_sd_deg": math.sqrt(bessel * float(part @ (dips - dip) ** 2)),
+        "dip_direction_mean_deg": (plane.dip_direction_deg + off_mean) % 360.0,
+        "dip_direction_sd_deg": math.nan if flat else math.sqrt(bessel * float(part @ (off - way) ** 2)),
+    }  # fmt: skip
 
 
 def _plane(pole: Floats) -> Plane:

@@ -61,27 +61,6 @@ from slopekit.studies.running import Crew, checked_crew
 _LEVELS = (*ON_FACTOR, "fos.closed_form")  # names of the rules whose levels are looked for
 
 
-@dataclass(frozen=True, slots=True)
-class Critical:
-    """Where a factor passes a level between two neighbouring values of the first key.
-
-    Attributes
-    ----------
-    level, what : 1, or what is wanted, in words
-    method : closed_form or pre_ie; line : value of the second key, None without one
-    between : the neighbours; at : interpolated in a straight line, None where that says nothing
-    how : interpolated, at a point, across a change of status, or to where there is no number
-    """
-
-    level: float = field(metadata={"json": "fos"})
-    what: str
-    method: Method
-    line: float | None
-    between: tuple[float, float]
-    at: float | None
-    how: str
-
-
 @dataclass(frozen=True, slots=True, repr=False)
 class Sweep(StudyOutcome):
     """A design at many values.
@@ -150,7 +129,7 @@ class Sweep(StudyOutcome):
 
     @property
     def changes(self) -> list[dict[str, Any]]:
-        """Changes of status between neighbouring values of the first key; `line` as in `Critical`."""
+        """Changes of status between neighbouring values of the first key; `line`: the value of the second, or None."""
         return [
             {"line": line, "between": (a, b), "statuses": (self.status(one), self.status(other))}
             for line, points in self.lines()
@@ -159,8 +138,13 @@ class Sweep(StudyOutcome):
         ]
 
     @property
-    def critical(self) -> list[Critical]:
-        """Where the factors pass the levels."""
+    def critical(self) -> list[dict[str, Any]]:
+        """Where the factors pass the levels, between two neighbouring values of the first key.
+
+        `fos`, `what`: the level, and what it is in words; `line` as of `changes`; `between` the neighbours; `at`
+        interpolated in a straight line, None where that says nothing; `how`: interpolated, at a point, across a change
+        of status, or to where there is no number.
+        """
         return [
             crossing
             for (level, what), method in product(self.levels, self.asked)
@@ -170,7 +154,8 @@ class Sweep(StudyOutcome):
 
     def _passes(
         self, level: float, what: str, method: Method, line: float | None, points: list[tuple[float, Point]]
-    ) -> Iterator[Critical]:
+    ) -> Iterator[dict[str, Any]]:
+        of = {"fos": level, "what": what, "method": method, "line": line}
         for (a, one), (b, other) in pairwise(points):
             low, high = factor_at(one, method), factor_at(other, method)
             if low is None or high is None or low == level or not min(low, high) < level <= max(low, high):
@@ -181,10 +166,10 @@ class Sweep(StudyOutcome):
             elif math.isfinite(low + high) and low > 0.0 and high > 0.0:
                 at = a + (b - a) * (level - low) / (high - low)
                 how = "interpolated" if self.status(one) == self.status(other) else "across a change of status"
-            yield Critical(level, what, method, line, (a, b), at, how)
-        at_first = points[0]
-        if factor_at(at_first[1], method) == level:
-            yield Critical(level, what, method, line, (at_first[0], at_first[0]), at_first[0], "at a point")
+            yield of | {"between": (a, b), "at": at, "how": how}
+        first, point = points[0]
+        if factor_at(point, method) == level:
+            yield of | {"between": (first, first), "at": first, "how": "at a point"}
 
     @property
     def counts(self) -> dict[str, int]:

@@ -9,7 +9,7 @@ from slopekit.core.orientation import number
 from slopekit.core.sheet import LABEL, WIDTH, Column, Entry, Section, Sheet, Table, counted, factor_text, is_number
 from slopekit.studies.keys import Key, in_words
 from slopekit.studies.points import Method, Point, factor_at
-from slopekit.studies.sweep.run import Critical, Sweep
+from slopekit.studies.sweep.run import Sweep
 from slopekit.studies.words import METHODS, cell, check_word, head, status_words
 
 _CELL = 9
@@ -206,31 +206,30 @@ def _critical(swept: Sweep) -> list[str]:
     critical = swept.critical
     entries = []
     for level, what in swept.levels:
-        own = [one for one in critical if one.level == level]
+        own = [one for one in critical if one["fos"] == level]
         if not own:
             entries.append(f"{what}: not passed between neighbouring points")
         entries += list(_together(swept, what, own))
-    if any(one.at is not None and one.how != "at a point" for one in critical):
+    if any(one["at"] is not None and one["how"] != "at a point" for one in critical):
         entries.append(f"interpolated values are rough: slopekit solve finds {swept.keys[0].path} to every digit")
     return entries
 
 
-def _together(swept: Sweep, what: str, critical: Sequence[Critical]) -> Iterator[str]:
+def _together(swept: Sweep, what: str, critical: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     """Each place once, with the methods that pass the level there alike."""
     said: dict[str, list[str]] = {}
     for one in critical:
-        said.setdefault(_passed(swept, one), []).append(METHODS[one.method])
+        said.setdefault(_passed(swept, one), []).append(METHODS[one["method"]])
     for text, methods in said.items():
         yield f"{what}: {text}, by {' and '.join(methods)}"
 
 
-def _passed(swept: Sweep, one: Critical) -> str:
-    key = swept.keys[0]
-    a, b = (key.shown(end, 6) for end in one.between)
-    if one.at is None:
-        return f"between {a} and {b}, {one.how}"
-    how = one.how if one.how == "at a point" else f"{one.how} between {a} and {b}"
-    return f"{key.shown(one.at, 5)}, {how}"
+def _passed(swept: Sweep, one: Mapping[str, Any]) -> str:
+    key, at, how = swept.keys[0], one["at"], one["how"]
+    a, b = (key.shown(end, 6) for end in one["between"])
+    if at is None:
+        return f"between {a} and {b}, {how}"
+    return f"{key.shown(at, 5)}, {how if how == 'at a point' else f'{how} between {a} and {b}'}"
 
 
 def _counted(swept: Sweep) -> str:
