@@ -24,7 +24,7 @@ from slopekit.design.joint_lists import JointList
 from slopekit.studies.bench_design.bench import bench_of
 from slopekit.studies.bench_design.confirmed import Doubted, confirmed
 from slopekit.studies.bench_design.given import BenchInputs, bench_inputs
-from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, of_cohesion, outcome_of
+from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, outcome_of, without_cohesion
 from slopekit.studies.bench_design.trials import drawn_trials
 from slopekit.studies.prob.judged import Confirmation
 from slopekit.studies.protocol import DESK, Argument, Jobs, Option, Scheduler, StudyOutcome, Workplace, documented
@@ -98,17 +98,17 @@ def notices_of(asked: BenchInputs, benches: Sequence[OfBench], said: Confirmatio
 
 def _cohesion(benches: Sequence[OfBench]) -> Iterator[Notice]:
     """W422, of the bench in which cohesion holds the most."""
-    hanging = [(bench, bench.bare) for bench in benches if bench.bare is not None and bench.bare.decides]
+    hanging = [(bench, bench.bare) for bench in benches if bench.bare is not None and bench.bare["decides"]]
     if not hanging:
         return
-    bench, bare = max(hanging, key=lambda one: one[1].fails["any"] - (one[0].modes["any"]["fails"].share or 0.0))
+    bench, bare = max(hanging, key=lambda one: one[1]["fails"]["any"] - (one[0].modes["any"]["fails"].share or 0.0))
     of_formed = 100.0 * (bench.modes["any"]["fails_if_formed"].share or 0.0)
     yield Notice(
         "W422",
         f"the answer hangs on cohesion in {len(hanging)} of {len(benches)} benches: at {number(bench.height_m)} m and "
         f"{number(bench.face_dip_deg)}° {of_formed:.3g} % of the blocks that form fail, with c = 0 "
-        f"{100.0 * (bare.fails_if_formed['any'] or 0.0):.3g} %; the berm needed is {bench.berm_needed_m:.3g} m or "
-        f"{bare.berm_needed_m:.3g} m",
+        f"{100.0 * (bare['fails_if_formed']['any'] or 0.0):.3g} %; the berm needed is {bench.berm_needed_m:.3g} m or "
+        f"{bare['berm_needed_m']:.3g} m",
     )
 
 
@@ -281,7 +281,9 @@ def bench_design(
     if asked.has_cohesion:
         without = replace(asked, cohesion_kpa=np.zeros(len(asked.joints)))
         bare = [bench_of(without, trials, height, dip) for height, dip in sizes]
-        outcomes = [replace(of, bare=of_cohesion(asked, bench, of)) for bench, of in zip(bare, outcomes, strict=True)]
+        outcomes = [
+            replace(of, bare=without_cohesion(asked, bench, of)) for bench, of in zip(bare, outcomes, strict=True)
+        ]
     shares = time.perf_counter()
     checked, doubted, journal = confirmed(asked, trials, benches, crew, desk)
     outcomes = [accepted(asked, one, doubted) for one in outcomes]
