@@ -30,7 +30,7 @@ frames: dict[str, Any] = one.to_frames()
 [table.records() for table in one.tables().values()]
 
 assert_type(sk.check("wedge.yaml"), sk.Check | sk.Cases[sk.Check])
-swept = sk.sweep(design, {"strength.weak.phi": [20, 25]}, methods="closed-form", fos=1.2)
+swept = sk.sweep(design, {"strength.weak.phi": [20, 25]}, closed_form=True, fos=1.2)
 assert_type(swept, sk.Sweep | sk.Cases[sk.Sweep])
 assert isinstance(swept, sk.Sweep)
 for point in swept.points:

@@ -29,7 +29,7 @@ def notices(outcome, code: str) -> list[str]:
 
 
 def closed_form(design: dict, values: dict) -> float:
-    return sk.sweep(sk.load(design, set=values), {"slope.height": [20.0]}, methods="closed-form").points[0].factors
+    return sk.sweep(sk.load(design, set=values), {"slope.height": [20.0]}, closed_form=True).points[0].factors
 
 
 @pytest.mark.parametrize(
@@ -134,12 +134,12 @@ def test_a_sweep_says_where_the_whole_wedge_falls_short() -> None:
 
 
 def test_a_tornado_says_it_too() -> None:
-    found = sk.tornado(sk.load(CUT), methods="closed-form")
+    found = sk.tornado(sk.load(CUT), closed_form=True)
     assert any("the whole wedge without the basal joint falls short of 1.3" in text for text in notices(found, "W507"))
 
 
 def test_a_rule_on_what_is_too_much_asks_for_no_level_of_a_tornado() -> None:
-    found = sk.tornado(sk.load(CUT, set={"acceptance.rules": ["fos >= 0.3", "fos <= 2"]}), methods="closed-form")
+    found = sk.tornado(sk.load(CUT, set={"acceptance.rules": ["fos >= 0.3", "fos <= 2"]}), closed_form=True)
     assert all("falls short of 0.3" in text for text in notices(found, "W507"))
 
 
@@ -185,7 +185,7 @@ def test_charts_of_a_sweep_show_what_acceptance_asks_besides() -> None:
     from slopekit.views.charts.drawing import new_figure
 
     design = sk.load(CUT)
-    one = sk.sweep(design, {"strength.joint.phi": [30, 44]}, methods="closed-form")
+    one = sk.sweep(design, {"strength.joint.phi": [30, 44]}, closed_form=True)
     figure = new_figure("a.png")
     sweep_charts.draw_curve(figure, one.to_dict())
     (axes,) = figure.axes
@@ -193,7 +193,7 @@ def test_charts_of_a_sweep_show_what_acceptance_asks_besides() -> None:
                 and line.get_marker() == "s")  # fmt: skip
     assert list(drawn.get_ydata()) == pytest.approx([point.factors.also.closed_form for point in one.points])
     keys = {"strength.joint.phi": [30, 40, 50], "strength.bedding.phi": [30, 35, 40]}
-    two = sk.sweep(design, keys, methods="closed-form")
+    two = sk.sweep(design, keys, closed_form=True)
     assert "not of the whole wedge without the basal joint: W507" in str(two.sheet)
     figure = new_figure("a.png")
     sweep_charts.draw_contour(figure, two.to_dict())

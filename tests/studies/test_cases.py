@@ -108,7 +108,7 @@ def test_every_study_of_a_design_takes_cases() -> None:
     assert {name: one.result.fos.limit for name, one in checked.cases.items()} == {
         name: one.fos.limit for name, one in sk.run(FILE).cases.items()
     }
-    swept = sk.sweep(sk.load(FILE), {"loads.seismic.k": [0, 0.1]}, methods="closed-form")
+    swept = sk.sweep(sk.load(FILE), {"loads.seismic.k": [0, 0.1]}, closed_form=True)
     assert [notice.code for notice in swept.warnings] == ["W427"]
     assert swept.cases["static"].points[1].factors.closed_form == pytest.approx(plane_factor(k=0.1), rel=1e-9)
 

@@ -82,7 +82,7 @@ def test_a_probability_says_what_the_run_says_of_the_means() -> None:
     "study",
     [
         lambda design: sk.sweep(design, {"strength.weak.phi": [20, 22]}, methods="pre-ie"),
-        lambda design: sk.tornado(design, methods="closed-form"),
+        lambda design: sk.tornado(design, closed_form=True),
         lambda design: sk.solve(design, "strength.weak.phi", fos=1.6),
         lambda design: sk.support(design, 1.6, acts="active"),
     ],
@@ -175,7 +175,7 @@ def test_rules_that_a_study_does_not_judge_are_named() -> None:
 
 @pytest.mark.parametrize(("study", "names"), [
     (lambda design: sk.sweep(design, {"strength.joints.phi": [20]}), "face, upper, height, c, density"),
-    (lambda design: sk.tornado(design, methods="closed-form"), "face, upper, height, c, phi, density"),
+    (lambda design: sk.tornado(design, closed_form=True), "face, upper, height, c, phi, density"),
     (lambda design: sk.solve(design, "slope.height", fos=1.3), "face, upper, c, phi, density"),
     (lambda design: sk.quake(design, "sine:0.5g,1Hz"), "face, upper, height, c, phi, density"),
     (lambda design: sk.support(design, 1.6, acts="active"), "face, upper, height, c, phi, density"),

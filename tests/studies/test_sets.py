@@ -270,7 +270,7 @@ def test_spacing_along_a_scanline_and_traces(tmp_path) -> None:
     assert one.spacing is not None
     assert (one.spacing.count, one.spacing.mean_m, one.spacing.sd_m) == pytest.approx((3, 1.5, 0.5))
     assert one.trace is not None
-    assert (one.trace.lengths.mean_m, one.trace.ended, one.trace.whole_mean_m) == (5.0, 2, 10.0)
+    assert (one.trace.mean_m, one.ended, one.whole_mean_m) == (5.0, 2, 10.0)
     assert found.block == "sets:\n  S1: {plane: 90/030, spacing: 1.5 m, spacing_scatter: 33 %}  # 4 joints\n"
     without = sk.sets(path, n=1)
     assert without.sets[0].spacing is None

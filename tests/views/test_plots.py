@@ -81,7 +81,7 @@ def test_a_curve_from_its_json() -> None:
 
 def test_a_contour_and_a_tornado_from_their_json() -> None:
     grid = plain(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [60, 70, 80], "water.fill": [0, 0.5, 1]},
-                          methods="closed-form"))  # fmt: skip
+                          closed_form=True))  # fmt: skip
     axes = figure_of(draw_contour, grid).axes[0]
     assert labelled(axes, "computed").tolist() == [point["values"] for point in grid["points"]]
     assert (axes.get_xlim(), axes.get_ylim()) == ((60.0, 80.0), (0.0, 1.0))
@@ -90,7 +90,7 @@ def test_a_contour_and_a_tornado_from_their_json() -> None:
     frame = axes.get_window_extent()
     shown = [text for text in axes.texts if text.get_visible()]
     assert all(frame.x0 <= (box := text.get_window_extent()).x0 and box.x1 <= frame.x1 for text in shown)
-    study = plain(sk.tornado(sk.load(WEDGE), methods="closed-form"))
+    study = plain(sk.tornado(sk.load(WEDGE), closed_form=True))
     axes = figure_of(draw_tornado, study).axes[0]
     first, base = study["bars"][0], study["base"]["closed_form"]
     widths = [bar.get_width() for bar in axes.patches[:2]]
@@ -100,18 +100,16 @@ def test_a_contour_and_a_tornado_from_their_json() -> None:
 
 
 def test_two_values_carry_no_contours() -> None:
-    grid = plain(
-        sk.sweep(sk.load(WEDGE), {"slope.face.dip": [60, 70, 80], "water.fill": [0, 1]}, methods="closed-form")
-    )
+    grid = plain(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [60, 70, 80], "water.fill": [0, 1]}, closed_form=True))
     with pytest.raises(DesignError, match="E273 there is nothing to draw: contours need three values"):
         figure_of(draw_contour, grid)
 
 
 def test_many_pictures_of_odd_studies_are_refused_or_drawn() -> None:
     """A single point is a curve of one marker; no point with a factor is E273."""
-    single = plain(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [60]}, methods="closed-form"))
+    single = plain(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [60]}, closed_form=True))
     assert len(labelled(figure_of(draw_curve, single).axes[0], "closed form")) == 0  # the entry of the legend
-    none = plain(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [15, 20]}, methods="closed-form"))
+    none = plain(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [15, 20]}, closed_form=True))
     with pytest.raises(DesignError) as caught:
         draw_curve(new_figure("x"), none)
     assert caught.value.codes == ("E273",)
@@ -288,7 +286,6 @@ def test_the_stereonets_of_a_survey() -> None:
     assert f"primary: line steeper than friction ({counts['wedge_primary']})" in said
     assert f"topples ({counts['flexural']})" in said
     assert f"lines, direct ({counts['direct']})" in said
-    assert "mean of S1: 55/227" in said
     ringed = labelled(figure.axes[2], "topples")
     critical = -study.joints.normals()[study.modes.flexural]
     assert ringed == pytest.approx(project(critical), abs=1e-12)
@@ -333,7 +330,7 @@ def test_the_motion_in_six_degrees_of_freedom() -> None:
 
 def test_offers(scattered) -> None:
     assert set(offers(scattered)) == {"stereonet", "histogram"}
-    assert "curve" in offers(plain(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [60, 80]}, methods="closed-form")))
+    assert "curve" in offers(plain(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [60, 80]}, closed_form=True)))
     assert set(offers(plain(result_of("paper-footing")))) >= {"scene", "reduction"}
     assert offers({"slopekit": "0"}) == {}
     assert set(offers(plain(sk.quake(sk.load(WEDGE), "triangular:0.5g,0.4s")))) == {"motion"}
@@ -342,13 +339,13 @@ def test_offers(scattered) -> None:
 
 def test_whole_documents_have_what_charts_need(scattered, tmp_path) -> None:
     """What slopekit writes is never called damaged."""
-    swept = [sk.sweep(sk.load(WEDGE), keys, methods="closed-form") for keys in (
+    swept = [sk.sweep(sk.load(WEDGE), keys, closed_form=True) for keys in (
         {"slope.face.dip": [20, 60, 80]}, {"slope.face.dip": [60, 70, 80], "water.fill": [0, 0.5, 1]})]  # fmt: skip
     runs = [result_of(name) for name in ("paper-wedge", "paper-footing", "plane", "blocks", "topple")]
     studies = [
         *swept,
         *runs,
-        sk.tornado(sk.load(WEDGE), methods="closed-form"),
+        sk.tornado(sk.load(WEDGE), closed_form=True),
         sk.kinematic(["40/175", "35/090"], face="65/180"),
     ]
     for document in (scattered, *map(plain, studies)):

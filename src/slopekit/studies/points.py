@@ -23,7 +23,6 @@ from slopekit.notices import new_notices
 from slopekit.studies.running import Crew, Journal, Record, run_all
 
 Method = Literal["closed_form", "pre_ie"]
-Methods = Literal["both", "closed-form", "pre-ie"]
 _BUG = "E599"
 _BAD_INPUT = ("E211", "E212", "E250", "E252", "E253")  # of bolts and forces: blocks there are
 _OF_BOLTS = ("E211", "E212")  # a bolt misses the block, or ends within it

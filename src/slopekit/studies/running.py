@@ -402,10 +402,3 @@ def _pass_on(asked: "DaskFuture", given: Future[Any]) -> None:
 
 def _version_here() -> str:
     return __version__
-
-
-def crew_in_words(crew: Crew) -> str:
-    """Who did the work, for a sheet."""
-    if crew.scheduler is not None:
-        return f"Dask at {crew.scheduler}"
-    return "1 process" if crew.jobs == 1 else f"{crew.jobs} processes"

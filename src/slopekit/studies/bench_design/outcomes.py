@@ -22,19 +22,10 @@ _CURVE = tuple(k / 100.0 for k in range(101))
 _CALLED = (*MODES, "any")
 
 
-@dataclass(frozen=True, slots=True)
-class SizeStatistics:
-    """One size of places or stretches of a bench: its mean, percentiles by share, and the largest."""
-
-    mean: float
-    quantiles: Mapping[float, float]
-    most: float = field(metadata={"json": "max"})
-
-
-def along_the_bench(values: Floats, weights: Floats | None = None) -> SizeStatistics:
-    """Statistics of values (n,) of places or stretches, n above 0, each as often as its weight."""
+def along_the_bench(values: Floats, weights: Floats | None = None) -> dict[str, Any]:
+    """Mean, quantiles by share and max of values (n,) of places or stretches, each as often as its weight."""
     shares = dict(zip(PERCENTILES, quantiles(values, PERCENTILES, weights), strict=True))
-    return SizeStatistics(float(np.average(values, weights=weights)), shares, float(values.max()))
+    return {"mean": float(np.average(values, weights=weights)), "quantiles": shares, "max": float(values.max())}
 
 
 def quantiles(values: Floats, shares: Sequence[float], weights: Floats | None = None) -> list[float]:
@@ -83,7 +74,7 @@ class OfBench:
     ----------
     modes : by the words of `MODES`, and `any`: how often a block forms, how often one that forms fails, how often both,
         `forms`, `fails_if_formed` and `fails`
-    backbreak : along the bench, m
+    backbreak : along the bench, m; as `along_the_bench` has it, as volume and spill
     curve_m : backbreak at 0, 1 ... 100 % of the length
     effective_face_deg : at the reliability wanted
     volume_m3, crest_lost : on 100 m of bench: what fails, and the part of the crest above it
@@ -96,12 +87,12 @@ class OfBench:
     face_dip_deg: float
     catch_width_m: float
     modes: Mapping[str, Mapping[str, Share]] = field(metadata={"json": "probability"})
-    backbreak: SizeStatistics = field(metadata={"json": "backbreak_m"})
+    backbreak: Mapping[str, Any] = field(metadata={"json": "backbreak_m"})
     curve_m: tuple[float, ...] = field(metadata={"json": "backbreak_curve_m"})
     effective_face_deg: float
-    volume_m3: SizeStatistics | None = field(metadata={"json": "volume_per_100_m_m3"})
+    volume_m3: Mapping[str, Any] | None = field(metadata={"json": "volume_per_100_m_m3"})
     crest_lost: float = field(metadata={"json": "share_of_crest_lost"})
-    spill: SizeStatistics | None = field(metadata={"json": "spill_width_m"})
+    spill: Mapping[str, Any] | None = field(metadata={"json": "spill_width_m"})
     berm_needed_m: float
     inter_ramp_deg: float = field(metadata={"json": "inter_ramp_at_berm_needed_deg"})
     berms: tuple[OfBerm, ...] = field(metadata={"json": "reliability"})

@@ -10,7 +10,7 @@ trials -> what forms and fails in each bench -> shares, backbreak, volume, berms
 """
 
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import field, replace
 from typing import Annotated, Any, ClassVar
 
@@ -26,9 +26,9 @@ from slopekit.studies.bench_design.confirmed import Doubted, confirmed
 from slopekit.studies.bench_design.given import BenchInputs, bench_inputs
 from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, outcome_of, without_cohesion
 from slopekit.studies.bench_design.trials import drawn_trials
-from slopekit.studies.prob.judged import Confirmation
+from slopekit.studies.prob.judged import Confirmation, confirmation_notices
 from slopekit.studies.protocol import DESK, Argument, Jobs, Option, Scheduler, StudyOutcome, Workplace, documented
-from slopekit.studies.running import Journal, checked_crew, crew_in_words
+from slopekit.studies.running import Journal, checked_crew
 from slopekit.studies.surveys import Columns, Convention, SkipBad, left_out, survey_head
 
 _FEW = 30  # joints: below it, a survey says little of its sets
@@ -70,9 +70,9 @@ def notices_of(asked: BenchInputs, benches: Sequence[OfBench], said: Confirmatio
             "anything fails: no place keeps it; a wider berm, or a catch width of your own (--catch)"
         )
         yield Notice("W394", message)
-    wider = [bench for bench in benches if any(bench.backbreak.most > berm.berm_m for berm in bench.berms)]
+    wider = [bench for bench in benches if any(bench.backbreak["max"] > berm.berm_m for berm in bench.berms)]
     if wider:
-        worst = max(bench.backbreak.most for bench in wider)
+        worst = max(bench.backbreak["max"] for bench in wider)
         message = (
             f"in {len(wider)} of {len(benches)} benches some places lose more than the whole berm (up "
             f"to {number(round(worst, 1))} m): the bench above, which would come along, is left out"
@@ -86,14 +86,8 @@ def notices_of(asked: BenchInputs, benches: Sequence[OfBench], said: Confirmatio
         yield Notice(
             "W395", "toppling columns are judged by their weight alone: water and earthquake do not act on them"
         )
-    if said is None:
-        return
-    if said.unsafe:
-        yield Notice("W353", f"{said.unsafe} of the {said.samples} blocks that PRE-IE looked at fail by it and stand "
-                     "by the closed form: moments decide there")  # fmt: skip
-    if said.settled < said.samples:
-        yield Notice("W350", f"PRE-IE gave no answer for {said.samples - said.settled} of the {said.samples} blocks it "
-                     "was asked of: they confirm nothing")  # fmt: skip
+    if said is not None:
+        yield from confirmation_notices(said, "blocks")
 
 
 def _cohesion(benches: Sequence[OfBench]) -> Iterator[Notice]:
@@ -127,9 +121,8 @@ class BenchDesigns(StudyOutcome):
     given: BenchInputs
     benches: tuple[OfBench, ...]
     checked: Confirmation | None
-    crew: str
     warnings: tuple[Notice, ...]
-    timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
+    seconds: float = field(default=0.0, compare=False)
     journal: Journal | None = field(default=None, compare=False)
 
     @property
@@ -188,7 +181,7 @@ class BenchDesigns(StudyOutcome):
             | {"inter_ramp_deg": best.inter_ramp_deg, "reliability": self.given.number("reliability")},
             "accept": self.given.numbers["accept"], "accepted": self.accepted,
             "pre_ie": json_of(self.checked),
-            "timing_s": dict(self.timing_s),
+            "timing_s": {"total": self.seconds},
             **self.words(),
         }  # fmt: skip
 
@@ -272,11 +265,9 @@ def bench_design(
     given, began = dict(locals()), time.perf_counter()
     crew = checked_crew(jobs, scheduler)
     asked = bench_inputs(given, desk.named)
-    read = time.perf_counter()
     trials = drawn_trials(asked.joints, int(asked.number("n")), int(asked.number("seed")), asked.toe == "anywhere")
     sizes = [(height, dip) for height in asked.heights_m for dip in asked.face_dips_deg]
     benches = [bench_of(asked, trials, height, dip) for height, dip in sizes]
-    judged = time.perf_counter()
     outcomes = [outcome_of(asked, trials, bench) for bench in benches]
     if asked.has_cohesion:
         without = replace(asked, cohesion_kpa=np.zeros(len(asked.joints)))
@@ -284,16 +275,10 @@ def bench_design(
         outcomes = [
             replace(of, bare=without_cohesion(asked, bench, of)) for bench, of in zip(bare, outcomes, strict=True)
         ]
-    shares = time.perf_counter()
     checked, doubted, journal = confirmed(asked, trials, benches, crew, desk)
     outcomes = [accepted(asked, one, doubted) for one in outcomes]
-    end = time.perf_counter()
-    times = {
-        "read": read - began, "closed_form": judged - read, "shares": shares - judged, "pre_ie": end - shares,
-        "total": end - began,
-    }  # fmt: skip
     notices = tuple(notices_of(asked, outcomes, checked))
-    study = BenchDesigns(asked, tuple(outcomes), checked, crew_in_words(crew), notices, times, journal)
+    study = BenchDesigns(asked, tuple(outcomes), checked, notices, time.perf_counter() - began, journal)
     if desk.folder is None:
         study.done()
     return study

@@ -11,6 +11,7 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.errors import Notice
+from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.evidence import WithoutBasal
 from slopekit.kinds.single_block.closed_forms import ClosedForms
@@ -368,18 +369,40 @@ def notices_of(
                 f"moments govern in {governed} of {len(samples.values)} samples: the closed form would be too high",
             )
         return
+    yield from confirmation_notices(confirmation, "samples")
+
+
+def confirmation_notices(confirmation: Confirmation, called: str) -> Iterator[Notice]:
+    """Yield W350 and W353 of what PRE-IE says beside the closed form; `called`: what it was asked of."""
     open_ones = confirmation.samples - confirmation.settled
     if open_ones:
         codes = ", ".join(dict.fromkeys(point.code or "not_converged" for point in confirmation.unsettled))
-        yield Notice("W350", f"PRE-IE gave no answer for {open_ones} of the {confirmation.samples} samples it was "
+        yield Notice("W350", f"PRE-IE gave no answer for {open_ones} of the {confirmation.samples} {called} it was "
                      f"asked of ({codes}): they confirm nothing; the upper limit with PRE-IE's judgement takes "
                      "them for failures")  # fmt: skip
     if confirmation.governed:
         yield Notice(
             "W353",
-            f"moments govern in {confirmation.governed} of {confirmation.at_random} samples at random: there the "
-            "closed form is too high; --by pre-ie asks PRE-IE of every sample",
+            f"moments govern in {confirmation.governed} of {confirmation.at_random} {called} at random: there the "
+            "closed form is too high",
         )
     if confirmation.unsafe:
-        yield Notice("W353", f"{confirmation.unsafe} of {confirmation.samples} samples fail by PRE-IE and stand by "
+        yield Notice("W353", f"{confirmation.unsafe} of {confirmation.samples} {called} fail by PRE-IE and stand by "
                      "the closed form: judge by PRE-IE")  # fmt: skip
+
+
+def confirmation_words(confirmation: Confirmation, called: str, target: float) -> list[str]:
+    """What PRE-IE was asked of, how far the methods agree, and what it judges otherwise than the closed form."""
+    one = confirmation
+    words = [f"{one.agree} agree", f"{one.disagree} DISAGREE" if one.disagree else "0 disagree"]
+    words += [f"{one.not_compared} not compared"] if one.not_compared else []
+    words += [f"{one.samples - one.settled} WITHOUT ANSWER"] if one.unsettled else []
+    largest = "" if one.largest is None else f"; largest difference {one.largest * 100:.2g} %"
+    most = number(float(f"{100.0 * one.other_at_most:.2g}"))
+    return [
+        f"{one.samples} {called}: {one.at_random} at random, all {one.near} within {one.within * 100:g} % of "
+        f"F = {target:g}",
+        f"{', '.join(words)}{largest}; moments govern in {one.governed} of {one.at_random} at random",
+        f"judged otherwise: {one.unsafe} fail by PRE-IE only, {one.safe} by the closed form only; of all {called} at "
+        f"most {most} % (upper limit, from those at random)",
+    ]

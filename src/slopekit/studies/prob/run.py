@@ -65,7 +65,7 @@ from slopekit.studies.protocol import (
     study,
     whole_number,
 )
-from slopekit.studies.running import Crew, Journal, checked_crew, crew_in_words
+from slopekit.studies.running import Crew, Journal, checked_crew
 
 By = Literal["closed-form", "pre-ie"]
 #: Samples where the closed form does the work, and where PRE-IE has to.
@@ -120,7 +120,6 @@ class Probability(StudyOutcome):
     all_samples: Share
     forming: Share
     confirmation: Confirmation | None
-    crew: str
     of_samples: tuple[Notice, ...]
     timing_s: Mapping[str, float]
     journals: tuple[Journal, ...] = field(default=(), compare=False)
@@ -367,7 +366,7 @@ def prob(
     all_samples = share_of(judged.fails, judged.counted, samples.replicate, confidence)
     forming = share_of(judged.fails, judged.counted & judged.forms, samples.replicate, confidence)
     probability = Probability(
-        design, asked, samples, judged, all_samples, forming, confirmation, crew_in_words(crew),
+        design, asked, samples, judged, all_samples, forming, confirmation,
         (*notices_of(asked.target, judged, samples, all_samples, confirmation), *of_bolts,
          *not_as_given(design), *likely_slips(design)), clock.done(), tuple(journals), sizes,
     )  # fmt: skip

@@ -11,7 +11,7 @@ from slopekit.evidence import WithoutBasal
 from slopekit.result import STATUSES
 from slopekit.studies.points import Point
 from slopekit.studies.prob.estimates import Share, Summary
-from slopekit.studies.prob.judged import Confirmation
+from slopekit.studies.prob.judged import confirmation_words
 from slopekit.studies.prob.run import Probability
 from slopekit.studies.words import head, status_words
 
@@ -51,7 +51,7 @@ def sheet_of(study: Probability) -> Sheet:
         Section("SIZE", [f"limits of size: {counted(scaled, 'sample')} made smaller"] if scaled else []),
         Section("PRE-IE", _pre_ie(study)[:2], details=_pre_ie(study)[2:]),
         Section("ACCEPT", _accept(study)),
-        Section("TIME", [f"{times}  ({study.crew})"]),
+        Section("TIME", [times]),
         Section("NOTE", [str(notice) for notice in study.warnings]),
     ), {"samples.csv": _every_sample(study)})  # fmt: skip
 
@@ -200,32 +200,7 @@ def _pre_ie(study: Probability) -> list[str]:
         return ["every sample is PRE-IE's own"]
     if checked is None:
         return ["not asked: no sample forms a block, or --confirm 0 and none near the target"]
-    return [_asked(checked, study.asked.target), _agreement(checked), _judgement(checked, study)]
-
-
-def _asked(checked: Confirmation, target: float) -> str:
-    return (
-        f"{checked.samples} samples: {checked.at_random} at random, all {checked.near} within "
-        f"{checked.within * 100:g} % of F = {target:g}"
-    )
-
-
-def _agreement(checked: Confirmation) -> str:
-    words = [f"{checked.agree} agree", f"{checked.disagree} DISAGREE" if checked.disagree else "0 disagree"]
-    words += [f"{checked.not_compared} not compared"] if checked.not_compared else []
-    words += [f"{checked.samples - checked.settled} WITHOUT ANSWER"] if checked.unsettled else []
-    largest = "" if checked.largest is None else f"; largest difference {checked.largest * 100:.2g} %"
-    governed = f"moments govern in {checked.governed} of {checked.at_random} at random"
-    return f"{', '.join(words)}{largest}; {governed}"
-
-
-def _judgement(checked: Confirmation, study: Probability) -> str:
-    most = number(float(f"{100.0 * checked.other_at_most:.2g}"))
-    return (
-        f"judged otherwise: {checked.unsafe} fail by PRE-IE only, {checked.safe} by the closed form only; of all "
-        f"samples at most {most} % ({study.asked.confidence * 100:g} % confidence, from "
-        "those at random)"
-    )
+    return confirmation_words(checked, "samples", study.asked.target)
 
 
 def _accept(study: Probability) -> list[str]:

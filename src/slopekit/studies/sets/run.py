@@ -27,7 +27,7 @@ from slopekit.studies.axes import Axes, axes_of, terzaghi_weights
 from slopekit.studies.kinematic.criteria import planes_of_poles
 from slopekit.studies.protocol import DESK, Option, StudyOutcome, Workplace, documented, whole_number
 from slopekit.studies.sets.clustering import MOST_SETS, Clusters, best, clusters_of
-from slopekit.studies.sets.sizes import Lengths, Traces, spacings_of, traces_of
+from slopekit.studies.sets.sizes import Lengths, spacings_of, traces_of, whole_traces
 from slopekit.studies.surveys import (
     MOST_JOINTS,
     AJointList,
@@ -39,10 +39,8 @@ from slopekit.studies.surveys import (
 )
 
 BIAS_ANGLE_DEG = 15.0
-_FEW = 10  # joints of a set below which its K says little
 CONFIDENCE = 0.95  # of the limits and cones of means
 _SEED = 1
-_CLOSE = 6.0  # difference of BIC up to which two numbers of sets are hard to tell apart (Kass & Raftery 1995: strong)
 SHARES = (0.68, 0.95)  # of joints within the cones of variability
 
 
@@ -58,6 +56,7 @@ class FoundSet:
     angles : mean and standard deviation of dip and of dip direction by themselves, turned over at the vertical, not
         folded back; nan of one joint, the last also of a flat set, whose dip directions go all round
     spacing, trace : where the list has such columns
+    ended, whole_mean_m : of the traces, as `whole_traces` has them
     """
 
     name: str
@@ -66,7 +65,9 @@ class FoundSet:
     plane: Plane
     angles: Mapping[str, float]
     spacing: Lengths | None
-    trace: Traces | None
+    trace: Lengths | None
+    ended: int | None
+    whole_mean_m: float | None
 
     @property
     def rounded(self) -> Plane:
@@ -75,7 +76,9 @@ class FoundSet:
 
     def to_dict(self) -> dict[str, Any]:
         """The set as JSON values."""
-        axes = self.axes
+        axes, trace = self.axes, None
+        if self.trace is not None:
+            trace = {"measured": self.trace, "ended": self.ended, "whole_mean_m": self.whole_mean_m}
         record: dict[str, Any] = json_of({
             "set": self.name, "joints": len(self.members), "counts_as": axes.joints, "plane": str(tenths(self.plane)),
             "dip_deg": self.plane.dip_deg, "dip_direction_deg": self.plane.dip_direction_deg,
@@ -84,7 +87,7 @@ class FoundSet:
             "cone_of_mean_deg": axes.cone_deg,
             "variability_deg": {f"{share:.0%}": axes.cone_of(share) for share in SHARES},
             "scatter_deg": axes.scatter_deg,
-            "elongated": axes.is_elongated, "angles": self.angles, "spacing": self.spacing, "trace": self.trace,
+            "elongated": axes.is_elongated, "angles": self.angles, "spacing": self.spacing, "trace": trace,
         })  # fmt: skip
         return record
 
@@ -325,6 +328,7 @@ def _found(name: str, members: Ints, joints: JointList, poles: Floats, weights: 
     return FoundSet(
         name, members, axes, plane, _angles(poles[members], weights[members] * joints.quantities[members], axes, plane),
         spacings_of(own, axes.mean, None if line is None else line.vector(), CONFIDENCE), traces_of(own, CONFIDENCE),
+        *whole_traces(own),
     )  # fmt: skip
 
 
@@ -354,17 +358,3 @@ def _plane(pole: Floats) -> Plane:
 def tenths(plane: Plane) -> Plane:
     """A plane rounded to tenths of a degree."""
     return Plane(round(plane.dip_deg, 1), round(plane.dip_direction_deg, 1) % 360.0)
-
-
-def is_close(tried: Mapping[int, float], chosen: int) -> list[int]:
-    """The numbers of sets whose BIC is about as good as that of the chosen one.
-
-    >>> is_close({1: 20.0, 2: -100.0, 3: -97.0}, 2)
-    [3]
-    """
-    return [count for count, bic in tried.items() if count != chosen and bic - tried[chosen] < _CLOSE]
-
-
-def too_few(joint_set: FoundSet) -> bool:
-    """Whether a set has so few joints that its K says little."""
-    return len(joint_set.members) < _FEW

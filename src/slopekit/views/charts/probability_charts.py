@@ -86,16 +86,10 @@ def _words(document: Document) -> str:
         lines.insert(0, "{} % ({} to {} %) by {}: judge by this; by the closed form".format(*shown, lead["by"]))
     if forming["of"] != every["of"]:
         lines.append(f"of those that form a block: {_percent(forming)}")
-    with_factor = document["fos"]["samples"]
-    said = [f"{document['n']} samples, {with_factor} with a factor of safety"]
-    if with_factor < document["n"]:
-        known = {"slides_up", "slides", "rotates", "topples"}
-        without = [f"{name} {count}" for name, count in document["outcomes"].items()
-                   if name not in known and not name.startswith("slides_on_")]  # fmt: skip
-        said.append(f"without: {', '.join(without[:5])}" if without else "")
-    if bins["below"] or bins["above"]:
-        said.append(f"beyond the bars: {bins['below']} lower, {bins['above']} higher")
-    return "\n".join([*lines, "; ".join(text for text in said if text)])
+    beyond = (
+        f"; beyond the bars: {bins['below']} lower, {bins['above']} higher" if bins["below"] or bins["above"] else ""
+    )
+    return "\n".join([*lines, f"{document['n']} samples, {document['fos']['samples']} with a factor of safety{beyond}"])
 
 
 def _percent(share: Document) -> str:
