@@ -107,11 +107,9 @@ PARTS: tuple[tuple[str, tuple[Picture, ...]], ...] = (
                 ("slopekit sweep templates/wedge.yaml --tornado -o each --quiet", _plot("each", "tornado"))),
         Picture("backbreak", "How much of the crest is lost along the bench, by height and face angle.",
                 (_BENCHES, _plot("benches", "backbreak"))),
-        Picture("reliability", "Which heights and face angles keep their berm.",
-                (_BENCHES, _plot("benches", "reliability"))),
         Picture("motion", "Acceleration, velocity and displacement in the record that moves the block most.",
                 ("slopekit quake templates/wedge.yaml sine:0.5g,1Hz,3 -o quake --quiet", _plot("quake", "motion"))),
-        Picture("six", "How the block goes in six degrees of freedom: beside the sliding one way, its parts, turning.",
+        Picture("six", "How the block goes in six degrees of freedom, its parts, turning.",
                 ("slopekit quake templates/wedge.yaml sine:0.5g,1Hz,3 --six -o six --quiet", _plot("six", "six"))),
     )),
     ("Checks", (

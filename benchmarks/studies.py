@@ -218,11 +218,9 @@ def bench_rows(count: int = 300) -> list[str]:
         began, processor = time.perf_counter(), _processor()
         found = bench_design(planes, **(given | more))
         seconds, processor = time.perf_counter() - began, _processor() - processor
-        said = None if found.checked is None else found.checked.said
+        said = found.checked
         asked = 0 if said is None else said.samples
-        moments = (
-            0 if said is None else sum(one.factors is not None and one.factors.moments_govern for one in said.points)
-        )
+        moments = 0 if said is None else sum(one.moments_govern for one in said.points)
         rows.append(f"| {words} | {21 * 10_000:,} | {asked} | {moments} | {processor:.1f} | {seconds:.1f} |")
     return [*rows, "", f"Load average of the machine at the end: {os.getloadavg()[0]:.0f}."]
 

@@ -30,7 +30,7 @@ frames: dict[str, Any] = one.to_frames()
 [table.records() for table in one.tables().values()]
 
 assert_type(sk.check("wedge.yaml"), sk.Check | sk.Cases[sk.Check])
-swept = sk.sweep(design, {"strength.weak.phi": [20, 25]}, methods="closed-form", fos=1.2)
+swept = sk.sweep(design, {"strength.weak.phi": [20, 25]}, closed_form=True, fos=1.2)
 assert_type(swept, sk.Sweep | sk.Cases[sk.Sweep])
 assert isinstance(swept, sk.Sweep)
 for point in swept.points:
@@ -81,11 +81,10 @@ several = sk.run("cut.yaml")
 assert isinstance(several, sk.Cases)
 assert_type(several.cases["static"], sk.Result)
 assert_type(several.governing, str)
-for_all = sk.support(design)
-assert isinstance(for_all, sk.Cases)
-assert isinstance(for_all.for_all, sk.SupportForAll)
-if for_all.for_all.best is not None:
-    [(bar.force_kn, bar.acts, bar.head_m, bar.length_m) for bar in for_all.for_all.best.bolts]
+bolted = sk.support(design)
+assert isinstance(bolted, sk.Cases)
+for case in bolted.cases[bolted.governing].cases:
+    [(bar.force_kn, bar.acts, bar.head_m, bar.length_m) for bar in case.bolts]
 value = sk.solve(design, "water.fill", fos=1.2)
 if isinstance(value, sk.Cases):
     assert_type([one.margin for one in value.cases.values()], list[float | None])

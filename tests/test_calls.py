@@ -89,7 +89,7 @@ BORDER: list[tuple[Callable[[], Any], str]] = [
     (lambda: sk.wedge(WEDGE, unknown=5), "E142 unknown is not an input of a wedge"),
     (lambda: sk.load(DESIGN, set={1: 2}), "E405 load takes texts for the keys of set, not {1: 2}"),
     (lambda: sk.sweep(sk.load(DESIGN), {1: [2]}), "E405 sweep takes texts for the keys of keys"),
-    (lambda: sk.sweep(sk.load(DESIGN), {"slope.height": [20]}, methods=np.array([1.0])), "E405 sweep takes a text for"),
+    (lambda: sk.sweep(sk.load(DESIGN), {"slope.height": [20]}, closed_form=5), "E405 sweep takes True or False for"),
     (lambda: sk.prob(sk.load(DESIGN), n=10**400), "E105 n is a whole number of 1329 bits, beyond the largest float"),
     (lambda: sk.wedge(WEDGE, phi=10**5000), "E105 phi is a whole number of"),
     (lambda: sk.plot(sk.wedge(WEDGE), "mechanism", step=10**400), "E105 step is a whole number of"),

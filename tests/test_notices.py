@@ -224,8 +224,8 @@ def test_water_that_stands_little_above_the_blocks_is_no_slip(height) -> None:
 _SLIPS = {"rock": {"unit_weight": 100}, "strength.weak.c": 6000, "slope.height": 15000}
 _WET = {"water": {"pressures": {"J1": 5000, "J2": 0}}}
 _STUDIES = {
-    "sweep": lambda design: sk.sweep(design, {"loads.seismic.k": [0.0]}, methods="closed-form"),
-    "tornado": lambda design: sk.tornado(design, {"loads.seismic.k": "0:0.1"}, methods="closed-form"),
+    "sweep": lambda design: sk.sweep(design, {"loads.seismic.k": [0.0]}, closed_form=True),
+    "tornado": lambda design: sk.tornado(design, {"loads.seismic.k": "0:0.1"}, closed_form=True),
     "solve": lambda design: sk.solve(design, "loads.seismic.k", fos=1.2),
     "prob": lambda design: sk.prob(design, n=100, confirm=0, near=0),
     "quake": lambda design: sk.quake(design, ["sine:0.5g,1Hz"]),
@@ -254,7 +254,7 @@ def unlikely(found) -> set[str]:
 
 def test_a_value_that_a_study_replaces_is_no_slip() -> None:
     design = sk.load(path_of("wedge"), set={"slope.height": 15000})
-    swept = sk.sweep(design, {"slope.height": [20.0, 30.0]}, methods="closed-form")
+    swept = sk.sweep(design, {"slope.height": [20.0, 30.0]}, closed_form=True)
     assert not swept.warnings
 
 

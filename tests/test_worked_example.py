@@ -359,15 +359,15 @@ def factor_with(pull: float, k: float) -> float:
 def test_the_wedge_bare_and_bolted() -> None:
     """Both load cases without bolts and with them; the force by the condition that F is 1.5."""
     bolts = [float(one) for one in re.findall(rf"- {{force: ({NUMBER}) kN, toward: 0/10", PAGE)]
-    (said,) = re.findall(rf"passive: (\d+) passive bolts, ({NUMBER}) kN in all; static governs", PAGE)
+    (said,) = re.findall(rf"The static case governs: (\d+) passive bolts, ({NUMBER}) kN", PAGE)
     assert (int(said[0]), float(said[1])) == (len(bolts), pytest.approx(sum(bolts), abs=0.06))
     for name, k, wanted in (("static", 0.0, 1.5), ("quake", 0.1, 1.1)):
-        one, force = numbers(rf"(EACH)? +{name}: passive  reached")[:1], factor_with(0.0, k)
-        assert factor_with(one[0], k) == pytest.approx(wanted, abs=5e-5)
+        one, force = numbers(rf" +{name} .* reached ")[-1], factor_with(0.0, k)
+        assert factor_with(one, k) == pytest.approx(wanted, abs=5e-5)
         rows = [row for row in PAGE.splitlines() if re.match(rf" +{name} +(\d\.|loads).*\d\.\d{{3}}", row)]
         factors = [re.findall(r"\b\d\.\d{3}\b", row) for row in rows]
         bolted = factor_with(sum(bolts), k)
-        assert factors == [[f"{value:.3f}"] * 2 for value in (force, bolted, bolted)]  # every digit of the page
+        assert factors == [[f"{value:.3f}"] * 2 for value in (force, bolted)]  # every digit of the page
 
 
 def test_lengths_of_the_bolts_and_volume_of_the_drawing() -> None:

@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from slopekit.studies.solve import solve
     from slopekit.studies.support import Support as Support
     from slopekit.studies.support import support
-    from slopekit.studies.support.for_cases import SupportForAll as SupportForAll
     from slopekit.studies.sweep import Sweep as Sweep
     from slopekit.studies.sweep import sweep
     from slopekit.studies.tornado import Tornado as Tornado
@@ -58,8 +57,7 @@ _LATER = {
     "export": "exchange.export", "JointSets": "studies.sets",
     "Kinematic": "studies.kinematic", "Probability": "studies.prob",
     "Quake": "studies.quake", "Result": "result", "Solution": "studies.solve",
-    "Support": "studies.support",
-    "SupportForAll": "studies.support.for_cases", "Sweep": "studies.sweep", "Tornado": "studies.tornado",
+    "Support": "studies.support", "Sweep": "studies.sweep", "Tornado": "studies.tornado",
 }  # fmt: skip
 
 

@@ -143,7 +143,7 @@ def test_a_case_that_there_is_not(two_cases, tmp_path, case, code, says) -> None
     assert fault.code == code
     assert says in fault.advice
     assert refused(two_cases.cases["dry"], tmp_path / "wedge.stl", case=case).code == "E313"
-    study = sk.sweep(sk.load(two_cases.design.source.root.plain()), {"slope.height": [10]}, methods="closed-form")
+    study = sk.sweep(sk.load(two_cases.design.source.root.plain()), {"slope.height": [10]}, closed_form=True)
     assert refused(study, tmp_path / "wedge.stl").code == "E350"
 
 

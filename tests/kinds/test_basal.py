@@ -406,7 +406,7 @@ def test_a_socket_that_closes_toward_the_face_is_no_block_that_could_fall(dip, l
     with pytest.raises(GeometryError, match="E232 the block cannot leave the slope") as error:
         sk.run(design)
     assert error.value.faults[0].advice.endswith("as the height of the basal joint is -3 m: was 3 m meant?")
-    swept = sk.sweep(sk.load(design), {"basal.height": [-3.0, 3.0]}, methods="closed-form")
+    swept = sk.sweep(sk.load(design), {"basal.height": [-3.0, 3.0]}, closed_form=True)
     assert [point.code for point in swept.points] == ["E232", ""]
 
 

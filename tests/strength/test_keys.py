@@ -193,7 +193,7 @@ def test_studies_ask_the_law() -> None:
     rough = {**ROUGH, "jrc": {"dist": "uniform", "min": 6, "max": 10}}
     design = sk.load({**WEDGE, "strength": {"rough": rough}})
     assert vectorised(design, np.zeros((4, 1)), lambda row: {}) is None
-    swept = sk.sweep(design, {"strength.rough.jrc": [6, 8, 10]}, methods="closed-form")
+    swept = sk.sweep(design, {"strength.rough.jrc": [6, 8, 10]}, closed_form=True)
     found = [point.factors.closed_form for point in swept.points]
     for jrc, factor in zip((6.0, 8.0, 10.0), found, strict=True):
         own = factors_of(sk.load({**WEDGE, "strength": {"rough": {**ROUGH, "jrc": jrc}}}), pre_ie=False)

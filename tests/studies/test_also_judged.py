@@ -3,16 +3,12 @@
 The whole wedge that a basal joint cuts the toe off is another file without that joint: the closed form of two joints.
 """
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 import slopekit as sk
 from benchmarks import populations
-from slopekit.evidence import WithoutBasal
 from slopekit.studies import points
-from slopekit.studies.points import Point
 from slopekit.studies.prob import bolts
 
 WHOLE = {
@@ -33,7 +29,7 @@ def notices(outcome, code: str) -> list[str]:
 
 
 def closed_form(design: dict, values: dict) -> float:
-    return sk.sweep(sk.load(design, set=values), {"slope.height": [20.0]}, methods="closed-form").points[0].factors
+    return sk.sweep(sk.load(design, set=values), {"slope.height": [20.0]}, closed_form=True).points[0].factors
 
 
 @pytest.mark.parametrize(
@@ -119,18 +115,6 @@ def test_an_accepted_probability_is_not_met_by_the_block_alone() -> None:
     assert "the whole wedge without the basal joint: slides on both" in str(found.sheet)
 
 
-def test_a_whole_wedge_that_nothing_holds_has_no_factor_among_those_at_random() -> None:
-    """Of four samples one whole wedge is lifted, one is driven by nothing, one has less than the block, one more."""
-    found = sk.prob(sk.load(CUT, set={"strength.bedding.phi": {"dist": "normal", "mean": 40, "sd": 0.1}}), 8, confirm=4)
-    block = Point(replace(found.confirmation.points[0].factors, limit=1.7))
-    besides = [("lifted", None), ("no_driving_force", None), ("slides_on_both", 0.7), ("slides_on_both", 2.0)]
-    wholes = [replace(block, factors=replace(block.factors, also=WithoutBasal(*one))) for one in besides]
-    checked = replace(found.confirmation, points=tuple(wholes), random=np.ones(4, dtype=bool))
-    shown = replace(found, confirmation=checked).to_dict()["histogram"]
-    assert shown["pre_ie_at_random"] == [0.7, 1.7, 1.7]
-    assert (shown["pre_ie_without_factor"], shown["pre_ie_samples"]) == (1, 4)
-
-
 def test_a_sweep_says_where_the_whole_wedge_falls_short() -> None:
     found = sk.sweep(sk.load(CUT), {"strength.joint.phi": [30, 44, 60]}, fos=1.1)
     factors = [point.factors for point in found.points]
@@ -150,12 +134,12 @@ def test_a_sweep_says_where_the_whole_wedge_falls_short() -> None:
 
 
 def test_a_tornado_says_it_too() -> None:
-    found = sk.tornado(sk.load(CUT), methods="closed-form")
+    found = sk.tornado(sk.load(CUT), closed_form=True)
     assert any("the whole wedge without the basal joint falls short of 1.3" in text for text in notices(found, "W507"))
 
 
 def test_a_rule_on_what_is_too_much_asks_for_no_level_of_a_tornado() -> None:
-    found = sk.tornado(sk.load(CUT, set={"acceptance.rules": ["fos >= 0.3", "fos <= 2"]}), methods="closed-form")
+    found = sk.tornado(sk.load(CUT, set={"acceptance.rules": ["fos >= 0.3", "fos <= 2"]}), closed_form=True)
     assert all("falls short of 0.3" in text for text in notices(found, "W507"))
 
 
@@ -202,7 +186,7 @@ def test_charts_of_a_sweep_show_what_acceptance_asks_besides() -> None:
     from slopekit.views.charts.drawing import new_figure
 
     design = sk.load(CUT)
-    one = sk.sweep(design, {"strength.joint.phi": [30, 44]}, methods="closed-form")
+    one = sk.sweep(design, {"strength.joint.phi": [30, 44]}, closed_form=True)
     figure = new_figure("a.png")
     sweep_charts.draw_curve(figure, one.to_dict())
     (axes,) = figure.axes
@@ -210,7 +194,7 @@ def test_charts_of_a_sweep_show_what_acceptance_asks_besides() -> None:
                 and line.get_marker() == "s")  # fmt: skip
     assert list(drawn.get_ydata()) == pytest.approx([point.factors.also.closed_form for point in one.points])
     keys = {"strength.joint.phi": [30, 40, 50], "strength.bedding.phi": [30, 35, 40]}
-    two = sk.sweep(design, keys, methods="closed-form")
+    two = sk.sweep(design, keys, closed_form=True)
     assert "not of the whole wedge without the basal joint: W507" in str(two.sheet)
     figure = new_figure("a.png")
     sweep_charts.draw_contour(figure, two.to_dict())

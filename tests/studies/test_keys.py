@@ -190,10 +190,10 @@ def test_a_range_of_directions_across_north_goes_the_short_way() -> None:
         "joints": {"J1": {"plane": "45/060"}, "J2": {"plane": "50/290"}},
     })  # fmt: skip
     key = "slope.face.dip_direction"
-    swept = sk.sweep(design, {key: "350:10:5"}, methods="closed-form")
+    swept = sk.sweep(design, {key: "350:10:5"}, closed_form=True)
     assert swept.values[0] == (350.0, 355.0, 360.0, 365.0, 370.0)
     assert [point.code for point in swept.points] == [""] * 5
-    bar = next(bar for bar in sk.tornado(design, {key: "350:10"}, methods="closed-form").bars if bar.key.path == key)
+    bar = next(bar for bar in sk.tornado(design, {key: "350:10"}, closed_form=True).bars if bar.key.path == key)
     assert (bar.low, bar.high) == (350.0, 370.0)
 
 
@@ -213,7 +213,7 @@ def test_a_distribution_of_directions_across_north(shape) -> None:
     assert 5.0 < off.max() <= 10.0
     centre = design.joints[0].dip_direction_deg
     assert min(centre, 360.0 - centre) <= 10.0
-    ends = next(bar for bar in sk.tornado(design, methods="closed-form").bars
+    ends = next(bar for bar in sk.tornado(design, closed_form=True).bars
                 if bar.key.path == "joints.J1.plane.dip_direction")  # fmt: skip
     assert ends.high - ends.low < 20.0
 

@@ -15,6 +15,7 @@ import slopekit as sk
 from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Plane
 from slopekit.design.reading.files import load
+from slopekit.kinds.protocol import Factors
 from slopekit.studies import running
 from slopekit.studies.points import Point, point_of
 from slopekit.studies.prob import prob
@@ -296,7 +297,7 @@ def test_too_many_of_them_are_refused_and_small_friction_is_no_radian() -> None:
 
 def test_nothing_that_speaks_against_it_is_accepted(monkeypatch) -> None:
     def all_fail(work, tasks, *_rest, **_options):
-        return [["E212", "bolt 1 is too short"]] * len(tasks)
+        return [Point(None, "E212", "bolt 1 is too short").to_record()] * len(tasks)
 
     monkeypatch.setattr("slopekit.studies.points.run_all", all_fail)
     design = load(default_wedge())
@@ -352,9 +353,10 @@ def test_what_scatters_without_changing_the_factor(capsys) -> None:
 
 def test_samples_without_an_answer_and_too_few_failures_are_said(monkeypatch) -> None:
     def some_fail(work, tasks, *_rest, **_options):
-        stands = ["slides_on_both", 1.2, "slides_on_both", 1.2, 0.0, True, False, True]
-        wild = ["not_converged", None, "slides_on_both", 0.9, None, False, False, False]
-        return [["E599", "LinAlgError: singular"], wild, *[stands] * (len(tasks) - 2)]
+        broken = Point(None, "E599", "LinAlgError: singular")
+        wild = Point(Factors("not_converged", None, "slides_on_both", 0.9, None, False, False, False))
+        stands = Point(Factors("slides_on_both", 1.2, "slides_on_both", 1.2, 0.0, True, False, True))
+        return [point.to_record() for point in (broken, wild, *[stands] * (len(tasks) - 2))]
 
     monkeypatch.setattr("slopekit.studies.points.run_all", some_fail)
     study = prob(load(default_wedge()), 20, by="pre-ie")
@@ -490,5 +492,5 @@ def test_dips_beyond_the_vertical_are_planes_that_dip_the_other_way_and_that_is_
     one = int(np.flatnonzero(over & np.isfinite(study.judged.factor))[0])
     there = point_of(design, {"joints.J1.plane": f"{float(dips[one])!r}/295"}, pre_ie=False)
     assert study.judged.factor[one] == pytest.approx(there.factors.closed_form, rel=1e-9)
-    bar = next(bar for bar in sk.tornado(design, methods="closed-form").bars if bar.key.path == "joints.J1.plane.dip")
+    bar = next(bar for bar in sk.tornado(design, closed_form=True).bars if bar.key.path == "joints.J1.plane.dip")
     assert (bar.high, bar.at_high.code) == (90.0, "")

@@ -6,7 +6,6 @@ import pytest
 
 import slopekit as sk
 from slopekit.design.templates import path_of
-from slopekit.studies.support.for_cases import _in_case
 
 BASAL = str(path_of("wedge-basal"))
 WEDGE = str(path_of("wedge"))
@@ -85,7 +84,7 @@ def test_a_probability_says_what_the_run_says_of_the_means() -> None:
     "study",
     [
         lambda design: sk.sweep(design, {"strength.weak.phi": [20, 22]}, methods="pre-ie"),
-        lambda design: sk.tornado(design, methods="closed-form"),
+        lambda design: sk.tornado(design, closed_form=True),
         lambda design: sk.solve(design, "strength.weak.phi", fos=1.6),
         lambda design: sk.support(design, 1.6, acts="active"),
     ],
@@ -151,9 +150,7 @@ def test_bolts_that_hold_a_part_of_a_wedge_alone_are_said() -> None:
     (notice,) = (notice for notice in found.warnings if notice.code == "W507")
     assert notice.message.startswith("with the passive bolts the whole wedge without the basal joint falls short of")
     assert found.exit_code == 1
-    among_cases = _in_case("with its bolts", found, found.cases[0].bolts)
-    assert among_cases.limit == pytest.approx(1.5032, abs=1e-3)  # each bolt is rounded up to 10 kN
-    assert not among_cases.met
+    assert found.cases[0].factors.limit == pytest.approx(1.5032, abs=1e-3)  # each bolt is rounded up to 10 kN
     none = sk.support(sk.load(BASAL, set={"strength.bedding.phi": 70}), 3.5, acts="active")
     assert none.stands
     assert "as it stands the whole wedge" in next(one.message for one in none.warnings if one.code == "W507")
@@ -183,7 +180,7 @@ def test_rules_that_a_study_does_not_judge_are_named() -> None:
 
 @pytest.mark.parametrize(("study", "names"), [
     (lambda design: sk.sweep(design, {"strength.joints.phi": [20]}), "face, upper, height, c, density"),
-    (lambda design: sk.tornado(design, methods="closed-form"), "face, upper, height, c, phi, density"),
+    (lambda design: sk.tornado(design, closed_form=True), "face, upper, height, c, phi, density"),
     (lambda design: sk.solve(design, "slope.height", fos=1.3), "face, upper, c, phi, density"),
     (lambda design: sk.quake(design, "sine:0.5g,1Hz"), "face, upper, height, c, phi, density"),
     (lambda design: sk.support(design, 1.6, acts="active"), "face, upper, height, c, phi, density"),

@@ -184,13 +184,6 @@ def test_full_correlation_gives_the_same_numbers(method) -> None:
     assert (drawn.values[:, 3] == drawn.values[:, 4]).all()
 
 
-def test_correlations_that_contradict_each_other() -> None:
-    pairs = [("normal", "log", 0.9), ("log", "cut", 0.9), ("normal", "cut", -0.9)]
-    with pytest.raises(DesignError) as caught:
-        samples(_all(), pairs, 10, 1)
-    assert caught.value.codes == ("E183",)
-
-
 # -- orientations -----------------------------------------------------------------------------------------------------
 
 
@@ -443,20 +436,6 @@ def test_fewer_samples_for_the_same_error() -> None:
         return math.sqrt(np.mean(np.square(found)))
 
     assert error("latin-hypercube") < 0.1 * error("monte-carlo")
-
-
-def test_numbers_that_cannot_be() -> None:
-    one = [Variable("x", KINDS["normal"])]
-
-    def codes(*arguments):
-        with pytest.raises(DesignError) as caught:
-            samples(*arguments)
-        return caught.value.codes
-
-    assert codes(one, (), 0, -1) == ("E307", "E307")
-    assert codes(one, (), 2.5, True) == ("E307", "E307")
-    assert codes(one, (), 10**10, 1) == ("E307",)
-    assert codes(one, [("x", "y", 0.5)], 10, 1) == ("E168",)
 
 
 # -- with a design ----------------------------------------------------------------------------------------------------

@@ -254,7 +254,7 @@ def test_a_set_that_scatters_one_way_is_said(tmp_path) -> None:
     found = sk.sets(joints, n=1)
     assert "W401" in codes(found)
     angles = found.sets[0].angles
-    assert (angles.dip_sd_deg, angles.dip_direction_sd_deg) == pytest.approx((2, 15), rel=0.25)
+    assert (angles["dip_sd_deg"], angles["dip_direction_sd_deg"]) == pytest.approx((2, 15), rel=0.25)
     assert "dip_direction: {dist: normal, mean: 1" in found.scatter_block
 
 
@@ -271,7 +271,7 @@ def test_spacing_along_a_scanline_and_traces(tmp_path) -> None:
     assert one.spacing is not None
     assert (one.spacing.count, one.spacing.mean_m, one.spacing.sd_m) == pytest.approx((3, 1.5, 0.5))
     assert one.trace is not None
-    assert (one.trace.lengths.mean_m, one.trace.ended, one.trace.whole_mean_m) == (5.0, 2, 10.0)
+    assert (one.trace.mean_m, one.ended, one.whole_mean_m) == (5.0, 2, 10.0)
     assert found.block == "sets:\n  S1: {plane: 90/030, spacing: 1.5 m, spacing_scatter: 33 %}  # 4 joints\n"
     without = sk.sets(path, n=1)
     assert without.sets[0].spacing is None

@@ -81,7 +81,7 @@ def test_the_rule(key, ends) -> None:
 
 def test_what_scatters_goes_from_its_5_to_its_95_percent_quantile() -> None:
     """Normal: mean ± 1.6449 sd; uniform: 5 % of the width from its ends; Fisher: 1.6449/√k radians about the pole."""
-    found = tornado(sk.load(SCATTERS), methods="closed-form")
+    found = tornado(sk.load(SCATTERS), closed_form=True)
     ranges = {bar.key.path: (bar.low, bar.high) for bar in found.bars}
     tail = NormalDist().inv_cdf(0.95)
     assert ranges["strength.weak.phi"] == pytest.approx((20 - 2 * tail, 20 + 2 * tail), rel=1e-9)
@@ -96,7 +96,7 @@ def test_what_scatters_goes_from_its_5_to_its_95_percent_quantile() -> None:
 
 def test_ends_without_a_number_are_told() -> None:
     """A face down to 20° does not daylight; a bolt up to where nothing drives."""
-    found = tornado(sk.load(WEDGE), {"slope.face.dip": "20:60", "water.pressures.J1": "0:5000"}, methods="closed-form")
+    found = tornado(sk.load(WEDGE), {"slope.face.dip": "20:60", "water.pressures.J1": "0:5000"}, closed_form=True)
     ends = {bar.key.path: bar for bar in found.bars}
     assert ends["slope.face.dip"].at_low.code == "E203"
     assert ends["slope.face.dip"].swings["closed_form"] is None
@@ -104,13 +104,13 @@ def test_ends_without_a_number_are_told() -> None:
     assert "slope.face.dip at 20° (E203)" in " ".join(str(found).split())
     assert found.exit_code == 0
     lifted = tornado(sk.load(WEDGE, {"water": {"pressures": {"J1": 10, "J2": 900}}}), {"water.pressures.J1": "0:900"},
-                     methods="closed-form")  # fmt: skip
+                     closed_form=True)  # fmt: skip
     assert [notice.code for notice in lifted.warnings] == ["W359"]
     json.dumps(lifted.to_dict(), allow_nan=False)
 
 
 def test_a_design_that_forms_no_block() -> None:
-    found = tornado(sk.load(WEDGE, {"slope.face": "15/180"}), {"slope.height": "10:20"}, methods="closed-form")
+    found = tornado(sk.load(WEDGE, {"slope.face": "15/180"}), {"slope.height": "10:20"}, closed_form=True)
     assert found.exit_code == 3
     assert "no block: E203" in str(found)
 
@@ -154,9 +154,9 @@ def test_picture(study, tmp_path) -> None:
     sk.plot(study, "tornado", tmp_path / "tornado.png")
     assert (tmp_path / "tornado.png").stat().st_size > 20_000
     lifted = tornado(sk.load(WEDGE, {"water": {"pressures": {"J1": 10, "J2": 900}}}), {"water.pressures.J1": "0:900"},
-                     methods="closed-form")  # fmt: skip
+                     closed_form=True)  # fmt: skip
     sk.plot(lifted, "tornado", tmp_path / "lifted.png")
-    no_block = tornado(sk.load(WEDGE, {"slope.face": "15/180"}), methods="closed-form")
+    no_block = tornado(sk.load(WEDGE, {"slope.face": "15/180"}), closed_form=True)
     with pytest.raises(DesignError) as caught:
         sk.plot(no_block, "tornado", tmp_path / "none.png")
     assert caught.value.codes == ("E273",)
@@ -205,7 +205,7 @@ def test_bolts_stay_where_they_are_when_the_geometry_moves() -> None:
 
 def test_an_end_without_an_answer_is_no_swing() -> None:
     """A bar of which one end forms no block has a dash and null, and stands behind those with a swing."""
-    study = tornado(sk.load(WEDGE), {"slope.face.dip": "20:60"}, methods="closed-form")
+    study = tornado(sk.load(WEDGE), {"slope.face.dip": "20:60"}, closed_form=True)
     assert study.bars[-1].swings["closed_form"] is None
     line = next(line for line in str(study).splitlines() if line.strip().startswith("slope.face.dip "))
     assert line.split()[-1] == "-"

@@ -100,8 +100,8 @@ def test_the_page_has_the_schedule_as_the_csv_has_it(tmp_path) -> None:
 @pytest.mark.slow
 def test_studies_of_a_coordinate(tmp_path) -> None:
     """A key that is a coordinate: sheets, CSV, page and the ticks of the chart."""
-    swept = sk.sweep(sk.load(WEDGE), {KEY: f"{RANGE}:3"}, methods="closed-form")
-    bars = sk.tornado(sk.load(WEDGE), {KEY: RANGE}, methods="closed-form")
+    swept = sk.sweep(sk.load(WEDGE), {KEY: f"{RANGE}:3"}, closed_form=True)
+    bars = sk.tornado(sk.load(WEDGE), {KEY: RANGE}, closed_form=True)
     found = sk.solve(sk.load(WEDGE), KEY, fos=3.0, within=(NORTH - 7.0, NORTH - 5.0))
     for study in (swept, found):
         refuse(str(study))
@@ -117,7 +117,7 @@ def test_the_ticks_of_charts_have_no_offset() -> None:
     from slopekit.views.charts.drawing import new_figure, plain_numbers
     from slopekit.views.charts.sweep_charts import draw_curve
 
-    swept = sk.sweep(sk.load(WEDGE), {KEY: f"{RANGE}:3"}, methods="closed-form")
+    swept = sk.sweep(sk.load(WEDGE), {KEY: f"{RANGE}:3"}, closed_form=True)
     figure = new_figure("x")
     with plain_numbers():
         draw_curve(figure, json.loads(json.dumps(swept.to_dict())))

@@ -175,7 +175,7 @@ def test_arrays_that_do_not_fit_are_damage(part) -> None:
 def test_a_chart_too_large_for_a_drawing_is_a_picture(monkeypatch) -> None:
     from slopekit.views.pages import page_pictures
 
-    found = sk.sweep(sk.load(path_of("wedge")), {"slope.face.dip": [60, 65]}, methods="closed-form").to_dict()
+    found = sk.sweep(sk.load(path_of("wedge")), {"slope.face.dip": [60, 65]}, closed_form=True).to_dict()
     assert page_pictures.page_picture(found, "curve").startswith("data:image/svg+xml;base64,")
     monkeypatch.setattr(page_pictures, "_LARGEST_SVG", 100)
     assert page_pictures.page_picture(found, "curve").startswith("data:image/png;base64,")

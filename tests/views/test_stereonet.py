@@ -13,7 +13,6 @@ from slopekit.views.charts.stereonet import (
     daylight_envelope,
     great_circle,
     lower,
-    mean_axis,
     project,
     small_circle,
     unproject,
@@ -139,9 +138,3 @@ def test_zones_are_the_criteria_of_joints() -> None:
     assert (lines["direct"] == of_lines["direct"]).all()
     assert (lines["oblique"] == of_lines["oblique"]).all()
     assert min(of_lines[kind].sum() for kind in ("wedge_primary", "direct", "oblique")) > 0
-
-
-def test_the_mean_of_axes() -> None:
-    """Poles on both sides of the horizon are axes: their mean lies between them, not opposite (by hand)."""
-    poles = np.array([Line(0.0, 5.0).vector(), Line(180.0, 5.0).vector()])
-    assert np.abs(mean_axis(poles)) == pytest.approx([0.0, 1.0, 0.0], abs=1e-12)

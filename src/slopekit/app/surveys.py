@@ -57,8 +57,8 @@ class Dropped:
         known = {pair["n"] for pair in self.said["pairs"]}
         if self.found is None or number not in known:
             raise DesignError([Fault("E548", f"there is no pair {number} of the survey")])
-        given, shapes = self.found.given, self.found.pairs.shapes
-        both = [int(shapes.first[number]), int(shapes.second[number])]
+        given, pairs = self.found.given, self.found.pairs
+        both = [int(pairs.first[number]), int(pairs.second[number])]
         joints = [self.joints.joints[k] for k in both]
         laws = [(float(given.cohesion_kpa[k]), float(given.friction_deg[k])) for k in both]
         names = _names(joints)
@@ -69,7 +69,7 @@ class Dropped:
         lines = [
             "slopekit: 1", "kind: wedge", f"title: {json.dumps(title, ensure_ascii=False)}",
             f"slope: {{face: {as_text(slope.face)}, upper: {as_text(slope.upper)}, "
-            f"height: {float(shapes.height_m[number])!r} m}}",
+            f"height: {float(pairs.height_m[number])!r} m}}",
             "joints:",
             *(f"  {name}: {{plane: {as_text(joint.plane)}, strength: {law}}}"
               for name, joint, law in zip(names, joints, of, strict=True)),
@@ -194,7 +194,7 @@ def _pairs(combinations: Combos) -> Iterator[dict[str, Any]]:
     looked = {pair.index: pair for pair in combinations.worst}
     pairs, joints = combinations.pairs, combinations.joints.joints
     for number in pairs.ranked()[:_MOST_PAIRS].tolist():
-        one, two = (joints[int(of[number])] for of in (pairs.shapes.first, pairs.shapes.second))
+        one, two = (joints[int(of[number])] for of in (pairs.first, pairs.second))
         status, factor = PAIR_OUTCOMES[int(pairs.outcome[number])], float(pairs.factor[number])
         by, fos = "closed form", factor if np.isfinite(factor) else None
         if number in looked:

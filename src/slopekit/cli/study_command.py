@@ -84,7 +84,7 @@ def command_of(name: str) -> Callable[..., None]:
 
 
 def _on_command_line(key: str, parameter: inspect.Parameter, always: bool) -> list[inspect.Parameter]:
-    """What a parameter of a study is on the command line: nothing, one option or argument, or some flags.
+    """What a parameter of a study is on the command line: nothing, or one option or argument.
 
     `always`: the variants of the study have it too.
     """
@@ -96,9 +96,6 @@ def _on_command_line(key: str, parameter: inspect.Parameter, always: bool) -> li
         return [_parameter(key, type_, typer.Argument(help=how.help, metavar=how.metavar), ... if needed else None)]
     if how is None:
         return []
-    if how.choices:
-        flags = how.choices.items()
-        return [_parameter(_name(flag), bool, typer.Option(flag, help=text), False) for flag, (_, text) in flags]
     if isinstance(parameter.default, bool):
         return [_parameter(key, bool, typer.Option(_flag(key, how), help=how.help), False)]
     option = typer.Option(
@@ -128,10 +125,6 @@ def _parameter(name: str, type_: Any, how: Any, default: Any) -> inspect.Paramet
 
 def _flag(key: str, how: Option) -> str:
     return how.flag or "--" + key.replace("_", "-")
-
-
-def _name(flag: str) -> str:
-    return flag.lstrip("-").replace("-", "_")
 
 
 def _first_line(function: Callable[..., Any]) -> str:
@@ -193,12 +186,9 @@ def _check_design(
 
 
 def _names(key: str, parameter: inspect.Parameter) -> set[str]:
-    """The names by which a command line gives a parameter."""
+    """The name by which a command line gives a parameter, where it does."""
     how = given_by(parameter)
-    if how is None:
-        return set()
-    flags = {_name(flag) for flag in how.choices} if isinstance(how, Option) else set()
-    return flags or {getattr(how, "called", "") or key}
+    return set() if how is None else {getattr(how, "called", "") or key}
 
 
 def _value(key: str, parameter: inspect.Parameter, given: Mapping[str, Any]) -> Any:
@@ -206,11 +196,6 @@ def _value(key: str, parameter: inspect.Parameter, given: Mapping[str, Any]) -> 
     how = given_by(parameter)
     if how is None:
         return None
-    if isinstance(how, Option) and how.choices:
-        chosen = [flag for flag in how.choices if given[_name(flag)]]
-        if len(chosen) > 1:
-            raise DesignError([Fault("E313", f"{' and '.join(chosen)} exclude each other", "", "Leave both out.")])
-        return how.choices[chosen[0]][0] if chosen else None
     key = getattr(how, "called", "") or key
     text = given[key]
     if how == DESIGN:

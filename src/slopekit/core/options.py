@@ -6,9 +6,8 @@ docstring lists them as they say themselves.
 
 import inspect
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import field
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar, get_args
 
@@ -35,7 +34,6 @@ class Option:
     reads : makes the value of the text and the option's name
     flag : its name on the command line where that is not the parameter's own
     metavar : what stands for the text
-    choices : flags in place of one option: the value of each, and its help
     texts : how many it takes; 0: it is repeated for more
     needed : on a command line, although a script that leaves it out is told by the function
     completes : the words that begin as the shell has them
@@ -46,7 +44,6 @@ class Option:
     reads: Callable[[Any, str], Any] = as_it_is
     flag: str = ""
     metavar: str = ""
-    choices: Mapping[str, tuple[Any, str]] = field(default_factory=dict)
     texts: int = 1
     needed: bool = False
     completes: Callable[[str], list[str]] | None = None
@@ -104,8 +101,7 @@ def documented(function: Function) -> Function:
     for name, parameter in inspect.signature(function).parameters.items():
         how = given_by(parameter)
         if how is not None:
-            said = how.help or ", ".join(f"{value}: {text}" for value, text in getattr(how, "choices", {}).values())
-            rows.append(f"{name} : {said}")
+            rows.append(f"{name} : {how.help}")
     head, *behind = re.split(r"\n(?=(?:Returns|Raises)\n)", inspect.cleandoc(function.__doc__ or ""), maxsplit=1)
     listed = "\n".join(["Parameters", "----------", *rows])
     function.__doc__ = "\n".join([f"{head.rstrip()}\n", f"{listed}\n", *behind])

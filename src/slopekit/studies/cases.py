@@ -13,11 +13,9 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from difflib import get_close_matches
-from importlib import import_module
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeAlias, TypeVar
+from typing import Any, ClassVar, Generic, TypeAlias, TypeVar
 
 from slopekit._version import FORMAT, __version__
-from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Section, Sheet, Table
@@ -25,10 +23,6 @@ from slopekit.core.shown import Shown
 from slopekit.design.common import Design, LoadCase
 from slopekit.studies.words import head
 
-if TYPE_CHECKING:
-    from slopekit.studies.support.for_cases import SupportForAll
-
-#: Studies that find one thing for all cases: the module with `for_all`, and `options` of each case.
 _ROOM, _LAST = 88, 16  # characters of a line beside its label; of those its last column, as it comes
 _EXITS = (0, 1, 4, 3, 2, 5)  # from good to bad
 
@@ -49,7 +43,6 @@ class Cases(Shown, Generic[Found]):
     design : without what a case sets
     what : the function's name
     cases : by the name of the case: results, or outcomes of a study
-    for_all : what the study finds for all of them, None where it finds nothing of the kind
     keys : of the design, by their paths, to which the study gives values of its own
     """
 
@@ -57,7 +50,6 @@ class Cases(Shown, Generic[Found]):
     design: Design
     what: str
     cases: Mapping[str, Found]
-    for_all: "SupportForAll | None" = None
     keys: tuple[str, ...] = ()
 
     @property
@@ -73,16 +65,12 @@ class Cases(Shown, Generic[Found]):
 
     @property
     def exit_code(self) -> int:
-        """That of the worst case; what is found for all cases decides where a study finds it."""
-        if self.for_all is not None:
-            return self.for_all.exit_code
+        """That of the worst case."""
         return max((int(one.exit_code) for one in self.cases.values()), key=_EXITS.index)
 
     @property
     def governing(self) -> str:
         """The case that is nearest to not being accepted, or the farthest from it."""
-        if self.for_all is not None:
-            return self.for_all.governing
 
         def worst(name: str) -> tuple[int, float]:
             one = self.cases[name]
@@ -117,8 +105,6 @@ class Cases(Shown, Generic[Found]):
     @property
     def line(self) -> str:
         """The governing case, and what is said of it."""
-        if self.for_all is not None:
-            return self.for_all.line
         return f"{self.governing} governs {len(self.cases)} cases  {self.cases[self.governing].line}"
 
     @property
@@ -144,9 +130,7 @@ class Cases(Shown, Generic[Found]):
         sections.append(Section("SETS", cut))
         if not more:
             sections.append(Section("EACH", [f"{case.name}: {found.line}" for case, found in rows]))
-        if self.for_all is not None:
-            sections += self.for_all.sections()
-        elif more:
+        if more:
             sections.append(Section("GOVERNS", [f"{self.governing}: {self.cases[self.governing].line}"]))
         elif first.margin is not None:
             sections.append(Section("GOVERNS", [self.governing]))
@@ -156,10 +140,6 @@ class Cases(Shown, Generic[Found]):
             sections,
             {own_name: table},
         )
-
-    def files(self) -> dict[str, str]:
-        """What the study found for all cases."""
-        return {} if self.for_all is None else self.for_all.files()
 
     def done(self) -> None:
         """All cases are written."""
@@ -174,7 +154,6 @@ class Cases(Shown, Generic[Found]):
             **self.design.beside(),
             "governing": self.governing, "accepted": self.accepted, "exit_code": self.exit_code,
             "sets": {case.name: dict(case.sets) for case in self.design.cases},
-            **({} if self.for_all is None else {"for_all": json_of(self.for_all.to_dict())}),
             "cases": {name: one.to_dict() for name, one in self.cases.items()},
             "warnings": [notice.to_dict() for notice in self.warnings],
             "line": self.line, "sheet": self.sheet.to_dict(),
@@ -209,8 +188,7 @@ def each_case(
         _refuse(wrong, len(design.cases))
     varied = given.get("keys", given.get("key")) or ()
     keys = (varied.partition("=")[0],) if isinstance(varied, str) else tuple(varied)
-    for_all = import_module("slopekit.studies.support.for_cases").for_all(by_case) if name == "support" else None
-    return Cases(design, name, by_case, for_all, keys)
+    return Cases(design, name, by_case, keys)
 
 
 def of_cases(document: Mapping[str, Any], case: str | None = None, name: str = "") -> dict[str, Mapping[str, Any]]:

@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
-from dataclasses import astuple, fields, replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from slopekit.core.codec import record_of
+from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import DesignError, Fault, MisfitError, Notice, SlopekitError
 from slopekit.core.options import Workplace
 from slopekit.core.orientation import number
@@ -23,17 +23,14 @@ from slopekit.notices import new_notices
 from slopekit.studies.running import Crew, Journal, Record, run_all
 
 Method = Literal["closed_form", "pre_ie"]
-Methods = Literal["both", "closed-form", "pre-ie"]
 _BUG = "E599"
 _BAD_INPUT = ("E211", "E212", "E250", "E252", "E253")  # of bolts and forces: blocks there are
 _OF_BOLTS = ("E211", "E212")  # a bolt misses the block, or ends within it
 _WITHOUT_FORCE = "bolts that miss the block, or end within it, give no force there"
 _BROKEN = (ArithmeticError, ValueError, IndexError, np.linalg.LinAlgError)
-_NO_FACTORS: dict[str, Any] = dict.fromkeys(one.name for one in fields(Factors) if one.name not in ("notes", "also"))
+_OF_FACTORS = tuple(one.name for one in fields(Factors) if one.name not in ("notes", "also"))
 #: The status where PRE-IE ended without a number that it would vouch for.
 UNSETTLED = "not_converged"
-#: The record of a task that kills every worker that takes it.
-GIVEN_UP: Record = [_BUG, "its worker died, three times"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,36 +47,57 @@ class Point:
         return self.factors is not None and (self.factors.closed_form is not None or bool(self.factors.closed_status))
 
     @property
+    def agree(self) -> bool | None:
+        """Whether the methods agree; None where they are not compared."""
+        return None if self.factors is None else self.factors.agree
+
+    @property
+    def moments_govern(self) -> bool:
+        """Whether the limit lies below what the forces alone give."""
+        return self.factors is not None and self.factors.moments_govern
+
+    @property
+    def notes(self) -> Sequence[Notice]:
+        """What a run says of the factor."""
+        return () if self.factors is None else self.factors.notes
+
+    @property
+    def also(self) -> WithoutBasal | None:
+        """What acceptance is held against besides."""
+        return None if self.factors is None else self.factors.also
+
+    @property
     def is_in_doubt(self) -> bool:
         """Whether the methods disagree, or PRE-IE did not converge."""
-        return self.factors is not None and (self.factors.agree is False or status_of(self, "pre_ie") == UNSETTLED)
+        return self.agree is False or status_of(self, "pre_ie") == UNSETTLED
 
     def to_dict(self) -> dict[str, Any]:
         """What both methods say, as JSON values."""
-        record = _NO_FACTORS if self.factors is None else record_of(self.factors)
-        also = None if self.factors is None else self.factors.also
-        record = record | ({} if also is None else {also.NAME: record_of(also)})
-        return record | {"code": self.code or None, "message": self.message or None}
+        document: dict[str, Any] = json_of({key: value for key, value in self.to_record().items() if key != "notes"})
+        return document
 
     def to_record(self) -> Record:
-        """As JSON values, for a journal and for the way between processes."""
-        if self.factors is None:
-            return [self.code, self.message]
-        numbers = [getattr(self.factors, name) for name in _NO_FACTORS]
-        also = [] if self.factors.also is None else [astuple(self.factors.also)]
-        return [*numbers, [[note.code, note.message] for note in self.factors.notes], *also]
+        """The same with what runs say, and with factors that are infinite: for a journal, and between processes."""
+        factors = self.factors
+        record: dict[str, Any] = {name: getattr(factors, name, None) for name in _OF_FACTORS}
+        if factors is not None and factors.also is not None:
+            record[factors.also.NAME] = record_of(factors.also)
+        record |= {"code": self.code or None, "message": self.message or None}
+        return record | {"notes": [[note.code, note.message] for note in self.notes]}
 
     @classmethod
-    def from_record(cls, record: Record) -> "Point":
-        """Back from JSON values."""
-        if len(record) == 2:
-            return cls(None, *record)
-        count = len(_NO_FACTORS)
-        notes, *whole = record[count:] or [()]  # which may be left out
-        also = WithoutBasal(*whole[0]) if whole else None
-        return cls(Factors(*record[:count], notes=tuple(Notice(*note) for note in notes), also=also))
+    def from_record(cls, record: Mapping[str, Any]) -> "Point":
+        """Back from such values, or from those of `to_dict`."""
+        if record["status"] is None:
+            return cls(None, record["code"] or "", record["message"] or "")
+        whole = record.get(WithoutBasal.NAME)
+        also = None if whole is None else WithoutBasal(**whole)
+        notes = tuple(Notice(*note) for note in record.get("notes", ()))
+        return cls(Factors(**{name: record[name] for name in _OF_FACTORS}, notes=notes, also=also))
 
 
+#: The record of a task that kills every worker that takes it.
+GIVEN_UP = Point(None, _BUG, "its worker died, three times").to_record()
 #: The points of a sweep along its first key, by the value of the second, None without one.
 Line: TypeAlias = "tuple[float | None, list[tuple[float, Point]]]"
 
@@ -135,15 +153,6 @@ def status_of(point: Point, method: Method) -> str:
     return UNSETTLED if unsettled else point.factors.status
 
 
-def point_from_record(record: Mapping[str, Any]) -> Point:
-    """The point of such JSON values."""
-    if record["status"] is None:
-        return Point(None, record["code"] or "", record["message"] or "")
-    whole = record.get(WithoutBasal.NAME)
-    also = None if whole is None else WithoutBasal(**whole)
-    return Point(Factors(**{name: record[name] for name in _NO_FACTORS}, also=also))
-
-
 def evaluation(design: Design, pre_ie: bool, keeps_bolts: bool, values: Mapping[str, object]) -> Record:
     """The record of a point: what a worker does with one set of values.
 
@@ -192,12 +201,17 @@ def point_of(
     'E204'
     """
     try:
-        return Point(factors_of(also(with_values(design, values)), pre_ie))
+        return Point(factors_of(also(with_values(design, values) if values else design), pre_ie))
     except SlopekitError as error:
         fault = error.faults[0]
         return Point(None, fault.code, fault.message)
     except _BROKEN as error:  # one sample of many: it is counted, the others go on
         return Point(None, _BUG, f"{type(error).__name__}: {error}")
+
+
+def both_methods(design: Design) -> Record:
+    """The record of a design as it is: what a worker does with one of many."""
+    return point_of(design, {}).to_record()
 
 
 def kept_points(
@@ -233,7 +247,7 @@ def said_at(
     """
     said, known = dict[str, list[tuple[int, str]]](), tuple(besides)
     for k, point in enumerate(points):
-        notes = new_notices(() if point.factors is None else point.factors.notes, known)
+        notes = new_notices(point.notes, known)
         for code in dict.fromkeys(note.code for note in notes):
             text = "; ".join(note.message for note in notes if note.code == code)
             said.setdefault(code, []).append((k, text))
@@ -250,8 +264,7 @@ def code_without_blocks(points: Iterable[Point]) -> int:
 
 def lower_of(point: Point, method: Method) -> float | None:
     """The factor by one method, or what acceptance is held against besides where that is the lower; as `factor_at`."""
-    factor = factor_at(point, method)
-    also = None if point.factors is None else point.factors.also
+    factor, also = factor_at(point, method), point.also
     if factor is None or also is None or also.status == "no_driving_force":
         return factor
     return min(factor, also.factor or 0.0)
@@ -268,7 +281,7 @@ def also_short(
     """
     short = [
         (k, also) for k, point in enumerate(points)
-        if point.factors is not None and (also := point.factors.also) is not None and also.falls_short(level)
+        if (also := point.also) is not None and also.falls_short(level)
         and (factor_at(point, method) or 0.0) >= level
     ]  # fmt: skip
     if short:

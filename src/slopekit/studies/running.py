@@ -34,7 +34,7 @@ Advance = Callable[[int], None]
 _MOST_LOSSES = 3  # times that workers may die without a task being finished in between
 _CONNECT_S = 10.0
 _MOST_JOBS = 512
-_LAYOUT = 2  # of records, to be raised with them: since 2 points have what acceptance is held against besides
+_LAYOUT = 3  # of records, to be raised with them: since 3 those of points have names
 
 
 @dataclass(slots=True)
@@ -402,10 +402,3 @@ def _pass_on(asked: "DaskFuture", given: Future[Any]) -> None:
 
 def _version_here() -> str:
     return __version__
-
-
-def crew_in_words(crew: Crew) -> str:
-    """Who did the work, for a sheet."""
-    if crew.scheduler is not None:
-        return f"Dask at {crew.scheduler}"
-    return "1 process" if crew.jobs == 1 else f"{crew.jobs} processes"

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from types import MappingProxyType
 from typing import Annotated, Any, Literal
 
@@ -10,7 +9,7 @@ from slopekit._version import FORMAT, __version__
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import number
-from slopekit.core.sheet import Column, Table, counted
+from slopekit.core.sheet import counted
 from slopekit.design.joint_lists import JointList, own_or_given
 from slopekit.design.words import shown
 from slopekit.kinds.wedge.design import WedgeDesign
@@ -97,27 +96,6 @@ def _in_words(value: Any) -> str:
     if isinstance(value, list | tuple):
         return "; ".join(map(_in_words, value))
     return number(value) if isinstance(value, int | float) else str(value)
-
-
-def records_table(records: Sequence[Mapping[str, Any]]) -> Table[Mapping[str, Any]]:
-    """A table of JSON values for a file: a column for each number, named by its path; lists are left out."""
-    rows = [_flat(record) for record in records]
-    names = dict.fromkeys(name for row in rows for name in row)
-    return Table([Column("", partial(_cell, name), name) for name in names], rows)
-
-
-def _cell(name: str, row: Mapping[str, Any]) -> Any:
-    return row.get(name)
-
-
-def _flat(record: Mapping[str, Any], above: str = "") -> dict[str, Any]:
-    flat = dict[str, Any]()
-    for key, value in record.items():
-        if isinstance(value, Mapping):
-            flat |= _flat(value, f"{above}{key}.")
-        elif not isinstance(value, list | tuple):
-            flat[f"{above}{key}"] = value
-    return flat
 
 
 def range_of(values: Floats, own: int) -> dict[str, float | int]:

@@ -109,11 +109,6 @@ CHARTS: Mapping[str, Chart] = {
         "how much of the crest is lost along the bench, by height and face angle",
         "bench-design.json: slopekit bench-design survey.csv -o DIR", "bench_charts.draw_backbreak", _of_benches,
     ),
-    "reliability": Chart(
-        "which heights and face angles keep their berm",
-        "bench-design.json: slopekit bench-design survey.csv -o DIR", "bench_charts.draw_reliability",
-        _of_benches,
-    ),
     "tornado": Chart(
         "what each number does to the factor", "tornado.json: slopekit sweep design.yaml --tornado -o DIR",
         "sweep_charts.draw_tornado", lambda of: of.get("study") == "tornado",
@@ -124,7 +119,7 @@ CHARTS: Mapping[str, Chart] = {
         lambda of: of.get("study") == "quake" and of.get("motion") is not None,
     ),
     "six": Chart(
-        "displacement and turning in six degrees of freedom, beside the sliding one way",
+        "displacement and turning in six degrees of freedom",
         "quake.json: slopekit quake design.yaml RECORD... --six -o DIR", "quake_charts.draw_six",
         lambda of: of.get("study") == "quake" and of.get("six_motion") is not None,
     ),

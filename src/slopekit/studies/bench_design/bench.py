@@ -30,51 +30,13 @@ from slopekit.closed_form.wedge import OUTCOMES as WEDGE_OUTCOMES
 from slopekit.closed_form.wedge import WedgeArrays, hoek_bray_wedges
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.records import dataclass
+from slopekit.studies.bench_design.given import BenchInputs
 from slopekit.studies.bench_design.trials import Trials
 from slopekit.studies.kinematic.criteria import beside_deg
 
 MODES: Final = ("wedge", "plane", "toppling")
 WEDGE, PLANE, TOPPLING = range(3)
 _ANGLE: Final = 1e-9  # degrees, as in studies.kinematic.criteria
-
-
-@dataclass(frozen=True, slots=True)
-class BenchSite:
-    """What all benches of a study share.
-
-    Attributes
-    ----------
-    dips_deg, dip_directions_deg, cohesion_kpa, friction_deg : (n,) of the joints of the survey
-    trace_m : (n,) how far each runs, inf where nothing is known; spacing_m : (n,) of its set, nan likewise
-    toward_deg : dip direction of the faces
-    unit_weight_kn_m3, water_unit_weight_kn_m3, fill, pressure_kpa, seismic : of what slides; a mean pressure in place
-        of a fill, or None
-    lateral_deg, lateral_toppling_deg : limits of planar sliding and of toppling
-    target : what fails has a factor of safety below it
-    largest : whether the largest block is taken in place of one whose toe is drawn
-    every_m : along the bench, from place to place
-    swell, repose_deg : of what has come down
-    """
-
-    dips_deg: Floats
-    dip_directions_deg: Floats
-    cohesion_kpa: Floats
-    friction_deg: Floats
-    trace_m: Floats
-    spacing_m: Floats
-    toward_deg: float
-    unit_weight_kn_m3: float
-    water_unit_weight_kn_m3: float
-    fill: float
-    pressure_kpa: float | None
-    seismic: float
-    lateral_deg: float
-    lateral_toppling_deg: float
-    target: float
-    largest: bool
-    every_m: float
-    swell: float
-    repose_deg: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,11 +64,11 @@ class Bench:
     width_m: Floats
 
 
-def bench_of(ground: BenchSite, trials: Trials, height_m: float, face_dip_deg: float) -> Bench:
+def bench_of(asked: BenchInputs, trials: Trials, height_m: float, face_dip_deg: float) -> Bench:
     """Every trial in a bench of one height and face."""
     n = len(trials)
     parts = [
-        part(ground, trials, height_m, face_dip_deg) for part in (_wedges, _planes, _columns)
+        part(asked, trials, height_m, face_dip_deg) for part in (_wedges, _planes, _columns)
     ]  # fmt: skip
     forms, fails, factor, block, setback, volume, spill, width = (
         np.stack([part[name] for part in parts]) for name in _NAMES
@@ -123,138 +85,127 @@ _Part: TypeAlias = dict[str, np.ndarray]
 _NAMES: Final = ("forms", "fails", "factor", "block_height_m", "setback_m", "volume_m3", "spill_m", "width_m")
 
 
-def _part(n: int, those: Ints, **values: Floats | Bools) -> _Part:
-    """Values of some of n trials; all others form nothing."""
-    part: _Part = {}
-    for name in _NAMES:
-        is_said = name in ("forms", "fails")
-        part[name] = np.zeros(n, dtype=bool) if is_said else np.full(n, np.nan if name == "factor" else 0.0)
-        part[name][those] = True if name == "forms" else values[name]
+def _part(n: int) -> _Part:
+    """A mode in which nothing forms at any of n places."""
+    part: _Part = {name: np.zeros(n, dtype=bool if name in ("forms", "fails") else np.float64) for name in _NAMES}
+    part["factor"][:] = np.nan
     return part
 
 
-def strengths_at(ground: BenchSite, trials: Trials) -> tuple[Floats, Floats]:
+def _put(part: _Part, those: Ints, **values: Floats | Bools) -> _Part:
+    """A mode with what forms at some of its places."""
+    part["forms"][those] = True
+    for name, own in values.items():
+        part[name][those] = own
+    return part
+
+
+def strengths_at(asked: BenchInputs, trials: Trials) -> tuple[Floats, Floats]:
     """Cohesion and friction (2, n) of the first and second joint of each place."""
     joints = np.stack([trials.first, trials.second])
-    return ground.cohesion_kpa[joints], ground.friction_deg[joints]
+    return asked.cohesion_kpa[joints], asked.friction_deg[joints]
 
 
-def _wedges(ground: BenchSite, trials: Trials, height: float, face: float) -> _Part:
+def _wedges(asked: BenchInputs, trials: Trials, height: float, face: float) -> _Part:
     a, b = trials.first, trials.second
-    cohesion, friction = strengths_at(ground, trials)
-    planes = (
-        ground.dips_deg[a], ground.dip_directions_deg[a], ground.dips_deg[b], ground.dip_directions_deg[b], face,
-        ground.toward_deg, 0.0, ground.toward_deg,
-    )  # fmt: skip
-    whole = wedge_sizes(*planes, height)
-    free = largest_scale(whole, ground.trace_m[a], ground.trace_m[b])
+    cohesion, friction = strengths_at(asked, trials)
+    dips, ways = asked.joints.dips_deg, asked.joints.dip_directions_deg
+    whole = wedge_sizes(dips[a], ways[a], dips[b], ways[b], face, asked.toward_deg, 0.0, asked.toward_deg, height)
+    free = largest_scale(whole, asked.trace_m[a], asked.trace_m[b])
     up = 1.0 - trials.toe
-    scale = free if ground.largest else up
+    scale = free if asked.toe == "bench" else up
     heights = height * scale
     long_enough = np.isfinite(free) & (scale > 0.0) & (scale <= free * (1.0 + REACHES))
     those = np.flatnonzero(long_enough)
-    if not those.size:
-        return _part(len(trials), those, **_nothing())
     one, two = a[those], b[those]
-    pressures = () if ground.pressure_kpa is None else (ground.pressure_kpa, ground.pressure_kpa)
     wedges = hoek_bray_wedges(
         WedgeArrays(
-            joint1_dip_deg=ground.dips_deg[one], joint1_dip_direction_deg=ground.dip_directions_deg[one],
-            joint2_dip_deg=ground.dips_deg[two], joint2_dip_direction_deg=ground.dip_directions_deg[two],
-            face_dip_deg=face, face_dip_direction_deg=ground.toward_deg, upper_dip_deg=0.0,
-            upper_dip_direction_deg=ground.toward_deg, height_m=heights[those],
+            joint1_dip_deg=dips[one], joint1_dip_direction_deg=ways[one], joint2_dip_deg=dips[two],
+            joint2_dip_direction_deg=ways[two],
+            face_dip_deg=face, face_dip_direction_deg=asked.toward_deg, upper_dip_deg=0.0,
+            upper_dip_direction_deg=asked.toward_deg, height_m=heights[those],
             cohesion1_kpa=cohesion[0, those], cohesion2_kpa=cohesion[1, those],
             friction1_deg=friction[0, those], friction2_deg=friction[1, those],
-            unit_weight_kn_m3=ground.unit_weight_kn_m3, fill=ground.fill, pressures_kpa=pressures,
-            water_unit_weight_kn_m3=ground.water_unit_weight_kn_m3, seismic=ground.seismic,
-            seismic_trend_deg=ground.toward_deg if ground.seismic else None,
+            pressures_kpa=asked.slope.water.pressures_kpa[:1] * 2,
+            seismic_trend_deg=asked.slope.seismic.trend_deg, **asked.loads,
         ), forces=False,
     )  # fmt: skip
     kept = wedges.outcome < WEDGE_OUTCOMES.index("E201")
     those, scales = those[kept], scale[those][kept]
-    factor, fails = _judged(WEDGE_OUTCOMES, wedges.outcome[kept], wedges.factor[kept], ground.target)
+    factor, fails = _judged(WEDGE_OUTCOMES, wedges.outcome[kept], wedges.factor[kept], asked.number("fos"))
     volume = whole.volume_m3[those] * scales**3
-    return _part(
-        len(trials), those, fails=fails, factor=factor, block_height_m=heights[those],
+    return _put(
+        _part(len(trials)), those, fails=fails, factor=factor, block_height_m=heights[those],
         setback_m=whole.setback_m[those] * scales, volume_m3=volume,
-        spill_m=cone_spill_width(volume, face, ground.repose_deg, ground.swell),
+        spill_m=cone_spill_width(volume, face, asked.number("repose"), asked.number("swell")),
         width_m=whole.face_width_m[those] * scales,
     )  # fmt: skip
 
 
-def _planes(ground: BenchSite, trials: Trials, height: float, face: float) -> _Part:
+def _planes(asked: BenchInputs, trials: Trials, height: float, face: float) -> _Part:
     a = trials.first
-    dips = ground.dips_deg[a]
+    dips = asked.joints.dips_deg[a]
     whole = plane_sizes(dips, face, 0.0, height)
-    beside = beside_deg(ground.dip_directions_deg[a], ground.toward_deg)
+    beside = beside_deg(asked.joints.dip_directions_deg[a], asked.toward_deg)
     with np.errstate(invalid="ignore"):
-        free = np.minimum(1.0, ground.trace_m[a] / whole.length_m)
-    scale = free if ground.largest else 1.0 - trials.toe
-    those = np.flatnonzero(
-        (beside <= ground.lateral_deg + _ANGLE) & np.isfinite(free) & (scale > 0.0) & (scale <= free * (1.0 + REACHES))
-    )
-    if not those.size:
-        return _part(len(trials), those, **_nothing())
-    cohesion, friction = strengths_at(ground, trials)
+        free = np.minimum(1.0, asked.trace_m[a] / whole.length_m)
+    scale = free if asked.toe == "bench" else 1.0 - trials.toe
+    long_enough = np.isfinite(free) & (scale > 0.0) & (scale <= free * (1.0 + REACHES))
+    those = np.flatnonzero(long_enough & (beside <= asked.number("lateral") + _ANGLE))
+    cohesion, friction = strengths_at(asked, trials)
     heights = (height * scale)[those]
     blocks = plane_failures(
         PlaneArrays(
             face_dip_deg=face, upper_dip_deg=0.0, plane_dip_deg=dips[those], height_m=heights,
             cohesion_kpa=cohesion[0, those], friction_deg=friction[0, those],
-            unit_weight_kn_m3=ground.unit_weight_kn_m3, fill=ground.fill, pressure_kpa=ground.pressure_kpa,
-            water_unit_weight_kn_m3=ground.water_unit_weight_kn_m3, seismic=ground.seismic,
+            pressure_kpa=next(iter(asked.slope.water.pressures_kpa), None), **asked.loads,
         )
     )  # fmt: skip
     kept = blocks.outcome < PLANE_OUTCOMES.index("E203")
     those, scales = those[kept], scale[those][kept]
-    factor, fails = _judged(PLANE_OUTCOMES, blocks.outcome[kept], blocks.factor[kept], ground.target)
+    factor, fails = _judged(PLANE_OUTCOMES, blocks.outcome[kept], blocks.factor[kept], asked.number("fos"))
     area = whole.area_m2[those] * scales**2
-    return _part(
-        len(trials), those, fails=fails, factor=factor, block_height_m=heights[kept],
-        setback_m=whole.setback_m[those] * scales, volume_m3=area * ground.every_m,
-        spill_m=prism_spill_width(area, face, ground.repose_deg, ground.swell),
-        width_m=np.full(those.size, ground.every_m),
+    return _put(
+        _part(len(trials)), those, fails=fails, factor=factor, block_height_m=heights[kept],
+        setback_m=whole.setback_m[those] * scales, volume_m3=area * asked.step_m(height),
+        spill_m=prism_spill_width(area, face, asked.number("repose"), asked.number("swell")),
+        width_m=np.full(those.size, asked.step_m(height)),
     )  # fmt: skip
 
 
-def _columns(ground: BenchSite, trials: Trials, height: float, face: float) -> _Part:
+def _columns(asked: BenchInputs, trials: Trials, height: float, face: float) -> _Part:
     """Either joint of a place may be the steep one."""
-    heights = height * (1.0 - trials.toe)
-    part = _part(len(trials), np.empty(0, dtype=np.int64), **_nothing())
-    friction = strengths_at(ground, trials)[1]
+    heights, limit = height * (1.0 - trials.toe), asked.number("lateral_toppling")
+    part = _part(len(trials))
+    friction = strengths_at(asked, trials)[1]
     for at, (steep, base) in enumerate(((trials.first, trials.second), (trials.second, trials.first))):
-        dip, out = ground.dips_deg[steep], ground.dips_deg[base]
-        into = beside_deg(ground.dip_directions_deg[steep], ground.toward_deg + 180.0)
-        toward = beside_deg(ground.dip_directions_deg[base], ground.toward_deg)
-        can = (into <= ground.lateral_toppling_deg + _ANGLE) & (toward <= ground.lateral_toppling_deg + _ANGLE)
+        dip, out = asked.joints.dips_deg[steep], asked.joints.dips_deg[base]
+        into = beside_deg(asked.joints.dip_directions_deg[steep], asked.toward_deg + 180.0)
+        toward = beside_deg(asked.joints.dip_directions_deg[base], asked.toward_deg)
+        can = (into <= limit + _ANGLE) & (toward <= limit + _ANGLE)
         can &= (dip >= 90.0 - face + friction[at] - _ANGLE) & (out > 0.0) & (out < face) & (dip < 90.0)
         those = np.flatnonzero(can & ~part["forms"])
-        if not those.size:
-            continue
-        widths = ground.spacing_m[steep[those]]
+        widths = asked.spacing_m[steep[those]]
         known = np.isfinite(widths)
         sides, bases = np.radians(dip[those]), np.radians(out[those])
         first = column_sizes(dip[those], out[those], face, heights[those], 1.0).height_m
         # from where the base daylights to the foot of the first column, and what is left of it behind
         foot = heights[those] / math.tan(math.radians(face)) + first * np.cos(sides)
-        left = ground.trace_m[base[those]] * np.cos(bases) - foot
+        left = asked.trace_m[base[those]] * np.cos(bases) - foot
         reach = np.minimum(left, heights[those])
         rows = column_sizes(dip[those], out[those], face, heights[those], np.where(known, widths, 1.0),
                             np.maximum(0.0, reach))  # fmt: skip
-        held = (first > 0.0) & (first <= ground.trace_m[steep[those]] * (1.0 + REACHES)) & (left > 0.0)
+        held = (first > 0.0) & (first <= asked.trace_m[steep[those]] * (1.0 + REACHES)) & (left > 0.0)
         with np.errstate(divide="ignore"):
             factor = np.where(known, 1.0 / rows.slenderness, np.nan)
-        turns = known & (factor < ground.target) & (rows.columns > 0.0)
+        turns = known & (factor < asked.number("fos")) & (rows.columns > 0.0)
         some = those[held]
-        values = {
-            "fails": turns[held], "factor": factor[held], "block_height_m": heights[some],
-            "setback_m": rows.setback_m[held], "volume_m3": rows.area_m2[held] * ground.every_m,
-            "spill_m": prism_spill_width(rows.area_m2[held], face, ground.repose_deg, ground.swell),
-            "width_m": np.full(some.size, ground.every_m),
-        }  # fmt: skip
-        part["forms"][some] = True
-        for name, own in values.items():
-            part[name][some] = own
+        _put(
+            part, some, fails=turns[held], factor=factor[held], block_height_m=heights[some],
+            setback_m=rows.setback_m[held], volume_m3=rows.area_m2[held] * asked.step_m(height),
+            spill_m=prism_spill_width(rows.area_m2[held], face, asked.number("repose"), asked.number("swell")),
+            width_m=np.full(some.size, asked.step_m(height)),
+        )  # fmt: skip
     return part
 
 
@@ -266,7 +217,3 @@ def _judged(names: tuple[str, ...], outcome: np.ndarray, factor: Floats, target:
     with np.errstate(invalid="ignore"):
         fails: Bools = (slides & ~(factor >= target)) | np.array(free)[outcome]  # no factor reaches no target
     return np.where(slides, factor, np.nan), fails
-
-
-def _nothing() -> dict[str, Floats]:
-    return {name: np.empty(0) for name in _NAMES}

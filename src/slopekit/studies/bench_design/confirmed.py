@@ -2,43 +2,32 @@
 
 from collections.abc import Sequence
 from dataclasses import fields, replace
+from typing import TypeAlias
 
 import numpy as np
 
-from slopekit.core.errors import SlopekitError
 from slopekit.core.orientation import Plane
-from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Strength, Water
 from slopekit.kinds.plane import PlaneDesign
 from slopekit.studies.bench_design.bench import PLANE, WEDGE, Bench, strengths_at
 from slopekit.studies.bench_design.given import BenchInputs
 from slopekit.studies.bench_design.trials import Trials
-from slopekit.studies.points import Point, falls_short, kept_points
+from slopekit.studies.points import Point, both_methods, falls_short, kept_points
 from slopekit.studies.prob.judged import Confirmation, chosen, confirmation_of
 from slopekit.studies.protocol import Workplace
-from slopekit.studies.running import Crew, Journal, Record
+from slopekit.studies.running import Crew, Journal
 
 _MODES = (WEDGE, PLANE)
 
 
-@dataclass(frozen=True, slots=True)
-class Confirmed:
-    """What PRE-IE says.
-
-    Attributes
-    ----------
-    said : over the blocks of all benches
-    doubted : heights and faces of benches in which a block fails by PRE-IE alone, or has no answer of it
-    """
-
-    said: Confirmation
-    doubted: frozenset[tuple[float, float]]
+#: Heights and faces of benches in which a block fails by PRE-IE alone, or has no answer of it.
+Doubted: TypeAlias = frozenset[tuple[float, float]]
 
 
 def confirmed(
     asked: BenchInputs, trials: Trials, benches: Sequence[Bench], crew: Crew, desk: Workplace
-) -> tuple[Confirmed | None, Journal | None]:
+) -> tuple[Confirmation | None, Doubted, Journal | None]:
     """PRE-IE's judgement of the blocks that are chosen; None where none forms, or none is asked for."""
     forms, factor, fails = (
         np.concatenate([getattr(bench, name)[mode] for bench in benches for mode in _MODES])
@@ -47,9 +36,9 @@ def confirmed(
     target, within, seed = asked.number("fos"), asked.near, int(asked.number("seed"))
     index = chosen(forms, factor, target, int(asked.number("confirm")), within, seed)
     if not len(index[0]):
-        return None, None
+        return None, frozenset(), None
     rows = [divmod(int(one), len(trials)) for one in index[0]]
-    keys, strengths = [], strengths_at(asked.ground(0.0), trials)
+    keys, strengths = [], strengths_at(asked, trials)
     for part, trial in rows:
         bench, mode = benches[part // len(_MODES)], _MODES[part % len(_MODES)]
         first, second = int(trials.first[trial]), int(trials.second[trial])
@@ -69,24 +58,13 @@ def confirmed(
         (benches[part // len(_MODES)].height_m, benches[part // len(_MODES)].face_dip_deg)
         for (part, _), key, stood in zip(rows, keys, stands, strict=True) if stood and _is_doubted(points[key], target)
     )  # fmt: skip
-    return Confirmed(said, doubted), journal
+    return said, doubted, journal
 
 
 def _is_doubted(point: Point, target: float) -> bool:
     """Whether PRE-IE does not say that a block stands."""
     factors = point.factors
     return factors is None or factors.status == "not_converged" or falls_short(factors.status, factors.limit, target)
-
-
-def both_methods(design: Design) -> Record:
-    """Both factors of safety of a block as JSON values: what a worker does."""
-    from slopekit.kinds import factors_of
-
-    try:
-        return Point(factors_of(design)).to_record()
-    except SlopekitError as error:
-        fault = error.faults[0]
-        return Point(None, fault.code, fault.message).to_record()
 
 
 def _design(

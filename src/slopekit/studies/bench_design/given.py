@@ -1,9 +1,9 @@
 """What a study of benches is given: the survey with its strengths and sizes, the benches to look at, what counts."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +18,6 @@ from slopekit.design.joint_lists import JointList, joint_list
 from slopekit.design.parts import Seismic
 from slopekit.design.words import between
 from slopekit.kinds.wedge.design import WedgeDesign
-from slopekit.studies.bench_design.bench import BenchSite
 from slopekit.studies.keys import Key
 from slopekit.studies.ranges import parse_values
 from slopekit.studies.surveys import range_of, slope_of, strengths_of_joints
@@ -65,8 +64,9 @@ class BenchInputs:
     joints : the survey; slope : its loads as a wedge design whose joints and face mean nothing
     heights_m, face_dips_deg : of the benches, each with each; berms_m : of each of those, None: the width needed
     toward_deg : dip direction of the faces; toe : one of `TOES`
-    cohesion_kpa, friction_deg, trace_m, spacing_m : (n,) of the joints, see `bench.BenchSite`
-    own : how many joints have c, φ, a trace and a spacing of their own
+    cohesion_kpa, friction_deg, trace_m, spacing_m : (n,) of the joints: strength, how far each runs (inf
+        where nothing is known), spacing of its set (nan likewise)
+    own : how many joints have c and φ of their own
     numbers : by name, those of `_NUMBERS`; None where nothing was said
     every_m : along the bench, by the height of a bench where None
     defaults : names of the inputs that were left out
@@ -83,7 +83,7 @@ class BenchInputs:
     friction_deg: Floats
     trace_m: Floats
     spacing_m: Floats
-    own: tuple[int, int, int, int]
+    own: tuple[int, int]
     numbers: Mapping[str, float | None]
     every_m: float | None
     defaults: tuple[str, ...]
@@ -110,16 +110,18 @@ class BenchInputs:
         width_m = self.numbers["catch"]
         return float(catch_width(height_m)) if width_m is None else width_m
 
-    def ground(self, height_m: float) -> BenchSite:
-        """What the trials are judged with in benches of a height."""
-        water, slope = self.slope.water, self.slope
-        return BenchSite(
-            self.joints.dips_deg, self.joints.dip_directions_deg, self.cohesion_kpa, self.friction_deg, self.trace_m,
-            self.spacing_m, self.toward_deg, slope.rock.unit_weight_kn_m3, slope.water_unit_weight_kn_m3, water.fill,
-            water.pressures_kpa[0] if water.pressures_kpa else None, slope.seismic.coefficient, self.number("lateral"),
-            self.number("lateral_toppling"), self.number("fos"), self.toe == "bench",
-            height_m if self.every_m is None else self.every_m, self.number("swell"), self.number("repose"),
-        )  # fmt: skip
+    def step_m(self, height_m: float) -> float:
+        """How far it is from place to place along a bench of a height."""
+        return height_m if self.every_m is None else self.every_m
+
+    @property
+    def loads(self) -> dict[str, Any]:
+        """Weight, fill of the joints and earthquake, as the closed forms take them."""
+        slope = self.slope
+        return {
+            "unit_weight_kn_m3": slope.rock.unit_weight_kn_m3, "fill": slope.water.fill,
+            "water_unit_weight_kn_m3": slope.water_unit_weight_kn_m3, "seismic": slope.seismic.coefficient,
+        }  # fmt: skip
 
     def to_dict(self) -> dict[str, Any]:
         """All but the joints, as JSON values."""
@@ -129,8 +131,8 @@ class BenchInputs:
             "berms_m": None if self.berms_m is None else list(self.berms_m), "dip_direction_deg": self.toward_deg,
             "cohesion_kpa": range_of(self.cohesion_kpa, self.own[0]),
             "friction_deg": range_of(self.friction_deg, self.own[1]),
-            "traces_known": int(np.isfinite(self.trace_m).sum()), "traces_own": self.own[2],
-            "spacings_known": int(np.isfinite(self.spacing_m).sum()), "spacings_own": self.own[3],
+            "traces_known": int(np.isfinite(self.trace_m).sum()),
+            "spacings_known": int(np.isfinite(self.spacing_m).sum()),
             "unit_weight_kn_m3": slope.rock.unit_weight_kn_m3, "density_kg_m3": slope.rock.density_kg_m3,
             "water": {"mode": water.mode, "fill": water.fill, "pressures_kpa": list(water.pressures_kpa[:1])},
             "water_unit_weight_kn_m3": slope.water_unit_weight_kn_m3, "seismic": slope.seismic.coefficient,
@@ -182,8 +184,8 @@ def bench_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> Benc
     faults.refuse()
     # no fault, so nothing is missing: what follows only tells the type checker
     assert listed is not None and slope is not None and heights and dips and toward is not None  # noqa: PT018
-    traces, own_traces = _sizes(listed, "trace_m", numbers["trace"], np.inf)
-    spacings, own_spacings = _sizes(listed, "spacing_m", numbers["spacing"], np.nan)
+    traces = _sizes([joint.trace_m for joint in listed.joints], numbers["trace"], np.inf)
+    spacings = _sizes([joint.spacing_m for joint in listed.joints], numbers["spacing"], np.nan)
     every = numbers["every"]
     if every is None:
         every = _apart(listed, spacings, toward)
@@ -197,7 +199,7 @@ def bench_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> Benc
         defaults.remove("density")
     return BenchInputs(
         listed, slope, heights, dips, read["berm"] or None, toward, toe, cohesion, friction, traces, spacings,
-        (own_c, own_phi, own_traces, own_spacings), numbers, every, tuple(defaults),
+        (own_c, own_phi), numbers, every, tuple(defaults),
     )  # fmt: skip
 
 
@@ -266,13 +268,10 @@ def _slope(given: Mapping[str, Any], toward: float, option: Callable[[str], str]
     return replace(slope, seismic=Seismic(coefficient, toward if coefficient else None))
 
 
-def _sizes(
-    joints: JointList, name: Literal["trace_m", "spacing_m"], given: float | None, unknown: float
-) -> tuple[Floats, int]:
-    """A size of every joint: its own, else what is given for all; and how many have their own."""
-    own = [joint.trace_m if name == "trace_m" else joint.spacing_m for joint in joints.joints]
+def _sizes(own: Sequence[float | None], given: float | None, unknown: float) -> Floats:
+    """A size of every joint (n,): its own, else what is given for all."""
     other = unknown if given is None else given
-    return np.array([other if value is None else value for value in own]), sum(value is not None for value in own)
+    return np.array([other if value is None else value for value in own])
 
 
 def _apart(joints: JointList, spacings: Floats, toward: float) -> float | None:

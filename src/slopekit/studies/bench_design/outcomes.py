@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import field
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +14,6 @@ from slopekit.studies.bench_design.bench import MODES, Bench
 from slopekit.studies.bench_design.given import BenchInputs
 from slopekit.studies.bench_design.trials import Trials, bootstrapped, share_of
 from slopekit.studies.prob.estimates import Share
-from slopekit.studies.prob.sizes import SizeStatistics
 
 STRETCH_M = 100.0
 PERCENTILES = (0.5, 0.8, 0.9, 0.95, 0.99)
@@ -22,10 +22,10 @@ _CURVE = tuple(k / 100.0 for k in range(101))
 _CALLED = (*MODES, "any")
 
 
-def along_the_bench(values: Floats, weights: Floats | None = None) -> SizeStatistics:
-    """Statistics of values (n,) of places or stretches, n above 0, each as often as its weight."""
+def along_the_bench(values: Floats, weights: Floats | None = None) -> dict[str, Any]:
+    """Mean, quantiles by share and max of values (n,) of places or stretches, each as often as its weight."""
     shares = dict(zip(PERCENTILES, quantiles(values, PERCENTILES, weights), strict=True))
-    return SizeStatistics(float(np.average(values, weights=weights)), shares, float(values.max()))
+    return {"mean": float(np.average(values, weights=weights)), "quantiles": shares, "max": float(values.max())}
 
 
 def quantiles(values: Floats, shares: Sequence[float], weights: Floats | None = None) -> list[float]:
@@ -67,24 +67,6 @@ class OfBerm:
 
 
 @dataclass(frozen=True, slots=True)
-class OfCohesion:
-    """The same bench without cohesion.
-
-    Attributes
-    ----------
-    fails_if_formed, fails : shares of the blocks and of the places, by the words of `MODES` and `any`
-    berm_needed_m : for the reliability wanted
-    decides : whether the answer hangs on cohesion: half or more of what fails without it is held by it, and that is
-        more than the limits of the share with it allow
-    """
-
-    fails_if_formed: Mapping[str, float | None]
-    fails: Mapping[str, float]
-    berm_needed_m: float
-    decides: bool
-
-
-@dataclass(frozen=True, slots=True)
 class OfBench:
     """A height and a face.
 
@@ -92,34 +74,36 @@ class OfBench:
     ----------
     modes : by the words of `MODES`, and `any`: how often a block forms, how often one that forms fails, how often both,
         `forms`, `fails_if_formed` and `fails`
-    backbreak : along the bench, m
-    curve_m : backbreak at 0, 1 ... 100 % of the length; face_curve_deg : the effective face angle likewise, falling
+    backbreak : along the bench, m; as `along_the_bench` has it, as volume and spill
+    curve_m : backbreak at 0, 1 ... 100 % of the length
     effective_face_deg : at the reliability wanted
     volume_m3, crest_lost : on 100 m of bench: what fails, and the part of the crest above it
     spill : where something fails, m
     berm_needed_m : so that the share wanted of the length keeps the catch width; inter_ramp_deg : with that berm
-    bare : without cohesion, None where there is none
+    bare : without cohesion, as `without_cohesion` has it; None where there is none
     """
 
     height_m: float
     face_dip_deg: float
     catch_width_m: float
     modes: Mapping[str, Mapping[str, Share]] = field(metadata={"json": "probability"})
-    backbreak: SizeStatistics = field(metadata={"json": "backbreak_m"})
+    backbreak: Mapping[str, Any] = field(metadata={"json": "backbreak_m"})
     curve_m: tuple[float, ...] = field(metadata={"json": "backbreak_curve_m"})
-    face_curve_deg: tuple[float, ...] = field(metadata={"json": "effective_face_curve_deg"})
     effective_face_deg: float
-    volume_m3: SizeStatistics | None = field(metadata={"json": "volume_per_100_m_m3"})
+    volume_m3: Mapping[str, Any] | None = field(metadata={"json": "volume_per_100_m_m3"})
     crest_lost: float = field(metadata={"json": "share_of_crest_lost"})
-    spill: SizeStatistics | None = field(metadata={"json": "spill_width_m"})
+    spill: Mapping[str, Any] | None = field(metadata={"json": "spill_width_m"})
     berm_needed_m: float
     inter_ramp_deg: float = field(metadata={"json": "inter_ramp_at_berm_needed_deg"})
     berms: tuple[OfBerm, ...] = field(metadata={"json": "reliability"})
-    bare: OfCohesion | None = field(default=None, metadata={"json": "without_cohesion"})
+    bare: Mapping[str, Any] | None = field(default=None, metadata={"json": "without_cohesion"})
 
 
-def of_cohesion(asked: BenchInputs, bench: Bench, of: OfBench) -> OfCohesion:
-    """What is said of a bench judged without cohesion.
+def without_cohesion(asked: BenchInputs, bench: Bench, of: OfBench) -> dict[str, Any]:
+    """What is said of a bench judged without cohesion: shares that fail, the berm needed, whether cohesion decides.
+
+    It decides where half or more of what fails without it is held by it, and that is more than the limits of the share
+    with it allow.
 
     Parameters
     ----------
@@ -131,18 +115,19 @@ def of_cohesion(asked: BenchInputs, bench: Bench, of: OfBench) -> OfCohesion:
         name: float((bad & there).sum() / there.sum()) if there.any() else None
         for name, bad, there in zip(_CALLED, fails, forms, strict=True)
     }
-    steps = steps_of(bench, asked.ground(bench.height_m).every_m)
+    steps = steps_of(bench, asked.step_m(bench.height_m))
     lost = quantiles(bench.setback_m, [asked.number("reliability")], steps)[0]
     given = of.modes["any"]["fails"]
     decides = shares["any"] > given.high and 2.0 * (given.share or 0.0) <= shares["any"]
-    return OfCohesion(among, shares, asked.catch_m(bench.height_m) + lost, decides)
+    needed = asked.catch_m(bench.height_m) + lost
+    return {"fails_if_formed": among, "fails": shares, "berm_needed_m": needed, "decides": decides}
 
 
 def outcome_of(asked: BenchInputs, trials: Trials, bench: Bench) -> OfBench:
     """Everything that is said of one bench."""
     height, face, confidence = bench.height_m, bench.face_dip_deg, asked.number("confidence")
     wanted, catch = asked.number("reliability"), asked.catch_m(height)
-    lost, steps = bench.setback_m, steps_of(bench, asked.ground(height).every_m)
+    lost, steps = bench.setback_m, steps_of(bench, asked.step_m(height))
     loss_at = quantiles(lost, [wanted], steps)[0]
     needed = catch + loss_at
     berms = (needed,) if asked.berms_m is None else asked.berms_m
@@ -170,7 +155,7 @@ def outcome_of(asked: BenchInputs, trials: Trials, bench: Bench) -> OfBench:
     curve = quantiles(lost, _CURVE, steps)
     return OfBench(
         height, face, catch, modes, along_the_bench(lost, steps), tuple(curve),
-        tuple(effective_face_angle(height, face, curve).tolist()), float(effective_face_angle(height, face, loss_at)),
+        float(effective_face_angle(height, face, loss_at)),
         along_the_bench(volumes) if len(volumes) else None, crest_lost,
         along_the_bench(bench.spill_m[failed]) if failed.any() else None, needed,
         float(inter_ramp_angle(height, face, needed)),

@@ -10,30 +10,31 @@ trials -> what forms and fails in each bench -> shares, backbreak, volume, berms
 """
 
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import field, replace
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from slopekit.core.codec import record_of
+from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design.joint_lists import JointList
 from slopekit.studies.bench_design.bench import bench_of
-from slopekit.studies.bench_design.confirmed import Confirmed, confirmed
+from slopekit.studies.bench_design.confirmed import Doubted, confirmed
 from slopekit.studies.bench_design.given import BenchInputs, bench_inputs
-from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, of_cohesion, outcome_of
+from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, outcome_of, without_cohesion
 from slopekit.studies.bench_design.trials import drawn_trials
+from slopekit.studies.prob.judged import Confirmation, confirmation_notices
 from slopekit.studies.protocol import DESK, Argument, Jobs, Option, Scheduler, StudyOutcome, Workplace, documented
-from slopekit.studies.running import Journal, checked_crew, crew_in_words
+from slopekit.studies.running import Journal, checked_crew
 from slopekit.studies.surveys import Columns, Convention, SkipBad, left_out, survey_head
 
 _FEW = 30  # joints: below it, a survey says little of its sets
 
 
-def notices_of(asked: BenchInputs, benches: Sequence[OfBench], checked: Confirmed | None) -> Iterator[Notice]:
+def notices_of(asked: BenchInputs, benches: Sequence[OfBench], said: Confirmation | None) -> Iterator[Notice]:
     """Yield what a reader must know of the survey, of the options and of what was not counted."""
     yield from left_out(asked.joints)
     n = len(asked.joints)
@@ -69,9 +70,9 @@ def notices_of(asked: BenchInputs, benches: Sequence[OfBench], checked: Confirme
             "anything fails: no place keeps it; a wider berm, or a catch width of your own (--catch)"
         )
         yield Notice("W394", message)
-    wider = [bench for bench in benches if any(bench.backbreak.most > berm.berm_m for berm in bench.berms)]
+    wider = [bench for bench in benches if any(bench.backbreak["max"] > berm.berm_m for berm in bench.berms)]
     if wider:
-        worst = max(bench.backbreak.most for bench in wider)
+        worst = max(bench.backbreak["max"] for bench in wider)
         message = (
             f"in {len(wider)} of {len(benches)} benches some places lose more than the whole berm (up "
             f"to {number(round(worst, 1))} m): the bench above, which would come along, is left out"
@@ -85,30 +86,23 @@ def notices_of(asked: BenchInputs, benches: Sequence[OfBench], checked: Confirme
         yield Notice(
             "W395", "toppling columns are judged by their weight alone: water and earthquake do not act on them"
         )
-    if checked is None:
-        return
-    said = checked.said
-    if said.unsafe:
-        yield Notice("W353", f"{said.unsafe} of the {said.samples} blocks that PRE-IE looked at fail by it and stand "
-                     "by the closed form: moments decide there")  # fmt: skip
-    if said.settled < said.samples:
-        yield Notice("W350", f"PRE-IE gave no answer for {said.samples - said.settled} of the {said.samples} blocks it "
-                     "was asked of: they confirm nothing")  # fmt: skip
+    if said is not None:
+        yield from confirmation_notices(said, "blocks")
 
 
 def _cohesion(benches: Sequence[OfBench]) -> Iterator[Notice]:
     """W422, of the bench in which cohesion holds the most."""
-    hanging = [(bench, bench.bare) for bench in benches if bench.bare is not None and bench.bare.decides]
+    hanging = [(bench, bench.bare) for bench in benches if bench.bare is not None and bench.bare["decides"]]
     if not hanging:
         return
-    bench, bare = max(hanging, key=lambda one: one[1].fails["any"] - (one[0].modes["any"]["fails"].share or 0.0))
+    bench, bare = max(hanging, key=lambda one: one[1]["fails"]["any"] - (one[0].modes["any"]["fails"].share or 0.0))
     of_formed = 100.0 * (bench.modes["any"]["fails_if_formed"].share or 0.0)
     yield Notice(
         "W422",
         f"the answer hangs on cohesion in {len(hanging)} of {len(benches)} benches: at {number(bench.height_m)} m and "
         f"{number(bench.face_dip_deg)}° {of_formed:.3g} % of the blocks that form fail, with c = 0 "
-        f"{100.0 * (bare.fails_if_formed['any'] or 0.0):.3g} %; the berm needed is {bench.berm_needed_m:.3g} m or "
-        f"{bare.berm_needed_m:.3g} m",
+        f"{100.0 * (bare['fails_if_formed']['any'] or 0.0):.3g} %; the berm needed is {bench.berm_needed_m:.3g} m or "
+        f"{bare['berm_needed_m']:.3g} m",
     )
 
 
@@ -126,16 +120,15 @@ class BenchDesigns(StudyOutcome):
     name: ClassVar[str] = "bench-design"
     given: BenchInputs
     benches: tuple[OfBench, ...]
-    checked: Confirmed | None
-    crew: str
+    checked: Confirmation | None
     warnings: tuple[Notice, ...]
-    timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
+    seconds: float = field(default=0.0, compare=False)
     journal: Journal | None = field(default=None, compare=False)
 
     @property
     def charts(self) -> tuple[str, ...]:
-        """Cumulative curves of backbreak, and the table of reliability."""
-        return ("reliability", "backbreak")
+        """Cumulative curves of backbreak."""
+        return ("backbreak",)
 
     def done(self) -> None:
         """Remove what was kept for an interruption: the results are written."""
@@ -173,7 +166,7 @@ class BenchDesigns(StudyOutcome):
     @property
     def exit_code(self) -> int:
         """0 done, 1 no bench is accepted, 4 the methods disagree or PRE-IE did not converge."""
-        if self.checked is not None and self.checked.said.disagree:
+        if self.checked is not None and self.checked.disagree:
             return 4
         return 1 if self.accepted is False else 0
 
@@ -187,8 +180,8 @@ class BenchDesigns(StudyOutcome):
             "best": {name: getattr(best, name) for name in ("height_m", "face_dip_deg", "berm_needed_m")}
             | {"inter_ramp_deg": best.inter_ramp_deg, "reliability": self.given.number("reliability")},
             "accept": self.given.numbers["accept"], "accepted": self.accepted,
-            "pre_ie": None if self.checked is None else record_of(self.checked.said),
-            "timing_s": dict(self.timing_s),
+            "pre_ie": json_of(self.checked),
+            "timing_s": {"total": self.seconds},
             **self.words(),
         }  # fmt: skip
 
@@ -272,38 +265,30 @@ def bench_design(
     given, began = dict(locals()), time.perf_counter()
     crew = checked_crew(jobs, scheduler)
     asked = bench_inputs(given, desk.named)
-    read = time.perf_counter()
     trials = drawn_trials(asked.joints, int(asked.number("n")), int(asked.number("seed")), asked.toe == "anywhere")
     sizes = [(height, dip) for height in asked.heights_m for dip in asked.face_dips_deg]
-    benches = [bench_of(asked.ground(height), trials, height, dip) for height, dip in sizes]
-    judged = time.perf_counter()
+    benches = [bench_of(asked, trials, height, dip) for height, dip in sizes]
     outcomes = [outcome_of(asked, trials, bench) for bench in benches]
     if asked.has_cohesion:
-        bare = [
-            bench_of(replace(asked.ground(height), cohesion_kpa=np.zeros(len(asked.joints))), trials, height, dip)
-            for height, dip in sizes
+        without = replace(asked, cohesion_kpa=np.zeros(len(asked.joints)))
+        bare = [bench_of(without, trials, height, dip) for height, dip in sizes]
+        outcomes = [
+            replace(of, bare=without_cohesion(asked, bench, of)) for bench, of in zip(bare, outcomes, strict=True)
         ]
-        outcomes = [replace(of, bare=of_cohesion(asked, bench, of)) for bench, of in zip(bare, outcomes, strict=True)]
-    shares = time.perf_counter()
-    checked, journal = confirmed(asked, trials, benches, crew, desk)
-    outcomes = [accepted(asked, one, checked) for one in outcomes]
-    end = time.perf_counter()
-    times = {
-        "read": read - began, "closed_form": judged - read, "shares": shares - judged, "pre_ie": end - shares,
-        "total": end - began,
-    }  # fmt: skip
+    checked, doubted, journal = confirmed(asked, trials, benches, crew, desk)
+    outcomes = [accepted(asked, one, doubted) for one in outcomes]
     notices = tuple(notices_of(asked, outcomes, checked))
-    study = BenchDesigns(asked, tuple(outcomes), checked, crew_in_words(crew), notices, times, journal)
+    study = BenchDesigns(asked, tuple(outcomes), checked, notices, time.perf_counter() - began, journal)
     if desk.folder is None:
         study.done()
     return study
 
 
-def accepted(asked: BenchInputs, bench: OfBench, checked: Confirmed | None) -> OfBench:
+def accepted(asked: BenchInputs, bench: OfBench, doubted: Doubted) -> OfBench:
     """The bench with what is said of acceptance: the lower limit counts, and that PRE-IE doubts no block of it."""
     least = asked.numbers["accept"]
     if least is None:
         return bench
-    doubted = checked is not None and (bench.height_m, bench.face_dip_deg) in checked.doubted
-    berms = (replace(berm, accepted=not doubted and berm.reliability.low >= least) for berm in bench.berms)
+    is_sure = (bench.height_m, bench.face_dip_deg) not in doubted
+    berms = (replace(berm, accepted=is_sure and berm.reliability.low >= least) for berm in bench.berms)
     return replace(bench, berms=tuple(berms))

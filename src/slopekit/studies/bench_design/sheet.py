@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from typing import Any
 
-from slopekit.core.codec import json_of
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Section, Sheet, Table
 from slopekit.studies.bench_design.bench import MODES
@@ -11,25 +10,27 @@ from slopekit.studies.bench_design.given import UNITS
 from slopekit.studies.bench_design.outcomes import OfBench, OfBerm
 from slopekit.studies.bench_design.run import BenchDesigns
 from slopekit.studies.prob.estimates import Share
-from slopekit.studies.surveys import codes_of, head, inputs_in_words, records_table, survey_entry
+from slopekit.studies.prob.judged import confirmation_words
+from slopekit.studies.surveys import codes_of, head, inputs_in_words, survey_entry
 
 
 def sheet_of(study: BenchDesigns) -> Sheet:
     """The sheet of a study of benches."""
+    fails, backbreak, needed, berms = _fails(study), _backbreak(study), _needed(study), _berms(study)
+    every = {column.key: column for table in (fails, backbreak, needed) for column in table.columns}
     return Sheet(head("bench-design", study.joints, study.given.input_hash()), (
         Section("SURVEY", [survey_entry(study.joints)]),
         Section("INPUTS", inputs_in_words(study.given.to_dict(), study.given.defaults, UNITS)),
-        Section("FAILS", [_OF_PLACES, _fails(study)]),
-        Section("BACKBREAK", [_backbreak_said(study), _backbreak(study)]),
-        Section("BERMS", [_OF_BERMS, _berms(study)] if study.given.berms_m is not None else []),
-        Section("NEEDED", [_needed_said(study), _needed(study)]),
+        Section("FAILS", [_OF_PLACES, fails]),
+        Section("BACKBREAK", [_backbreak_said(study), backbreak]),
+        Section("BERMS", [_OF_BERMS, berms] if study.given.berms_m is not None else []),
+        Section("NEEDED", [_needed_said(study), needed]),
         Section("BEST", _best(study)),
-        Section("PRE-IE", _pre_ie(study)),
-        Section("TIME", [f"{study.timing_s['total']:.1f} s, {study.crew}"]),
+        Section("PRE-IE", ["not asked, or no wedge and no plane forms"] if study.checked is None
+                else confirmation_words(study.checked, "blocks", study.given.number("fos"))),
+        Section("TIME", [f"{study.seconds:.1f} s"]),
         Section("NOTE", [str(notice) for notice in study.warnings]),
-    ), {
-        "benches.csv": records_table(json_of(study.benches)), "berms.csv": records_table(json_of(study.berms)),
-    })  # fmt: skip
+    ), {"benches.csv": Table(list(every.values()), study.benches), "berms.csv": berms})  # fmt: skip
 
 
 def line_of(study: BenchDesigns) -> str:
@@ -37,7 +38,7 @@ def line_of(study: BenchDesigns) -> str:
     best, wanted = study.best, study.given.number("reliability")
     said = "" if study.accepted is None else "  ACCEPTED" if study.accepted else "  NOT ACCEPTED"
     checked = study.checked
-    agree = "" if checked is None else f"  PRE-IE agrees on {checked.said.agree} of {checked.said.samples}"
+    agree = "" if checked is None else f"  PRE-IE agrees on {checked.agree} of {checked.samples}"
     steepest = study.steepest_accepted
     line = (
         f"steepest accepted: {_in_words(steepest)}{agree}{said}"
@@ -89,18 +90,18 @@ def _backbreak(study: BenchDesigns) -> Table[OfBench]:
     """Distributions: of the crest, of the face, of the volume."""
 
     def at(share: float) -> Callable[[OfBench], Any]:
-        return lambda row: row.backbreak.quantiles[share]
+        return lambda row: row.backbreak["quantiles"][share]
 
     return Table([
         *_size_columns(),
-        Column("mean", lambda row: row.backbreak.mean, "backbreak_mean_m", "m", ".2f", 8),
+        Column("mean", lambda row: row.backbreak["mean"], "backbreak_mean_m", "m", ".2f", 8),
         *(Column(f"{100 * share:.0f} %", at(share), f"backbreak_{100 * share:.0f}_m", "m", ".2f", 7)
           for share in (0.8, 0.9, 0.95)),
-        Column("most", lambda row: row.backbreak.most, "backbreak_max_m", "m", ".2f", 8),
+        Column("most", lambda row: row.backbreak["max"], "backbreak_max_m", "m", ".2f", 8),
         Column("face left", lambda row: row.effective_face_deg, "effective_face_deg", "°", ".1f", 11),
-        Column("m³", lambda row: row.volume_m3.mean if row.volume_m3 else None, "volume_per_100_m_mean_m3", "m³", ".0f",
-               8),
-        Column("95 %", lambda row: row.volume_m3.quantiles[0.95] if row.volume_m3 else None,
+        Column("m³", lambda row: row.volume_m3["mean"] if row.volume_m3 else None, "volume_per_100_m_mean_m3", "m³",
+               ".0f", 8),
+        Column("95 %", lambda row: row.volume_m3["quantiles"][0.95] if row.volume_m3 else None,
                "volume_per_100_m_95_m3", "m³", ".0f", 8),
         Column("lost", lambda row: 100.0 * row.crest_lost, "crest_lost_percent", "%", ".1f", 7),
     ], study.benches)  # fmt: skip
@@ -168,23 +169,6 @@ def _in_words(berm: OfBerm) -> str:
         f"{number(berm.height_m)} m at {number(berm.face_dip_deg)}°, berm {berm.berm_m:.2f} m, inter-ramp "
         f"{berm.inter_ramp_deg:.1f}°"
     )
-
-
-def _pre_ie(study: BenchDesigns) -> list[str]:
-    if study.checked is None:
-        return ["not asked, or no wedge and no plane forms"]
-    said = study.checked.said
-    largest = "" if said.largest is None else f", largest difference {100.0 * said.largest:.2g} %"
-    rows = [
-        f"{said.samples} blocks: {said.at_random} at random, {said.near} within "
-        f"{number(100.0 * said.within)} % of the target",
-        f"{said.agree} agree, {said.disagree} disagree, {said.not_compared} not compared{largest}",
-        f"judged otherwise: {said.unsafe} fail by PRE-IE alone, {said.safe} by the closed form alone; of those at "
-        f"random {said.other_at_random}, at most {number(float(f'{100.0 * said.other_at_most:.2g}'))} % of all",
-    ]  # fmt: skip
-    if said.governed:
-        rows.append(f"moments govern in {said.governed} of {said.at_random} at random")
-    return rows
 
 
 _OF_PLACES = "per cent of the places: a block forms, and fails; topple: columns"

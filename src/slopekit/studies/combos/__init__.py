@@ -1,5 +1,5 @@
 """Every pair of a joint survey as a wedge in a slope."""
 
-from slopekit.studies.combos.run import Combos, PairCheck, Target, combos
+from slopekit.studies.combos.run import Combos, PairCheck, combos
 
-__all__ = ["Combos", "PairCheck", "Target", "combos"]
+__all__ = ["Combos", "PairCheck", "combos"]

@@ -49,21 +49,6 @@ _NO_CORNER = OUTCOMES.index("E206")
 _AT_ONCE = 1 << 18  # pairs: 4.5 million at a time would take gigabytes
 
 
-@dataclass(frozen=True, slots=True)
-class PairShapes(Fitted):
-    """Pairs of joints as wedges within the limits of size.
-
-    Attributes
-    ----------
-    first, second : (m,) indices of the joints, in the order in which the height is that of the first one's trace
-    height_m : (m,) of that trace at the wedge's own size, 0 or less where neither trace climbs to the crest
-    """
-
-    first: Ints
-    second: Ints
-    height_m: Floats
-
-
 def crest_offset(face: Plane, upper: Plane, height_m: float) -> float:
     """Offset of the upper slope from the toe of a wedge: normal · x at the crest.
 
@@ -82,37 +67,17 @@ def crest_offset(face: Plane, upper: Plane, height_m: float) -> float:
     return offset
 
 
-def pair_shapes(
-    joints: JointList, first: Ints, second: Ints, face: Plane, upper: Plane, height_m: float, limits: SizeLimits
-) -> PairShapes:
-    """The size of the wedge of every pair; of pairs that cut no wedge it means nothing.
-
-    Parameters
-    ----------
-    first, second : (m,) indices of the joints; height_m : vertical, up the dip of the face from the toe to the crest
-
-    Raises
-    ------
-    GeometryError
-        As `crest_offset`.
-    """
-    offset = crest_offset(face, upper, height_m)
+def _ordered(joints: JointList, first: Ints, second: Ints, slope: WedgeDesign) -> tuple[Ints, Ints, Floats]:
+    """Pairs (m,) in the order in which the first joint's trace climbs to the crest, where one does, and its height."""
+    offset = crest_offset(slope.face, slope.upper, slope.height_m)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        traces = np.cross(joints.normals(), face.normal())
-        climb = traces @ upper.normal()
+        traces = np.cross(joints.normals(), slope.face.normal())
+        climb = traces @ slope.upper.normal()
         flat = (np.abs(climb) < SAME_DIRECTION) | (np.abs(traces[:, 2]) < SAME_DIRECTION)
         heights = (traces * np.where(flat, 0.0, offset / climb)[:, None])[:, 2]
     swap = (heights[first] <= 0.0) & (heights[second] > 0.0)
     one, two = np.where(swap, second, first), np.where(swap, first, second)
-    dips, ways = joints.dips_deg, joints.dip_directions_deg
-    sizes = wedge_sizes(
-        dips[one], ways[one], dips[two], ways[two], face.dip_deg, face.dip_direction_deg, upper.dip_deg,
-        upper.dip_direction_deg, height_m, up_the_face=True,
-    )  # fmt: skip
-    fitted = within(limits, sizes)
-    return PairShapes(
-        fitted.sizes, fitted.scale, fitted.by, fitted.why, one, two, heights[one] * fitted.scale,
-    )  # fmt: skip
+    return one, two, heights[one]
 
 
 def _crest_point(face: Plane, height_m: float) -> Floats:
@@ -261,17 +226,20 @@ def _top(value: object, option: str) -> int | None:
 
 
 @dataclass(frozen=True, slots=True)
-class JointPairs:
-    """Every pair of the list, (m,) each.
+class JointPairs(Fitted):
+    """Every pair of the list as a wedge within the limits of size, (m,) each; where it cuts none they mean nothing.
 
     Attributes
     ----------
-    shapes : the joints of each pair, its height and scale
+    first, second : indices of the joints, in the order in which the height is that of the first one's trace
+    height_m : of that trace at the wedge's own size, 0 or less where neither trace climbs to the crest
     outcome : index into `PAIR_OUTCOMES`; factor : of the closed form, nan unless the wedge slides
     volume_m3, trend_deg, plunge_deg : of the wedge at its size and its line of intersection, nan where there is none
     """
 
-    shapes: PairShapes
+    first: Ints
+    second: Ints
+    height_m: Floats
     outcome: NDArray[np.int8]
     factor: Floats
     volume_m3: Floats
@@ -328,16 +296,21 @@ def _part(
     joints: JointList, slope: WedgeDesign, limits: SizeLimits, cohesion: Floats, friction: Floats, first: Ints,
     second: Ints,
 ) -> JointPairs:  # fmt: skip
-    shapes = pair_shapes(joints, first, second, slope.face, slope.upper, slope.height_m, limits)
-    one, two = shapes.first, shapes.second
-    climbs = shapes.height_m > 0.0
-    dips, ways = joints.dips_deg, joints.dip_directions_deg
+    one, two, height = _ordered(joints, first, second, slope)
+    dips, ways, face, upper = joints.dips_deg, joints.dip_directions_deg, slope.face, slope.upper
+    sizes = wedge_sizes(
+        dips[one], ways[one], dips[two], ways[two], face.dip_deg, face.dip_direction_deg, upper.dip_deg,
+        upper.dip_direction_deg, slope.height_m, up_the_face=True,
+    )  # fmt: skip
+    fitted = within(limits, sizes)
+    height = height * fitted.scale
+    climbs = height > 0.0
     wedges = hoek_bray_wedges(
         WedgeArrays(
             joint1_dip_deg=dips[one], joint1_dip_direction_deg=ways[one], joint2_dip_deg=dips[two],
             joint2_dip_direction_deg=ways[two], face_dip_deg=slope.face.dip_deg,
             face_dip_direction_deg=slope.face.dip_direction_deg, upper_dip_deg=slope.upper.dip_deg,
-            upper_dip_direction_deg=slope.upper.dip_direction_deg, height_m=np.where(climbs, shapes.height_m, 1.0),
+            upper_dip_direction_deg=slope.upper.dip_direction_deg, height_m=np.where(climbs, height, 1.0),
             cohesion1_kpa=cohesion[one], cohesion2_kpa=cohesion[two], friction1_deg=friction[one],
             friction2_deg=friction[two], unit_weight_kn_m3=slope.rock.unit_weight_kn_m3, fill=slope.water.fill,
             pressures_kpa=slope.water.pressures_kpa[:2], water_unit_weight_kn_m3=slope.water_unit_weight_kn_m3,
@@ -347,6 +320,9 @@ def _part(
     outcome, volume = wedges.outcome.copy(), wedges.volume_m3
     outcome[~climbs & (outcome < _STATUSES)] = _NO_CORNER
     for why, becomes in ((1, TOO_LARGE), (2, TOO_SMALL)):
-        outcome[(outcome < _STATUSES) & (shapes.why == why)] = becomes
+        outcome[(outcome < _STATUSES) & (fitted.why == why)] = becomes
     factor = np.where(np.isin(outcome, _SLIDES), wedges.factor, np.nan)
-    return JointPairs(shapes, outcome, factor, volume, *wedges.line_trend_plunge_deg())
+    return JointPairs(
+        fitted.sizes, fitted.scale, fitted.by, fitted.why, one, two, height, outcome, factor, volume,
+        *wedges.line_trend_plunge_deg(),
+    )  # fmt: skip

@@ -11,23 +11,22 @@
 import time
 from collections.abc import Mapping
 from dataclasses import field, replace
-from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
 from slopekit.core.arrays import Bools
-from slopekit.core.codec import json_of, record_of
+from slopekit.core.codec import json_of
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import Plane
-from slopekit.core.records import dataclass
+from slopekit.core.records import dataclass, names_of
 from slopekit.design.joint_lists import JointList
 from slopekit.kinds.protocol import Factors
-from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.kinds.wedge.limits import LIMITED_BY
 from slopekit.studies.combos.pairs import NEVER, PAIR_OUTCOMES, JointPairs, PairInputs, evaluated, pair_inputs
+from slopekit.studies.points import UNSETTLED, Point, both_methods, kept_points
 from slopekit.studies.protocol import DESK, Jobs, Option, Scheduler, StudyOutcome, Workplace, documented
-from slopekit.studies.running import Crew, Journal, checked_crew, run_all
+from slopekit.studies.running import Crew, checked_crew
 from slopekit.studies.surveys import AFace, AJointList, Columns, Convention, SkipBad, left_out, survey_head
 
 _NOTHING_HOLDS = ("lifted", "falls", "topples")
@@ -82,28 +81,6 @@ class PairCheck(Factors):
         }  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
-class Target:
-    """What lies below a factor of safety.
-
-    Attributes
-    ----------
-    below : pairs; judged_by_pre_ie : of the removable pairs, those for which PRE-IE counts: of the others the closed
-        form does; by_pre_ie_only : below by PRE-IE, not by the closed form
-    largest_m3, median_m3 : volumes of the pairs below, None of none
-    removable, pairs : how many there are
-    """
-
-    fos: float
-    below: int
-    judged_by_pre_ie: int
-    by_pre_ie_only: int
-    largest_m3: float | None = field(metadata={"json": "largest_volume_m3"})
-    median_m3: float | None = field(metadata={"json": "median_volume_m3"})
-    removable: int = field(metadata={"json": None})
-    pairs: int = field(metadata={"json": None})
-
-
 @dataclass(frozen=True, slots=True, repr=False)
 class Combos(StudyOutcome):
     """A survey's pairs against a slope.
@@ -130,7 +107,7 @@ class Combos(StudyOutcome):
         """0 done, 1 pairs below the target, 4 the methods disagree or PRE-IE did not converge."""
         if any(pair.is_in_doubt for pair in self.worst):
             return 4
-        return 1 if self.target is not None and self.target.below else 0
+        return 1 if self.target is not None and self.target["below"] else 0
 
     @property
     def joints(self) -> JointList:
@@ -157,19 +134,23 @@ class Combos(StudyOutcome):
         return is_below
 
     @property
-    def target(self) -> Target | None:
-        """What lies below the target, None without one."""
-        if self.given.target is None:
-            return None
+    def target(self) -> dict[str, Any] | None:
+        """What lies `below` the target `fos`, None without one; volumes are None where nothing does.
+
+        `judged_by_pre_ie`: of the removable pairs, those for which PRE-IE counts: of the others the closed form does;
+        `by_pre_ie_only`: below by PRE-IE, not by the closed form.
+        """
         fos = self.given.target
+        if fos is None:
+            return None
         below = self.below(fos)
         volumes = self.pairs.volume_m3[below]
-        largest, median = (float(volumes.max()), float(np.median(volumes))) if len(volumes) else (None, None)
-        by_pre_ie_only = int((below & ~self.pairs.fails(fos)).sum())
-        judged = sum(not pair.is_in_doubt for pair in self.worst)
-        return Target(
-            fos, int(below.sum()), judged, by_pre_ie_only, largest, median, self.removable, len(self.pairs)
-        )  # fmt: skip
+        return {
+            "fos": fos, "below": int(below.sum()), "judged_by_pre_ie": sum(not one.is_in_doubt for one in self.worst),
+            "by_pre_ie_only": int((below & ~self.pairs.fails(fos)).sum()),
+            "largest_volume_m3": float(volumes.max()) if len(volumes) else None,
+            "median_volume_m3": float(np.median(volumes)) if len(volumes) else None,
+        }  # fmt: skip
 
     @property
     def warnings(self) -> tuple[Notice, ...]:
@@ -201,10 +182,10 @@ class Combos(StudyOutcome):
             "counts": self.counts,
             "removable": self.removable,
             "scaled_down": {
-                name.replace(" ", "_"): int((self.pairs.is_removable & (self.pairs.shapes.by == kind)).sum())
+                name.replace(" ", "_"): int((self.pairs.is_removable & (self.pairs.by == kind)).sum())
                 for kind, name in enumerate(LIMITED_BY) if name
             },
-            "target": json_of(self.target),
+            "target": self.target,
             "worst": json_of(self.worst),
             "pre_ie": {
                 "pairs": len(self.worst), "agree": sum(pair.agree is True for pair in self.worst),
@@ -299,36 +280,32 @@ def _looked_at(asked: PairInputs, pairs: JointPairs, crew: Crew, desk: Workplace
     """PRE-IE on the worst, or on all; what is done is kept in a journal until all are."""
     chosen = pairs.ranked()[: asked.top]
     joints, cohesion, friction = asked.joints.joints, asked.cohesion_kpa, asked.friction_deg
-    one, two = pairs.shapes.first, pairs.shapes.second
+    one, two = pairs.first, pairs.second
     designs = [
         replace(
             asked.slope, joints=(joints[a].plane, joints[b].plane), joint_names=(joints[a].name, joints[b].name),
-            height_m=float(pairs.shapes.height_m[k]),
+            height_m=float(pairs.height_m[k]),
             strengths=asked.slope.with_c_and_phi(cohesion[[a, b]].tolist(), friction[[a, b]].tolist()),
         )
         for k, a, b in zip(chosen, one[chosen], two[chosen], strict=True)
     ]  # fmt: skip
-    journal = Journal.of(desk.folder or Path.cwd(), "combos", asked.input_hash(), streamed=desk.folder is not None)
-    with desk.bar("PRE-IE", len(designs)) as advance:
-        records = run_all(both_methods, designs, crew, journal=journal, advance=advance)
+    points, journal = kept_points(both_methods, designs, crew, desk, "combos", "PRE-IE", asked.input_hash())
     journal.remove()
     checks = tuple(
         PairCheck(
-            **record, index=int(k), names=design.joint_names, planes=design.joints, height_m=design.height_m,
-            volume_m3=float(pairs.volume_m3[k]), face_width_m=float(pairs.shapes.sizes.face_width_m[k]),
-            setback_m=float(pairs.shapes.sizes.setback_m[k]), scale=float(pairs.shapes.scale[k]),
-            limited_by=LIMITED_BY[pairs.shapes.by[k]], trend_deg=float(pairs.trend_deg[k]),
+            **_said_of(point), index=int(k), names=design.joint_names, planes=design.joints, height_m=design.height_m,
+            volume_m3=float(pairs.volume_m3[k]), face_width_m=float(pairs.sizes.face_width_m[k]),
+            setback_m=float(pairs.sizes.setback_m[k]), scale=float(pairs.scale[k]),
+            limited_by=LIMITED_BY[pairs.by[k]], trend_deg=float(pairs.trend_deg[k]),
             plunge_deg=float(pairs.plunge_deg[k]),
         )
-        for k, design, record in zip(chosen, designs, records, strict=True)
+        for k, design, point in zip(chosen, designs, points, strict=True)
     )  # fmt: skip
     return tuple(sorted(checks, key=PairCheck.severity)) if asked.top is None else checks
 
 
-def both_methods(design: WedgeDesign) -> dict[str, Any]:
-    """Both factors of safety of a wedge as JSON values: what a worker does."""
-    from slopekit.kinds import factors_of
-
-    factors = factors_of(design)
-    settled = factors.settled and factors.status != "not_converged"
-    return record_of(factors) | {"closed_status": factors.closed_status or "", "settled": settled}
+def _said_of(point: Point) -> dict[str, Any]:
+    """What both methods say of a pair; one that broke is not settled."""
+    factors = point.factors or Factors(UNSETTLED, None, "", None, None, None, False, False)
+    settled = factors.settled and factors.status != UNSETTLED
+    return {name: getattr(factors, name) for name in names_of(Factors)} | {"settled": settled}

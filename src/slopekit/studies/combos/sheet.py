@@ -11,7 +11,7 @@ from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted, f
 from slopekit.kinds.wedge.limits import LIMITED_BY
 from slopekit.kinds.words import size_number
 from slopekit.studies.combos.pairs import NOT_REMOVABLE, PAIR_OUTCOMES
-from slopekit.studies.combos.run import Combos, PairCheck, Target
+from slopekit.studies.combos.run import Combos, PairCheck
 from slopekit.studies.surveys import codes_of, head, inputs_in_words, survey_entry
 
 _WHY = {
@@ -54,7 +54,7 @@ def line_of(combos: Combos) -> str:
         first = combos.worst[0]
         parts.append(f"worst {' x '.join(first.names)} {first.status} {factor_text(first.factor).strip()}")
     if combos.target is not None:
-        parts.append(f"{combos.target.below} below {combos.target.fos:g} by {_judges(combos.target)}")
+        parts.append(f"{combos.target['below']} below {combos.target['fos']:g} by {_judges(combos)}")
     if combos.worst:
         parts.append(_agreement(combos).split(";")[0])
     return "  ".join([*parts, *codes_of(combos.warnings)])
@@ -62,7 +62,7 @@ def line_of(combos: Combos) -> str:
 
 def _every_pair(combos: Combos) -> Table[int]:
     """Every pair, the removable ones first and ranked; the worst are shown."""
-    pairs, shapes, joints = combos.pairs, combos.pairs.shapes, combos.joints.joints
+    pairs, joints = combos.pairs, combos.joints.joints
     looked = {pair.index: pair for pair in combos.worst}
     is_wedge = pairs.volume_m3 > 0.0
     ranked = [*looked, *(k for k in pairs.ranked().tolist() if k not in looked)]
@@ -79,8 +79,8 @@ def _every_pair(combos: Combos) -> Table[int]:
 
     return Table([
         Column("joints", lambda k: looked[k].names, show=_names, width=-2 * _NAME - 3),
-        Column("first joint", of_joint(shapes.first), "joint1"),
-        Column("second joint", of_joint(shapes.second), "joint2"),
+        Column("first joint", of_joint(pairs.first), "joint1"),
+        Column("second joint", of_joint(pairs.second), "joint2"),
         Column("slides on", lambda k: looked[k].status, show=lambda status: _SHORT.get(status, status), width=-11),
         Column("outcome", lambda k: PAIR_OUTCOMES[pairs.outcome[k]], "outcome"),
         Column("closed form", factor, "fos_closed_form", show=factor_text, width=11, exact=".9g"),
@@ -88,14 +88,14 @@ def _every_pair(combos: Combos) -> Table[int]:
                exact=".9g"),
         Column("", lambda k: _mark(looked[k]), width=3),
         Column("m³", of_wedge(pairs.volume_m3), "volume_m3", "m³", ".4g", 9, ".6g"),
-        Column("H1 m", of_wedge(shapes.height_m), "height_m", "m", ".4g", 10, ".6g"),
+        Column("H1 m", of_wedge(pairs.height_m), "height_m", "m", ".4g", 10, ".6g"),
         Column("line", lambda k: f"{pairs.trend_deg[k] % 360.0:03.0f}/{pairs.plunge_deg[k]:.1f}", width=12),
         Column("trend", of_wedge(pairs.trend_deg), "trend", "°", exact=".4f"),
         Column("plunge", of_wedge(pairs.plunge_deg), "plunge", "°", exact=".4f"),
-        Column("setback m", of_wedge(shapes.sizes.setback_m), "setback_m", "m", exact=".6g"),
-        Column("face width m", of_wedge(shapes.sizes.face_width_m), "face_width_m", "m", exact=".6g"),
-        Column("scale", of_wedge(shapes.scale), "scale", exact=".6g"),
-        Column("made smaller by", lambda k: LIMITED_BY[shapes.by[k]] if is_wedge[k] else "", "limited_by"),
+        Column("setback m", of_wedge(pairs.sizes.setback_m), "setback_m", "m", exact=".6g"),
+        Column("face width m", of_wedge(pairs.sizes.face_width_m), "face_width_m", "m", exact=".6g"),
+        Column("scale", of_wedge(pairs.scale), "scale", exact=".6g"),
+        Column("made smaller by", lambda k: LIMITED_BY[pairs.by[k]] if is_wedge[k] else "", "limited_by"),
     ], ranked + np.flatnonzero(~pairs.is_removable).tolist(), shown,
         f"and {left} more in combos.json" if left > 0 else "")  # fmt: skip
 
@@ -135,31 +135,30 @@ _PLURAL = {
 
 def _target(combos: Combos) -> list[str]:
     """What lies below, and whose count that is."""
-    target = combos.target
+    target, removable = combos.target, combos.removable
     if target is None:
         return []
-    by_closed_form = target.removable - target.judged_by_pre_ie
-    whose = f"counted by {_judges(target)}"
-    if by_closed_form:
-        some = f"PRE-IE for {target.judged_by_pre_ie} of them, the closed form for the other {by_closed_form}, which"
-        whose = f"counted by {some if target.judged_by_pre_ie else 'the closed form alone, which'} knows no moments: "
+    fos, below, by_pre_ie = target["fos"], target["below"], target["judged_by_pre_ie"]
+    whose = f"counted by {_judges(combos)}"
+    if by_pre_ie < removable:
+        some = f"PRE-IE for {by_pre_ie} of them, the closed form for the other {removable - by_pre_ie}, which"
+        whose = f"counted by {some if by_pre_ie else 'the closed form alone, which'} knows no moments: "
         whose += "--top all asks PRE-IE of every removable pair"
-    if not target.below:
-        return [f"FoS {target.fos:g}: MET, none of {target.removable} removable pairs lies below", whose]
-    head = f"FoS {target.fos:g}: NOT MET, {target.below} of {target.removable} removable pairs lie below"
-    share = f"{100 * target.below / target.removable:.1f} %; {100 * target.below / target.pairs:.1f} % of all"
-    by = f", {target.by_pre_ie_only} by PRE-IE only" if target.by_pre_ie_only else ""
-    volumes = (
-        f"volumes up to {size_number(target.largest_m3 or 0.0)} m³, median {size_number(target.median_m3 or 0.0)} m³"
-    )
-    return [f"{head} ({share}{by})", whose, volumes]
+    if not below:
+        return [f"FoS {fos:g}: MET, none of {removable} removable pairs lies below", whose]
+    head = f"FoS {fos:g}: NOT MET, {below} of {removable} removable pairs lie below"
+    share = f"{100 * below / removable:.1f} %; {100 * below / len(combos.pairs):.1f} % of all"
+    by = f", {target['by_pre_ie_only']} by PRE-IE only" if target["by_pre_ie_only"] else ""
+    largest, median = (size_number(target[f"{which}_volume_m3"]) for which in ("largest", "median"))
+    return [f"{head} ({share}{by})", whose, f"volumes up to {largest} m³, median {median} m³"]
 
 
-def _judges(target: Target) -> str:
+def _judges(combos: Combos) -> str:
     """Whose count it is."""
-    if not target.judged_by_pre_ie:
+    by_pre_ie = sum(not one.is_in_doubt for one in combos.worst)
+    if not by_pre_ie:
         return "the closed form"
-    return "PRE-IE" if target.judged_by_pre_ie == target.removable else "PRE-IE and the closed form"
+    return "PRE-IE" if by_pre_ie == combos.removable else "PRE-IE and the closed form"
 
 
 def _no_worst(combos: Combos) -> Entry:
@@ -201,8 +200,8 @@ def _again(combos: Combos) -> list[str]:
     if not combos.worst:
         return []
     pair, given = combos.worst[0], combos.given
-    slope, a = given.slope, int(combos.pairs.shapes.first[combos.worst[0].index])
-    b = int(combos.pairs.shapes.second[pair.index])
+    slope, a = given.slope, int(combos.pairs.first[combos.worst[0].index])
+    b = int(combos.pairs.second[pair.index])
     own = [
         f"{number(float(values[a]))},{number(float(values[b]))}" for values in (given.cohesion_kpa, given.friction_deg)
     ]

@@ -11,6 +11,7 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.errors import Notice
+from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.evidence import WithoutBasal
 from slopekit.kinds.single_block.closed_forms import ClosedForms
@@ -113,7 +114,7 @@ def also_of(
     without_block : the same of a point, by its number, at which no block forms
     """
     every = [
-        point.factors.also if point.factors is not None
+        point.also if point.factors is not None
         else without_block(row) if point.code.startswith(("E2", "E44")) and point.code not in UNJUDGED else None
         for row, point in enumerate(points)
     ]  # fmt: skip
@@ -230,7 +231,7 @@ class Confirmation:
         return self._verdicts().count(None)
 
     def _verdicts(self) -> list[bool | None]:
-        return [None if point.factors is None else point.factors.agree for point in self.points]
+        return [point.agree for point in self.points]
 
     @property
     def settled(self) -> int:
@@ -283,7 +284,7 @@ def confirmation_of(
     other_at_random = int((other & random).sum())
     factors = [point.factors for point in points if point.factors is not None]
     differences = [both.difference for both in factors if both.difference is not None]
-    governed = np.array([point.factors is not None and point.factors.moments_govern for point in points])
+    governed = np.array([point.moments_govern for point in points], dtype=bool)
     # one-sided: only the upper limit is of interest
     at_most = clopper_pearson(other_at_random, asked_at_random, 2.0 * confidence - 1.0)[1] if asked_at_random else 1.0
     return Confirmation(
@@ -361,25 +362,47 @@ def notices_of(
     if share.count < _RARE and share.of:
         yield Notice("W350", f"{share.count} failures among {share.of} samples: judge by the upper limit, or draw more")
     if confirmation is None:
-        governed = sum(point.factors is not None and point.factors.moments_govern for point in judged.points)
+        governed = sum(point.moments_govern for point in judged.points)
         if governed:
             yield Notice(
                 "W353",
                 f"moments govern in {governed} of {len(samples.values)} samples: the closed form would be too high",
             )
         return
+    yield from confirmation_notices(confirmation, "samples")
+
+
+def confirmation_notices(confirmation: Confirmation, called: str) -> Iterator[Notice]:
+    """Yield W350 and W353 of what PRE-IE says beside the closed form; `called`: what it was asked of."""
     open_ones = confirmation.samples - confirmation.settled
     if open_ones:
         codes = ", ".join(dict.fromkeys(point.code or "not_converged" for point in confirmation.unsettled))
-        yield Notice("W350", f"PRE-IE gave no answer for {open_ones} of the {confirmation.samples} samples it was "
+        yield Notice("W350", f"PRE-IE gave no answer for {open_ones} of the {confirmation.samples} {called} it was "
                      f"asked of ({codes}): they confirm nothing; the upper limit with PRE-IE's judgement takes "
                      "them for failures")  # fmt: skip
     if confirmation.governed:
         yield Notice(
             "W353",
-            f"moments govern in {confirmation.governed} of {confirmation.at_random} samples at random: there the "
-            "closed form is too high; --by pre-ie asks PRE-IE of every sample",
+            f"moments govern in {confirmation.governed} of {confirmation.at_random} {called} at random: there the "
+            "closed form is too high",
         )
     if confirmation.unsafe:
-        yield Notice("W353", f"{confirmation.unsafe} of {confirmation.samples} samples fail by PRE-IE and stand by "
+        yield Notice("W353", f"{confirmation.unsafe} of {confirmation.samples} {called} fail by PRE-IE and stand by "
                      "the closed form: judge by PRE-IE")  # fmt: skip
+
+
+def confirmation_words(confirmation: Confirmation, called: str, target: float) -> list[str]:
+    """What PRE-IE was asked of, how far the methods agree, and what it judges otherwise than the closed form."""
+    one = confirmation
+    words = [f"{one.agree} agree", f"{one.disagree} DISAGREE" if one.disagree else "0 disagree"]
+    words += [f"{one.not_compared} not compared"] if one.not_compared else []
+    words += [f"{one.samples - one.settled} WITHOUT ANSWER"] if one.unsettled else []
+    largest = "" if one.largest is None else f"; largest difference {one.largest * 100:.2g} %"
+    most = number(float(f"{100.0 * one.other_at_most:.2g}"))
+    return [
+        f"{one.samples} {called}: {one.at_random} at random, all {one.near} within {one.within * 100:g} % of "
+        f"F = {target:g}",
+        f"{', '.join(words)}{largest}; moments govern in {one.governed} of {one.at_random} at random",
+        f"judged otherwise: {one.unsafe} fail by PRE-IE only, {one.safe} by the closed form only; of all {called} at "
+        f"most {most} % (upper limit, from those at random)",
+    ]

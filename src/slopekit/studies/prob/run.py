@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
-from slopekit.core.arrays import Bools
+from slopekit.core.arrays import Bools, Floats
 from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import DesignError, Fault, Faults, Notice, SlopekitError
 from slopekit.core.onlooker import Clock
@@ -25,7 +25,7 @@ from slopekit.evidence import WithoutBasal
 from slopekit.kinds import dilates, kind_of, likely_slips, peak_only
 from slopekit.notices import new_notices, not_as_given
 from slopekit.studies.marginals import checked_limits
-from slopekit.studies.points import Point, kept_points, lower_of, point_of
+from slopekit.studies.points import Point, kept_points, point_of
 from slopekit.studies.prob.bolts import (
     as_laid_out,
     has_heads,
@@ -51,7 +51,6 @@ from slopekit.studies.prob.judged import (
 )
 from slopekit.studies.prob.sampling import METHODS, Method, Samples
 from slopekit.studies.prob.sampling import samples as drawn
-from slopekit.studies.prob.sizes import SampleSizes, sizes_of_samples
 from slopekit.studies.prob.vectorised import Vectorised, vectorised
 from slopekit.studies.protocol import (
     DESK,
@@ -66,13 +65,12 @@ from slopekit.studies.protocol import (
     study,
     whole_number,
 )
-from slopekit.studies.running import Crew, Journal, checked_crew, crew_in_words
+from slopekit.studies.running import Crew, Journal, checked_crew
 
 By = Literal["closed-form", "pre-ie"]
 #: Samples where the closed form does the work, and where PRE-IE has to.
 MANY, FEW = 20_000, 1_000
 _MOST, _MOST_BY_PRE_IE = 5_000_000, 1_000_000
-_MOST_AT_RANDOM = 500  # factors of PRE-IE that a histogram marks
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +108,8 @@ class Probability(StudyOutcome):
     all_samples, forming : the probability of failure among all possible samples, and among those that form a block
     confirmation : what PRE-IE says, None where it was not asked apart
     journals : of a run with a folder, kept until its results are written
-    sizes : how large it is what the samples form; None where it is not known
+    sizes : volume, height, width and setback of each sample (n,) by their keys, nan where none forms; empty where they
+        are not known
     """
 
     name: ClassVar[str] = "prob"
@@ -121,11 +120,10 @@ class Probability(StudyOutcome):
     all_samples: Share
     forming: Share
     confirmation: Confirmation | None
-    crew: str
     of_samples: tuple[Notice, ...]
     timing_s: Mapping[str, float]
     journals: tuple[Journal, ...] = field(default=(), compare=False)
-    sizes: SampleSizes | None = None
+    sizes: Mapping[str, Floats] = field(default_factory=dict)
 
     @property
     def charts(self) -> tuple[str, ...]:
@@ -153,7 +151,7 @@ class Probability(StudyOutcome):
     @cached_property
     def warnings(self) -> tuple[Notice, ...]:
         """What a reader must know: of the samples, and what a run says of the design at its means."""
-        notes = new_notices(() if self.means.factors is None else self.means.factors.notes, self.of_samples)
+        notes = new_notices(self.means.notes, self.of_samples)
         at_means = (Notice(note.code, f"of the design at its means: {note.message}") for note in notes)
         peak = peak_only(self.design, "samples are judged by factors")
         return (*self.of_samples, *at_means, *peak)
@@ -162,6 +160,11 @@ class Probability(StudyOutcome):
     def sensitivities(self) -> tuple[tuple[str, float], ...]:
         """Column and Spearman's coefficient with the factor, the strongest first."""
         return sensitivities(self.samples, self.judged.factor)
+
+    @property
+    def scaled_down(self) -> int:
+        """How many samples limits of size made smaller."""
+        return int((self.sizes["scale"] < 1.0).sum()) if "scale" in self.sizes else 0
 
     def done(self) -> None:
         """Remove what was kept for an interruption: the results are written."""
@@ -259,29 +262,17 @@ class Probability(StudyOutcome):
             "histogram": None if summary is None else {
                 "edges": list(summary.edges), "counts": list(summary.counts), "below": summary.below,
                 "above": summary.above, "failing_without_factor": int((judged.fails & np.isnan(judged.factor)).sum()),
-            } | self._at_random(),
+            },
             "variables": list(self.variables),
             "correlation": [{"between": [a, b], "rank": value} for a, b, value in self.design.correlation],
             "sensitivity": [
                 {"variable": name, "rank_correlation_with_fos": value} for name, value in self.sensitivities
             ],
             "pre_ie": json_of(self.confirmation),
-            "sizes": json_of(self.sizes),
+            "scaled_down": self.scaled_down,
             "defaults": list(self.design.reading.defaults),
             "timing_s": dict(self.timing_s),
             **self.words(),
-        }  # fmt: skip
-
-    def _at_random(self) -> dict[str, Any]:
-        """PRE-IE's factors of samples taken at random, for the histogram: the first ones where they are many."""
-        checked = self.confirmation
-        points = [] if checked is None else [
-            point for point, random in zip(checked.points, checked.random.tolist(), strict=True) if random
-        ][:_MOST_AT_RANDOM]  # fmt: skip
-        levels = [factor for point in points if (factor := lower_of(point, "pre_ie")) is not None]
-        return {
-            "pre_ie_at_random": sorted(factor for factor in levels if 0.0 < factor < np.inf),
-            "pre_ie_without_factor": levels.count(0.0), "pre_ie_samples": len(levels),
         }  # fmt: skip
 
 
@@ -367,7 +358,7 @@ def prob(
         if cracks is not None:
             judged = nowhere(judged, cracks[2])
         of_bolts = without_force(placed, _holding(those, placed, fast), judged.forms)
-        sizes = sizes_of_samples(fast, those.values, judged.forms, judged.fails)
+        sizes = {} if fast is None else fast.sizes(those.values, judged.forms)
     confirmation = None
     if asked.by == "closed-form":
         with clock("confirm"):
@@ -375,7 +366,7 @@ def prob(
     all_samples = share_of(judged.fails, judged.counted, samples.replicate, confidence)
     forming = share_of(judged.fails, judged.counted & judged.forms, samples.replicate, confidence)
     probability = Probability(
-        design, asked, samples, judged, all_samples, forming, confirmation, crew_in_words(crew),
+        design, asked, samples, judged, all_samples, forming, confirmation,
         (*notices_of(asked.target, judged, samples, all_samples, confirmation), *of_bolts,
          *not_as_given(design), *likely_slips(design)), clock.done(), tuple(journals), sizes,
     )  # fmt: skip

@@ -11,12 +11,10 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from slopekit.core.arrays import Floats, NDArray
-from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.records import dataclass
 from slopekit.design.common import Pair
 from slopekit.design.reading.nodes import as_text
-from slopekit.design.scatter.correlation import contradictions
 from slopekit.design.scatter.distributions import Angles, Distribution, Fisher, Variable
 from slopekit.studies.marginals import Marginal, marginal, standard_normal
 from slopekit.studies.prob import sources
@@ -27,9 +25,7 @@ METHODS: tuple[Method, ...] = ("monte-carlo", "latin-hypercube")
 #: Samples of a Monte Carlo block, which is the most of a Latin hypercube.
 BLOCK = 8192
 REPLICATES, FEWEST_IN_REPLICATE, MOST_REPLICATES = 16, 8, 32767
-MOST_SAMPLES = 1_000_000_000
 _PIECE = 4096  # samples whose angles stay in the innermost cache
-_MOST_SEED = 2**63 - 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,24 +75,14 @@ def samples(
 
     Parameters
     ----------
-    correlation : rank correlations between coordinates of the variables (`Variable.coordinates`)
+    correlation : rank correlations between coordinates of the variables (`Variable.coordinates`), as they were read:
+        of these alone, and without contradictions
     n : samples, at least 1. Latin hypercubes divide them among 16 replicates, fewer below 128 samples, more where a
         replicate would pass 8192
     seed : whole number from 0
-
-    Raises
-    ------
-    DesignError
-        E168 for a correlation of what does not scatter, E183 for one that cannot be, E307 for n or seed.
     """
-    faults = _faults_of_numbers(n, seed)
     made, pairs = tuple(variables), tuple(correlation)
     coordinates = [name for variable in made for name in variable.coordinates]
-    unknown = dict.fromkeys(name for pair in pairs for name in pair[:2] if name not in coordinates)
-    faults += [Fault("E168", f"{name} is not a value that scatters in this design") for name in unknown]
-    faults += contradictions(pairs, [f"{a}/{b}" for a, b, _ in pairs], "")
-    if faults:
-        raise DesignError(faults)
     marginals = [one for variable in made for one in _marginals(variable)]
     source = sources.source(method, coordinates, pairs, seed)
     names = tuple(name for variable in made for name in variable.columns)
@@ -122,17 +108,6 @@ def ends_of_blocks(n: int, method: Method) -> list[int]:
     replicates = max(min(REPLICATES, n // FEWEST_IN_REPLICATE), min(-(-n // BLOCK), MOST_REPLICATES), 1)
     size, larger = divmod(n, replicates)
     return [block * size + min(block, larger) for block in range(replicates + 1)]
-
-
-# -- small things -----------------------------------------------------------------------------------------------------
-
-
-def _faults_of_numbers(n: int, seed: int) -> list[Fault]:
-    faults = []
-    for value, name, least, most in ((n, "the number of samples", 1, MOST_SAMPLES), (seed, "the seed", 0, _MOST_SEED)):
-        if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
-            faults.append(Fault("E307", f"{name} is {value}, it is a whole number from {least} to {most}"))
-    return faults
 
 
 def _marginals(variable: Variable) -> Sequence[Marginal]:

@@ -11,7 +11,7 @@ from slopekit.evidence import WithoutBasal
 from slopekit.result import STATUSES
 from slopekit.studies.points import Point
 from slopekit.studies.prob.estimates import Share, Summary
-from slopekit.studies.prob.judged import Confirmation
+from slopekit.studies.prob.judged import confirmation_words
 from slopekit.studies.prob.run import Probability
 from slopekit.studies.words import head, status_words
 
@@ -36,7 +36,7 @@ _SAMPLING = {"monte-carlo": "Monte Carlo", "latin-hypercube": "Latin hypercube"}
 
 def sheet_of(study: Probability) -> Sheet:
     """The sheet of a study of probability."""
-    asked, summary = study.asked, study.summary
+    asked, summary, scaled = study.asked, study.summary, study.scaled_down
     samples = f"{len(study.samples.values)} by {_SAMPLING[asked.method]}, seed {asked.seed}; {study.judged.evaluator}"
     times = "  ".join(f"{name} {value:.3g} s" for name, value in study.timing_s.items())
     return Sheet(head(study.design, "prob"), (
@@ -48,10 +48,10 @@ def sheet_of(study: Probability) -> Sheet:
         Section(f"P(F < {asked.target:g})", [*_leading(study), _probabilities(study)]),
         Section("FoS", [] if summary is None else [_mean(summary, asked.target)]),
         Section("SENSITIVITY", [_matters(study.sensitivities[:_FEW])]),
-        Section("SIZE", _scaled(study)),
+        Section("SIZE", [f"limits of size: {counted(scaled, 'sample')} made smaller"] if scaled else []),
         Section("PRE-IE", _pre_ie(study)[:2], details=_pre_ie(study)[2:]),
         Section("ACCEPT", _accept(study)),
-        Section("TIME", [f"{times}  ({study.crew})"]),
+        Section("TIME", [times]),
         Section("NOTE", [str(notice) for notice in study.warnings]),
     ), {"samples.csv": _every_sample(study)})  # fmt: skip
 
@@ -91,8 +91,7 @@ def _every_sample(study: Probability) -> Table[int]:
         Column("FoS", judged.factor.item, "fos_closed_form" if study.asked.by == "closed-form" else "fos_limit"),
         Column("fails", lambda row: int(judged.fails[row]), "fails"),
     ]
-    if study.sizes is not None:
-        columns += [Column(key, _item_of(column), key) for key, column in study.sizes.columns.items()]
+    columns += [Column(key, _item_of(column), key) for key, column in study.sizes.items()]
     if checked is not None:
         also = dict(zip(checked.index.tolist(), checked.points, strict=True))
         columns += [
@@ -154,11 +153,6 @@ def _leading(study: Probability) -> list[str]:
     return [f"{_percent(lead['probability'])} by {lead['by']} ({low} to {high}); closed form, which is too low here:"]
 
 
-def _scaled(study: Probability) -> list[str]:
-    scaled = 0 if study.sizes is None else study.sizes.scaled
-    return [f"limits of size: {counted(scaled, 'sample')} made smaller"] if scaled else []
-
-
 def _probabilities(study: Probability) -> Table[tuple[Share, str]]:
     def words(row: tuple[Share, str]) -> str:
         share, among = row
@@ -206,32 +200,7 @@ def _pre_ie(study: Probability) -> list[str]:
         return ["every sample is PRE-IE's own"]
     if checked is None:
         return ["not asked: no sample forms a block, or --confirm 0 and none near the target"]
-    return [_asked(checked, study.asked.target), _agreement(checked), _judgement(checked, study)]
-
-
-def _asked(checked: Confirmation, target: float) -> str:
-    return (
-        f"{checked.samples} samples: {checked.at_random} at random, all {checked.near} within "
-        f"{checked.within * 100:g} % of F = {target:g}"
-    )
-
-
-def _agreement(checked: Confirmation) -> str:
-    words = [f"{checked.agree} agree", f"{checked.disagree} DISAGREE" if checked.disagree else "0 disagree"]
-    words += [f"{checked.not_compared} not compared"] if checked.not_compared else []
-    words += [f"{checked.samples - checked.settled} WITHOUT ANSWER"] if checked.unsettled else []
-    largest = "" if checked.largest is None else f"; largest difference {checked.largest * 100:.2g} %"
-    governed = f"moments govern in {checked.governed} of {checked.at_random} at random"
-    return f"{', '.join(words)}{largest}; {governed}"
-
-
-def _judgement(checked: Confirmation, study: Probability) -> str:
-    most = number(float(f"{100.0 * checked.other_at_most:.2g}"))
-    return (
-        f"judged otherwise: {checked.unsafe} fail by PRE-IE only, {checked.safe} by the closed form only; of all "
-        f"samples at most {most} % ({study.asked.confidence * 100:g} % confidence, from "
-        "those at random)"
-    )
+    return confirmation_words(checked, "samples", study.asked.target)
 
 
 def _accept(study: Probability) -> list[str]:

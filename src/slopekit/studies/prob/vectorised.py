@@ -21,7 +21,7 @@ from slopekit.design.parts import Strength
 from slopekit.design.reading.files import with_values
 from slopekit.design.reading.reader import strength_of
 from slopekit.kinds import kind_of
-from slopekit.kinds.single_block.closed_forms import Arguments, ClosedForms, OnArrays, SizesOfMany
+from slopekit.kinds.single_block.closed_forms import Arguments, ClosedForms, OnArrays
 from slopekit.kinds.single_block.held_bolts import held
 from slopekit.kinds.single_block.worst_crack import Lowest, worst_of_many
 from slopekit.studies.prob.bolts import as_laid_out, standing
@@ -63,16 +63,15 @@ class Vectorised:
             closed_forms.names, np.repeat(closed_forms.outcome, count), np.repeat(closed_forms.factor, count)
         )
 
-    def sizes(self, values: Floats) -> SizesOfMany | None:
-        """The sizes of the blocks of every sample."""
-        block_sizes = None if self.on_arrays.sizes is None else self.on_arrays.sizes(self._scattered(values))
-        if block_sizes is None:
-            return None
-        count = len(values)
-        columns = {key: np.broadcast_to(column, count) for key, column in block_sizes.columns.items()}
-        return SizesOfMany(
-            columns, block_sizes.names, np.broadcast_to(block_sizes.by, count), np.broadcast_to(block_sizes.why, count)
-        )
+    def sizes(self, values: Floats, forms: Bools) -> dict[str, Floats]:
+        """The sizes of the blocks of every sample (n,) by their keys, nan where none forms; empty where none are known.
+
+        Parameters
+        ----------
+        forms : (n,) which samples form a block
+        """
+        sizes = None if self.on_arrays.sizes is None else self.on_arrays.sizes(self._scattered(values))
+        return {} if sizes is None else {key: np.where(forms, of, np.nan) for key, of in sizes.columns.items()}
 
     def holds(self, values: Floats) -> Bools:
         """Which bolts (b, n) hold the block of each sample."""

@@ -11,9 +11,9 @@
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import field
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from slopekit.kinds import also_falls_short, dilates, kind_of, notices_of_inputs
 from slopekit.notices import new_notices
 from slopekit.studies.protocol import DESK, ADesign, Argument, Jobs, Option, StudyOutcome, Workplace, number_of, study
 from slopekit.studies.quake.records import Record, read_record, read_records
-from slopekit.studies.quake.six import SETTLED, InSix, RecordSlide, Shaking, SixMotion, shaken_in_six, six_block, slide
+from slopekit.studies.quake.six import SETTLED, WAYS, InSix, RecordSlide, Shaking, shaken_in_six, slide
 from slopekit.studies.quake.yielding import (
     KEY,
     MOST_K,
@@ -49,9 +49,7 @@ _ON = 40  # of them on the way to rest after the end of the record
 _PGA = (1e-4, 10.0)  # g
 _FARTHEST_M = 1000.0  # no slope slides so far while it is shaken
 _SPREAD = 7  # records that a 16th and an 84th percentile ask for: of fewer they lie on the first and the last
-_ALIKE, _ALIKE_M = 0.05, 1e-3  # of a displacement, and m: two models that lie so near agree
 _MOVES_ON = 0.01  # of a displacement, beyond the end of the record
-Way = Literal["as recorded", "reversed"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,46 +81,6 @@ class Shaken:
         return max(self.as_recorded_m, self.reversed_m)
 
 
-@dataclass(frozen=True, slots=True)
-class Motion:
-    """Motion of the block in the record that moves it most, with the polarity that does.
-
-    Attributes
-    ----------
-    acceleration_g : (n,) as it pushes the block, 0 after its end
-    velocity, displacement : (n,) along the sliding, with κ; m/s, m
-    """
-
-    record: str
-    way: Way
-    times_s: Any
-    acceleration_g: Any
-    velocity: Any
-    displacement: Any
-
-    def to_dict(self) -> dict[str, Any]:
-        """As JSON values; of a long one every k-th sample, k under `every`."""
-        every = max(1, math.ceil(len(self.times_s) / _MOST_DRAWN))
-        columns = {"t_s": self.times_s, "a_g": self.acceleration_g, "v_m_s": self.velocity, "d_m": self.displacement}
-        return {"record": self.record, "way": self.way, "every": every} | {
-            name: [float(f"{value:.7g}") for value in column[::every]] for name, column in columns.items()
-        }
-
-
-@dataclass(frozen=True, slots=True)
-class Displacement:
-    """How far the block goes by one model: percentiles over the records of the mean of both polarities, the largest; m.
-
-    All are None where the model has no answer, the 16th and 84th percentile where there are fewer than seven records.
-    """
-
-    model: Literal["six", "one_way"]
-    median_m: float | None
-    largest_m: float | None
-    p16_m: float | None = None
-    p84_m: float | None = None
-
-
 @dataclass(frozen=True, slots=True, repr=False)
 class Quake(StudyOutcome):
     """What earthquakes do to a design.
@@ -131,10 +89,11 @@ class Quake(StudyOutcome):
     ----------
     design : without its own seismic load; toward_deg : where the shaking pushes the block
     yields : by PRE-IE, then by the closed form where there is one
-    shaken : record by record; motion : of the one that moves it most, None where none does
+    shaken : record by record
+    motion : in the record and polarity that move it most, its columns by name: `a_g` as it pushes the block, 0 after
+        its end, `v_m_s` and `d_m` along the sliding, with κ; empty where none moves it
     scale_pga : the peak that all records were scaled to, g
     in_six : in six degrees of freedom, where that was asked for
-    beside_six : the motion one way in the record that slides farthest there
     """
 
     name: ClassVar[str] = "quake"
@@ -142,11 +101,10 @@ class Quake(StudyOutcome):
     toward_deg: float | None
     yields: tuple[Yield, ...]
     shaken: tuple[Shaken, ...]
-    motion: Motion | None
+    motion: Mapping[str, Any]
     scale_pga: float | None
     warnings: tuple[Notice, ...] = ()
     in_six: InSix | None = None
-    beside_six: Motion | None = None
     seconds: float = field(default=0.0, compare=False)
 
     @property
@@ -196,33 +154,24 @@ class Quake(StudyOutcome):
     @property
     def charts(self) -> tuple[str, ...]:
         """Acceleration, velocity and displacement; displacement and turning in six degrees of freedom."""
-        return (*(["six"] if self.in_six is not None else []), *(["motion"] if self.motion is not None else []))
+        return (*(["six"] if self.in_six is not None else []), *(["motion"] if self.motion else []))
 
     @property
-    def one_way(self) -> Displacement:
-        """By the rigid block that slides one way."""
+    def one_way(self) -> dict[str, Any]:
+        """How far the rigid block that slides one way goes: as `leading`."""
         return _displacement("one_way", [one.mean_m for one in self.shaken], [one.larger_m for one in self.shaken])
 
     @property
-    def leading(self) -> Displacement:
-        """By the model that was asked for: in six degrees of freedom where it was, else one way."""
+    def leading(self) -> dict[str, Any]:
+        """How far the block goes by the `model` that was asked for: six degrees of freedom where it was, else one way.
+
+        `median_m`, `p16_m`, `p84_m` over the records of the mean of both polarities, and `largest_m`: None where the
+        model has no answer, the percentiles where there are fewer than seven records.
+        """
         if self.in_six is None:
             return self.one_way
         means = self.in_six.means_m() if self.in_six.is_settled else []
         return _displacement("six", means, [one.slid_m for one in self.six])
-
-    @property
-    def why_apart(self) -> str:
-        """Why six degrees of freedom and sliding one way differ, or that they do not; empty where one has no answer."""
-        ours, other = self.leading.median_m, self.one_way.median_m
-        if self.in_six is None or ours is None or other is None:
-            return ""
-        apart = abs(ours - other)
-        if apart <= max(_ALIKE * max(ours, other), _ALIKE_M):
-            return "both models agree: the block slides one way as a whole"
-        way = "farther" if ours > other else "less far"
-        has_residual = any(strength.residual for strength in kind_of(self.design).strengths(self.design))
-        return f"it goes {way} than the block that slides one way: {', '.join(self.in_six.causes(has_residual))}"
 
     def to_dict(self) -> dict[str, Any]:
         """The study as JSON values."""
@@ -230,9 +179,8 @@ class Quake(StudyOutcome):
             **self.head(self.design),
             "toward_deg": self.toward_deg,
             "scale_pga_g": self.scale_pga,
-            "leading": json_of(self.leading),
-            "beside": None if self.in_six is None else json_of(self.one_way),
-            "why_apart": self.why_apart or None,
+            "leading": self.leading,
+            "beside": None if self.in_six is None else self.one_way,
             "yield": json_of(self.yields),
             "agree": self.agree,
             "moments_govern": self.moments_govern,
@@ -247,35 +195,29 @@ class Quake(StudyOutcome):
                 for one in self.shaken
             ],
             "six": json_of(self.six) or None,
-            "motion": json_of(self.motion),
+            "motion": _thinned(self.motion) if self.motion else None,
             "six_pairs": None if self.in_six is None else {"pairs": self.in_six.pairs, "change": self.in_six.change},
-            "six_motion": None if self.in_six is None else _six_dict(self.in_six.motion, self.beside_six),
+            "six_motion": None if self.in_six is None else _thinned(self.in_six.motion),
             "timing_s": {"total": self.seconds},
             **self.words(),
         }  # fmt: skip
 
 
-def _displacement(model: Literal["six", "one_way"], means: list[float], largest: list[float]) -> Displacement:
-    if not means:
-        return Displacement(model, None, None)
-    low, median, high = np.percentile(means, (16.0, 50.0, 84.0)).tolist()
-    spread = (low, high) if len(means) >= _SPREAD else (None, None)
-    return Displacement(model, median, max(largest), *spread)
+def _displacement(model: str, means: list[float], largest: list[float]) -> dict[str, Any]:
+    low, median, high = np.percentile(means, (16.0, 50.0, 84.0)).tolist() if means else (None, None, None)
+    most, has_spread = max(largest) if means else None, len(means) >= _SPREAD
+    spread = {"p16_m": low if has_spread else None, "p84_m": high if has_spread else None}
+    return {"model": model, "median_m": median, "largest_m": most, **spread}
 
 
-def _six_dict(moves: SixMotion, beside: Motion | None) -> dict[str, Any]:
-    """A motion in six degrees of freedom as JSON values, beside that one way."""
-    every = max(1, math.ceil(len(moves.times_s) / _MOST_DRAWN))
-    columns = {"t_s": moves.times_s} | {
-        name: of[:, k]
-        for of, names in ((moves.moved, ("east_m", "north_m", "up_m")),
-                          (moves.turned_deg, ("about_east_deg", "about_north_deg", "about_up_deg")))
-        for k, name in enumerate(names)
+def _thinned(motion: Mapping[str, Any]) -> dict[str, Any]:
+    """A motion as JSON values; of a long one every k-th sample, k under `every`."""
+    every = max(1, math.ceil(len(motion["t_s"]) / _MOST_DRAWN))
+    columns = {
+        name: [float(f"{value:.7g}") for value in column[::every]]
+        for name, column in motion.items() if not isinstance(column, str)
     }  # fmt: skip
-    one_way = None if beside is None else {name: beside.to_dict()[name] for name in ("t_s", "d_m")}
-    return {"record": moves.record, "way": moves.way, "every": every, "one_way": one_way} | {
-        name: [float(f"{value:.7g}") for value in column[::every]] for name, column in columns.items()
-    }
+    return {"record": motion["record"], "way": motion["way"], "every": every, **columns}
 
 
 def _degrees(text: str, option: str) -> float:
@@ -367,51 +309,45 @@ def quake(
         raise DesignError([Fault("E313", message, "", "Scale the records, all three, by the same number.")])
     static = static_design(design, toward, desk.named("toward"))
     check_stands(static)
-    block = six_block(static, len(taken), others[0], others[1]) if six else None
     with desk.bar("evaluations and records", _ABOUT + (3 if six else 1) * len(taken)) as advance:
+        in_six = shaken_in_six(static, taken, others[0], others[1], advance) if six else None
         yields = yields_of(static, checked_crew(jobs), advance)
         shaken, motion = _shaken(static, yields[0], taken, advance)
-        in_six = None if block is None else shaken_in_six(block, taken, others[0], others[1], advance)
         out = way_out(static, yields[0], advance)
     aside = _into_the_slope(static, yields[0], out) or _off_section(static)
     beside_it = [notice for one in others if one is not None for notice in one.notices]
     warnings = tuple(
         dict.fromkeys((*aside, *beside_it, *_notices(static, yields, shaken, out is None), *_of_six(in_six)))
     )
-    trend = static.seismic.trend_deg
-    beside = None if in_six is None else _beside(in_six.motion, static, yields[0], taken)
-    return Quake(
-        static, trend, yields, shaken, motion, scale_pga, warnings, in_six, beside, time.perf_counter() - began
-    )
+    trend, seconds = static.seismic.trend_deg, time.perf_counter() - began
+    return Quake(static, trend, yields, shaken, motion, scale_pga, warnings, in_six, seconds)
 
 
 def _shaken(
     static: Design, ours: Yield, records: Sequence[Record], advance: Any
-) -> tuple[tuple[Shaken, ...], Motion | None]:
+) -> tuple[tuple[Shaken, ...], dict[str, Any]]:
     """Displacement in every record, both ways, and the motion in the one that moves it most."""
     if ours.coefficient is None:
-        return tuple(Shaken(record, 0.0, 0.0, 0.0, 0.0, 0.0) for record in records), None
+        return tuple(Shaken(record, 0.0, 0.0, 0.0, 0.0, 0.0) for record in records), {}
     limit, factor = ours.coefficient * static.rock.gravity_m_s2, ours.factor or 1.0
     shaken: list[Shaken] = []
     faults = Faults()
-    most: tuple[float, Record, Way, RecordSlide] | None = None
+    farthest, motion = 0.0, dict[str, Any]()
     for record in records:
-        slides = {way: slide(record.times_s, sign * record.accelerations, limit) for way, sign in _WAYS.items()}
+        slides = {way: slide(record.times_s, sign * record.accelerations, limit) for way, sign in WAYS.items()}
         plain = [one.displacement_m for one in slides.values()]
         way = max(slides, key=lambda one: slides[one].displacement_m)
         shaken.append(
             Shaken(record, factor * plain[0], factor * plain[1], plain[0], plain[1], factor * slides[way].after_m)
         )
-        if slides[way].displacement_m > (0.0 if most is None else most[0]):
-            most = slides[way].displacement_m, record, way, slides[way]
+        if slides[way].displacement_m > farthest:
+            farthest = slides[way].displacement_m
+            motion = _motion(record, way, slides[way], limit, factor, static.rock.gravity_m_s2)
         if shaken[-1].larger_m > _FARTHEST_M:
             faults.append(_too_far(shaken[-1], ours.coefficient))
         advance(1)
     faults.refuse()
-    if most is None:
-        return tuple(shaken), None
-    _, record, way, of = most
-    return tuple(shaken), _motion(record, way, of, limit, factor, static.rock.gravity_m_s2)
+    return tuple(shaken), motion
 
 
 def _too_far(one: Shaken, coefficient: float) -> Fault:
@@ -426,29 +362,16 @@ def _too_far(one: Shaken, coefficient: float) -> Fault:
     return Fault("E524", message, record.name, advice)
 
 
-def _beside(moves: SixMotion, static: Design, ours: Yield, records: Sequence[Record]) -> Motion | None:
-    """The motion one way in the record and polarity of a motion in six degrees of freedom."""
-    if ours.coefficient is None:
-        return None
-    record = next(one for one in records if one.name == moves.record)
-    way: Way = "reversed" if moves.way == "reversed" else "as recorded"
-    limit = ours.coefficient * static.rock.gravity_m_s2
-    of = slide(record.times_s, _WAYS[way] * record.accelerations, limit)
-    return _motion(record, way, of, limit, ours.factor or 1.0, static.rock.gravity_m_s2)
-
-
-def _motion(record: Record, way: Way, of: RecordSlide, limit: float, factor: float, gravity: float) -> Motion:
+def _motion(record: Record, way: str, of: RecordSlide, limit: float, factor: float, gravity: float) -> dict[str, Any]:
     """The motion in a record, until the block is at rest."""
-    t, a, v, d = record.times_s, _WAYS[way] * record.accelerations, of.velocity, of.displacement
+    t, a, v, d = record.times_s, WAYS[way] * record.accelerations, of.velocity, of.displacement
     if v[-1] > 0.0:
         x = np.linspace(0.0, v[-1] / limit, _ON + 1)[1:]
         t, a = np.concatenate([t, t[-1] + x]), np.concatenate([a, np.zeros(_ON)])
         d = np.concatenate([d, d[-1] + x * (v[-1] - 0.5 * limit * x)])
         v = np.concatenate([v, v[-1] - limit * x])
-    return Motion(record.name, way, t, a / gravity, factor * v, factor * d)
-
-
-_WAYS: dict[Way, float] = {"as recorded": 1.0, "reversed": -1.0}
+    columns = {"t_s": t, "a_g": a / gravity, "v_m_s": factor * v, "d_m": factor * d}
+    return {"record": record.name, "way": way, **columns}
 
 
 def _into_the_slope(static: Design, ours: Yield, out: tuple[float, float] | None) -> list[Notice]:

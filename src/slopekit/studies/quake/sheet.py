@@ -1,12 +1,12 @@
 """The sheet of earthquakes: yield coefficient by both methods, displacements record by record."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from operator import attrgetter, itemgetter
 from typing import Any
 
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Section, Sheet, Table, counted, factor_text
-from slopekit.studies.quake.run import Displacement, Motion, Quake, Shaken
+from slopekit.studies.quake.run import Quake, Shaken
 from slopekit.studies.quake.six import Shaking, springs_in_words
 from slopekit.studies.quake.yielding import Yield, shown_k
 from slopekit.studies.words import METHODS, head, status_words
@@ -25,7 +25,7 @@ def sheet_of(quake: Quake) -> Sheet:
         Section("RECORDS", [f"{counted(len(quake.shaken), 'record')}{scaled}; toward {toward}, and reversed"]),
         Section("NOW", [_now(quake)]),
         Section("YIELD", [*(_yield(quake, one) for one in quake.yields), *_agree(quake)], hang=14),
-        Section("SIX", [*_leading(quake), _six(quake), *_six_notes(quake)] if quake.six else []),
+        Section("SIX", [_leading(quake), _six(quake), *_six_notes(quake)] if quake.six else []),
         Section("SLIDES", [*_beside(quake), records]),
         Section("OVERALL", _overall(quake.leading)),
         Section("MODEL", [_model(quake)]),
@@ -37,7 +37,7 @@ def sheet_of(quake: Quake) -> Sheet:
 def _files(quake: Quake, records: Table[Any]) -> dict[str, Table[Any]]:
     """Whole tables by the names of their files."""
     six = {"six.csv": _six(quake)} if quake.six else {}
-    motion = {} if quake.motion is None else {"motion.csv": _motion(quake.motion)}
+    motion = {"motion.csv": _motion(quake.motion)} if quake.motion else {}
     return {"quake.csv": records, **six, **motion}
 
 
@@ -55,17 +55,16 @@ def line_of(quake: Quake) -> str:
     return "  ".join([*parts, *dict.fromkeys(notice.code for notice in quake.warnings)])
 
 
-def _moves(displacement: Displacement) -> str:
+def _moves(displacement: Mapping[str, Any]) -> str:
     """Median and largest displacement in words."""
-    if displacement.median_m is None or displacement.largest_m is None:
+    if displacement["median_m"] is None:
         return "no displacement, a step did not settle (W464)"
-    return f"median {_centimetres(displacement.median_m)} cm, most {_centimetres(displacement.largest_m)} cm"
+    return f"median {_centimetres(displacement['median_m'])} cm, most {_centimetres(displacement['largest_m'])} cm"
 
 
-def _leading(quake: Quake) -> list[str]:
-    """What six degrees of freedom say, what sliding one way says, and why they differ."""
-    lead = f"{_moves(quake.leading)} in six degrees of freedom; one way, rigid: {_moves(quake.one_way)}"
-    return [lead, *([quake.why_apart] if quake.why_apart else [])]
+def _leading(quake: Quake) -> str:
+    """What six degrees of freedom say, and what sliding one way says."""
+    return f"{_moves(quake.leading)} in six degrees of freedom; one way, rigid: {_moves(quake.one_way)}"
 
 
 def _beside(quake: Quake) -> list[str]:
@@ -144,11 +143,11 @@ def _cut(name: str, width: int = _NAME) -> str:
     return name if len(name) < width else f"{name[:kept]}…{name[-kept:]}"
 
 
-def _overall(lead: Displacement) -> list[str]:
+def _overall(lead: Mapping[str, Any]) -> list[str]:
     """The spread over the records, where they are enough."""
-    if lead.p16_m is None or lead.p84_m is None:
+    if lead["p16_m"] is None:
         return []
-    low, high = _centimetres(lead.p16_m), _centimetres(lead.p84_m)
+    low, high = _centimetres(lead["p16_m"]), _centimetres(lead["p84_m"])
     return [f"16th percentile {low} cm, {_moves(lead)}, 84th percentile {high} cm"]
 
 
@@ -206,10 +205,10 @@ def _model(quake: Quake) -> str:
     )
 
 
-def _motion(motion: Motion) -> Table[Any]:
+def _motion(motion: Mapping[str, Any]) -> Table[Any]:
     """Every sample of the record that moves it most."""
-    rows = list(zip(motion.times_s, motion.acceleration_g, motion.velocity, motion.displacement, strict=True))
     names = (("t_s", "s"), ("a_g", "g"), ("v_m_s", "m/s"), ("d_m", "m"))
+    rows = list(zip(*(motion[name] for name, _ in names), strict=True))
     return Table([Column(name, _cell(k), name, unit, exact=".9g") for k, (name, unit) in enumerate(names)], rows)
 
 

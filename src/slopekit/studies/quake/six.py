@@ -7,11 +7,12 @@ its lowest, and stops where V is back there. Nothing is stepped.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
-from slopekit.core.arrays import Floats, frozen
+from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
@@ -90,7 +91,7 @@ SETTLED = 0.01
 _SLIDES = 1e-3  # m: what slides less does not ask for finer ones
 _MOST_REFINED = 4  # times that the parts of the joints are split
 _MOST_PAIRS = 2000
-_TURNS_DEG = 0.05  # a rotation that is a cause, not the give of the springs
+_COLUMNS = ("east_m", "north_m", "up_m", "about_east_deg", "about_north_deg", "about_up_deg")
 #: Polarities by their names.
 WAYS = {"as recorded": 1.0, "reversed": -1.0}
 
@@ -124,51 +125,21 @@ class Shaking:
 
 
 @dataclass(frozen=True, slots=True)
-class SixMotion:
-    """The motion of the block in six degrees of freedom, against bedrock from rest before the shaking.
-
-    Attributes
-    ----------
-    times_s : (m,); moved : (m, 3) m east, north, up, of the centroid; turned_deg : (m, 3) about these axes
-    """
-
-    record: str
-    way: str
-    times_s: Floats
-    moved: Floats
-    turned_deg: Floats
-
-
-@dataclass(frozen=True, slots=True)
-class SixBlock:
-    """The block of a design, and the ways (translations,) that its shaking pushes: toward, to the right of that, up.
-
-    `finer` makes its node pairs finer: None where there are none, or it does not come to rest on them.
-    """
-
-    block: ShakenBlock
-    made: Cut
-    ways: tuple[Floats, Floats, Floats]
-    finer: Callable[[int], ShakenBlock | None]
-
-
-@dataclass(frozen=True, slots=True)
 class InSix:
     """What the records do to the block in six degrees of freedom.
 
     Attributes
     ----------
-    shaken : each record in both polarities; motion : in the one that slides farthest
+    shaken : each record in both polarities
+    motion : in the one that slides farthest, its columns by name: of the centroid east, north, up, and about these axes
     pairs : node pairs; change : what the last refinement of them did to the strongest record's sliding, in parts of
         it, None where none was made
-    components : which further records shake it, across or vertical
     """
 
     shaken: tuple[Shaking, ...]
-    motion: SixMotion
+    motion: Mapping[str, Any]
     pairs: int
     change: float | None
-    components: tuple[str, ...] = ()
 
     @property
     def is_settled(self) -> bool:
@@ -180,68 +151,57 @@ class InSix:
         slid = [one.slid_m for one in self.shaken]
         return [0.5 * (first + second) for first, second in zip(slid[::2], slid[1::2], strict=True)]
 
-    def causes(self, has_residual: bool) -> list[str]:
-        """What the block does in six degrees of freedom that one sliding one way does not, in words."""
-        most = {name: max(getattr(one, name) for one in self.shaken) for name in ("opened", "debonded", "rotation_deg")}
-        words = [f"the {' and '.join(self.components)} shaking acts here alone"] if self.components else []
-        if has_residual:
-            words.append("joints that have slipped keep their residual strength alone")
-        if most["debonded"]:
-            words.append(f"{100.0 * most['debonded']:.3g} % of the area of the joints opens and loses its cohesion")
-        elif most["opened"]:
-            words.append(f"{100.0 * most['opened']:.3g} % of the area of the joints is open at once")
-        if most["rotation_deg"] >= _TURNS_DEG:
-            words.append(f"the block turns by {most['rotation_deg']:.2g}°")
-        return words or ["the springs of its joints give as the shaking turns round"]
-
     @property
     def percent(self) -> str:
         """The change in percent, two digits; empty where none was made."""
         return "" if self.change is None else number(float(f"{100.0 * self.change:.2g}"))
 
 
-def six_block(static: Design, records: int, across: Record | None, vertical: Record | None) -> SixBlock:
-    """The block of a design at rest on its springs.
+def shaken_in_six(
+    static: Design, records: Sequence[Record], across: Record | None, vertical: Record | None,
+    advance: Callable[[int], None],
+) -> InSix:  # fmt: skip
+    """Every record in both polarities, on node pairs that are fine enough for the strongest of them.
 
     Raises
     ------
     DesignError
         E313 components that do not go together, E288 a design that has no such block.
     """
-    if (across is not None or vertical is not None) and records != 1:
-        message = f"--across and --vertical belong to one record, {records} are given"
+    if (across is not None or vertical is not None) and len(records) != 1:
+        message = f"--across and --vertical belong to one record, {len(records)} are given"
         raise DesignError([Fault("E313", message, "", "Run each earthquake by itself.")])
-    at_rest = _block_of(static)
-    if across is not None and at_rest.block.translations == 2:
+    made, on_pairs = _blocks_of(static)
+    block = on_pairs(made.refine)
+    if block is None:
+        raise _none("on its springs it does not come to rest without an earthquake")
+    if across is not None and block.translations == 2:
         raise DesignError([Fault("E313", "a section does not move across itself: --across says nothing of it")])
-    return at_rest
-
-
-def shaken_in_six(
-    of: SixBlock, records: Sequence[Record], across: Record | None, vertical: Record | None,
-    advance: Callable[[int], None],
-) -> InSix:  # fmt: skip
-    """Every record in both polarities, on node pairs that are fine enough for the strongest of them."""
+    ways = _ways(static, made, block.translations)
     strongest = max(records, key=lambda one: one.pga_g)
-    block, known, change = _settled(of, _components(strongest, across, vertical, of.ways))
-    shaken: list[Shaking] = []
-    most: tuple[float, SixMotion] | None = None
+    block, known, change = _settled(block, made.refine, on_pairs, _components(strongest, across, vertical, ways))
+    shaken, motions = list[Shaking](), list[Mapping[str, Any]]()
     for record in records:
-        pushes = _components(record, across, vertical, of.ways)
+        pushes = _components(record, across, vertical, ways)
         for way, sign in WAYS.items():
             out = known[way] if record is strongest else shake(block, _STEP, sign * pushes)
-            motion = _in_space(record, way, out, block, of.made)
-            shaken.append(_said(motion, out))
-            if most is None or shaken[-1].slid_m > most[0]:
-                most = shaken[-1].slid_m, motion
+            moved, turned = _in_space(out, block, made)
+            shaken.append(_said(record.name, way, moved[-1], turned[-1], out))
+            columns = zip(_COLUMNS, np.hstack([moved, turned]).T, strict=True)
+            motions.append({"record": record.name, "way": way, "t_s": out.times, **dict(columns)})
             advance(1)
-    assert most is not None  # there is a record
-    components = (*(["across"] if across is not None else []), *(["vertical"] if vertical is not None else []))
-    return InSix(tuple(shaken), most[1], len(block.area), change, components)
+    farthest = max(range(len(shaken)), key=lambda k: shaken[k].slid_m)
+    return InSix(tuple(shaken), motions[farthest], len(block.area), change)
 
 
-def _settled(of: SixBlock, pushes: Floats) -> tuple[ShakenBlock, dict[str, Shake], float | None]:
+def _settled(
+    block: ShakenBlock, refined: int, on_pairs: Callable[[int], ShakenBlock | None], pushes: Floats
+) -> tuple[ShakenBlock, dict[str, Shake], float | None]:
     """The block on node pairs that finer ones no longer change, its motions, and what the last refinement did.
+
+    Parameters
+    ----------
+    refined : how often its node pairs are refined; on_pairs : the block on finer ones, None where it does not rest
 
     Where a joint opens at a corner the pair there loses the cohesion of all its area: few pairs lose too much or too
     little.
@@ -250,10 +210,10 @@ def _settled(of: SixBlock, pushes: Floats) -> tuple[ShakenBlock, dict[str, Shake
     def shaken(block: ShakenBlock) -> dict[str, Shake]:
         return {way: shake(block, _STEP, sign * pushes) for way, sign in WAYS.items()}
 
-    block, motions = of.block, shaken(of.block)
+    motions = shaken(block)
     change: float | None = None
-    for level in range(of.made.refine + 1, _MOST_REFINED + 1):
-        finer = of.finer(level)
+    for level in range(refined + 1, _MOST_REFINED + 1):
+        finer = on_pairs(level)
         if finer is None or not len(block.area) < len(finer.area) <= _MOST_PAIRS:
             break
         after = shaken(finer)
@@ -263,7 +223,7 @@ def _settled(of: SixBlock, pushes: Floats) -> tuple[ShakenBlock, dict[str, Shake
         slid = [[_slid(one[way], block) for one in (before, motions)] for way in WAYS]
         change = max(abs(a - b) / max(a, b, _SLIDES) for a, b in slid)
         opens = any(one.opened or one.debonded for one in motions.values())
-        if change < SETTLED and (level > of.made.refine + 1 or not opens):
+        if change < SETTLED and (level > refined + 1 or not opens):
             break
     return block, motions, change
 
@@ -297,9 +257,10 @@ def _velocity_at(record: Record, times: Floats) -> Floats:
     return np.where(times >= t[-1], record.ground_velocity[-1], velocity)
 
 
-def _block_of(static: Design) -> SixBlock:
+def _blocks_of(static: Design) -> tuple[Cut, Callable[[int], ShakenBlock | None]]:
+    """The block of a design, and how it is on node pairs refined so often: None where it does not come to rest."""
     kind = kind_of(static)
-    made, shaken = cut(static), cut(with_values(static, {KEY: 1.0}))
+    made = cut(static)
     if not isinstance(made, Cut):
         raise _none("several blocks: six degrees of freedom are those of one")
     model = made.scene_at(made.refine).model
@@ -328,13 +289,16 @@ def _block_of(static: Design) -> SixBlock:
         finer = model if level == made.refine else made.scene_at(level).model
         return shaken_block(finer, mass, inertia * (mass / volume), _springs(static), residual)
 
-    block = on_pairs(made.refine)
-    if block is None:
-        raise _none("on its springs it does not come to rest without an earthquake")
-    toward = (shaken.loads.parts["seismic"] - made.loads.parts["seismic"]) / weight
+    return made, on_pairs
+
+
+def _ways(static: Design, made: Cut, translations: int) -> tuple[Floats, Floats, Floats]:
+    """The ways (translations,) that the shaking pushes: toward, to the right of that, up."""
+    shaken = cut(with_values(static, {KEY: 1.0}))
+    toward = (shaken.loads.parts["seismic"] - made.loads.parts["seismic"]) / -made.loads.parts["weight"][2]
     right, up = np.array([toward[1], -toward[0], 0.0]), np.array([0.0, 0.0, 1.0])
-    in_plane = [0, 2] if block.translations == 2 else [0, 1, 2]
-    return SixBlock(block, made, (toward[in_plane], right[in_plane], up[in_plane]), on_pairs)
+    in_plane = [0, 2] if translations == 2 else [0, 1, 2]
+    return toward[in_plane], right[in_plane], up[in_plane]
 
 
 def _springs(static: Design) -> JointStiffness:
@@ -354,18 +318,17 @@ def _none(why: str) -> DesignError:
     return DesignError([Fault("E288", f"--six has no answer for this design: {why}", "", "Leave --six out.")])
 
 
-def _in_space(record: Record, way: str, out: Shake, block: ShakenBlock, made: Cut) -> SixMotion:
+def _in_space(out: Shake, block: ShakenBlock, made: Cut) -> tuple[Floats, Floats]:
+    """How the centroid moves, m east, north, up, and how the block turns about these axes, degrees: (m, 3) each."""
     moved, turned = np.zeros((len(out.times), 3)), np.zeros((len(out.times), 3))
     section = block.translations == 2
     moved[:, [0, 2] if section else [0, 1, 2]] = out.motion[:, : block.translations]
     turned[:, [1] if section else [0, 1, 2]] = out.motion[:, block.translations :]
-    moved, turned = moved @ made.axes, turned @ made.axes
-    return SixMotion(record.name, way, out.times, frozen(moved), frozen(np.degrees(turned)))
+    return moved @ made.axes, np.degrees(turned @ made.axes)
 
 
-def _said(motion: SixMotion, out: Shake) -> Shaking:
-    last, turned = motion.moved[-1], motion.turned_deg[-1]
+def _said(record: str, way: str, moved: Floats, turned: Floats, out: Shake) -> Shaking:
     return Shaking(
-        motion.record, motion.way, last, math.sqrt(float(last @ last)), math.sqrt(float(turned @ turned)),
-        out.slipped, out.opened, out.debonded, out.steps, out.halved, out.ended, float(out.times[-1]), out.work,
+        record, way, moved, math.sqrt(float(moved @ moved)), math.sqrt(float(turned @ turned)), out.slipped,
+        out.opened, out.debonded, out.steps, out.halved, out.ended, float(out.times[-1]), out.work,
     )  # fmt: skip

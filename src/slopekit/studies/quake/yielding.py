@@ -135,7 +135,7 @@ def check_stands(static: Design) -> None:
         said = f"{point.code} {point.message}" if point.code else said
         fault = Fault("E520", f"the design has no factor of safety without an earthquake: {said}")
         raise (NoConvergenceError if ends == UNSETTLED else DesignError)([fault])
-    also = None if point.factors is None else point.factors.also
+    also = point.also
     if before > 1.0 and also is not None and also.falls_short(1.0):
         message = f"the slope does not stand without an earthquake: {also.WHAT}: {also.in_words()}{also.ALONE}"
         raise DesignError([Fault("E520", message, "", "Give it strength or support that holds it first.")])
@@ -159,8 +159,8 @@ def yields_of(static: Design, crew: Crew, advance: Advance) -> tuple[Yield, ...]
     if yields and yields[0].method == "pre_ie":
         at_answer = solution.answer is not None and solution.answer.value == yields[0].coefficient
         notes = solution.answer.notes if solution.answer is not None and at_answer else ()
-        if yields[0].coefficient is None and solution.before.factors is not None:
-            notes = tuple(solution.before.factors.notes)
+        if yields[0].coefficient is None:
+            notes = tuple(solution.before.notes)
         yields[0] = replace(yields[0], notes=notes)
     if len(yields) > 1 and yields[1].coefficient is None and yields[0].coefficient is not None:
         at = point_of(static, {KEY: yields[0].coefficient})
@@ -185,8 +185,7 @@ def _yield_by(static: Design, solution: Solution, method: Method, advance: Advan
         roots = [one for one in (*answers.roots, *answers.others) if one.value > 0.0]
         first = min(roots, key=lambda one: one.value, default=None)
         k, status = (None, "") if first is None else (first.value, first.status)
-        if first is not None and first.both.factors is not None:
-            agree = first.both.factors.agree
+        agree = None if first is None else first.both.agree
         if first is not None and first.how != "root" and first not in answers.roots and method == "pre_ie":
             (_, stands), (_, falls) = first.bracket
             why = f"moments open a joint there, the factor of safety jumps from {stands:.3g} to {falls:.3g}"

@@ -10,6 +10,7 @@ from slopekit.studies.sets.sizes import metres
 
 _MOST_SCATTER_DEG = 45.0  # that a bench takes
 _MOST_K = 1e6
+_ANGLES = ("dip", "dip_direction")
 
 
 def bench_block(joint_sets: JointSets) -> str:
@@ -41,10 +42,9 @@ def scatter_block(joint_sets: JointSets) -> str:
             lines.append(f"  {_key(one.name)}: {{plane: {_plane(one)}}}")
             continue
         k = number(float(f"{one.axes.k:.3g}"))
-        if one.axes.is_elongated and not math.isnan(one.angles.dip_direction_sd_deg):
-            angles = one.angles
-            dip = f"{{dist: normal, mean: {angles.dip_mean_deg:.1f}, sd: {angles.dip_sd_deg:.1f}}}"
-            way = f"{{dist: normal, mean: {angles.dip_direction_mean_deg:.1f}, sd: {angles.dip_direction_sd_deg:.1f}}}"
+        if one.axes.is_elongated and not math.isnan(one.angles["dip_direction_sd_deg"]):
+            normals = ((one.angles[f"{angle}_mean_deg"], one.angles[f"{angle}_sd_deg"]) for angle in _ANGLES)
+            dip, way = (f"{{dist: normal, mean: {mean:.1f}, sd: {sd:.1f}}}" for mean, sd in normals)
             lines.append(f"  {_key(one.name)}: {{plane: {{dip: {dip}, dip_direction: {way}}}}}  # Fisher's K {k}")
         else:
             lines.append(f"  {_key(one.name)}: {{plane: {{dist: fisher, mean: {_plane(one)}, k: {k}}}}}")

@@ -27,7 +27,7 @@ from slopekit.studies.axes import Axes, axes_of, terzaghi_weights
 from slopekit.studies.kinematic.criteria import planes_of_poles
 from slopekit.studies.protocol import DESK, Option, StudyOutcome, Workplace, documented, whole_number
 from slopekit.studies.sets.clustering import MOST_SETS, Clusters, best, clusters_of
-from slopekit.studies.sets.sizes import Lengths, Traces, spacings_of, traces_of
+from slopekit.studies.sets.sizes import Lengths, spacings_of, traces_of, whole_traces
 from slopekit.studies.surveys import (
     MOST_JOINTS,
     AJointList,
@@ -39,27 +39,9 @@ from slopekit.studies.surveys import (
 )
 
 BIAS_ANGLE_DEG = 15.0
-_FEW = 10  # joints of a set below which its K says little
 CONFIDENCE = 0.95  # of the limits and cones of means
 _SEED = 1
-_CLOSE = 6.0  # difference of BIC up to which two numbers of sets are hard to tell apart (Kass & Raftery 1995: strong)
 SHARES = (0.68, 0.95)  # of joints within the cones of variability
-
-
-@dataclass(frozen=True, slots=True)
-class SetAngles:
-    """Dip and dip direction of the joints of a set, each by itself; turned over at the vertical, not folded back.
-
-    Attributes
-    ----------
-    dip_sd_deg, dip_direction_sd_deg : standard deviations, nan of one joint; the second also of a flat set, whose dip
-        directions go all round
-    """
-
-    dip_mean_deg: float
-    dip_sd_deg: float
-    dip_direction_mean_deg: float
-    dip_direction_sd_deg: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,17 +52,22 @@ class FoundSet:
     ----------
     members : its joints, by their number in the list
     axes : mean, scatter and shape of its poles
-    plane : the mean; angles : dip and dip direction by themselves
+    plane : the mean
+    angles : mean and standard deviation of dip and of dip direction by themselves, turned over at the vertical, not
+        folded back; nan of one joint, the last also of a flat set, whose dip directions go all round
     spacing, trace : where the list has such columns
+    ended, whole_mean_m : of the traces, as `whole_traces` has them
     """
 
     name: str
     members: Ints
     axes: Axes
     plane: Plane
-    angles: SetAngles
+    angles: Mapping[str, float]
     spacing: Lengths | None
-    trace: Traces | None
+    trace: Lengths | None
+    ended: int | None
+    whole_mean_m: float | None
 
     @property
     def rounded(self) -> Plane:
@@ -89,7 +76,9 @@ class FoundSet:
 
     def to_dict(self) -> dict[str, Any]:
         """The set as JSON values."""
-        axes = self.axes
+        axes, trace = self.axes, None
+        if self.trace is not None:
+            trace = {"measured": self.trace, "ended": self.ended, "whole_mean_m": self.whole_mean_m}
         record: dict[str, Any] = json_of({
             "set": self.name, "joints": len(self.members), "counts_as": axes.joints, "plane": str(tenths(self.plane)),
             "dip_deg": self.plane.dip_deg, "dip_direction_deg": self.plane.dip_direction_deg,
@@ -98,7 +87,7 @@ class FoundSet:
             "cone_of_mean_deg": axes.cone_deg,
             "variability_deg": {f"{share:.0%}": axes.cone_of(share) for share in SHARES},
             "scatter_deg": axes.scatter_deg,
-            "elongated": axes.is_elongated, "angles": self.angles, "spacing": self.spacing, "trace": self.trace,
+            "elongated": axes.is_elongated, "angles": self.angles, "spacing": self.spacing, "trace": trace,
         })  # fmt: skip
         return record
 
@@ -339,10 +328,11 @@ def _found(name: str, members: Ints, joints: JointList, poles: Floats, weights: 
     return FoundSet(
         name, members, axes, plane, _angles(poles[members], weights[members] * joints.quantities[members], axes, plane),
         spacings_of(own, axes.mean, None if line is None else line.vector(), CONFIDENCE), traces_of(own, CONFIDENCE),
+        *whole_traces(own),
     )  # fmt: skip
 
 
-def _angles(poles: Floats, weights: Floats, axes: Axes, plane: Plane) -> SetAngles:
+def _angles(poles: Floats, weights: Floats, axes: Axes, plane: Plane) -> dict[str, float]:
     """Dips and dip directions about the mean, each pole on the side of the mean."""
     up = np.where((poles @ axes.mean)[:, None] < 0.0, poles, -poles)
     dips = np.degrees(np.arctan2(np.hypot(up[:, 0], up[:, 1]), up[:, 2]))
@@ -350,13 +340,14 @@ def _angles(poles: Floats, weights: Floats, axes: Axes, plane: Plane) -> SetAngl
     off = (ways - plane.dip_direction_deg + 180.0) % 360.0 - 180.0
     part = weights / weights.sum()
     dip, way = float(part @ dips), float(part @ off)
-    if axes.joints <= 1.0:
-        return SetAngles(dip, math.nan, plane.dip_direction_deg, math.nan)
-    bessel = axes.joints / (axes.joints - 1.0)
-    dip_sd = math.sqrt(bessel * float(part @ (dips - dip) ** 2))
-    flat = not plane.dip_deg > 2.0 * axes.scatter_deg
-    way_sd = math.nan if flat else math.sqrt(bessel * float(part @ (off - way) ** 2))
-    return SetAngles(dip, dip_sd, (plane.dip_direction_deg + (0.0 if flat else way)) % 360.0, way_sd)
+    flat, alone = not plane.dip_deg > 2.0 * axes.scatter_deg, axes.joints <= 1.0
+    bessel = math.nan if alone else axes.joints / (axes.joints - 1.0)
+    off_mean = 0.0 if flat or alone else way
+    return {
+        "dip_mean_deg": dip, "dip_sd_deg": math.sqrt(bessel * float(part @ (dips - dip) ** 2)),
+        "dip_direction_mean_deg": (plane.dip_direction_deg + off_mean) % 360.0,
+        "dip_direction_sd_deg": math.nan if flat else math.sqrt(bessel * float(part @ (off - way) ** 2)),
+    }  # fmt: skip
 
 
 def _plane(pole: Floats) -> Plane:
@@ -367,17 +358,3 @@ def _plane(pole: Floats) -> Plane:
 def tenths(plane: Plane) -> Plane:
     """A plane rounded to tenths of a degree."""
     return Plane(round(plane.dip_deg, 1), round(plane.dip_direction_deg, 1) % 360.0)
-
-
-def is_close(tried: Mapping[int, float], chosen: int) -> list[int]:
-    """The numbers of sets whose BIC is about as good as that of the chosen one.
-
-    >>> is_close({1: 20.0, 2: -100.0, 3: -97.0}, 2)
-    [3]
-    """
-    return [count for count, bic in tried.items() if count != chosen and bic - tried[chosen] < _CLOSE]
-
-
-def too_few(joint_set: FoundSet) -> bool:
-    """Whether a set has so few joints that its K says little."""
-    return len(joint_set.members) < _FEW

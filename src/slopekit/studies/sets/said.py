@@ -5,7 +5,10 @@ import math
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import number
 from slopekit.core.sheet import counted
-from slopekit.studies.sets.run import JointSets, is_close, too_few
+from slopekit.studies.sets.run import JointSets
+
+_FEW = 10  # joints of a set below which its K says little
+_CLOSE = 6.0  # difference of BIC up to which two numbers of sets are hard to tell apart (Kass & Raftery 1995: strong)
 
 
 def notices_of(joint_sets: JointSets) -> list[Notice]:
@@ -17,7 +20,7 @@ def notices_of(joint_sets: JointSets) -> list[Notice]:
     elif joint_sets.asked is not None:
         message = f"the sets are those of the column set of {joints.name}: --sets {joint_sets.asked} is not used"
         said.append(Notice("W404", f"{message}; --ignore-sets finds them anew"))
-    few = [one for one in sets if too_few(one)]
+    few = [one for one in sets if len(one.members) < _FEW]
     if few:
         names = ", ".join(f"{one.name} ({len(one.members)})" for one in few)
         said.append(Notice("W401", f"few joints: {names}; K and its cones are those of these few"))
@@ -51,7 +54,8 @@ def _of_number(joint_sets: JointSets) -> list[Notice]:
                 f"the {counted(len(joint_sets.joints), 'joint')} of {joint_sets.joints.name} show no sets: no number of"
             )
             return [Notice("W404", f"{message} sets is likelier than joints that lie anywhere; --sets N divides them")]
-        if near := is_close(by, chosen):
+        near = [count for count, bic in by.items() if count != chosen and bic - by[chosen] < _CLOSE]
+        if near:
             others = " or ".join(map(str, near))
             message = f"{counted(chosen, 'set')} or {others}: the joints hardly tell which (BIC within 6)"
             return [Notice("W404", f"{message}; look at the stereonet, --sets N takes another number")]

@@ -86,10 +86,11 @@ def _table(joint_sets: JointSets) -> Table[FoundSet]:
 def _angles(joint_sets: JointSets) -> Table[FoundSet]:
     return Table([
         _name(joint_sets),
-        Column("dip", lambda one: one.angles.dip_mean_deg, "dip_mean", "°", _degrees, 9),
-        Column("sd", lambda one: one.angles.dip_sd_deg, "dip_sd", "°", _degrees, 8),
-        Column("dip direction", lambda one: one.angles.dip_direction_mean_deg, "dip_direction_mean", "°", _degrees, 16),
-        Column("sd", lambda one: one.angles.dip_direction_sd_deg, "dip_direction_sd", "°", _degrees, 8),
+        Column("dip", lambda one: one.angles["dip_mean_deg"], "dip_mean", "°", _degrees, 9),
+        Column("sd", lambda one: one.angles["dip_sd_deg"], "dip_sd", "°", _degrees, 8),
+        Column("dip direction", lambda one: one.angles["dip_direction_mean_deg"], "dip_direction_mean", "°", _degrees,
+               16),
+        Column("sd", lambda one: one.angles["dip_direction_sd_deg"], "dip_direction_sd", "°", _degrees, 8),
         Column("scatter", lambda one: one.axes.scatter_deg, "scatter", "°", _degrees, 10),
     ], list(joint_sets.sets))  # fmt: skip
 
@@ -107,11 +108,11 @@ def _trace(joint_sets: JointSets) -> list[Entry]:
     rows = [one for one in joint_sets.sets if one.trace is not None]
     if not rows:
         return []
-    columns = [_name(joint_sets), *_lengths("trace.lengths")]
-    if any(one.trace is not None and one.trace.ended is not None for one in rows):
+    columns = [_name(joint_sets), *_lengths("trace")]
+    if any(one.ended is not None for one in rows):
         columns += [
-            Column("both ends", attrgetter("trace.ended"), "both_ends_seen", width=11),
-            Column("mean if whole", attrgetter("trace.whole_mean_m"), "whole_mean", "m", _metres, 15),
+            Column("both ends", attrgetter("ended"), "both_ends_seen", width=11),
+            Column("mean if whole", attrgetter("whole_mean_m"), "whole_mean", "m", _metres, 15),
         ]
     return [Table(columns, rows)]
 
@@ -160,12 +161,12 @@ def _sets(joint_sets: JointSets) -> Table[FoundSet]:
         Column("K high", attrgetter("axes.k_high"), "k_high"),
         Column("cone", attrgetter("axes.cone_deg"), "cone_of_mean", "°"),
         Column("scatter", attrgetter("axes.scatter_deg"), "scatter", "°"),
-        Column("dip sd", attrgetter("angles.dip_sd_deg"), "dip_sd", "°"),
-        Column("dip direction sd", attrgetter("angles.dip_direction_sd_deg"), "dip_direction_sd", "°"),
+        Column("dip sd", lambda one: one.angles["dip_sd_deg"], "dip_sd", "°"),
+        Column("dip direction sd", lambda one: one.angles["dip_direction_sd_deg"], "dip_direction_sd", "°"),
         Column("spacing", lambda one: one.spacing and one.spacing.mean_m, "spacing", "m"),
         Column("spacing sd", lambda one: one.spacing and one.spacing.sd_m, "spacing_sd", "m"),
-        Column("trace", lambda one: one.trace and one.trace.lengths.mean_m, "trace", "m"),
-        Column("trace if whole", lambda one: one.trace and one.trace.whole_mean_m, "trace_if_whole", "m"),
+        Column("trace", lambda one: one.trace and one.trace.mean_m, "trace", "m"),
+        Column("trace if whole", attrgetter("whole_mean_m"), "trace_if_whole", "m"),
     ], list(joint_sets.sets))  # fmt: skip
 
 

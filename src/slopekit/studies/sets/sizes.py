@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import field
 
 import numpy as np
 
@@ -35,22 +34,6 @@ class Lengths:
     high_m: float
     confidence: float
     how: str
-
-
-@dataclass(frozen=True, slots=True)
-class Traces:
-    """Trace lengths.
-
-    Attributes
-    ----------
-    lengths : as they were measured
-    ended : of those whose ends are said, how many show both; None where nothing is said
-    whole_mean_m : the mean of exponential lengths of which some are cut off, None where it does not apply
-    """
-
-    lengths: Lengths = field(metadata={"json": "measured"})
-    ended: int | None
-    whole_mean_m: float | None
 
 
 def lengths_of(values: Floats, how: str, confidence: float) -> Lengths:
@@ -91,23 +74,24 @@ def spacings_of(
     return spacings if spacings.mean_m > 0.0 else None
 
 
-def traces_of(joints: Sequence[MeasuredJoint], confidence: float) -> Traces | None:
-    """The traces of a set; None where the list has none.
+def traces_of(joints: Sequence[MeasuredJoint], confidence: float) -> Lengths | None:
+    """The traces of a set as they were measured; None where the list has none.
+
+    Long traces meet a scanline more often than short ones: that is not corrected.
+    """
+    traces = [joint.trace_m for joint in joints if joint.trace_m is not None]
+    return lengths_of(np.array(traces), "as measured", confidence) if traces else None
+
+
+def whole_traces(joints: Sequence[MeasuredJoint]) -> tuple[int | None, float | None]:
+    """Of the traces whose ends are said, how many show both, and the mean of lengths of which the others are cut off.
 
     Lengths whose ends are hidden are at least so long. With exponential lengths, n of them whole, the likeliest mean
-    is Σ l / n (Epstein & Sobel 1953, J. Am. Stat. Assoc. 48, 486-502 (m)). Long traces meet a scanline more often than
-    short ones: that is not corrected.
+    is Σ l / n (Epstein & Sobel 1953, J. Am. Stat. Assoc. 48, 486-502 (m)). None where nothing is said, none is whole.
     """
-    with_trace = [joint for joint in joints if joint.trace_m is not None]
-    if not with_trace:
-        return None
-    lengths = lengths_of(np.array([joint.trace_m for joint in with_trace]), "as measured", confidence)
-    said = [joint for joint in with_trace if joint.ends is not None]
-    if not said:
-        return Traces(lengths, None, None)
-    whole = sum(joint.ends == 2 for joint in said)
-    total = sum(joint.trace_m or 0.0 for joint in said)
-    return Traces(lengths, whole, total / whole if whole else None)
+    said = [(joint.trace_m, joint.ends) for joint in joints if joint.trace_m is not None and joint.ends is not None]
+    whole = sum(ends == 2 for _, ends in said)
+    return whole if said else None, sum(trace for trace, _ in said) / whole if whole else None
 
 
 def metres(value: float) -> str:

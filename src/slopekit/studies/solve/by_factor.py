@@ -27,7 +27,7 @@ from slopekit.studies.solve.factor_request import (
     look_roughly,
     runs_of,
 )
-from slopekit.studies.solve.roots import Crossing, RootSearch, Sample
+from slopekit.studies.solve.roots import Crossing, RootSearch
 from slopekit.studies.solve.solutions import (
     ALIKE,
     Answers,
@@ -195,7 +195,7 @@ def _look_again(
     search.add(sorted(taken) or [sample.at for sample in quick.samples[:: max(1, len(quick.samples) // 3)]])
     for a, b in stretches:
         _towards_ends(search, quick, a, b)
-    if any(_moments(sample) for sample in search.samples):
+    if any(sample.found.moments_govern for sample in search.samples):
         search.find_extremes(_SECTIONS // 3, within=_TURNS_WITHIN, ends=False)
 
 
@@ -206,10 +206,6 @@ def _towards_ends(search: RootSearch[Point], quick: RootSearch[Point], a: float,
     for end, other in ((a, b), (b, a)):
         if level_at(quick.at(end)) > _TURNS_WITHIN:
             search.add(end + part * (other - end) for part in (1e-2, 1e-4))
-
-
-def _moments(sample: Sample[Point]) -> bool:
-    return sample.found.factors is not None and sample.found.factors.moments_govern
 
 
 def _beside(asked: FactorRequest, solved: SolvedValue) -> Iterator[Notice]:

@@ -146,7 +146,7 @@ def look_roughly(search: RootSearch[Point], asked: FactorRequest, whole: bool) -
 
 def factor_notices(asked: FactorRequest, value: float, there: Point) -> Iterator[Notice]:
     """What a run says of the factor at a value; of a load the value is named: a load's own numbers are loads."""
-    for notice in () if there.factors is None else there.factors.notes:
+    for notice in there.notes:
         if _LOAD.fullmatch(asked.key.path):
             where = f"of the factor of safety at {asked.key.path} = {asked.key.shown(value, 4)}: "
             notice = Notice(notice.code, where + notice.message)

@@ -1,4 +1,4 @@
-"""The sheet of a value that was solved for: put back by both methods, bracket, other values, or why there is none."""
+"""The sheet of a value that was solved for: what both methods say there, other values, or why there is none."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -11,7 +11,7 @@ from slopekit.design.common import Design
 from slopekit.studies.keys import Key, in_words
 from slopekit.studies.points import UNSETTLED, Point
 from slopekit.studies.solve.solutions import Answers, Solution, SolvedValue
-from slopekit.studies.words import METHODS, head, status_words
+from slopekit.studies.words import head, status_words
 
 _MOST_REFUSED = 6
 
@@ -46,7 +46,6 @@ def _sections(solution: Solution) -> tuple[Section, ...]:
         Section("TARGET", [f"FoS {number(solution.target)}{from_rule}"]),
         Section("NOW", [_now(solution.design, solution.before)]),
         Section("VALUE", _value(solution)),
-        Section("PUT BACK", _put_back(solution), hang=13),
         Section("REFUSED", _refused(solution.key, (solution.closed_form or solution.pre_ie).refused, False)),
         Section("UNSETTLED", _refused(solution.key, solution.pre_ie.refused, True)),
     )
@@ -105,7 +104,11 @@ def _value(solution: Solution) -> list[str]:
         return ["none"] if reason is None else [f"none. {reason.code} {reason.message}", *filter(None, [reason.advice])]
     way = "rises" if answer.rises else "falls"
     was = "" if key.value is None else f", {_change(key, answer.value)}"
-    return [f"{key.shown(answer.value)}{was}; {status_words(solution.design, answer.status)}; FoS {way} with it"]
+    verdict = {True: "AGREE", False: "DISAGREE", None: "not compared"}[solution.agree]
+    return [
+        f"{key.shown(answer.value)}{was}; {status_words(solution.design, answer.status)}; FoS {way} with it",
+        f"the methods there: {verdict}{', moments govern' if solution.moments_govern else ''}",
+    ]
 
 
 def _change(key: Key, value: float) -> str:
@@ -116,31 +119,6 @@ def _change(key: Key, value: float) -> str:
     share = f" ({off / key.value * 100:+.3g} %)" if key.value and is_size else ""
     unit = key.unit if key.unit in ("", "°") else f" {key.unit}"
     return f"{off:+.6g}{unit}{share} from now"
-
-
-def _put_back(solution: Solution) -> list[str]:
-    entries = []
-    for answers in _all(solution):
-        for root in answers.roots[:1]:
-            if root.how != "root":
-                shown = f"{_name(answers)} {solution.key.shown(root.value)}"
-                entries.append(f"{shown}: FoS {_factor(root.factor)}, and at once less or none beyond it")
-                continue
-            miss = abs(root.factor - solution.target)
-            missed = f"{miss:.1e}" if miss else "nothing"
-            other = _other(answers.method, root)
-            name = "PRE-IE" if answers.method == "closed_form" else "closed form"
-            said = "" if other is None else f"; {name} there {other:.6f}"
-            entries.append(
-                f"{_name(answers)} {solution.key.shown(root.value)}: FoS {root.factor:.10f}, "
-                f"misses by {missed}, {root.status}{said}"
-            )
-    if solution.answer is not None:
-        verdict = {True: "AGREE", False: "DISAGREE", None: "not compared"}[solution.agree]
-        entries.append(
-            f"the methods at PRE-IE's value: {verdict}" + (", moments govern" if solution.moments_govern else "")
-        )
-    return entries
 
 
 def _refused(key: Key, stretches: Sequence[tuple[float, float, str, str]], unsettled: bool) -> list[str]:
@@ -155,15 +133,11 @@ def _refused(key: Key, stretches: Sequence[tuple[float, float, str, str]], unset
     return entries
 
 
-def _factor(factor: float, digits: int = 6) -> str:
+def _factor(factor: float) -> str:
     if math.isinf(factor):
         return "none (nothing drives)"
-    return "none (nothing holds)" if factor == 0.0 else f"{factor:.{digits}g}"
+    return "none (nothing holds)" if factor == 0.0 else f"{factor:.6g}"
 
 
 def _all(solution: Solution) -> list[Answers]:
     return [answers for answers in (solution.pre_ie, solution.closed_form) if answers is not None]
-
-
-def _name(answers: Answers) -> str:
-    return f"{METHODS[answers.method]:<12}"

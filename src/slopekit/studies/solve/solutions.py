@@ -144,14 +144,12 @@ class Solution(StudyOutcome):
     @property
     def agree(self) -> bool | None:
         """Whether the methods agree at the answer; None where they are not compared."""
-        answer = self.answer
-        return None if answer is None or answer.both.factors is None else answer.both.factors.agree
+        return None if self.answer is None else self.answer.both.agree
 
     @property
     def moments_govern(self) -> bool:
         """Whether moments govern at the answer."""
-        answer = self.answer
-        return answer is not None and answer.both.factors is not None and answer.both.factors.moments_govern
+        return self.answer is not None and self.answer.both.moments_govern
 
     @property
     def is_open(self) -> bool:

@@ -96,12 +96,21 @@ def _face_layout(
     if needed > MOST_BOLTS:
         message = f"{force:.6g} kN take {needed} bolts of {capacity:.6g} kN, more than {MOST_BOLTS}: no pattern is laid"
         return Notice("E328", message)
-    grid = _Grid.of(site, direction)
+    axes = _face_axes(site)
+    polygon = (site.face - centre_of(site.face)) @ axes.T
+    at_spacing = partial(_grids, site, direction, axes, polygon)
+
+    def laid(chosen: _Chosen, spacing: float) -> Layout:
+        points, left_out, _ = chosen
+        columns, rows = (len(np.unique(points[:, k].round(9))) for k in range(2))
+        heads = centre_of(site.face) + points @ axes
+        return _laid(site, heads, direction, (rows, columns), (spacing, spacing), left_out, needed)
+
     if spacing is not None:
-        if float(np.ptp(grid.polygon, axis=0).max()) / spacing > MOST_BOLTS:
+        if float(np.ptp(polygon, axis=0).max()) / spacing > MOST_BOLTS:
             message = f"a spacing of {spacing:.6g} m puts more than {MOST_BOLTS} bolts on a face of {site.area:.6g} m²"
             return Notice("E328", message)
-        best = max(grid.at(spacing), key=partial(_rank, needed=needed))
+        best = max(at_spacing(spacing), key=partial(_rank, needed=needed))
         if len(best[0]) < needed:
             holds = len(best[0]) * capacity
             message = (
@@ -109,10 +118,10 @@ def _face_layout(
                 f"{holds:.6g} kN in all, and {force:.6g} kN are needed"
             )
             return Notice("E328", message)
-        return grid.layout(best, spacing, needed)
+        return laid(best, spacing)
     widest = 2.0 * math.sqrt(site.area / needed)
     for tried in dict.fromkeys(_set_out(widest * _FINER**k) for k in range(_TRIES)):
-        enough = [one for one in grid.at(tried) if len(one[0]) >= needed]
+        enough = [one for one in at_spacing(tried) if len(one[0]) >= needed]
         if enough and needed > 1 and tried < CLOSEST_M:
             message = (
                 f"{force:.6g} kN take {needed} bolts of {capacity:.6g} kN, {tried:.2g} m apart: no pattern is laid "
@@ -120,7 +129,7 @@ def _face_layout(
             )
             return Notice("E328", message)
         if enough:
-            return grid.layout(max(enough, key=partial(_rank, needed=needed)), tried, needed)
+            return laid(max(enough, key=partial(_rank, needed=needed)), tried)
     return _NO_PLACE
 
 
@@ -140,55 +149,31 @@ def _rank(chosen: _Chosen, needed: int) -> tuple[int, float]:
     return (-count if count >= needed else count - 10 * MOST_BOLTS, -off)
 
 
-@dataclass(frozen=True, slots=True)
-class _Grid:
-    """The face in its own axes: along the strike, and up the dip; heads as (n, 2)."""
+def _face_axes(site: Site) -> Floats:
+    """The axes (2, 3) of the face: along the strike, and up the dip."""
+    out = -site.inward
+    across = np.cross(np.array([0.0, 0.0, 1.0]), out)
+    size = math.sqrt(float(across @ across))
+    across = across / size if size > 1e-9 else np.array([1.0, 0.0, 0.0])
+    return np.array([across, np.cross(out, across)])
 
-    site: Site
-    direction: Floats
-    middle: Floats
-    axes: Floats
-    polygon: Floats
 
-    @staticmethod
-    def of(site: Site, direction: Floats) -> "_Grid":
-        out = -site.inward
-        across = np.cross(np.array([0.0, 0.0, 1.0]), out)
-        size = math.sqrt(float(across @ across))
-        across = across / size if size > 1e-9 else np.array([1.0, 0.0, 0.0])
-        axes = np.array([across, np.cross(out, across)])
-        middle = centre_of(site.face)
-        return _Grid(site, direction, middle, axes, (site.face - middle) @ axes.T)
-
-    def at(self, spacing: float) -> list[_Chosen]:
-        """Heads at a spacing, for each place where rows and columns may begin."""
-        low, high = self.polygon.min(axis=0), self.polygon.max(axis=0)
-        u, v = (
-            np.arange(math.floor(low[k] / spacing) - 1, math.ceil(high[k] / spacing) + 2) * spacing for k in range(2)
-        )
-        lattice = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
-        points = (lattice + spacing * _STARTS[:, None, :]).reshape(-1, 2)
-        start = np.repeat(np.arange(len(_STARTS)), len(lattice))
-        clear = _clear_of_edges(points, self.polygon, _MARGIN * spacing)
-        points, start = points[clear], start[clear]
-        _, anchored = depths(self.site, self.local(points), self.direction)
-        choices: list[_Chosen] = []
-        for k in range(len(_STARTS)):
-            kept = points[anchored & (start == k)]
-            off = float(np.hypot(*kept.mean(axis=0))) if len(kept) else math.inf
-            choices.append((kept, int((~anchored & (start == k)).sum()), off))
-        return choices
-
-    def local(self, points: Floats) -> Floats:
-        positions: Floats = self.middle + points @ self.axes
-        return positions
-
-    def layout(self, chosen: _Chosen, spacing: float, needed: int) -> Layout:
-        points, left_out, _ = chosen
-        columns, rows = (len(np.unique(points[:, k].round(9))) for k in range(2))
-        return _laid(
-            self.site, self.local(points), self.direction, (rows, columns), (spacing, spacing), left_out, needed
-        )
+def _grids(site: Site, direction: Floats, axes: Floats, polygon: Floats, spacing: float) -> list[_Chosen]:
+    """Heads at a spacing within the face (k, 2), for each place where rows and columns may begin."""
+    low, high = polygon.min(axis=0), polygon.max(axis=0)
+    u, v = (np.arange(math.floor(low[k] / spacing) - 1, math.ceil(high[k] / spacing) + 2) * spacing for k in range(2))
+    lattice = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
+    points = (lattice + spacing * _STARTS[:, None, :]).reshape(-1, 2)
+    start = np.repeat(np.arange(len(_STARTS)), len(lattice))
+    clear = _clear_of_edges(points, polygon, _MARGIN * spacing)
+    points, start = points[clear], start[clear]
+    _, anchored = depths(site, centre_of(site.face) + points @ axes, direction)
+    choices: list[_Chosen] = []
+    for k in range(len(_STARTS)):
+        kept = points[anchored & (start == k)]
+        off = float(np.hypot(*kept.mean(axis=0))) if len(kept) else math.inf
+        choices.append((kept, int((~anchored & (start == k)).sum()), off))
+    return choices
 
 
 def _clear_of_edges(points: Floats, polygon: Floats, margin: float) -> Bools:

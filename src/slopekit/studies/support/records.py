@@ -6,6 +6,7 @@ import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import field, replace
 from decimal import ROUND_CEILING, Context
+from operator import attrgetter
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -15,6 +16,7 @@ from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import Line, number
 from slopekit.core.records import dataclass
+from slopekit.core.sheet import Column
 from slopekit.core.units import quantity
 from slopekit.design.common import Design
 from slopekit.design.parts import Bolt
@@ -247,6 +249,25 @@ class Support(StudyOutcome):
             "status": self.pre_ie.status, "closed_form_status": self.closed_form.status,
             "moments_govern": self.pre_ie.moments_govern, "agree": self.pre_ie.agree,
         }  # fmt: skip
+
+    @property
+    def margin(self) -> float:
+        """Of load cases that one governs which needs the greatest force."""
+        return -min((case.force for case in self.cases if case.reached and case.force is not None), default=0.0)
+
+    def case_columns(self) -> list[Column[Any]]:
+        """The factor wanted of each load case, and the force that active and passive bolts need for it."""
+
+        def force_of(acts: Acts) -> Callable[[Support], float | None]:
+            return lambda one: next((case.force for case in one.cases if case.acts == acts and case.reached), None)
+
+        return [
+            Column("wanted", attrgetter("target"), "target_fos", show=".4g", width=8),
+            Column("bolts", lambda one: "none needed" if one.stands else "reached" if one.reached else "NOT REACHED",
+                   "bolts", width=13),
+            *(Column(f"{acts} {self.unit}", force_of(acts), f"{acts}_kn", self.unit, ".1f", 15)
+              for acts in self.options.acts),
+        ]  # fmt: skip
 
     @property
     def exit_code(self) -> int:

@@ -25,7 +25,6 @@ def sheet_of(support: Support) -> Sheet:
         *(Section(case.acts.upper(), [_ROLES[case.acts], *_case(support, case)]) for case in support.cases),
         Section("PRESSURE", pressure),
         Section("CASES", [cases] if cases.rows else []),
-        Section("USE", [_use(support, case) for case in support.cases]),
         Section("NOTE", [str(notice) for notice in support.warnings]),
         Section("PASTE", _paste(support)),
         Section("TIME", [f"{support.seconds:.2f} s"]),
@@ -93,7 +92,7 @@ def _target(support: Support) -> list[str]:
 
 def _case(support: Support, case: BoltCase) -> list[str]:
     """Return what bolts of one way to act need, and how they are built."""
-    notices = [str(notice) for notice in case.all_notices]
+    notices = [*map(str, case.all_notices), *([case.lacks] if case.lacks else [])]
     if case.toward is None:
         return notices
     chosen = "the direction given" if support.options.toward else "optimum within the allowed plunge"
@@ -101,6 +100,7 @@ def _case(support: Support, case: BoltCase) -> list[str]:
     by = f"{_size(closed)} {unit} (closed form)" if closed is not None else "not reached by the closed form"
     if limit is not None:
         by += f", {_size(limit.force)} (PRE-IE)" if limit.force is not None else ", not reached by PRE-IE"
+    by += f"; to use: {_size(case.force)}" if case.force is not None else ""
     lines = [f"{chosen} {line_in_words(case.toward)}: {by}", *notices]
     if case.layout is None or case.each is None:
         return lines
@@ -129,19 +129,6 @@ def _built(support: Support, laid: Layout, each: float) -> str:
         apart = f", {laid.across_m:.4g} m apart" if len(laid) > 1 else ""
         bolts = f"{counted(len(laid), 'bolt')}{needed_count} in {rows}{apart}"
     return f"{bolts}, {size_number(each)} of {support.options.capacity:g} kN in each"
-
-
-def _use(support: Support, case: BoltCase) -> str:
-    """Return the force of bolts of one way to act, and whose number it is."""
-    if case.toward is None or case.force is None or case.lacks:
-        return f"{case.acts}: {case.lacks}"
-    closed = case.closed_form.force or 0.0
-    why = "both methods"
-    if support.dilates:
-        why = "PRE-IE's: the joints dilate, which the closed form does not know"
-    elif case.force > closed * (1.0 + 1e-6):
-        why = f"moments govern: the closed form's {size_number(closed)} {support.unit} are not enough"
-    return f"{case.acts}: {size_number(case.force)} {support.unit} toward {line_in_words(case.toward)}   ({why})"
 
 
 def _paste(support: Support) -> list[Entry]:

@@ -1,6 +1,5 @@
 """A design at many values of one or two of its numbers."""
 
-from slopekit.studies.points import Methods
-from slopekit.studies.sweep.run import Critical, Sweep, sweep
+from slopekit.studies.sweep.run import Sweep, sweep
 
-__all__ = ["Critical", "Methods", "Sweep", "sweep"]
+__all__ = ["Sweep", "sweep"]

@@ -2,7 +2,7 @@
 
 >>> import slopekit as sk
 >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
->>> swept = sweep(sk.load(wedge), {"slope.face.dip": [60, 80]}, methods="closed-form")
+>>> swept = sweep(sk.load(wedge), {"slope.face.dip": [60, 80]}, closed_form=True)
 >>> [round(point.factors.closed_form, 4) for point in swept.points]
 [1.5574, 1.4776]
 """
@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from functools import partial
 from itertools import pairwise, product
-from typing import Annotated, Any, ClassVar, get_args
+from typing import Annotated, Any, ClassVar
 
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
@@ -28,7 +28,6 @@ from slopekit.studies.keys import Key, key_of, values_of
 from slopekit.studies.points import (
     Line,
     Method,
-    Methods,
     Point,
     also_short,
     asked_of,
@@ -61,27 +60,6 @@ from slopekit.studies.running import Crew, checked_crew
 _LEVELS = (*ON_FACTOR, "fos.closed_form")  # names of the rules whose levels are looked for
 
 
-@dataclass(frozen=True, slots=True)
-class Critical:
-    """Where a factor passes a level between two neighbouring values of the first key.
-
-    Attributes
-    ----------
-    level, what : 1, or what is wanted, in words
-    method : closed_form or pre_ie; line : value of the second key, None without one
-    between : the neighbours; at : interpolated in a straight line, None where that says nothing
-    how : interpolated, at a point, across a change of status, or to where there is no number
-    """
-
-    level: float = field(metadata={"json": "fos"})
-    what: str
-    method: Method
-    line: float | None
-    between: tuple[float, float]
-    at: float | None
-    how: str
-
-
 @dataclass(frozen=True, slots=True, repr=False)
 class Sweep(StudyOutcome):
     """A design at many values.
@@ -90,7 +68,7 @@ class Sweep(StudyOutcome):
     ----------
     keys : one or two; values : of each
     points : for each value of the second key, those of the first
-    methods : both, closed-form or pre-ie
+    methods : both, or closed-form
     levels : what the factor is held against: (level, words)
     of_inputs : what is said of keys and design: means taken, likely slips
     """
@@ -100,7 +78,7 @@ class Sweep(StudyOutcome):
     keys: tuple[Key, ...]
     values: tuple[tuple[float, ...], ...]
     points: tuple[Point, ...]
-    methods: Methods
+    methods: str
     levels: tuple[tuple[float, str], ...]
     seconds: float = field(default=0.0, compare=False)
     of_inputs: tuple[Notice, ...] = ()
@@ -150,7 +128,7 @@ class Sweep(StudyOutcome):
 
     @property
     def changes(self) -> list[dict[str, Any]]:
-        """Changes of status between neighbouring values of the first key; `line` as in `Critical`."""
+        """Changes of status between neighbouring values of the first key; `line`: the value of the second, or None."""
         return [
             {"line": line, "between": (a, b), "statuses": (self.status(one), self.status(other))}
             for line, points in self.lines()
@@ -159,8 +137,13 @@ class Sweep(StudyOutcome):
         ]
 
     @property
-    def critical(self) -> list[Critical]:
-        """Where the factors pass the levels."""
+    def critical(self) -> list[dict[str, Any]]:
+        """Where the factors pass the levels, between two neighbouring values of the first key.
+
+        `fos`, `what`: the level, and what it is in words; `line` as of `changes`; `between` the neighbours; `at`
+        interpolated in a straight line, None where that says nothing; `how`: interpolated, at a point, across a change
+        of status, or to where there is no number.
+        """
         return [
             crossing
             for (level, what), method in product(self.levels, self.asked)
@@ -170,7 +153,8 @@ class Sweep(StudyOutcome):
 
     def _passes(
         self, level: float, what: str, method: Method, line: float | None, points: list[tuple[float, Point]]
-    ) -> Iterator[Critical]:
+    ) -> Iterator[dict[str, Any]]:
+        of = {"fos": level, "what": what, "method": method, "line": line}
         for (a, one), (b, other) in pairwise(points):
             low, high = factor_at(one, method), factor_at(other, method)
             if low is None or high is None or low == level or not min(low, high) < level <= max(low, high):
@@ -181,10 +165,10 @@ class Sweep(StudyOutcome):
             elif math.isfinite(low + high) and low > 0.0 and high > 0.0:
                 at = a + (b - a) * (level - low) / (high - low)
                 how = "interpolated" if self.status(one) == self.status(other) else "across a change of status"
-            yield Critical(level, what, method, line, (a, b), at, how)
-        at_first = points[0]
-        if factor_at(at_first[1], method) == level:
-            yield Critical(level, what, method, line, (at_first[0], at_first[0]), at_first[0], "at a point")
+            yield of | {"between": (a, b), "at": at, "how": how}
+        first, point = points[0]
+        if factor_at(point, method) == level:
+            yield of | {"between": (first, first), "at": first, "how": "at a point"}
 
     @property
     def counts(self) -> dict[str, int]:
@@ -267,10 +251,7 @@ def given_keys(texts: Sequence[str], _argument: str) -> dict[str, str]:
 #: `KEY=VALUES ...` of a command.
 KEYS = Argument("KEY=from:to:how many, KEY=from:to:+step, KEY=a,b,c; one key or two. With --tornado KEY=lo:hi.",
                 "KEY=VALUES", given_keys, many=True, called="keys")  # fmt: skip
-#: Whose factors are asked for.
-MethodsAsked = Annotated[Methods, Option(choices={
-    "--closed-form": ("closed-form", "The closed form alone: quick."), "--pre-ie": ("pre-ie", "PRE-IE alone."),
-})]  # fmt: skip
+ClosedFormAlone = Annotated[bool, Option("The closed form alone: quick.")]
 
 
 @study
@@ -278,7 +259,7 @@ def sweep(
     design: ADesign,
     keys: Annotated[Mapping[str, Any], KEYS],
     *,
-    methods: MethodsAsked = "both",
+    closed_form: ClosedFormAlone = False,
     fos: Annotated[float | None, Option("A factor of safety: where it is passed is said.", number_of)] = None,
     jobs: Jobs = 1,
     scheduler: Scheduler = None,
@@ -311,7 +292,7 @@ def sweep(
     began = time.perf_counter()
     crew = checked_crew(jobs, scheduler)
     one_or_two(keys)
-    check_methods(design, methods)
+    methods = methods_of(design, closed_form)
     faults, axes, said = Faults(), list[tuple[Key, tuple[float, ...]]](), list[Notice]()
     for path, given in keys.items():
         with faults.kept():
@@ -334,7 +315,7 @@ def sweep(
 
 
 def evaluated(
-    design: Design, name: str, tasks: Sequence[Mapping[str, object]], methods: Methods, crew: Crew, desk: Workplace,
+    design: Design, name: str, tasks: Sequence[Mapping[str, object]], methods: str, crew: Crew, desk: Workplace,
     keeps_bolts: bool = False,
 ) -> list[Point]:  # fmt: skip
     """The points of a study, by whoever does the work; what is done is kept in a journal until all are.
@@ -349,7 +330,7 @@ def evaluated(
     work = partial(evaluation, design, methods != "closed-form", keeps_bolts)
     points, journal = kept_points(work, tasks, crew, desk, name, "points", run, at_once)
     journal.remove()
-    return list(points) if methods != "pre-ie" else [_by_pre_ie(point) for point in points]
+    return list(points)
 
 
 def one_or_two(keys: Mapping[str, object]) -> None:
@@ -367,14 +348,12 @@ def one_or_two(keys: Mapping[str, object]) -> None:
         raise DesignError([Fault("E313", message, ", ".join(keys), "For many keys one at a time: --tornado")])
 
 
-def check_methods(design: Design, methods: str) -> None:
-    """Refuse a method that is not known, or that the kind does not have: E313."""
-    if methods not in get_args(Methods):
-        advice = f"Known: {', '.join(get_args(Methods))}."
-        raise DesignError([Fault("E313", f"{methods} is not a choice of methods", "", advice)])
-    if methods == "closed-form" and kind_of(design).closed_form is None:
+def methods_of(design: Design, closed_form: bool) -> str:
+    """What the document says of the methods: both, or closed-form; E313 where the kind has none to be asked alone."""
+    if closed_form and kind_of(design).closed_form is None:
         message = f"a {design.kind} has no closed form that could be asked alone"
         raise DesignError([Fault("E313", message, "", "Leave --closed-form out: PRE-IE answers.")])
+    return "closed-form" if closed_form else "both"
 
 
 def levels_of(design: Design, fos: float | None) -> tuple[tuple[float, str], ...]:
@@ -393,11 +372,3 @@ def levels_of(design: Design, fos: float | None) -> tuple[tuple[float, str], ...
         checked_target(fos, "Write --fos 1.5")
         levels.setdefault(fos, f"target, FoS {number(fos)}")
     return tuple(levels.items())
-
-
-def _by_pre_ie(point: Point) -> Point:
-    """A point without what the closed form says."""
-    if point.factors is None:
-        return point
-    bare = replace(point.factors, closed_status=None, closed_form=None, difference=None, agree=None)
-    return replace(point, factors=bare)

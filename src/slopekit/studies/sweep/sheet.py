@@ -9,7 +9,7 @@ from slopekit.core.orientation import number
 from slopekit.core.sheet import LABEL, WIDTH, Column, Entry, Section, Sheet, Table, counted, factor_text, is_number
 from slopekit.studies.keys import Key, in_words
 from slopekit.studies.points import Method, Point, factor_at
-from slopekit.studies.sweep.run import Critical, Sweep
+from slopekit.studies.sweep.run import Sweep
 from slopekit.studies.words import METHODS, cell, check_word, head, status_words
 
 _CELL = 9
@@ -56,7 +56,7 @@ def _every_point(swept: Sweep) -> Table[dict[str, Any]]:
         for key in swept.keys
     ]
     columns += [Column(name, itemgetter(name), name) for name in Point(None).to_dict()]
-    also = next((one.factors.also for one in swept.points if one.factors is not None and one.factors.also), None)
+    also = next((one.also for one in swept.points if one.also), None)
     if also is not None:
         columns.append(Column(also.BRIEF, _also_of(also.NAME), also.NAME))
     paths = [key.path for key in swept.keys]
@@ -93,7 +93,7 @@ def _curve(swept: Sweep) -> Table[_PointOfCurve]:
         for k, (point, status) in enumerate(zip(points, statuses, strict=True))
     ]
     title = key.path if len(key.path) <= 22 else "…" + key.path[-21:]
-    known = next((one.factors.also for _, one in points if one.factors is not None and one.factors.also), None)
+    known = next((one.also for _, one in points if one.also), None)
     least, before = (17, "   ") if known is None else (9, " ")  # with a column more the lines are as long
     columns: list[Column[_PointOfCurve]] = [
         Column(title, itemgetter(0), key.path, key.unit,
@@ -133,7 +133,7 @@ def _by(method: Method) -> Callable[[_PointOfCurve], float | str | None]:
 
 def _also(row: _PointOfCurve) -> float | str | None:
     """The factor of what acceptance is held against besides, or how it moves without one."""
-    also = None if row[1].factors is None else row[1].factors.also
+    also = row[1].also
     return None if also is None else also.factor if also.factor is not None else also.in_words()
 
 
@@ -158,9 +158,9 @@ def _grid(swept: Sweep) -> list[Entry]:
         for k in range(begin, min(begin + many, len(across))):
             columns.append(_across(swept, method, k, across[k]))
         entries.append(Table(columns, rows))
-    if any(point.factors is not None and point.factors.moments_govern for point in swept.points):
+    if any(point.moments_govern for point in swept.points):
         entries.append("* moments govern")
-    known = next((one.factors.also for one in swept.points if one.factors is not None and one.factors.also), None)
+    known = next((one.also for one in swept.points if one.also), None)
     if known is not None:
         entries.append(f"of what is analysed, not of {known.WHAT}: W507 says where that falls short")
     if swept.disagree:
@@ -181,9 +181,8 @@ def _across(swept: Sweep, method: Method, k: int, value: float) -> Column[_Line]
 
     def marked(line: _Line) -> str:
         content, point = cell_of(line), line[1][k][1]
-        governed = point.factors is not None and point.factors.moments_govern
         text = cell(content) if isinstance(content, float) else content
-        return f"{text:>{_CELL - 1}}{'!' if point.is_in_doubt else '*' if governed else ' '}"
+        return f"{text:>{_CELL - 1}}{'!' if point.is_in_doubt else '*' if point.moments_govern else ' '}"
 
     return Column(_rounded(value), cell_of, width=_CELL, text=marked)
 
@@ -207,31 +206,30 @@ def _critical(swept: Sweep) -> list[str]:
     critical = swept.critical
     entries = []
     for level, what in swept.levels:
-        own = [one for one in critical if one.level == level]
+        own = [one for one in critical if one["fos"] == level]
         if not own:
             entries.append(f"{what}: not passed between neighbouring points")
         entries += list(_together(swept, what, own))
-    if any(one.at is not None and one.how != "at a point" for one in critical):
+    if any(one["at"] is not None and one["how"] != "at a point" for one in critical):
         entries.append(f"interpolated values are rough: slopekit solve finds {swept.keys[0].path} to every digit")
     return entries
 
 
-def _together(swept: Sweep, what: str, critical: Sequence[Critical]) -> Iterator[str]:
+def _together(swept: Sweep, what: str, critical: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     """Each place once, with the methods that pass the level there alike."""
     said: dict[str, list[str]] = {}
     for one in critical:
-        said.setdefault(_passed(swept, one), []).append(METHODS[one.method])
+        said.setdefault(_passed(swept, one), []).append(METHODS[one["method"]])
     for text, methods in said.items():
         yield f"{what}: {text}, by {' and '.join(methods)}"
 
 
-def _passed(swept: Sweep, one: Critical) -> str:
-    key = swept.keys[0]
-    a, b = (key.shown(end, 6) for end in one.between)
-    if one.at is None:
-        return f"between {a} and {b}, {one.how}"
-    how = one.how if one.how == "at a point" else f"{one.how} between {a} and {b}"
-    return f"{key.shown(one.at, 5)}, {how}"
+def _passed(swept: Sweep, one: Mapping[str, Any]) -> str:
+    key, at, how = swept.keys[0], one["at"], one["how"]
+    a, b = (key.shown(end, 6) for end in one["between"])
+    if at is None:
+        return f"between {a} and {b}, {how}"
+    return f"{key.shown(at, 5)}, {how if how == 'at a point' else f'{how} between {a} and {b}'}"
 
 
 def _counted(swept: Sweep) -> str:

@@ -2,7 +2,7 @@
 
 >>> import slopekit as sk
 >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
->>> study = tornado(sk.load(wedge), methods="closed-form")
+>>> study = tornado(sk.load(wedge), closed_form=True)
 >>> study.bars[0].key.path, study.bars[0].low, study.bars[0].high
 ('strength.joints.phi', 18.0, 22.0)
 """
@@ -24,7 +24,6 @@ from slopekit.kinds import notices_of_inputs, peak_only
 from slopekit.studies.keys import Key, key_of, keys_of, values_of
 from slopekit.studies.points import (
     Method,
-    Methods,
     Point,
     also_short,
     asked_of,
@@ -36,7 +35,7 @@ from slopekit.studies.points import (
 from slopekit.studies.protocol import DESK, ADesign, Jobs, Scheduler, StudyOutcome, Workplace, study
 from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.running import checked_crew
-from slopekit.studies.sweep.run import KEYS, MethodsAsked, check_methods, evaluated
+from slopekit.studies.sweep.run import KEYS, ClosedFormAlone, evaluated, methods_of
 
 ANGLE, PART, FILL, TAIL = 2.0, 0.10, 0.1, 0.05
 RULE = (
@@ -87,7 +86,7 @@ class Tornado(StudyOutcome):
     base: Point
     bars: tuple[TornadoBar, ...]
     left_out: tuple[tuple[str, str], ...]
-    methods: Methods
+    methods: str
     seconds: float = field(default=0.0, compare=False)
     of_inputs: tuple[Notice, ...] = ()
 
@@ -129,8 +128,7 @@ class Tornado(StudyOutcome):
             if not math.isfinite(factor_at(point, method) or math.inf)
         ]
         short = also_short(self.points, self._where, method, self.design.accepted_fos or 1.0)
-        notes = () if self.base.factors is None else self.base.factors.notes
-        compared = all(note.code != _OF_ENDS for note in notes)
+        compared = all(note.code != _OF_ENDS for note in self.base.notes)
         there = said_at(self.points, self._where, self.of_inputs)
         said = (*short, *(note for note in there if not (compared and note.code == _OF_ENDS)))
         if not bare:
@@ -173,7 +171,7 @@ def tornado(
     design: ADesign,
     ranges: Annotated[Mapping[str, Within] | None, KEYS] = None,
     *,
-    methods: MethodsAsked = "both",
+    closed_form: ClosedFormAlone = False,
     jobs: Jobs = 1,
     scheduler: Scheduler = None,
     desk: Workplace = DESK,
@@ -202,7 +200,7 @@ def tornado(
     """
     began = time.perf_counter()
     crew = checked_crew(jobs, scheduler)
-    check_methods(design, methods)
+    methods = methods_of(design, closed_form)
     given, faults = dict[str, tuple[Key, tuple[float, float]]](), Faults()
     for path, text in (ranges or {}).items():
         with faults.kept():

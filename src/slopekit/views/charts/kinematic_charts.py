@@ -4,21 +4,16 @@ The critical zones are the criteria themselves, asked of every cell of the net; 
 """
 
 from collections.abc import Callable, Mapping
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats
+from slopekit.core.arrays import Bools
 from slopekit.core.orientation import Plane, number, parse_plane
-from slopekit.core.records import dataclass
 from slopekit.studies.kinematic.criteria import (
-    Lines,
-    Modes,
     Planes,
     lines_of,
     modes_of,
-    planes_of_poles,
     tested_pairs,
     zones_of_lines,
     zones_of_poles,
@@ -32,7 +27,6 @@ from slopekit.views.charts.stereonet import (
     Stereonet,
     arrange,
     cells,
-    mean_axis,
     set_marks,
 )
 
@@ -44,59 +38,25 @@ NETS_OF = ("planar", "wedge", "flexural", "direct")
 _OFTEN = 1500  # lines beyond which they are dots
 
 
-@dataclass(frozen=True)
 class _Survey:
-    """A kinematic study as its JSON has it."""
+    """A kinematic study as its JSON has it, and what could move in it."""
 
-    document: Document
-
-    @cached_property
-    def planes(self) -> Planes:
-        rows = self.document["orientations"]
-        return Planes(np.array([row["dip_deg"] for row in rows], dtype=float),
-                      np.array([row["dip_direction_deg"] for row in rows], dtype=float))  # fmt: skip
-
-    @cached_property
-    def friction(self) -> Floats:
-        return np.array([row["friction_deg"] for row in self.document["orientations"]], dtype=float)
-
-    @cached_property
-    def sets(self) -> list[str]:
-        return [str(row["set"]) for row in self.document["orientations"]]
-
-    @cached_property
-    def named_sets(self) -> list[str]:
-        return sorted({name for name in self.sets if name})
-
-    @property
-    def face(self) -> Plane:
-        return parse_plane(self.document["inputs"]["face"], "face")
-
-    @property
-    def limits(self) -> tuple[float, float]:
-        inputs = self.document["inputs"]
-        return inputs["lateral_deg"], inputs["lateral_toppling_deg"]
-
-    @cached_property
-    def lines(self) -> Lines:
-        rng = np.random.default_rng(self.document["inputs"].get("seed", 1))
-        return lines_of(self.planes, tested_pairs(self.planes, rng))
-
-    @cached_property
-    def modes(self) -> Modes:
-        return modes_of(self.planes, self.lines, self.face, self.friction, *self.limits)
-
-    @property
-    def poles(self) -> Floats:
-        return -self.planes.normals()
-
-    @property
-    def least(self) -> float:
-        return float(self.friction.min())
-
-    @property
-    def most(self) -> float:
-        return float(self.friction.max())
+    def __init__(self, document: Document) -> None:
+        rows, inputs = document["orientations"], document["inputs"]
+        dips, ways, self.friction = (
+            np.array([row[key] for row in rows], dtype=float)
+            for key in ("dip_deg", "dip_direction_deg", "friction_deg")
+        )
+        self.planes = Planes(dips, ways)
+        self.poles = -self.planes.normals()
+        self.least, self.most = float(self.friction.min()), float(self.friction.max())
+        self.sets = [str(row["set"]) for row in rows]
+        self.named_sets = sorted({name for name in self.sets if name})
+        self.face = parse_plane(inputs["face"], "face")
+        self.limits: tuple[float, float] = inputs["lateral_deg"], inputs["lateral_toppling_deg"]
+        pairs = tested_pairs(self.planes, np.random.default_rng(inputs.get("seed", 1)))
+        self.lines = lines_of(self.planes, pairs)
+        self.modes = modes_of(self.planes, self.lines, self.face, self.friction, *self.limits)
 
     def zones(self, of: Callable[..., dict[str, Bools]], friction: float | None = None) -> dict[str, Bools]:
         return of(cells()[0], self.face, self.least if friction is None else friction, *self.limits)
@@ -144,7 +104,6 @@ def _planar(on: Stereonet, survey: _Survey) -> None:
                         label=f"pole friction cone, φ {number(friction)}°")  # fmt: skip
     on.spokes(survey.face.dip_direction_deg + 180.0, survey.limits[0])
     _poles(on, survey, planar, "slides")
-    _means(on, survey)
 
 
 def _wedge(on: Stereonet, survey: _Survey) -> None:
@@ -175,7 +134,6 @@ def _flexural(on: Stereonet, survey: _Survey) -> None:
                             linestyle=style, label=f"slip limit: face less φ, {number(slip)}°")  # fmt: skip
     on.spokes(survey.face.dip_direction_deg, survey.limits[1])
     _poles(on, survey, flexural, "topples")
-    _means(on, survey)
 
 
 def _direct(on: Stereonet, survey: _Survey) -> None:
@@ -234,22 +192,6 @@ def _poles(on: Stereonet, survey: _Survey, critical: Bools, what: str) -> None:
     on.points(survey.poles[critical], marker="o", color=RED, markerfacecolor="none",
               markersize=2.0 * size + 0.9, markeredgewidth=1.4, zorder=4,
               label=f"{what} ({int(critical.sum())})")  # fmt: skip
-
-
-def _means(on: Stereonet, survey: _Survey) -> None:
-    """The mean pole of each set."""
-    own = np.array(survey.sets)
-    marks = set_marks(survey.named_sets)
-    for name in survey.named_sets:
-        some = survey.poles[own == name]
-        if len(some) < 2:
-            continue
-        pole = mean_axis(some)
-        mean = planes_of_poles(pole[None])
-        plane = f"{mean.dips_deg[0]:.0f}/{mean.dip_directions_deg[0]:03.0f}"
-        on.points(pole[None], marker=marks[name][1], color="black",
-                  markerfacecolor=marks[name][0], markersize=11, markeredgewidth=1.4, zorder=4.5,
-                  label=f"mean of {short(name, 14)}: {plane}")  # fmt: skip
 
 
 def _dots(on: Stereonet, survey: _Survey, chosen: Bools, colour: str, marker: str, said: str) -> None:

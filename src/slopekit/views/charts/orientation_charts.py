@@ -22,7 +22,6 @@ _MOST_JOINTS = 12  # that are drawn and listed one by one
 _MOST_LINES = 6  # of intersection that are written out
 _MOST_DOTS = 100  # lines beyond which they are small
 _MOST_CONES = 6  # friction angles beyond which only the least and the greatest are drawn
-_LETTERS = 60  # of a line over the net
 _PARALLEL = 1e-6
 
 
@@ -110,8 +109,7 @@ def draw_orientations(figure: Any, document: Document) -> None:
     _joints(on, orientations)
     _cones(on, orientations)
     _lines(on, document, orientations)
-    lines = [title_of(document), *_answer(document), f"lower hemisphere, {NET}"]
-    arrange(figure, [on.axes], 1, "\n".join(lines))
+    arrange(figure, [on.axes], 1, f"{title_of(document)}\nlower hemisphere, {NET}")
 
 
 def _zone(on: Stereonet, orientations: Oriented, face: Plane) -> None:
@@ -128,40 +126,17 @@ def _zone(on: Stereonet, orientations: Oriented, face: Plane) -> None:
     on.spokes(face.dip_direction_deg + 180.0, LATERAL_DEG)
 
 
-def _answer(document: Document) -> list[str]:
-    """Status and factor of a result, as the scenes have them."""
-    if not isinstance(document.get("fos"), Mapping) or "status_text" not in document:
-        return []
-    from slopekit.views.solid.stage import Stage
-
-    no_scene: Any = None  # words ask none
-    lines = [""]
-    for part in Stage(document, no_scene).answer.split(" · "):
-        longer = f"{lines[-1]} · {part}".removeprefix(" · ")
-        lines = [*lines[:-1], longer] if len(longer) <= _LETTERS or not lines[-1] else [*lines, part]
-    return lines
-
-
 def _cones(on: Stereonet, orientations: Oriented) -> None:
-    """Friction circle and cone of each angle, in the colour of its joint where it is of one."""
-    joints = list(orientations.joints)[: len(SETS)]
+    """Friction circle and cone of each angle."""
     frictions = orientations.frictions
     if len(frictions) > _MOST_CONES:
         frictions = [frictions[0], frictions[-1]]
     for friction in frictions:
-        own = [
-            name
-            for name, angle in orientations.friction_deg.items()
-            if angle == friction and name in orientations.joints
-        ]
-        alone = len(orientations.frictions) > 1 and bool(own) and own[0] in joints
-        colour = SETS[joints.index(own[0])] if alone else BLUE
-        of = f" ({', '.join(short(name, 10) for name in own[:3])}{', ...' if len(own) > 3 else ''})" if alone else ""
         if not orientations.is_planar:
-            on.steeper_than(friction, color=colour, linewidth=1.2, linestyle="-" if not alone else "--",
-                            label=f"friction circle, φ {number(friction)}°{of}: steeper within")  # fmt: skip
-        on.steeper_than(90.0 - friction, color=colour, linewidth=0.9, linestyle="--" if not alone else ":",
-                        label=f"friction cone of poles, φ {number(friction)}°{of}: steeper outside")  # fmt: skip
+            on.steeper_than(friction, color=BLUE, linewidth=1.2,
+                            label=f"friction circle, φ {number(friction)}°: steeper within")  # fmt: skip
+        on.steeper_than(90.0 - friction, color=BLUE, linewidth=0.9, linestyle="--",
+                        label=f"friction cone of poles, φ {number(friction)}°: steeper outside")  # fmt: skip
 
 
 def _joints(on: Stereonet, orientations: Oriented) -> None:

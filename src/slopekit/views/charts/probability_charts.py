@@ -43,7 +43,6 @@ def draw_histogram(figure: Any, document: Document) -> None:
     _cumulated(right, bins, edges, counts, share, target)
     right.set_ylim(0.0, 108.0)
     right.set_ylabel("samples with a lower factor, % of all (line)")
-    _pre_ie(right, axes, bins)
     finish(figure, axes, f"{title_of(document)}\n{_words(document)}", size=9.5)
 
 
@@ -77,19 +76,6 @@ def _cumulated(
                       label=f"P(FoS < {number(target)}), {share['confidence'] * 100:.4g} % limits")  # fmt: skip
 
 
-def _pre_ie(cumulative: Any, axes: Any, bins: Document) -> None:
-    """The factors that PRE-IE gave samples at random: a tick each, and their own cumulated line."""
-    factors = sorted(bins.get("pre_ie_at_random") or ())
-    if not factors:
-        return
-    axes.plot(factors, np.full(len(factors), 0.012), "|", color=DARK, markersize=9, alpha=0.6, zorder=3,
-              transform=axes.get_xaxis_transform(), label=f"{len(factors)} at random by PRE-IE")  # fmt: skip
-    heights = 100.0 * np.arange(1, len(factors) + 1) / bins["pre_ie_samples"]
-    heights += 100.0 * (bins.get("pre_ie_without_factor") or 0) / bins["pre_ie_samples"]
-    cumulative.step(factors, heights, where="post", color=DARK, linewidth=0.9, linestyle="--",
-                    label="PRE-IE's, cumulated")  # fmt: skip
-
-
 def _words(document: Document) -> str:
     asked, bins = document["probability_of_failure"], document["histogram"]
     every, forming = asked["all_samples"], asked["samples_that_form_a_block"]
@@ -100,16 +86,10 @@ def _words(document: Document) -> str:
         lines.insert(0, "{} % ({} to {} %) by {}: judge by this; by the closed form".format(*shown, lead["by"]))
     if forming["of"] != every["of"]:
         lines.append(f"of those that form a block: {_percent(forming)}")
-    with_factor = document["fos"]["samples"]
-    said = [f"{document['n']} samples, {with_factor} with a factor of safety"]
-    if with_factor < document["n"]:
-        known = {"slides_up", "slides", "rotates", "topples"}
-        without = [f"{name} {count}" for name, count in document["outcomes"].items()
-                   if name not in known and not name.startswith("slides_on_")]  # fmt: skip
-        said.append(f"without: {', '.join(without[:5])}" if without else "")
-    if bins["below"] or bins["above"]:
-        said.append(f"beyond the bars: {bins['below']} lower, {bins['above']} higher")
-    return "\n".join([*lines, "; ".join(text for text in said if text)])
+    beyond = (
+        f"; beyond the bars: {bins['below']} lower, {bins['above']} higher" if bins["below"] or bins["above"] else ""
+    )
+    return "\n".join([*lines, f"{document['n']} samples, {document['fos']['samples']} with a factor of safety{beyond}"])
 
 
 def _percent(share: Document) -> str:

@@ -55,24 +55,14 @@ def _shown(degrees: float) -> str:
 
 
 def draw_six(figure: Any, document: Mapping[str, Any]) -> None:
-    """How far the block goes in six degrees of freedom beside the sliding one way, its parts, and how it turns."""
+    """How far the block goes in six degrees of freedom, its parts, and how it turns."""
     six = document["six_motion"]
-    one_way = six.get("one_way")
-    end = max(six["t_s"][-1], one_way["t_s"][-1] if one_way is not None else 0.0)  # both rest from their ends on
-
-    def until_end(values: Any) -> Any:
-        return np.array([*values, values[-1]], dtype=float)
-
-    t = np.array([*six["t_s"], end], dtype=float)
-    parts = {name: 100.0 * until_end(six[f"{name}_m"]) for name, _ in _AXES}
-    turned = {name: until_end(six[f"about_{name}_deg"]) for name, _ in _AXES}
+    t = np.array(six["t_s"], dtype=float)
+    parts = {name: 100.0 * np.array(six[f"{name}_m"], dtype=float) for name, _ in _AXES}
+    turned = {name: np.array(six[f"about_{name}_deg"], dtype=float) for name, _ in _AXES}
     figure.set_size_inches(9.0, 7.2)
     above, middle, below = figure.subplots(3, 1, sharex=True)
     size = np.sqrt(sum(part * part for part in parts.values()))
-    if one_way is not None:
-        slid = 100.0 * until_end(one_way["d_m"])
-        above.plot([*one_way["t_s"], end], slid, color=GREY, linewidth=1.4, linestyle="--",
-                   label=f"one way {slid[-1]:.4g} cm")  # fmt: skip
     above.plot(t, size, color=RED, linewidth=1.4, label=f"six degrees of freedom {size[-1]:.4g} cm")
     above.set_ylabel("centroid from rest, cm")
     for name, colour in _AXES:
@@ -86,7 +76,7 @@ def draw_six(figure: Any, document: Mapping[str, Any]) -> None:
     middle.set_ylabel("parts, cm")
     below.set_ylabel("turned, °")
     below.set_xlabel("time, s")
-    below.set_xlim(t[0], end)
+    below.set_xlim(t[0], t[-1])
     for axes in (above, middle, below):
         dressed(axes)
         if axes.get_legend_handles_labels()[0]:

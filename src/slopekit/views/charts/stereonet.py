@@ -117,15 +117,6 @@ def daylight_envelope(face: Plane, count: int = 181) -> Floats:
     return -np.stack([np.sin(apparent) * np.sin(toward), np.sin(apparent) * np.cos(toward), np.cos(apparent)], axis=-1)
 
 
-def mean_axis(vectors: Floats) -> Floats:
-    """The downward unit vector (3,) nearest to axes (n, 3): the first eigenvector of their orientation matrix.
-
-    Source: Woodcock (1977); Fisher, Lewis & Embleton (1987), §3.2.4.
-    """
-    axis: Floats = lower(np.linalg.eigh(vectors.T @ vectors)[1][:, -1][None])[0]
-    return axis
-
-
 @cache
 def cells() -> tuple[Floats, Bools]:
     """Downward vectors of the middles of the cells within the rim, and which cells those are (rows from south)."""

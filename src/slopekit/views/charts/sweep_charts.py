@@ -2,15 +2,12 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from functools import cached_property
-from itertools import pairwise
 from typing import Any, TypeAlias
 
 from slopekit.core.orientation import millimetre
-from slopekit.core.records import dataclass
 from slopekit.design.fields import words_of
 from slopekit.design.registry import KINDS, record_of
-from slopekit.studies.points import Line, Method, Point, asked_of, factor_at, lines_of, lower_of, point_from_record
+from slopekit.studies.points import Line, Method, Point, asked_of, factor_at, lines_of, lower_of
 from slopekit.studies.words import METHODS, cell
 from slopekit.views.charts.drawing import (
     BLUE,
@@ -35,7 +32,6 @@ _MOST_MARKED = 8  # changes of status that are labelled
 _MOST_BARS = 25
 _MAP_M = 1e5  # lengths from here on are coordinates of a map
 _MOST_DOTS = 900  # points of a grid that are marked
-_BETWEEN = 24  # parts that a line between two points is drawn in
 _FEWEST = 3  # values of each key that bands can be drawn between
 _TOO_FEW = "too few points have a factor of safety"
 _NOW: dict[str, Any] = {
@@ -49,35 +45,10 @@ _BRIEF = {
 }  # fmt: skip
 
 
-@dataclass(frozen=True)
-class _Swept:
-    """A sweep as its JSON has it."""
-
-    document: Document
-
-    @property
-    def keys(self) -> list[Document]:
-        return list(self.document["keys"])
-
-    @cached_property
-    def points(self) -> list[Point]:
-        return [point_from_record(record) for record in self.document["points"]]
-
-    @cached_property
-    def asked(self) -> tuple[Method, ...]:
-        return asked_of(self.document["methods"], self.points)
-
-    @property
-    def levels(self) -> list[tuple[float, str]]:
-        return [(level["fos"], level["what"]) for level in self.document["levels"]]
-
-    def lines(self) -> list[Line]:
-        """For each value of the second key (None without one) the points by the first, in rising order."""
-        values = [key["values"] for key in self.keys]
-        needed = math.prod(map(len, values))
-        if len(self.points) != needed:
-            raise ValueError(f"{len(self.points)} points for {needed} values")
-        return lines_of(self.points, *values)
+def _read(document: Document) -> tuple[list[Line], tuple[Method, ...]]:
+    """The points of a sweep as `lines_of` has them, and the methods that were asked and are there."""
+    points = [Point.from_record(record) for record in document["points"]]
+    return lines_of(points, *(key["values"] for key in document["keys"])), asked_of(document["methods"], points)
 
 
 def draw_curve(figure: Any, document: Document) -> None:
@@ -88,23 +59,22 @@ def draw_curve(figure: Any, document: Document) -> None:
     DesignError
         E273 without a point to draw; so do the others.
     """
-    swept = _Swept(document)
-    key, (_, points) = swept.keys[0], swept.lines()[0]
-    drawn = {method: [(value, factor_at(point, method)) for value, point in points] for method in swept.asked}
-    besides = [(value, None if point.factors is None else point.factors.also) for value, point in points]
+    ((_, points),), asked = _read(document)
+    (key,) = document["keys"]
+    drawn = {method: [(value, factor_at(point, method)) for value, point in points] for method in asked}
+    besides = [(value, point.also) for value, point in points]
     known = next((also for _, also in besides if also is not None), None)
     of_also = [(value, None if also is None else also.factor) for value, also in besides]
     axes = _axes(figure, [factor for line in (*drawn.values(), of_also) for _, factor in line])
-    both = len(swept.asked) > 1  # the closed form lies under PRE-IE, wider: where they agree both are seen
+    both = len(asked) > 1  # the closed form lies under PRE-IE, wider: where they agree both are seen
     styles: dict[Method, dict[str, Any]] = {
         "closed_form": {"color": RED, "linewidth": 6.0 if both else 1.4, "alpha": 0.35 if both else 1.0,
                         "marker": "" if both else "o", "markersize": 5.0, "solid_capstyle": "round"},
         "pre_ie": {"color": BLUE, "linewidth": 1.4, "marker": "o", "markersize": 5.0},
     }  # fmt: skip
-    for method in reversed(swept.asked):
+    for method in reversed(asked):
         for stretch in stretches(drawn[method]):
-            axes.plot(*zip(*stretch, strict=True), **styles[method] | {"linestyle": "none"})
-            axes.plot(*zip(*_straight(stretch), strict=True), **styles[method] | {"marker": ""})
+            axes.plot(*zip(*stretch, strict=True), **styles[method])
         axes.plot([], [], **styles[method], label=METHODS[method])
     if known is not None:
         style = {"color": DARK, "linewidth": 1.4, "linestyle": "--", "marker": "s", "markersize": 4.0}
@@ -112,10 +82,10 @@ def draw_curve(figure: Any, document: Document) -> None:
             axes.plot(*zip(*stretch, strict=True), **style)
         axes.plot([], [], **style, label=f"{known.BRIEF} (W507)")
     _moments(axes, points)
-    _levels(axes, swept)
-    _bare(axes, [(value, factor_at(point, swept.asked[0]), point) for value, point in points])
-    _statuses(axes, swept, [value for value, _ in points])
-    passes = [one for one in document["critical"] if one["method"] == swept.asked[0] and one["at"] is not None]
+    _levels(axes, document)
+    _bare(axes, [(value, factor_at(point, asked[0]), point) for value, point in points])
+    _statuses(axes, document)
+    passes = [one for one in document["critical"] if one["method"] == asked[0] and one["at"] is not None]
     for one in passes:
         at, level = one["at"], one["fos"]
         axes.plot([at], [level], marker="D", color=DARK, markerfacecolor="white", markersize=7.0, zorder=4)
@@ -123,13 +93,13 @@ def draw_curve(figure: Any, document: Document) -> None:
     if passes:
         axes.plot([], [], color=DARK, marker="D", markerfacecolor="white", linestyle="none",
                   label="passes the level (interpolated)")  # fmt: skip
-    own = _at(key["now"], drawn[swept.asked[0]])
+    own = _at(key["now"], drawn[asked[0]])
     if own is not None:
         here = "" if any(value == key["now"] for value, _ in points) else " (interpolated)"
         axes.plot([key["now"]], [own], **_NOW | {"label": f"{_NOW['label']}{here}"})
     axes.set_xlabel(_name(document, key))
     axes.set_ylabel("factor of safety")
-    _finish(figure, axes, swept.document, f"factor of safety over {_words(document, key)}")
+    _finish(figure, axes, document, f"factor of safety over {_words(document, key)}")
 
 
 def draw_contour(figure: Any, document: Document) -> None:
@@ -139,12 +109,11 @@ def draw_contour(figure: Any, document: Document) -> None:
     """
     import numpy as np
 
-    swept = _Swept(document)
-    first, second = swept.keys
-    method = swept.asked[0]
-    if min(len(key["values"]) for key in swept.keys) < _FEWEST:
+    first, second = document["keys"]
+    if min(len(key["values"]) for key in (first, second)) < _FEWEST:
         nothing("contours need three values of each key: give more, or sweep one key")
-    lines = sorted(swept.lines(), key=lambda line: line[0] or 0.0)
+    lines, (method, *_) = _read(document)
+    lines.sort(key=lambda line: line[0] or 0.0)
     across, down = [value for value, _ in lines[0][1]], [line or 0.0 for line, _ in lines]
     factors = np.array(
         [[np.nan if (f := lower_of(point, method)) is None else f for _, point in points] for _, points in lines]
@@ -157,7 +126,7 @@ def draw_contour(figure: Any, document: Document) -> None:
     from matplotlib.patheffects import withStroke
     from matplotlib.ticker import MaxNLocator
 
-    wanted = [level for level, _ in swept.levels]
+    wanted = [level["fos"] for level in document["levels"]]
     low, high = float(finite.min()), min(float(finite.max()), 3.0 * max(*wanted, float(np.median(finite))))
     shown = np.clip(np.where(np.isinf(factors), high * 1.01, factors), low * 0.99, high * 1.01)
     steps: Any = MaxNLocator(nbins=14).tick_values(low, high)
@@ -171,14 +140,14 @@ def draw_contour(figure: Any, document: Document) -> None:
     labels = axes.clabel(thin, fontsize=7.5, fmt="%.4g", colors="black")
     for label in labels:
         label.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
-    for (level, what), colour in zip(swept.levels, (RED, DARK, BLUE, GREY), strict=False):
-        if low < level < high:
-            axes.contour(across, down, shown, levels=[level], colors=[colour], linewidths=2.2)
-            axes.plot([], [], color=colour, linewidth=2.2, label=what)
-    known = next((one.factors.also for one in swept.points if one.factors is not None and one.factors.also), None)
+    for level, colour in zip(document["levels"], (RED, DARK, BLUE, GREY), strict=False):
+        if low < level["fos"] < high:
+            axes.contour(across, down, shown, levels=[level["fos"]], colors=[colour], linewidths=2.2)
+            axes.plot([], [], color=colour, linewidth=2.2, label=level["what"])
+    known = next((point.also for _, points in lines for _, point in points if point.also), None)
     also = "" if known is None else f", or {known.BRIEF} where lower"
     figure.colorbar(filled, ax=axes, label=f"factor of safety ({METHODS[method]}{also})")
-    _grid_points(axes, swept, across, down, lines)
+    _grid_points(axes, method, down, lines)
     if _inside(first["now"], across) and _inside(second["now"], down):
         axes.plot([first["now"]], [second["now"]], **_NOW)
     axes.set_xlabel(_name(document, first))
@@ -186,7 +155,7 @@ def draw_contour(figure: Any, document: Document) -> None:
     axes.set_xlim(min(across), max(across))
     axes.set_ylim(min(down), max(down))
     what = f"factor of safety over {_words(document, first, 40)} and {_words(document, second, 40)}"
-    _finish(figure, axes, swept.document, what, margins=False)
+    _finish(figure, axes, document, what, margins=False)
     hide_cut(figure, axes, labels)
 
 
@@ -196,12 +165,12 @@ _TornadoBar: TypeAlias = tuple[str, Sequence[str], list[Point], Document]
 
 def draw_tornado(figure: Any, document: Document) -> None:
     """A bar for each number from its factor at one end to that at the other, the longest on top."""
-    own = point_from_record(document["base"])
+    own = Point.from_record(document["base"])
     asked = asked_of(document["methods"], [own])
     method = asked[0]
     base = factor_at(own, method)
     every: list[_TornadoBar] = [
-        (_words(document, bar, 40), _shown(bar), [point_from_record(bar[end]) for end in ("at_low", "at_high")],
+        (_words(document, bar, 40), _shown(bar), [Point.from_record(bar[end]) for end in ("at_low", "at_high")],
          bar["swing"])
         for bar in document["bars"]
     ]  # fmt: skip
@@ -238,19 +207,6 @@ def draw_tornado(figure: Any, document: Document) -> None:
 
 
 # -- parts ------------------------------------------------------------------------------------------------------------
-
-
-def _straight(stretch: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
-    """A line through points with so many between that it is straight in the factor on a logarithmic axis, too.
-
-    What is interpolated (the level passed, the design as it is) then lies on it.
-
-    >>> _straight([(0.0, 1.0), (1.0, 3.0)])[_BETWEEN // 2]
-    (0.5, 2.0)
-    """
-    shares = [step / _BETWEEN for step in range(_BETWEEN)]
-    dense = [(a + share * (b - a), f + share * (g - f)) for (a, f), (b, g) in pairwise(stretch) for share in shares]
-    return [*dense, stretch[-1]]
 
 
 def _at(value: float | None, line: Sequence[tuple[float, float | None]]) -> float | None:
@@ -305,7 +261,7 @@ def _with_unit(value: float, unit: str, digits: int) -> str:
 
 
 def _moments(axes: Any, points: Sequence[tuple[float, Point]]) -> None:
-    governed = [(v, p.factors.limit) for v, p in points if p.factors and p.factors.moments_govern and p.factors.limit]
+    governed = [(v, p.factors.limit) for v, p in points if p.factors and p.moments_govern and p.factors.limit]
     if governed:
         axes.plot(*zip(*governed, strict=True), marker="o", markersize=9.0, markerfacecolor="none", color=BLUE,
                   linestyle="none", label="moments govern")  # fmt: skip
@@ -315,11 +271,11 @@ def _moments(axes: Any, points: Sequence[tuple[float, Point]]) -> None:
                   markeredgewidth=1.6, linestyle="none", label="the methods disagree")  # fmt: skip
 
 
-def _levels(axes: Any, swept: _Swept) -> None:
+def _levels(axes: Any, document: Document) -> None:
     scale = math.log10 if axes.get_yscale() == "log" else float
     low, high = (scale(end) for end in axes.get_ylim())
     room, last, on_left = high - low, -math.inf, False
-    for level, what in sorted(swept.levels):
+    for level, what in sorted((level["fos"], level["what"]) for level in document["levels"]):
         if low - 0.15 * room <= scale(level) <= high + 0.15 * room:
             on_left = not on_left if scale(level) - last < 0.05 * room else False  # labels of near ones on either side
             axes.axhline(level, color=GREY, linestyle="--", linewidth=1.0, zorder=1)
@@ -343,9 +299,9 @@ def _bare(axes: Any, points: Sequence[tuple[float, float | None, Point]]) -> Non
                       transform=axes.get_xaxis_transform(), label=label)  # fmt: skip
 
 
-def _statuses(axes: Any, swept: _Swept, values: Sequence[float]) -> None:
+def _statuses(axes: Any, document: Document) -> None:
     """The changes of status, upright, with what lies on both sides."""
-    changes = swept.document["changes"]
+    changes = document["changes"]
     for change in changes[:_MOST_MARKED]:
         at = 0.5 * sum(change["between"])
         one, other = (_BRIEF.get(status, status) for status in change["statuses"])
@@ -356,8 +312,7 @@ def _statuses(axes: Any, swept: _Swept, values: Sequence[float]) -> None:
         axes.plot([], [], color=RED, linestyle=":", label=f"status changes (first {_MOST_MARKED} of {len(changes)})")
 
 
-def _grid_points(axes: Any, swept: _Swept, across: Sequence[float], down: Sequence[float], lines: Any) -> None:
-    method = swept.asked[0]
+def _grid_points(axes: Any, method: Method, down: Sequence[float], lines: Sequence[Line]) -> None:
     every = [(x, y, point) for y, (_, points) in zip(down, lines, strict=True) for x, point in points]
     if len(every) <= _MOST_DOTS:
         axes.plot([x for x, _, _ in every], [y for _, y, _ in every], "o", color="white", markersize=3.4, zorder=3,
@@ -366,10 +321,10 @@ def _grid_points(axes: Any, swept: _Swept, across: Sequence[float], down: Sequen
     if bare:
         axes.plot(*zip(*bare, strict=True), "x", color=DARK, markersize=5.0, clip_on=False,
                   label="no factor: status or code")  # fmt: skip
-    moments = [(x, y) for x, y, point in every if point.factors is not None and point.factors.moments_govern]
+    moments = [(x, y) for x, y, point in every if point.moments_govern]
     if moments:
         axes.plot(*zip(*moments, strict=True), "o", color=BLUE, markerfacecolor="none", label="moments govern")
-    wrong = [(x, y) for x, y, point in every if point.factors is not None and point.factors.agree is False]
+    wrong = [(x, y) for x, y, point in every if point.agree is False]
     if wrong:
         axes.plot(*zip(*wrong, strict=True), "s", color=RED, markerfacecolor="none", markersize=9.0,
                   label="the methods disagree")  # fmt: skip
