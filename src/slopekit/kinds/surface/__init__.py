@@ -287,7 +287,7 @@ def _closed_forms(design: SurfaceDesign, cut: _Mass) -> tuple[ClosedForm, dict[s
     rotation, methods, notes = None, dict[str, float | None](), list[Notice]()
     why = _why_no_columns(design, cut)
     try:
-        if not (design.forces or design.bolts or design.pond_m is not None) and design.strength.law is None:
+        if not (design.forces or design.bolts or design.water.pond_m is not None) and design.strength.law is None:
             rotation = _rotation(design, cut)
         if not why:
             methods = _columns(design, notes)
@@ -303,7 +303,7 @@ def _why_no_columns(design: SurfaceDesign, cut: _Mass) -> str:
     """Why the methods of columns do not take a design; empty where they do."""
     reasons = {
         "they take one cohesion and friction angle": design.strength.law is not None,
-        "they know no pond": design.pond_m is not None,
+        "they know no pond": design.water.pond_m is not None,
         "they know no forces and bolts": bool(design.forces or design.bolts),
         "they take analytic surfaces below a profile": design.slip.shape == "mesh" or design.profile_m is None,
         "the seismic load has a direction of its own": _sideways(design),
@@ -412,8 +412,8 @@ def _notices(design: SurfaceDesign, cut: _Mass, misfit: float, left: bool) -> It
         )
         yield Notice("W322", message)
     lowest = float(cut.mass.vertices[:, 2].min() + cut.origin[2])
-    if design.pond_m is not None and design.pond_m <= lowest:
-        yield Notice("W419", f"the pond stands at {shown(design.pond_m)} m, below the mass: it wets nothing")
+    if design.water.pond_m is not None and design.water.pond_m <= lowest:
+        yield Notice("W419", f"the pond stands at {shown(design.water.pond_m)} m, below the mass: it wets nothing")
     if cut.grain and float(np.abs(cut.origin).max()) > _FAR_M:
         message = f"map coordinates in a mesh file of single precision: its corners are rounded to {cut.grain:.2g} m"
         yield Notice("W322", message)

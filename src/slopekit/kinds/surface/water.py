@@ -42,7 +42,7 @@ def pushes_of(design: SurfaceDesign, mass: SlidingMass, origin: Floats) -> dict[
     """
     water, vertices = water_of(design), mass.vertices + origin
     ground, slip = (vertices[mass.triangles[mass.on == face]] for face in (GROUND, SLIP))
-    if design.table_depth_m is None:
+    if design.water.table_depth_m is None:
         refuse_above(water, list(ground), float(np.ptp(vertices[:, 2])), np.eye(3))
     centre = mass.centroid + origin
     force, couple, wet = _on_facets(water, slip, centre)
