@@ -1,6 +1,6 @@
 """Elastic blocks at rest at a strength reduction factor.
 
-Newton's method on (γ, w). Full steps first, even where the residual rises; damped ones only after. Pairs
+Newton's method on (γ, w). Full steps first, even where the residual rises; against dashpots only after. Pairs
 that have parted keep in mind where: else they would go round between open and closed. Open pairs have soft springs on
 the way, which lead blocks in flight back; a rest is one without them, so nothing hangs on what is open.
 """
@@ -19,7 +19,7 @@ from slopekit.preie.system.contact import CloughDuncan, ContactMode, JointStiffn
 
 BALANCED = 1e-8  # residual, in parts of the load and of the first displacement, that counts as rest
 _AIM = 1e-10  # where Newton's method stops
-_FULL, _DAMPED = 12, 4  # steps of Newton's method
+_FULL = 12  # steps of Newton's method
 _LOOK, _FALLEN = 4, 0.5  # full steps after which the residual is looked at, and what it has to be then
 _ROUNDS, _ROUND = 12, 16  # of steps against dashpots, and in each
 _FLOWS = 5e-4  # residual that is left after half of the rounds where blocks do not rest: no more are made
@@ -209,8 +209,6 @@ class RestSearch:
         here = self._state(at, given)
         best = self._full(here, given)
         if best.size > BALANCED:
-            best = self._damped(best, given)
-        if best.size > BALANCED:
             best = self._relaxed(here, given)
         forces = (best.law.tractions * self.model.area[:, None]).ravel()
         return replace(best.at, forces=forces, modes=best.law.modes, residual=best.size), best.law
@@ -224,24 +222,6 @@ class RestSearch:
             if k >= _LOOK and best.size > _FALLEN * first:
                 break
             here = self._state(self._moved(here.at, self._step(here), 1.0), given)
-            best = min(best, here, key=lambda one: one.size)
-        return best
-
-    def _damped(self, best: "_RestState", given: JointStiffness) -> "_RestState":
-        """A few steps cut until the residual falls."""
-        here = best = self._state(best.at, given)
-        for _ in range(_DAMPED):
-            if here.size <= _AIM or not here.size < _LOST:
-                break
-            step, length = self._step(here), 1.0
-            while True:
-                trial = self._state(self._moved(here.at, step, length), given)
-                if trial.size < here.size * (1.0 - 0.1 * length) or length < 1e-3:
-                    break
-                length *= 0.5
-            if length < 1e-3:
-                break
-            here = trial
             best = min(best, here, key=lambda one: one.size)
         return best
 
