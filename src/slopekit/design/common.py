@@ -10,9 +10,9 @@ from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
 from slopekit.design.fields import Field, declare, group, number, part, parts_of, text
 from slopekit.design.parts import (
+    CASE_KEYS,
     Action,
     Bolt,
-    CaseKeys,
     Force,
     MeshFile,
     PartialFactors,
@@ -110,7 +110,7 @@ class DesignKeys:
             example="{J1.phi/J2.phi: 0.8}",
         ),
         BEDROCK,
-        declare("cases", "group", of=CaseKeys, many="names", at_least=1, left_out="the design alone",
+        declare("cases", "group", of=CASE_KEYS, many="names", at_least=1, left_out="the design alone",
               example="{quake: {set: {loads.seismic.k: 0.1}}}", doc="[load cases](cases.md) by name"),
     )  # fmt: skip
     REQUIRED: ClassVar[tuple[str, ...]] = ("strength", "rock")

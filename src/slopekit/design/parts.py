@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
-from slopekit.design.fields import Field, declare, group, in_degrees, number, orientation, point, text
+from slopekit.design.fields import Field, declare, group, in_degrees, keys_of, number, orientation, point, text
 from slopekit.design.reading.structure import Anything, Leaf, ListOf, Named
 
 if TYPE_CHECKING:
@@ -463,16 +463,14 @@ class PartialFactors:
         return asdict(self) | {"table": [asdict(row) for row in self.table]}
 
 
-@dataclass(frozen=True, slots=True)
-class CaseKeys:
-    """What a load case says: which keys of the design it sets, by their paths, and what is accepted."""
-
-    ALSO: ClassVar[tuple[Field, ...]] = (
-        declare("set", "group", forms=(Named(Anything(), pairs=True),), example="{loads.seismic.k: 0.1}",
-              left_out="the design as it is", doc="keys by their paths, as `--set` takes them; `null` takes one out"),
-        declare("accept", "text", forms=(ListOf(Leaf(example='"fos >= 1.1"')), Leaf(example='"fos >= 1.1"')),
-              example='"fos >= 1.1"', left_out="the design's rules", doc="one or a list, as `acceptance.rules`"),
-    )  # fmt: skip
+#: What a load case says: which keys of the design it sets, by their paths, and what is accepted.
+CASE_KEYS = keys_of(
+    "CaseKeys",
+    declare("set", "group", forms=(Named(Anything(), pairs=True),), example="{loads.seismic.k: 0.1}",
+            left_out="the design as it is", doc="keys by their paths, as `--set` takes them; `null` takes one out"),
+    declare("accept", "text", forms=(ListOf(Leaf(example='"fos >= 1.1"')), Leaf(example='"fos >= 1.1"')),
+            example='"fos >= 1.1"', left_out="the design's rules", doc="one or a list, as `acceptance.rules`"),
+)  # fmt: skip
 
 
 #: Names of the acceptance rules on the factor of safety itself.

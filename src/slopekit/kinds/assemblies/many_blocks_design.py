@@ -1,14 +1,14 @@
 """What designs of many blocks share: their keys, named strengths, water by pressures, loads on named blocks."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import make_dataclass, replace
+from dataclasses import replace
 from typing import Any, ClassVar
 
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design import words
 from slopekit.design.common import Design
-from slopekit.design.fields import Field, count, declare, fields_of, group
+from slopekit.design.fields import Field, count, declare, fields_of, group, keys_of
 from slopekit.design.fields import number as number_field
 from slopekit.design.ground_water import TABLE, read_table
 from slopekit.design.parts import Action, Bolt, Force, Seismic, Strength, Water, bolts_without, forces_without
@@ -31,13 +31,13 @@ def water_by(*pressures: Field, without: tuple[str, ...] = ()) -> Any:
 
     Mode and fill are known so that the reader can say why they are not taken.
     """
-    also = (
+    keys = keys_of(
+        "WaterOfBlocks",
         declare("mode", "text", example="dry", is_refused=True),
         declare("fill", "ratio", 0.0, 1.0, is_refused=True),
         *pressures,
         *(one for name, one in fields_of(Water).items() if name in Water.UNSAID),
     )
-    keys = make_dataclass("WaterOfBlocks", (), namespace={"ALSO": also})
     return group("water", keys, default=Water(), forms=(Leaf(example="dry"),), without=without)
 
 
