@@ -89,6 +89,7 @@ class Water:
         default=(),
         least=0.0,
         each=True,
+        code="E118",
         label="water pressure",
         doc="mean pressures: one, a list, or by the names of the interfaces",
     )

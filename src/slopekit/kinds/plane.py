@@ -161,13 +161,8 @@ def _with_worst_crack(design: PlaneDesign, place: str) -> PlaneDesign:
 def _water_of_plane(reader: Reader, names: Sequence[str], crack: Node | None) -> Water:
     """Water as the design has it, or the crack: how full it is, its mean pressure, or the depth of its water."""
     in_crack, has_crack = None if crack is None else crack.get("water"), crack is not None
-    water, at = read_table(reader), None
-    if water is None:
-        water, at = read_water(reader, [*names, *(["crack"] if has_crack else [])])
-    if at is not None and not has_crack and len(at.elements) > 1:
-        reader.fault("E109", f"{len(at.elements)} water pressures given, there is one plane and no crack", at)
-    if water.mode == "pressures" and not has_crack:
-        water = Water("pressures", 0.0, water.pressures_kpa[:1])
+    interfaces = [*names, "crack"] if has_crack else names
+    water = read_table(reader) or read_water(reader, interfaces, len(interfaces))[0]
     if in_crack is None or in_crack.value is None:
         return water
     value = reader.value(in_crack)
@@ -178,8 +173,11 @@ def _water_of_plane(reader: Reader, names: Sequence[str], crack: Node | None) ->
         reader.fault("E112", "crack.water and water both say how full it is", in_crack, "Keep one of them.")
     if not fills:
         return Water(crack_water_m=reader.field(fields_of(VerticalCrack)["water"], in_crack))
-    pressures = [0.0, value] if is_pressure else value
-    return reader.kept(words.water, pressures, str(in_crack.place), has_crack) or Water()
+    if is_pressure:
+        mean = reader.number(fields_of(Water)["pressures_kpa"], in_crack, "water pressure")
+        return Water("pressures", 0.0, (0.0, mean)) if mean else Water()
+    part = reader.kept(words.fill, value, str(in_crack.place))
+    return Water("full", part) if part else Water()
 
 
 def cut(design: PlaneDesign) -> Cut:

@@ -20,6 +20,7 @@ from slopekit.geometry.rock.rockmass import CRACK, FACE, J1, J2, RockMass
 
 _FAR = 1000  # ids of the six outer faces of the body, 1000 to 1005: the rock goes on behind them
 _REMEMBERED = 64  # wedges
+_ON = 1e-12  # of the size of a wedge: its crest is on the crack
 _SHAPES = ((-1, 3), (-1,), (-1, 3))  # of normals, offsets and corners
 _REACH = 12.0  # of a half-space
 _CUTTER_BACK = 2000  # id of the faces of a cutter that lie outside the body and cut nothing
@@ -61,7 +62,7 @@ def cut_wedge(rock: RockMass) -> Block:
     Raises
     ------
     GeometryError
-        E208 the planes enclose none, E207 the crack does not bound it.
+        E208 the planes enclose none, or two; E207 the crack does not bound it.
     """
     return _wedge_of(rock.normals.tobytes(), rock.offsets.tobytes(), rock.corners.tobytes())
 
@@ -72,6 +73,10 @@ def _wedge_of(*rock: bytes) -> Block:
     normals, offsets, corners = (np.frombuffer(part).reshape(shape) for part, shape in zip(rock, _SHAPES, strict=True))
     sides = np.copysign(1.0, offsets - normals @ corners.mean(axis=0))
     sides[CRACK:] = np.copysign(1.0, offsets[CRACK:])  # the toe lies in front of the crack
+    behind = (corners[2:] @ normals[CRACK:].T - offsets[CRACK:]) * sides[CRACK:]
+    if (behind > _ON * np.abs(corners).max()).any():
+        message = "the crack cuts the wedge in two below its crest: both parts are free to leave the rock"
+        raise GeometryError([Fault("E208", message)])
     block = cut_convex(normals * sides[:, None], offsets * sides, corners)
     if not {J1, J2, FACE} <= block.faces.keys():
         raise GeometryError([Fault("E208", "joints and face bound no wedge: one of them does not reach it")])

@@ -10,7 +10,7 @@ from slopekit.core.units import quantity
 from slopekit.design.common import Design
 from slopekit.design.fields import Field, declare, fields_of, group, number, text
 from slopekit.design.ground_water import read_table
-from slopekit.design.parts import MeshFile, Strength, Water, axis_key
+from slopekit.design.parts import MeshFile, Strength, axis_key
 from slopekit.design.reading.named_files import mesh_file
 from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.reader import Reader
@@ -178,14 +178,10 @@ def read_surface(reader: Reader) -> SurfaceDesign:
     elif profile is not None and has_depth and overhangs(profile):
         message = "the water table lies below the ground, and the profile overhangs: there are two grounds over one x"
         reader.fault("E454", message, depth, "Give its points or a plane.")
-    water, at = (table, None) if table is not None else read_water(reader, ["slip"])
+    water, at = (table, None) if table is not None else read_water(reader, ["slip"], 1)
     if water.mode == "full":
         message = "how full a curved surface is says no pressure"
         reader.fault("E118", message, at, "Write water: {pressures: 5 kPa}.")
-    if water.mode == "pressures":
-        if at is not None and len(at.elements) > 1:
-            reader.fault("E109", f"{len(at.elements)} water pressures given, there is one slip surface", at)
-        water = Water("pressures", 0.0, water.pressures_kpa[:1])
     common = read_common(reader)
     if profile is None and common["seismic"].coefficient and common["seismic"].trend_deg is None:
         message = "the seismic load has no direction, and a mesh of the ground does not say which way it falls"

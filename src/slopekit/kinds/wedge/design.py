@@ -31,7 +31,7 @@ from slopekit.design.parts import Strength, Water
 from slopekit.design.reading.nodes import Document, Node, Place, from_python
 from slopekit.design.reading.reader import Reader
 from slopekit.design.reading.structure import check_structure, is_distribution
-from slopekit.design.sections import given_water, read_common, read_strength, read_water
+from slopekit.design.sections import read_common, read_strength, read_water
 
 if TYPE_CHECKING:
     pass
@@ -225,7 +225,7 @@ def read_wedge(reader: Reader) -> WedgeDesign:
     crack = None if crack_node is None else _crack(reader, crack_node)
     names = tuple(joint.name for joint in joints) or ("J1", "J2")
     own |= reader.fields(WedgeDesign, only=("surcharge_kpa", "refine", "origin_m"))
-    water = _water(reader, crack_node, [*names, *nodes], basal_node is not None)
+    water = _water(reader, crack_node, [*names, *nodes], 2 if basal_node is None else 3)
     common = read_common(reader)
     sound = tuple(one or Strength(0.0, 0.0) for one in strengths)
     design: WedgeDesign = reader.made(
@@ -341,45 +341,38 @@ def crack_of_words(value: object, where: str) -> Crack:
     return Crack(orientation, away)
 
 
-def _water(reader: Reader, crack: Node | None, order: Sequence[str], has_basal: bool) -> Water:
-    """Water on the joints, with the crack's own word: how full it is, or its pressure, the last beside the joints'."""
-    has_crack = crack is not None
+def _water(reader: Reader, crack: Node | None, order: Sequence[str], joints: int) -> Water:
+    """Water on the joints, with the crack's own word: how full it is, its pressure, or the depth that wets the joints.
+
+    Parameters
+    ----------
+    order : the interfaces, so many `joints` first
+    """
     node, table = crack.get("water") if crack is not None else None, read_table(reader)
     if table is not None:
         if node is not None:
-            reader.fault(
-                "E112", "the crack's water and a water table both say how full it is", node, "Keep one of them."
-            )
+            message = "the crack's water and a water table both say how full it is"
+            reader.fault("E112", message, node, "Keep one of them.")
         return table
+    water, at = read_water(reader, order, joints)
     if node is None or node.value is None:
-        return read_water(reader, order, has_crack, has_basal)[0]
+        return water
     if _is_depth(reader, node):
-        joint_water, at = read_water(reader, order, has_crack, has_basal)
-        if joint_water != Water():
-            reader.fault("E112", f"the crack's water is {node.text}, which wets the joints, and water says another "
-                         "thing", at, "Keep one of them.")  # fmt: skip
+        if water != Water():
+            message = f"the crack's water is {node.text}, which wets the joints, and water says another thing"
+            reader.fault("E112", message, at, "Keep one of them.")
         return Water(crack_water_m=reader.number(_DEPTH_OF_WATER, node))
-    top = reader.at("water")
-    given = None if top is None or top.value is None else given_water(reader, top, order)
-    water, value = ("dry" if given is None else given[0]), reader.value(node)
-    if value is None:
+    value, on_joints = reader.value(node), water.pressures_kpa
+    is_pressure = is_unit_of(unit_of(value), "pressure")
+    if len(on_joints) > joints or (is_pressure and water.mode == "full"):
+        advice = "Give the crack's water in one place; beside full joints it is a part of that: crack: {water: 50 %}."
+        reader.fault("E112", f"the crack's water is {node.text}, and water says another thing", node, advice)
         return Water()
-    count = 3 if has_basal else 2
-    joints = list(water) if isinstance(water, list) else [0.0] * count if water in ("dry", 0.0) else None
-
-    def read(word: Any, at: Node) -> Water:
-        return reader.kept(words.water, word, str(at.place), has_crack, has_basal) or Water()
-
-    if not is_unit_of(unit_of(value), "pressure"):
-        if joints is None or len(joints) <= count:
-            own = read(water, given[1]) if given is not None else Water()
-            return replace(own, crack_fill=reader.kept(words.fill, value, str(node.place)))
-    elif joints is not None and len(joints) <= count:
-        each = joints * count if len(joints) == 1 else [*joints, 0.0]
-        return read([*each[:count], value], node)
-    advice = "Give the crack's water in one place; beside full joints it is a part of that: crack: {water: 50 %}."
-    reader.fault("E112", f"the crack's water is {node.text}, and water says another thing", node, advice)
-    return Water()
+    if is_pressure:
+        own = reader.number(fields_of(Water)["pressures_kpa"], node, "water pressure")
+        each = (*on_joints, *[0.0] * (joints - len(on_joints)), own or 0.0)
+        return Water("pressures", 0.0, each) if any(each) else Water()
+    return water if value is None else replace(water, crack_fill=reader.kept(words.fill, value, str(node.place)))
 
 
 # -- calls ------------------------------------------------------------------------------------------------------------
