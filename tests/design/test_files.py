@@ -108,7 +108,7 @@ FAULTS = [
     # words.py: water, cracks, loads, bolts, rules, stiffness
     ("E118", "wedge", "mode: dry", "fill: 120 %", "water fills 120 % of the joints, more than all", "11:15"),
     ("E118", "wedge", "mode: dry", "mode: wet", "water is 'wet', which is not understood", "11:15"),
-    ("E118", "wedge", "mode: dry", "pressures: [-5, 0]", "water pressure is -5 kPa, it is never negative", "11:20"),
+    ("E118", "wedge", "mode: dry", "pressures: [-5, 0]", "water pressure is -5 kPa, it is never negative", "11:21"),
     ("E109", "wedge", "mode: dry", "pressures: [1, 2, 3]", "3 water pressures given, there are J1 and J2", "11:20"),
     ("E120", "wedge", "rock:", "crack: {plane: 80/185, distance: 0}\nrock:", "crack distance is 0", "10:8"),
     ("E122", "wedge", "seismic: 0", "seismic: 3", "seismic coefficient is 3, it lies between 0 and 2", "12:18"),

@@ -84,7 +84,7 @@ NO_BLOCK = [
     ("E207", {"crack": "22.909807125143665/180@30m"}, "parallel to the line of intersection"),
     ("E207", {"crack": "15/180@30m"}, "does not cross the line of intersection"),
     ("E208", {"dips": ("30/105", "40/215"), "face": "70/180", "crack": "70/190@5", "height": 10},
-     "2 pieces of the rock mass touch both joints"),
+     "the crack cuts the wedge in two below its crest"),
     ("E209", {"face": "60/180", "upper": "60/180"}, "there is no crest"),
     ("E211", {"bolts": {"force": 200, "toward": "000/10", "head": (500, 0, 0)}}, "bolt 1 misses the block"),
     ("E211", {"bolts": {"force": 200, "toward": "180/10", "head": HEAD}}, "through a free face"),

@@ -7,9 +7,8 @@ from scipy.sparse.linalg import splu
 
 import slopekit as sk
 from benchmarks.elastic_oracle import last_rest, state_of
-from slopekit.elastic.flexibility import Elements, Rock, flexibility
+from slopekit.elastic.flexibility import Elements, Rock, body
 from slopekit.elastic.meshing import cells_of, fanned, mesh_of, numbered, split_evenly
-from slopekit.elastic.model import with_blocks
 from slopekit.elastic.rest import RestSearch
 from slopekit.kinds import cut
 from slopekit.kinds.elastic import elastic_model
@@ -31,12 +30,8 @@ def blocks(modulus: float, order: int = 2, **more):
     points, faces = numbered(made.block.faces.values())
     mesh = split_evenly(mesh_of(points, cells_of(points, fanned(faces))), 25.0)
     elements, model = Elements(mesh, Rock(modulus, 0.25, order)), scene.model
-    give = flexibility(
-        elements, scene.pairs.points, local_axes(scene.pairs.normals), model.flat_rows, model.length_scale
-    )
-    plain = elastic_model(model)
-    whole = with_blocks(plain, ((give, np.arange(3 * len(scene.pairs)), np.arange(6)),))
-    return whole, elements, scene, model
+    give = body(elements, scene.pairs.points, local_axes(scene.pairs.normals), model.length_scale)
+    return elastic_model(model, give), elements, scene, model
 
 
 @pytest.mark.parametrize("more", [{}, {"water": "50%", "bolts": ["3000@5/-10,passive"], "crack": "80/180@8"}])

@@ -5,27 +5,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy import sparse
 
 import slopekit as sk
 from slopekit.core.errors import DesignError
-from slopekit.elastic.flexibility import body
-from slopekit.elastic.model import with_blocks
 from slopekit.elastic.rest import RestSearch
 from slopekit.kinds import cut
 from slopekit.kinds.elastic import scene_of_many
 from slopekit.preie.system.contact import ContactMode
-from slopekit.preie.system.model import local_axes
-from tests.elastic.test_rest import STIFFNESS, blocks
 
 FACES = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
 E, K_N, GAMMA = 2e6, 1e5, 25.0
-
-
-@pytest.fixture
-def condensed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """All models by the way of many blocks, whatever their size."""
-    monkeypatch.setattr("slopekit.elastic.model._DENSE", 0)
 
 
 def in_section(ends: dict, depth: float, turn: float = 0.0) -> dict:
@@ -56,26 +45,7 @@ def in_space(folder: Path, ends: dict, depth: float, turn: float = 0.0) -> dict:
     return design
 
 
-def test_one_wedge_as_one_of_many() -> None:
-    """Its rest by a flexibility of its pairs, and by a body condensed to their nodes, where its bond parts too."""
-    dense, elements, scene, model = blocks(2e6)
-    axes, n = local_axes(scene.pairs.normals), len(scene.pairs)
-    one = body(elements, scene.pairs.points, axes, model.length_scale)
-    plain = replace(dense, give=None, give_load=None, rows=sparse.csr_matrix(dense.rows), seen=(), bends=False)
-    given = with_blocks(plain, ((one, np.arange(3 * n), np.arange(6)),))
-    assert not given.is_dense
-    found, exact = RestSearch(given, STIFFNESS).rest(1.0), RestSearch(dense, STIFFNESS).rest(1.0)
-    assert found.stands
-    assert exact.stands
-    assert exact.parted.any()
-    assert (found.parted == exact.parted).all()
-    assert found.forces == pytest.approx(exact.forces, abs=1e-6 * np.abs(exact.forces).max())
-    assert found.motion == pytest.approx(exact.motion, abs=1e-6 * np.abs(exact.motion).max())
-    shown, wanted = (one.seen_of(0, at.forces, at.motion, 1.0, at.bent) for one, at in ((given, found), (dense, exact)))
-    assert shown[0] == pytest.approx(wanted[0], abs=1e-6 * np.abs(exact.motion).max())
-
-
-def test_a_stack_settles_as_strength_of_materials_says(tmp_path: Path, condensed: None) -> None:
+def test_a_stack_settles_as_strength_of_materials_says(tmp_path: Path) -> None:
     """γ h² / 2E and γ h / k_n, of what stands on it too; node pairs cross the elements, which takes 1e-3."""
     lower, upper = 4.0, 7.0
     ends = {"base": (-5, 8, -5, 0), "A": (0, 3, 0, lower), "B": (0, 3, lower, lower + upper)}
@@ -121,7 +91,6 @@ def test_blocks_of_a_bench_balance(bench) -> None:
     design, answer = bench
     scene = scene_of_many(design, cut(design), answer)
     model = scene.model
-    assert not model.is_dense
     found = RestSearch(model, scene.stiffness).rest(1.0)
     assert found.stands
     unbalanced = (model.rows.T @ found.forces + model.load).reshape(-1, 6)

@@ -191,7 +191,7 @@ def test_a_call_takes_it_too() -> None:
         (wet("-3 m"), "E118"),
         (wet("300 m"), "E207"),
         (wet("3"), "E118"),
-        (wet("3 kg"), "E108"),
+        (wet("3 kg"), "E118"),
         # the basal joint cuts the line of J1 and J2 before the crack
         (wet("2 m", basal={"plane": "10/185", "height": 1.0}), "E456"),
         # J1, J2 and the crack meet inside the rock, under a basal joint that lies below the toe

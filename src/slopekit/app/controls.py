@@ -265,7 +265,7 @@ def written(design: Design, key: Key | None, path: str, value: float) -> str:
         except DesignError:
             pass
     field = field_in(type(design), design.source.root, path.removesuffix(".mean"))
-    slip = field is not None and field.refusal.check is in_degrees and in_degrees(value, path, "", str) is not None
+    slip = field is not None and field.limits.check is in_degrees and in_degrees(value, path, "", str) is not None
     return f"{_plain(value)} deg" if slip else _plain(value)
 
 

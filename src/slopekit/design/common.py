@@ -10,9 +10,9 @@ from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
 from slopekit.design.fields import Field, declare, group, number, part, parts_of, text
 from slopekit.design.parts import (
+    CASE_KEYS,
     Action,
     Bolt,
-    CaseKeys,
     Force,
     MeshFile,
     PartialFactors,
@@ -110,7 +110,7 @@ class DesignKeys:
             example="{J1.phi/J2.phi: 0.8}",
         ),
         BEDROCK,
-        declare("cases", "group", of=CaseKeys, many="names", at_least=1, left_out="the design alone",
+        declare("cases", "group", of=CASE_KEYS, many="names", at_least=1, left_out="the design alone",
               example="{quake: {set: {loads.seismic.k: 0.1}}}", doc="[load cases](cases.md) by name"),
     )  # fmt: skip
     REQUIRED: ClassVar[tuple[str, ...]] = ("strength", "rock")
@@ -123,6 +123,9 @@ class DesignKeys:
     #: When it is analysed under work, where it has no closed form.
     ANSWERED: ClassVar[Answered] = "release"
     ACTIONS: ClassVar[Mapping[str, Action]] = {"water_unit_weight_kn_m3": "water"}
+    #: Along what places of a water table are counted, and where a plane has its elevation, in words.
+    ALONG: ClassVar[str] = ""
+    PLANE_AT: ClassVar[str] = "at the origin"
     #: Attributes that hold what stands at a key of another path.
     INTO: ClassVar[Mapping[str, str]] = {}
     #: Attributes that inputs and their hash leave out where they are None: younger than the hashes that users keep.
@@ -272,7 +275,7 @@ class Design(DesignKeys):
     @property
     def is_wet(self) -> bool:
         """Whether there is water."""
-        return self.water.mode != "dry" or bool(self.water.crack_fill)
+        return self.water.is_wet
 
     @property
     def section_share(self) -> float | None:
@@ -337,7 +340,14 @@ class Design(DesignKeys):
     def plain(self, exact: bool = False) -> dict[str, Any]:
         """The attributes as JSON values; planes as they are written unless every digit counts (`exact`)."""
         record: dict[str, Any] = _plain(self._single(), exact)
-        return record
+        water = record["water"]
+        return record | {name: water.pop(name) for name in Water.UNSAID if name in water}
+
+    def ground_in_words(self) -> list[str]:
+        """Table, pond and surcharge as the sheet prints them."""
+        load = getattr(self, "surcharge_kpa", None)
+        said = [f"surcharge {shown(load)} kPa on the plan of the upper slope"] if load else []
+        return [*self.water.table_in_words(self.ALONG, self.PLANE_AT), *said]
 
     def inputs(self) -> dict[str, Any]:
         """Every input as plain JSON values, the defaults written out; of what scatters the value that a run takes."""

@@ -15,7 +15,7 @@ scatter, the keys of studies with their limits and the key reference of the docu
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import MISSING, field, fields, replace
+from dataclasses import MISSING, field, fields, make_dataclass, replace
 from functools import cache
 from inspect import get_annotations
 from math import inf, isfinite
@@ -54,7 +54,8 @@ class Limits:
     """Which numbers a value takes: from `least` to `most`, themselves not where `above`, `below`.
 
     `whole` says that it counts something, `is_odd` in odd numbers; `turns`, that beyond its limits it is the same plane
-    or line, written otherwise.
+    or line, written otherwise. What lies beyond, and what is no number, is refused by `code`, in the words of `says`
+    and `advice` or of `check`, which judges a number in the words of its own subject.
     """
 
     least: float = -inf
@@ -64,22 +65,16 @@ class Limits:
     whole: bool = False
     is_odd: bool = False
     turns: bool = False
+    code: str = "E105"
+    says: str = ""
+    advice: str = ""
+    check: Check | None = None
 
     def takes(self, value: float) -> bool:
         """Whether a number lies between them."""
         low = value > self.least if self.above else value >= self.least
         high = value < self.most if self.below else value <= self.most
         return low and high and (not self.whole or (value == int(value) and (value % 2 == 1 or not self.is_odd)))
-
-
-@dataclass(frozen=True, slots=True)
-class Refusal:
-    """The fault of what is no value of a key; `check` : judges a number in the words of its own subject."""
-
-    code: str = "E105"
-    says: str = ""
-    advice: str = ""
-    check: Check | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,7 +146,6 @@ class Field:
     is_attribute: bool = False
     is_refused: bool = False
     limits: Limits = Limits()
-    refusal: Refusal = Refusal()
     shape: Shape = Shape()
     texts: KeyTexts = KeyTexts()
 
@@ -189,8 +183,8 @@ class Field:
         'it must be more than 0'
         """
         low, high = shown(self.limits.least), shown(self.limits.most)
-        if self.refusal.says:
-            return self.refusal.says.format(least=low, most=high)
+        if self.limits.says:
+            return self.limits.says.format(least=low, most=high)
         if self.limits.whole:
             what = "an odd" if self.limits.is_odd else "a whole"
             return f"it must be {what} number from {int(self.limits.least)} to {int(self.limits.most)}"
@@ -214,7 +208,7 @@ class Field:
         DesignError
             The field's code, or that of its `check`.
         """
-        wrong = None if self.refusal.check is None else self.refusal.check(value, name, written, called)
+        wrong = None if self.limits.check is None else self.limits.check(value, name, written, called)
         if wrong is not None:
             code, message, advice = wrong
             raise DesignError([Fault(code, message, where, advice)])
@@ -222,7 +216,7 @@ class Field:
             unit = "" if self.limits.above and not isfinite(self.limits.most) else self.unit
             size = shown(value) + (unit if unit in ("", "°") else f" {unit}")
             raise DesignError(
-                [Fault(self.refusal.code, f"{name} is {size}, {self.limits_in_words()}", where, self.refusal.advice)]
+                [Fault(self.limits.code, f"{name} is {size}, {self.limits_in_words()}", where, self.limits.advice)]
             )
         return value
 
@@ -238,7 +232,7 @@ class Field:
 
 
 #: The groups of a field's attributes.
-_GROUPS: Mapping[str, Any] = {"limits": Limits, "refusal": Refusal, "shape": Shape, "texts": KeyTexts}
+_GROUPS: Mapping[str, Any] = {"limits": Limits, "shape": Shape, "texts": KeyTexts}
 _GROUP_OF = {name: group for group, record in _GROUPS.items() for name in get_annotations(record)}
 
 # -- declaring --------------------------------------------------------------------------------------------------------
@@ -319,6 +313,11 @@ def text(path: str, *, default: Any = MISSING, **more: Any) -> Any:
 def group(path: str, of: type | None = None, *, default: Any = MISSING, **more: Any) -> Any:
     """A record of its own, or many of them; `forms` are other ways of writing one."""
     return _declared(path, "group", default, of=of, **more)
+
+
+def keys_of(name: str, *declared: Field) -> type:
+    """A group of keys that are read into attributes of other records."""
+    return make_dataclass(name, (), namespace={"ALSO": declared})
 
 
 def part(of: type) -> Any:
@@ -509,7 +508,8 @@ def structure_of(record: Any, required: tuple[str, ...] = (), without: tuple[str
     """
     keys: dict[str, Any] = {}
     needed: dict[str, None] = dict.fromkeys(required)
-    every = tuple(fields_of(record).values())
+    more = getattr(record, "more_fields", None)
+    every = (*fields_of(record).values(), *(() if more is None else more()))
     within = sorted(every, key=lambda one: any(other.path.startswith(f"{one.path}.") for other in every))
     for one in within:  # a group after the keys that are declared beside it, which it takes in
         if one.path in without:
@@ -524,35 +524,7 @@ def structure_of(record: Any, required: tuple[str, ...] = (), without: tuple[str
         holder[last] = (one, _spec(one) if beside is None else _with_keys(_spec(one), _section(beside)))
         if one.is_required:
             needed[one.path.partition(".")[0]] = None
-    made, more = _section(keys, tuple(needed)), getattr(record, "more_fields", None)
-    return made if more is None else replace(made, keys=_Later(made.keys, more))
-
-
-class _Later(Mapping[str, Spec]):
-    """Keys, and more of them, which are asked for where a key is none of these."""
-
-    def __init__(self, own: Mapping[str, Spec], more: Callable[[], Sequence[Field]]) -> None:
-        self.own, self.more = own, more
-        self.made: tuple[Sequence[Field], Mapping[str, Spec]] = (), own
-
-    def every(self) -> Mapping[str, Spec]:
-        """All of them: made anew where a law was added."""
-        more = self.more()
-        if self.made[0] != more:
-            self.made = more, {**self.own, **{one.path: _spec(one) for one in more}}
-        return self.made[1]
-
-    def __contains__(self, key: object) -> bool:
-        return key in self.own or key in self.every()
-
-    def __getitem__(self, key: str) -> Spec:
-        return self.own[key] if key in self.own else self.every()[key]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.every())
-
-    def __len__(self) -> int:
-        return len(self.every())
+    return _section(keys, tuple(needed))
 
 
 def _with_keys(spec: Spec, more: KeyGroup) -> Spec:

@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, ClassVar
+from typing import Any
 
 from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Plane
 from slopekit.core.records import dataclass
-from slopekit.design.fields import Field, count, declare
+from slopekit.design.fields import count, declare, keys_of
 from slopekit.design.parts import Strength
 from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.reader import Reader
@@ -27,18 +27,15 @@ FROM_CSV = KeyGroup(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Joint:
-    """A joint by its name: its plane, and the strength it names."""
-
-    ALSO: ClassVar[tuple[Field, ...]] = (
-        declare("plane", "plane", is_required=True, example="45/115"),
-        declare("strength", "text", left_out="the only one", doc="a name under strength"),
-    )
-
+#: A joint by its name: its plane, and the strength it names.
+_JOINT = keys_of(
+    "Joint",
+    declare("plane", "plane", is_required=True, example="45/115"),
+    declare("strength", "text", left_out="the only one", doc="a name under strength"),
+)
 
 JOINTS = declare(
-    "joints", "group", of=Joint, many="names", at_least=1, forms=(FROM_CSV,), is_required=True,
+    "joints", "group", of=_JOINT, many="names", at_least=1, forms=(FROM_CSV,), is_required=True,
     example="{J1: {plane: 45/115}}", doc="by name (a wedge two, a plane one), or a [list](#joint-lists)",
 )  # fmt: skip
 

@@ -5,10 +5,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict, field, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
-from slopekit.core.orientation import Line
+from slopekit.core.orientation import Line, Plane
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
-from slopekit.design.fields import Field, declare, group, in_degrees, number, orientation, point, text
+from slopekit.design.fields import Field, declare, group, in_degrees, keys_of, number, orientation, point, text
 from slopekit.design.reading.structure import Anything, Leaf, ListOf, Named
 
 if TYPE_CHECKING:
@@ -45,13 +45,31 @@ class Project:
 
 
 @dataclass(frozen=True, slots=True)
-class Water:
-    """Water on the joints: dry, full (its pressure times `fill`) or mean pressures in kPa, one for each interface.
+class TablePlane:
+    """A water table that is a plane: its orientation, and its elevation above the toe, m."""
 
-    `crack_fill` is what fills a wedge's tension crack, None where it has what the joints have.
+    plane: Plane
+    level_m: float
+
+    def __str__(self) -> str:
+        return f"{self.plane}@{shown(self.level_m)}m"
+
+
+@dataclass(frozen=True, slots=True)
+class Water:
+    """Water on the joints: dry, full (its pressure times `fill`), mean pressures in kPa or below a table.
+
+    The mean pressures are one for each interface. A table stands `table_depth_m` below the ground, through
+    `table_points_m` (place and elevation) or in `table_plane`, the others are None; open water stands up to `pond_m`.
+    In a tension crack water stands `crack_water_m` deep, or is `crack_fill` of full water: None where the crack has
+    what the joints have.
     """
 
     ACTIONS: ClassVar[Mapping[str, Action]] = {"pressures_kpa": "water"}
+    #: What JSON has beside the water of the design, where it is not None.
+    UNSAID: ClassVar[tuple[str, ...]] = (
+        "table_depth_m", "table_points_m", "table_plane", "pond_m", "crack_water_m",
+    )  # fmt: skip
 
     mode: Literal["dry", "full", "pressures", "table"] = text("mode", default="dry", example="dry", doc="`dry`, `full`")
     fill: float = number(
@@ -71,10 +89,42 @@ class Water:
         default=(),
         least=0.0,
         each=True,
+        code="E118",
         label="water pressure",
         doc="mean pressures: one, a list, or by the names of the interfaces",
     )
     crack_fill: float | None = None
+    table_depth_m: float | None = number(
+        "depth", "length", default=None, least=0.0, code="E454", axis="depth of the water table",
+        says="a table lies at or below the ground", example="4 m", left_out="no table",
+        doc="with `mode: table`: of the table below the ground, vertical",
+    )  # fmt: skip
+    table_points_m: tuple[tuple[float, float], ...] | None = text(
+        "points", default=None, coordinates=2, left_out="no table",
+        doc="with `mode: table`: distance from the toe into the slope (surfaces, blocks: x), ascending, and elevation; "
+        "level beyond its ends",
+        forms=(ListOf(ListOf(Leaf(), 2, 2), 2, example="[[0, 0], [10, 4], [30, 9]]"),),
+        example="[[0, 0], [10, 4], [30, 9]]",
+    )  # fmt: skip
+    table_plane: TablePlane | None = text(
+        "plane", default=None, left_out="no table", example="5/180@2m",
+        doc="with `mode: table`: a plane, and its elevation over the toe (surfaces, blocks: the origin)",
+    )  # fmt: skip
+    pond_m: float | None = number(
+        "pond", "length", default=None, axis="level of the pond", example="3 m", left_out="no pond",
+        doc="elevation of open water at the toe; the table is as high at least",
+    )  # fmt: skip
+    crack_water_m: float | None = None
+
+    @property
+    def is_wet(self) -> bool:
+        """Whether there is water, if only in the crack."""
+        return self.mode != "dry" or bool(self.crack_fill or self.crack_water_m)
+
+    @property
+    def has_table(self) -> bool:
+        """Whether it stands below a table, or a pond."""
+        return self.mode == "table"
 
     def in_words(self) -> str:
         """The water as the sheet prints it."""
@@ -86,6 +136,28 @@ class Water:
         if self.mode == "full":
             return "full" if self.fill == 1.0 else f"{self.fill * 100:g} % of full pressure"
         return "u = " + ", ".join(f"{pressure:g}" for pressure in self.pressures_kpa) + " kPa"
+
+    def table_in_words(self, along: str, at: str) -> list[str]:
+        """The table and the pond as the sheet prints them.
+
+        Parameters
+        ----------
+        along : what places of points are counted along; at : where a plane has its elevation
+        """
+        entries = []
+        if self.table_depth_m is not None:
+            entries.append(f"water table {shown(self.table_depth_m)} m below the ground")
+        if self.table_points_m is not None:
+            first, last = self.table_points_m[0], self.table_points_m[-1]
+            entries.append(
+                f"water table through {len(self.table_points_m)} points, from {shown(first[1])} m at "
+                f"{shown(first[0])} m to {shown(last[1])} m at {shown(last[0])} m{along}"
+            )
+        elif self.table_plane is not None:
+            entries.append(f"water table {self.table_plane.plane}, {shown(self.table_plane.level_m)} m {at}")
+        if self.pond_m is not None:
+            entries.append(f"pond to {shown(self.pond_m)} m")
+        return entries
 
 
 @dataclass(frozen=True, slots=True)
@@ -392,16 +464,14 @@ class PartialFactors:
         return asdict(self) | {"table": [asdict(row) for row in self.table]}
 
 
-@dataclass(frozen=True, slots=True)
-class CaseKeys:
-    """What a load case says: which keys of the design it sets, by their paths, and what is accepted."""
-
-    ALSO: ClassVar[tuple[Field, ...]] = (
-        declare("set", "group", forms=(Named(Anything(), pairs=True),), example="{loads.seismic.k: 0.1}",
-              left_out="the design as it is", doc="keys by their paths, as `--set` takes them; `null` takes one out"),
-        declare("accept", "text", forms=(ListOf(Leaf(example='"fos >= 1.1"')), Leaf(example='"fos >= 1.1"')),
-              example='"fos >= 1.1"', left_out="the design's rules", doc="one or a list, as `acceptance.rules`"),
-    )  # fmt: skip
+#: What a load case says: which keys of the design it sets, by their paths, and what is accepted.
+CASE_KEYS = keys_of(
+    "CaseKeys",
+    declare("set", "group", forms=(Named(Anything(), pairs=True),), example="{loads.seismic.k: 0.1}",
+            left_out="the design as it is", doc="keys by their paths, as `--set` takes them; `null` takes one out"),
+    declare("accept", "text", forms=(ListOf(Leaf(example='"fos >= 1.1"')), Leaf(example='"fos >= 1.1"')),
+            example='"fos >= 1.1"', left_out="the design's rules", doc="one or a list, as `acceptance.rules`"),
+)  # fmt: skip
 
 
 #: Names of the acceptance rules on the factor of safety itself.

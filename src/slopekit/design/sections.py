@@ -284,46 +284,53 @@ def read_stiffness(reader: Reader) -> Stiffness:
 # -- water --------------------------------------------------------------------------------------------------------
 
 
-def read_water(
-    reader: Reader, order: Sequence[str], has_crack: bool = False, has_basal: bool = False
-) -> tuple[Water, Node | None]:
-    """Water of the interfaces in `order`: dry, a fraction of full, or pressures; and where it stands."""
+def read_water(reader: Reader, order: Sequence[str], joints: int) -> tuple[Water, Node | None]:
+    """Water of the interfaces in `order`: dry, a fraction of full, or pressures; and where it stands.
+
+    Parameters
+    ----------
+    joints : of how many of the first interfaces one pressure is
+    """
     node = reader.at("water")
     if node is None or node.value is None:
         return Water(), None
-    given = given_water(reader, node, order)
-    if given is None:
-        return Water(), node
-    value, only = given
-    return reader.kept(words.water, value, str(only.place), has_crack, has_basal) or Water(), only
-
-
-def given_water(reader: Reader, node: Node, order: Sequence[str]) -> tuple[Any, Node] | None:
-    """What the design says of water as one word or a list of pressures, and where it stands."""
-    if not node.is_mapping:
-        value = reader.value(node)
-        return None if value is None else (value, node)
-    said = [key for key in ("mode", "fill", "pressures") if node.get(key) is not None]
-    mode = node.get("mode")
-    if mode is not None and mode.text == "full" and said == ["mode", "fill"]:
-        said = ["fill"]  # so much of full
+    said = {key: below for key in ("mode", "fill", "pressures") if (below := node.get(key)) is not None}
+    said = said if node.is_mapping else {"mode": node}
+    if said.keys() == {"mode", "fill"} and said["mode"].text == "full":
+        del said["mode"]  # so much of full
     if len(said) > 1:
+        second = list(said)[1]
         message = f"water has {' and '.join(said)}: they exclude each other"
-        reader.fault("E112", message, node.get(said[1]), "Keep one of them.")
-    only = node.get(said[0]) if len(said) == 1 else None
-    if only is None:
-        return None
-    if said[0] != "pressures" or not only.is_mapping:
-        value = reader.value(only)
-        if value is None:
-            return None
-        return ([value] if said[0] == "pressures" and not only.elements else value), only
-    unknown = [name for name, _ in only.items() if name not in order]
-    for name in unknown:
-        message = f"water pressure on {name}: there is no such interface"
-        reader.fault("E197", message, only.get(name), reader.nearest(name, order))
-    if unknown or not only.items():
-        return None
-    values = {name: reader.value(below) for name, below in only.items()}
-    last = max(order.index(name) for name in values)
-    return [values.get(name, 0.0) for name in order[: max(last + 1, min(2, len(order)))]], only
+        reader.fault("E112", message, said[second], "Keep one of them.")
+    if len(said) != 1:
+        return Water(), node
+    ((key, only),) = said.items()
+    pressures = only if key == "pressures" or only.elements else spread(replace(only, path="water")).get("pressures")
+    if pressures is not None:
+        return _by_pressures(reader, pressures, order, joints), only
+    value = reader.value(only)
+    part = None if value is None else reader.kept(words.fill, value, str(only.place))
+    return (Water("full", part) if part else Water()), only
+
+
+def _by_pressures(reader: Reader, node: Node, order: Sequence[str], joints: int) -> Water:
+    """Water by its mean pressures: one, a list, or by the names of the interfaces."""
+    field, values = fields_of(Water)["pressures_kpa"], list[float | None]()
+    if node.is_mapping and not is_distribution(node):
+        by_name = {name: reader.number(field, below, "water pressure") for name, below in node.items()}
+        unknown = [name for name in by_name if name not in order]
+        for name in unknown:
+            message = f"water pressure on {name}: there is no such interface"
+            reader.fault("E197", message, node.get(name), reader.nearest(name, order))
+        if unknown or not by_name:
+            return Water()
+        last = max(order.index(name) for name in by_name)
+        values = [by_name.get(name, 0.0) for name in order[: max(last + 1, joints)]]
+    else:
+        values = [reader.number(field, part, "water pressure") for part in node.elements or (node,)]
+        values = values * joints if len(values) == 1 else values
+    if len(values) > len(order):
+        there = f"are {', '.join(order[:-1])} and {order[-1]}" if len(order) > 1 else f"is {order[0]} alone"
+        reader.fault("E109", f"{len(values)} water pressures given, there {there}", node)
+    known = [value for value in values if value is not None]
+    return Water("pressures", 0.0, tuple(known)) if any(known) and len(known) == len(values) else Water()

@@ -7,7 +7,7 @@ from typing import Any
 from slopekit.core.errors import DesignError, Fault, did_you_mean
 from slopekit.core.orientation import Line, number
 from slopekit.core.units import quantity
-from slopekit.design.parts import Bolt, Force, Rule, Water
+from slopekit.design.parts import Bolt, Force, Rule
 
 RULE_NAMES = (
     "fos", "fos.limit", "fos.closed_form", "fos.static_bound", "fos.all_pairs_failed", "fos.lowest", "fos.residual",
@@ -43,28 +43,14 @@ def point(value: object, name: str, where: str) -> tuple[float, float, float]:
     return east, north, up
 
 
-def water(value: Any, where: str, has_crack: bool, has_basal: bool = False) -> Water:
-    if isinstance(value, dict):  # as a design file has it
-        value = value.get("mode") or value.get("fill") or value.get("pressures")
-        value = list(value.values()) if isinstance(value, dict) else value
-    text = value.strip().lower() if isinstance(value, str) else ""
-    if text in ("dry", "full"):
-        return Water() if text == "dry" else Water("full", 1.0)
-    if text.startswith("u=") or (isinstance(value, Sequence) and not isinstance(value, str)):
-        parts: Sequence[Any] = re.split(r"\s*,\s*", text[2:]) if text else value
-        return pressures(parts, where, has_crack, has_basal)
-    if text and not text.endswith("%") and not re.match(_BARE_NUMBER, text):
-        advice = "Write dry, full, 50%, u=9.8kPa or u=5kPa,8kPa."
-        raise DesignError([Fault("E118", f"water is {value!r}, which is not understood", where, advice)])
-    part = fill(value, where)
-    return Water("full", part) if part else Water()
-
-
 def fill(value: Any, where: str) -> float:
     """A part of the pressure of full water: dry, full, 0.5 or 50 %."""
     text = value.strip().lower() if isinstance(value, str) else ""
     if text in ("dry", "full"):
         return 1.0 if text == "full" else 0.0
+    if text and not text.endswith("%") and not re.match(_BARE_NUMBER, text):
+        advice = "Write dry, full, 50%, u=9.8kPa or u=5kPa,8kPa, of a crack 5 kPa."
+        raise DesignError([Fault("E118", f"water is {value!r}, which is not understood", where, advice)])
     part = quantity(value, "ratio", "water", where)
     if part > 1.0:
         percent = text.endswith("%")
@@ -75,19 +61,6 @@ def fill(value: Any, where: str) -> float:
     if part < 0.0:
         raise DesignError([Fault("E118", f"water is {number(part * 100)} %, it is never negative", where)])
     return part
-
-
-def pressures(parts: Sequence[Any], where: str, has_crack: bool, has_basal: bool = False) -> Water:
-    if not 1 <= len(parts) <= 2 + has_crack + has_basal:
-        *most, last = ["J1", "J2", *["the basal joint"] * has_basal, *["the crack"] * has_crack]
-        planes = f"{', '.join(most)} and {last}"
-        raise DesignError([Fault("E109", f"{len(parts)} water pressures given, there are {planes}", where)])
-    values = [quantity(part, "pressure", "water pressure", where) for part in parts]
-    if min(values) < 0.0:
-        raise DesignError([Fault("E118", f"water pressure is {number(min(values))} kPa, it is never negative", where)])
-    if len(values) == 1:
-        values *= 3 if has_basal else 2
-    return Water("pressures", 0.0, tuple(values)) if any(values) else Water()
 
 
 def trend(value: object, name: str, code: str, where: str) -> float:

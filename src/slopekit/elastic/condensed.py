@@ -1,4 +1,4 @@
-"""Many blocks: each condensed to the nodes of its contacts, and Newton's step of all of them by fronts.
+"""Elastic blocks, each condensed to the nodes of its contacts, and Newton's step of all of them by fronts.
 
     K w = Pᵀ f + G q,   d = B γ + P w,   f = A law(d; F)
 
@@ -22,9 +22,7 @@ from scipy.sparse.linalg import splu
 
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.errors import DesignError, Fault
-from slopekit.elastic.flexibility import CondensedBlock
 from slopekit.elastic.model import ElasticModel
-from slopekit.elastic.whole import Place
 from slopekit.preie.solvers.fronts import Fronts
 
 _EXACT = 1e-6  # what is left of a step's right side, in parts of it
@@ -34,18 +32,20 @@ _MOST_BYTES = 2e9
 _CHUNK = 1_000_000  # entries placed at a time
 
 
+Place = tuple[Floats, Floats, Floats]  # d (3n,), γ (N,), and w (k,) of the bodies
+
+
 class Condensed:
-    """Newton's steps of a model with sparse rows."""
+    """Newton's steps of a model."""
 
     def __init__(self, model: ElasticModel) -> None:
         self.model, self.bodies = model, model.bodies
         size, unknowns = model.rows.shape
-        self.unit = 1.0
         self.weight = float(np.sqrt(model.load @ model.load)) + float(model.bolt_capacity.sum())
         if not self.bodies:
-            self.shapes, self.width = model.rows.tocsr(), unknowns // len(model.seen)
+            self.shapes, self.width = model.rows.tocsr(), unknowns // len(model.blocks)
             self.motions = self.loads = sparse.identity(unknowns, format="csr")
-            self.first = self.width * np.arange(len(model.seen) + 1)
+            self.first = self.width * np.arange(len(model.blocks) + 1)
             self.bent = 0
         else:
             at, motions, rigid, loads = [], [], [], []
@@ -78,25 +78,24 @@ class Condensed:
         relative = self.model.rows @ motion
         return relative + self.shapes @ bent if self.bent else relative, motion, bent
 
-    def off(self, place: Place, forces: Floats, loads: Floats) -> tuple[Floats, ...]:
+    def off(self, bent: Floats, forces: Floats, loads: Floats) -> Floats:
         """What is off of balance at the nodes: r (k,) kN."""
         residual: Floats = self.turned @ forces + self.loads @ loads
-        self._take_stiffness(residual, place[2])
-        return (residual,)
+        self._take_stiffness(residual, bent)
+        return residual
 
     def _take_stiffness(self, off: Floats, bent: Floats) -> None:
         for (one, *_), first, end in zip(self.bodies, self.first, self.first[1:], strict=False):
             off[first:end] -= one.stiffness @ bent[first:end]
 
-    def size(self, off: tuple[Floats, ...]) -> float:
+    def size(self, at_nodes: Floats) -> float:
         """Of what is off, in parts of the load: at the nodes and of the blocks."""
-        (at_nodes,) = off
         of_blocks = self.turned_rigid @ at_nodes if self.bent else at_nodes
         return math.sqrt(float(at_nodes @ at_nodes) + float(of_blocks @ of_blocks)) / self.weight
 
     # -- the step -----------------------------------------------------------------------------------------------------
 
-    def step(self, slopes: Floats, off: tuple[Floats, ...], springs: Floats) -> Place:
+    def step(self, slopes: Floats, off: Floats, springs: Floats) -> Place:
         """The changes that take away what is off.
 
         Parameters
@@ -106,7 +105,7 @@ class Condensed:
         law = sparse.bsr_matrix((slopes, np.arange(len(slopes)), np.arange(len(slopes) + 1))).tocsr()
         contacts = (self.turned @ (law @ self.shapes)).tocsr()
         solve = self._factored(contacts)
-        increment = solve(off[0])
+        increment = solve(off)
         active = np.flatnonzero(springs)
         if len(active):  # what a bolt's pull moves
             pulled = self.model.bolt_rows[active] @ self.motions
@@ -185,7 +184,7 @@ class Condensed:
             middle = np.repeat([one.where.mean(axis=0) for one, *_ in self.bodies], counts, axis=0)
             where = middle + _NUDGE * (where - middle)
         else:
-            where = np.array([one.where.mean(axis=0) for one, *_ in self.model.seen if isinstance(one, CondensedBlock)])
+            where = np.array([one.where.mean(axis=0) for one, *_ in self.model.blocks])
         normals, axes = self._normals(where.shape[1]), list[Floats]()
         while len(normals) and len(axes) < where.shape[1]:
             alike = np.abs(normals @ normals[0]) > _ALIKE
@@ -209,7 +208,7 @@ class Condensed:
     def _normals(self, dim: int) -> Floats:
         """Of the pairs (n, d): by what they open where a block moves."""
         opening = self.model.rows[::3].tocoo()
-        axis = opening.col % (self.model.rows.shape[1] // len(self.model.seen))
+        axis = opening.col % (self.model.rows.shape[1] // len(self.model.blocks))
         normals, moving = np.zeros((opening.shape[0], dim)), axis < dim
         normals[opening.row[moving], axis[moving]] = opening.data[moving]
         return normals

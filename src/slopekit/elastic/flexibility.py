@@ -4,17 +4,13 @@
 
 f are the forces at the pairs, q the load of the block: six numbers (three in a section), spread over its volume as the
 field a + ω x r that has this force and moment, which for a weight is the unit weight itself. L are the shape functions
-at the pairs: the mesh of the block need not match them. K is inverted on supports that hold the block and nothing
-more. The rigid motion that fits best at the pairs is taken out of d and given to the block's own unknowns:
-
-    d = Π D Π f + Π (D F + L K⁺ G) q,   Π = I - B (BᵀB)⁻¹ Bᵀ,   F = -B (BᵀB)⁻¹
+at the pairs: the mesh of the block need not match them. All u but those of the nodes that L sees are eliminated.
 """
 
 from typing import Any
 
 import numpy as np
 from scipy import sparse
-from scipy.linalg import qr
 from scipy.sparse.linalg import splu
 
 from slopekit.core.arrays import Floats, Ints, frozen
@@ -22,7 +18,6 @@ from slopekit.core.records import dataclass
 
 _CHUNK = 2_000_000  # barycentric coordinates at a time
 _NO_SHAPE = 1e-7  # a shape function that is none: what coordinates of nine digits leave of nodes off a contact
-_COLUMNS = 64  # right sides at a time: they stay in the cache, all at once take twice as long
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,27 +30,8 @@ class Rock:
 
 
 @dataclass(frozen=True, slots=True)
-class Flexibility:
-    """What a block does elastically.
-
-    Attributes
-    ----------
-    by_force : (3m, 3m) relative displacement of its m pairs per force there, m/kN; by_load : (3m, u) per load
-    seen_by_force : (3q, 3m), seen_by_load : (3q, u) displacement east, north, up: the block's mean, then of points
-    degrees : unknowns of the finite elements; cells : their number
-    """
-
-    by_force: Floats
-    by_load: Floats
-    seen_by_force: Floats
-    seen_by_load: Floats
-    degrees: int
-    cells: int
-
-
-@dataclass(frozen=True, slots=True)
 class CondensedBlock:
-    """A block of many, condensed to the k unknowns of its elements at its contacts.
+    """A block, condensed to the k unknowns of its elements at its contacts.
 
     Attributes
     ----------
@@ -206,33 +182,6 @@ class Elements:
         out: Floats = whole.reshape(3 * q, -1)
         return out
 
-    def supports(self) -> Ints:
-        """Degrees of freedom of corners that hold the body and do no more: the six (three) most independent."""
-        dim, p = len(self.space), self.mesh.p
-        at = np.zeros((p.shape[1], 3))
-        at[:, self.space] = p.T
-        motions = self.rigid(at, at.mean(axis=0), float(np.ptp(p))).reshape(len(at), 3, -1)[:, self.space]
-        flat = motions.reshape(-1, motions.shape[2])
-        _, pivots = qr(flat.T, mode="r", pivoting=True)
-        chosen = pivots[: flat.shape[1]]
-        held: Ints = dim * np.asarray(self.basis.nodal_dofs)[0, chosen // dim] + chosen % dim
-        return held
-
-    def held(self, fixed: Ints) -> Any:
-        """A solver of K u = right (degrees, r) with some degrees of freedom held."""
-        free = np.setdiff1d(np.arange(self.degrees), fixed)
-        inner = self.stiffness[free][:, free].tocsc()
-        factor = splu(inner, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-
-        def solve(right: Floats) -> Floats:
-            out = np.zeros(right.shape)
-            for first in range(0, right.shape[1], _COLUMNS):
-                own = slice(first, first + _COLUMNS)
-                out[free, own] = factor.solve(np.asfortranarray(right[free, own]))
-            return out
-
-        return solve
-
     def condensed(self, kept: Ints, loads: Floats, seen: Any) -> tuple[Floats, Floats, Floats, Floats]:
         """What is left at the unknowns kept (k,) once all others are eliminated.
 
@@ -265,44 +214,14 @@ def _cleaned(shapes: Any) -> Any:
     return sparse.diags(np.divide(whole, kept, out=np.ones_like(whole), where=kept != 0.0)) @ out
 
 
-def flexibility(
-    elements: Elements, points: Floats, axes: Floats, rows: Floats, length: float, also: Floats | None = None
-) -> Flexibility:
-    """How a free block gives at its node pairs.
+def body(elements: Elements, points: Floats, axes: Floats, length: float) -> CondensedBlock:
+    """A block by its node pairs.
 
     Parameters
     ----------
     points : (m, 3); axes : (m, 3, 3) local axes, one a row, turned round where the block is on the minus side
-    rows : (3m, u) relative displacement of the pairs per unknown of the block, turns in parts of `length`
-    also : (q, 3) points whose displacement is wanted too
+    length : m, of which turns are parts
     """
-    local = sparse.block_diag(list(axes), format="csr")
-    at_pairs = local @ elements.shapes(points)
-    wanted = elements.centroid_point()[None] if also is None else np.vstack([elements.centroid_point(), also])
-    seen = elements.mean() if also is None else sparse.vstack([elements.mean(), elements.shapes(also)]).tocsr()
-    solve = elements.held(elements.supports())
-    by_force, by_load = solve(at_pairs.T.toarray()), solve(elements.spread(length))
-    normal = np.linalg.pinv(rows)  # (BᵀB)⁻¹ Bᵀ
-    there = elements.rigid(wanted, elements.centroid_point(), length)
-
-    def without_rigid(field: Floats) -> tuple[Floats, Floats]:
-        at, out = at_pairs @ field, seen @ field
-        motion = normal @ at
-        return at - rows @ motion, out - there @ motion
-
-    give, seen_give = without_rigid(by_force)
-    give_load, seen_load = without_rigid(by_load)
-    balancing = -normal.T
-    projected = give - (give @ rows) @ normal
-    return Flexibility(
-        frozen(0.5 * (projected + projected.T)), frozen(give_load + give @ balancing),
-        frozen(seen_give - (seen_give @ rows) @ normal), frozen(seen_load + seen_give @ balancing),
-        elements.degrees, int(elements.mesh.t.shape[1]),
-    )  # fmt: skip
-
-
-def body(elements: Elements, points: Floats, axes: Floats, length: float) -> CondensedBlock:
-    """A block of many, by its node pairs: points (m, 3), axes (m, 3, 3) and length as `flexibility` has them."""
     dim, centre = len(elements.space), elements.centroid_point()
     shapes = (sparse.block_diag(list(axes), format="csr") @ _cleaned(elements.shapes(points))).tocsr()
     nodes = np.unique(shapes.tocoo().col // dim)

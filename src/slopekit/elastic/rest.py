@@ -1,6 +1,6 @@
 """Elastic blocks at rest at a strength reduction factor.
 
-Newton's method on (d, γ), d eliminated. Full steps first, even where the residual rises; damped ones only after. Pairs
+Newton's method on (γ, w). Full steps first, even where the residual rises; against dashpots only after. Pairs
 that have parted keep in mind where: else they would go round between open and closed. Open pairs have soft springs on
 the way, which lead blocks in flight back; a rest is one without them, so nothing hangs on what is open.
 """
@@ -13,15 +13,14 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.records import dataclass
-from slopekit.elastic.condensed import Condensed
+from slopekit.elastic.condensed import Condensed, Place
 from slopekit.elastic.model import ElasticModel
-from slopekit.elastic.whole import Place, Whole
 from slopekit.preie.system.contact import CloughDuncan, ContactMode, JointStiffness, Tractions, breaks, tractions
 
 BALANCED = 1e-8  # residual, in parts of the load and of the first displacement, that counts as rest
 _AIM = 1e-10  # where Newton's method stops
-_FULL, _DAMPED = 12, 40  # steps of Newton's method
-_LOOK, _FALLEN = 4, 0.5  # full steps of many blocks after which the residual is looked at, and what it has to be then
+_FULL = 12  # steps of Newton's method
+_LOOK, _FALLEN = 4, 0.5  # full steps after which the residual is looked at, and what it has to be then
 _ROUNDS, _ROUND = 12, 16  # of steps against dashpots, and in each
 _FLOWS = 5e-4  # residual that is left after half of the rounds where blocks do not rest: no more are made
 _DASHPOT = 0.1  # of the normal stiffness
@@ -29,15 +28,14 @@ _LIGHT_ROUNDS = 10  # of them, after those, against dashpots that are soon light
 _IDLE = 2  # of those rounds, one after the other, that bring nothing: no more are made
 _FAR = 1e3  # times as far as at the start: blocks flow, and lighter dashpots are no help
 _NEARLY = 3e-3  # residual at which dashpots at all pairs are no help any more
-_RELEASES = 60  # rounds, of many blocks _MORE times as many, of pairs that part
-_MOST_STEPS = 300  # of Newton's method, to a state at rest
-_MORE = 2  # times as many steps for many blocks, of which more part one after the other
+_RELEASES = 120  # rounds of pairs that part
+_MOST_STEPS = 600  # of Newton's method, to a state at rest
 _WORK = 1.2e7  # steps times rows: two minutes, whatever the number of blocks
 _LOST = 1e7  # a residual that has nothing to do with the answer any more
 _FIRST = (1.0, 0.6, 0.3, 0.1, 0.03)  # of the factor: where to begin, with more strength than asked for
 _HARDLY = 1e-9  # of the normal stiffness: springs of open pairs on the way to rest
 _LET_GO = 0.5  # pairs in more than this part of the worst tension part together
-_CROWD, _WORST = 100, 0.25  # of many blocks: where more pairs than that are in tension, so many of them part at least
+_CROWD, _WORST = 100, 0.25  # where more pairs than that are in tension, so many of them part at least
 _SHORTEST = 1e-5  # stride of ln F, at which there is no rest farther on
 
 
@@ -48,7 +46,7 @@ class Rest:
     Attributes
     ----------
     factor : strength reduction factor
-    relative : (n, 3) m of the pairs; motion : (N,) of the blocks; bent : (k,) m of the nodes of condensed bodies beside
+    relative : (n, 3) m of the pairs; motion : (N,) of the blocks; bent : (k,) m of the nodes of the bodies beside
         it; forces : (3n,) kN
     modes : (n,) ContactMode; parted : (n,) pairs whose bond is gone; memory : (n, 2) slip at which they parted
     residual : in parts of the load and of the first displacement; steps : of Newton's method, to get there
@@ -86,7 +84,7 @@ class _RestState(NamedTuple):
 
     size: float
     at: Rest
-    off: tuple[Floats, ...]
+    off: Floats
     law: Tractions
 
 
@@ -114,14 +112,10 @@ class RestSearch:
         self.bare = replace(stiffness, debonded=0.0)
         self.weight = float(np.sqrt(model.load @ model.load)) + float(model.bolt_capacity.sum())
         self.rounding = 1e-9 * self.weight / float(model.area.sum())
-        self.steps, self.most = 0, _MOST_STEPS
+        self.steps, self.most = 0, int(min(_MOST_STEPS, _WORK / model.rows.shape[0]))
         self.releases = _RELEASES
-        if not model.is_dense:
-            self.most = int(min(_MORE * _MOST_STEPS, _WORK / model.rows.shape[0]))
-            self.releases *= _MORE
-        self.equations = Whole(model) if model.is_dense else Condensed(model)
+        self.equations = Condensed(model)
         self.first = self._linear()
-        self.equations.unit = math.sqrt(float(self.first[0] @ self.first[0]) / len(self.first[0])) or 1.0
 
     @property
     def spent(self) -> bool:
@@ -133,9 +127,7 @@ class RestSearch:
         model, law = self.model, self.stiffness.tangential
         shear = law if isinstance(law, float | int) else law.modulus_number * law.water_unit_weight
         slopes = np.tile(-np.diag([self.stiffness.normal, shear, shear]), (len(model.area), 1, 1))
-        size, unknowns = model.rows.shape
-        nowhere = np.zeros(size), np.zeros(unknowns), np.zeros(sum(len(one.load) for one, *_ in model.bodies))
-        off = self.equations.off(nowhere, np.zeros(size), model.load)
+        off = self.equations.off(np.zeros(self.equations.bent), np.zeros(model.rows.shape[0]), model.load)
         return self._solved(slopes, off, np.zeros(len(model.bolt_capacity)))
 
     def rest(self, factor: float) -> Rest:
@@ -143,7 +135,7 @@ class RestSearch:
         n, size, unbonded = len(self.model.area), self.model.rows.shape[0], self.model.unbonded
         fresh = Rest(
             factor, self.first[0].reshape(-1, 3), *self.first[1:], np.zeros(size), np.zeros(n, dtype=np.int64),
-            np.zeros(n, dtype=bool) if self.model.is_dense else unbonded, np.zeros((n, 2)), math.inf, 0,
+            unbonded, np.zeros((n, 2)), math.inf, 0,
         )  # fmt: skip
         state = fresh
         for part in _FIRST:
@@ -180,17 +172,12 @@ class RestSearch:
             if self.spent:  # no rest: pairs might still part
                 return replace(state, residual=math.inf)
             state, law = self._newton(state)
-            if self.model.is_dense and not state.stands and state.parted.any():
-                # what has parted slides on from where it is
-                memory = state.memory.copy()
-                memory[state.parted] = state.relative[state.parted, 1:]
-                state, law = self._newton(replace(state, memory=memory))
             broken = ~state.parted & breaks(law, tension, factor, self.rounding)
             if not state.stands or not broken.any():
                 break
             pulled = law.tractions[:, 0] + tension / factor
             bound = _LET_GO * float(pulled[broken].min())
-            if not self.model.is_dense and int(broken.sum()) > _CROWD:
+            if int(broken.sum()) > _CROWD:
                 bound = max(bound, float(np.quantile(pulled[broken], _WORST)))
             new = broken & (pulled < bound)
             memory = state.memory.copy()
@@ -214,7 +201,7 @@ class RestSearch:
         loads = model.load
         if len(model.bolt_capacity):
             loads = loads + model.pulls(at.motion, at.factor)[0] @ model.bolt_rows
-        off = self.equations.off((at.relative.ravel(), at.motion, at.bent), forces, loads)
+        off = self.equations.off(at.bent, forces, loads)
         return _RestState(self.equations.size(off), at, off, law)
 
     def _newton(self, at: Rest, stiffness: JointStiffness | None = None) -> tuple[Rest, Tractions]:
@@ -222,39 +209,19 @@ class RestSearch:
         here = self._state(at, given)
         best = self._full(here, given)
         if best.size > BALANCED:
-            best = self._damped(best, given)
-        if best.size > BALANCED and not self.model.is_dense:
             best = self._relaxed(here, given)
         forces = (best.law.tractions * self.model.area[:, None]).ravel()
         return replace(best.at, forces=forces, modes=best.law.modes, residual=best.size), best.law
 
     def _full(self, here: "_RestState", given: JointStiffness) -> "_RestState":
-        """Full steps, even where the residual rises; of many blocks no more where it has not fallen after a few."""
+        """Full steps, even where the residual rises; no more where it has not fallen after a few."""
         best, first = here, here.size
         for k in range(_FULL):
             if here.size <= _AIM or not here.size < _LOST:
                 break
-            if k >= _LOOK and not self.model.is_dense and best.size > _FALLEN * first:
+            if k >= _LOOK and best.size > _FALLEN * first:
                 break
             here = self._state(self._moved(here.at, self._step(here), 1.0), given)
-            best = min(best, here, key=lambda one: one.size)
-        return best
-
-    def _damped(self, best: "_RestState", given: JointStiffness) -> "_RestState":
-        """Steps cut until the residual falls; of many blocks a few."""
-        here = best = self._state(best.at, given)
-        for _ in range(_DAMPED if self.model.is_dense else _LOOK):
-            if here.size <= _AIM or not here.size < _LOST:
-                break
-            step, length = self._step(here), 1.0
-            while True:
-                trial = self._state(self._moved(here.at, step, length), given)
-                if trial.size < here.size * (1.0 - 0.1 * length) or length < 1e-3:
-                    break
-                length *= 0.5
-            if length < 1e-3:
-                break
-            here = trial
             best = min(best, here, key=lambda one: one.size)
         return best
 
@@ -334,6 +301,6 @@ class RestSearch:
             slopes = slopes - (self.stiffness.normal * dashpots)[:, None, None] * np.eye(3)
         return self._solved(slopes, here.off, self.model.pulls(here.at.motion, here.at.factor)[1])
 
-    def _solved(self, slopes: Floats, off: tuple[Floats, ...], springs: Floats) -> Place:
+    def _solved(self, slopes: Floats, off: Floats, springs: Floats) -> Place:
         self.steps += 1
         return self.equations.step(slopes * self.model.area[:, None, None], off, springs)

@@ -12,7 +12,7 @@ from slopekit.core.orientation import Line, Plane, coordinates
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section
 from slopekit.design.fields import count, declare, fields_of, group, number, orientation, point, text
-from slopekit.design.ground_water import read_ground_water, surcharge
+from slopekit.design.ground_water import surcharge
 from slopekit.design.parts import Action, Water
 from slopekit.design.reading.reader import Reader
 from slopekit.design.sections import strength_names
@@ -128,7 +128,7 @@ class BenchDesign(AssemblyDesign):
         "sets", JointSetInput, many="names", at_least=1, example="{S1: {plane: 45/170, spacing: 2 m}}"
     )
     water: Water = water_by(
-        declare("pressures", "pressure", 0.0, many="names", axis="water pressure", example="{S1: 5 kPa}")
+        declare("pressures", "pressure", 0.0, many="names", axis="water pressure", example="{S1: 5 kPa}"),
     )
     surcharge_kpa: float | None = surcharge()
     max_blocks: int = count("cut.max_blocks", 1, MOST_BLOCKS, default=20000, doc="more are refused")
@@ -170,7 +170,7 @@ def read_bench(reader: Reader) -> BenchDesign:
     own["sets"] = tuple(_sets(reader, by_name))
     toward = 0.0 if face is None else face.dip_direction_deg
     shared = common(reader, None, False, toward, [one.pressure_kpa for one in own["sets"]])
-    return reader.made(BenchDesign, shared, own, read_ground_water(reader)[0])
+    return reader.made(BenchDesign, shared, own)
 
 
 def _sets(reader: Reader, by_name: dict[str, float]) -> Iterator[JointSetInput]:
@@ -232,7 +232,7 @@ def cut(design: BenchDesign) -> AssemblyScene:
     )  # fmt: skip
     smaller = f", or a cut.min_volume below {cut.min_volume:.3g} m3" if share > _SLIVERS else ""
     advice = f"Take closer joints or a longer and deeper bench{smaller}."
-    if design.has_table or design.surcharge_kpa:
+    if design.water.has_table or design.surcharge_kpa:
         scene = _with_ground(design, scene, body)
     return with_loads(design, scene, design.face.dip_direction_deg, advice)
 

@@ -14,7 +14,6 @@ from slopekit.core.errors import Fault, Faults, GeometryError, Notice
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
 from slopekit.design.fields import Field, declare, fields_of, group, number, text
-from slopekit.design.ground_water import read_ground_water
 from slopekit.design.parts import Action, MeshFile, Water, axis_key
 from slopekit.design.reading.named_files import mesh_file
 from slopekit.design.reading.nodes import Node
@@ -119,7 +118,8 @@ class BlocksDesign(NamedDesign):
         forms=(Named(Leaf(example="joint"), pairs=True, example="{default: joint, B1/B2: smooth}"),),
     )  # fmt: skip
     water: Water = water_by(
-        declare("pressures", "pressure", 0.0, many="pairs", axis="water pressure", example="{B1/B2: 5 kPa}")
+        declare("pressures", "pressure", 0.0, many="pairs", axis="water pressure", example="{B1/B2: 5 kPa}"),
+        without=("depth",),
     )
     pressures_kpa: tuple[tuple[str, str, float], ...] = ()
     contact_tolerance_m: float | None = number(
@@ -176,7 +176,6 @@ def read_blocks(reader: Reader) -> BlocksDesign:
         BlocksDesign,
         own,
         shared,
-        read_ground_water(reader)[0],
         blocks=sound,
         surcharges_kpa=tuple(read_surcharges(reader, moves)),
         default_strength=default,

@@ -12,13 +12,14 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from scipy import sparse
 
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.onlooker import say
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
-from slopekit.elastic.flexibility import CondensedBlock, Elements, Flexibility, Rock, body, flexibility
+from slopekit.elastic.flexibility import CondensedBlock, Elements, Rock, body
 from slopekit.elastic.meshing import (
     cells_of,
     edges_of,
@@ -29,7 +30,7 @@ from slopekit.elastic.meshing import (
     numbered,
     split_evenly,
 )
-from slopekit.elastic.model import ElasticModel, dense_or_sparse, with_blocks
+from slopekit.elastic.model import ElasticModel
 from slopekit.elastic.outcome import ElasticBlocks, ElasticMesh, ElasticPairs, OnElasticJoint
 from slopekit.elastic.rest import Rest, RestSearch
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
@@ -60,7 +61,7 @@ class ElasticScene:
     ----------
     limit_without : the rigid limit without the cohesion of pairs (n,), and whether there is none for want of work
     points, normals : (n, 3) in the user's axes; joint : (n,) names; axes : rows are the local axes
-    names : of the blocks, empty of one; unknowns : of each block
+    names : of the blocks, empty of one; edge : m, the longest of the finite elements
     """
 
     model: ElasticModel
@@ -72,10 +73,7 @@ class ElasticScene:
     joint: Sequence[str]
     axes: Floats
     names: Sequence[str]
-    unknowns: int
-    length: float
     edge: float
-    blocks: Sequence[Flexibility | CondensedBlock]
 
 
 def elastic_stiffness(design: Design, many: bool) -> JointStiffness:
@@ -154,11 +152,8 @@ def scene_of_one(design: Design, made: Cut) -> ElasticScene:
         raise DesignError([Fault("E125", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
     elements, model = Elements(_meshed(mesh, edge, "the block"), rock), scene.model
     axes = local_axes(scene.pairs.normals)
-    give = flexibility(elements, scene.pairs.points, axes, model.flat_rows, model.length_scale)
     rigid = made.limit(model)
-    plain = elastic_model(model)
-    rows, own = np.arange(3 * len(scene.pairs)), np.arange(model.unknowns)
-    whole = with_blocks(plain, ((give, rows, own),))
+    whole = elastic_model(model, body(elements, scene.pairs.points, axes, model.length_scale))
     turn = made.axes
 
     def limit_without(parted: Bools) -> tuple[float | None, bool]:
@@ -169,18 +164,19 @@ def scene_of_one(design: Design, made: Cut) -> ElasticScene:
     return ElasticScene(
         whole, elastic_stiffness(design, False), rigid.governing.factor or None, limit_without,
         scene.pairs.points @ turn + made.origin, scene.pairs.normals @ turn,
-        [called[key] for key in scene.pairs.interface.tolist()], turn, (), model.unknowns, model.length_scale, edge,
-        (give,),
+        [called[key] for key in scene.pairs.interface.tolist()], turn, (), edge,
     )  # fmt: skip
 
 
-def elastic_model(model: Model) -> ElasticModel:
-    """The rigid model of one block in kN, m and kPa."""
+def elastic_model(model: Model, block: CondensedBlock) -> ElasticModel:
+    """The model of one block in kN, m and kPa."""
     area = model.control_area * model.area_scale
     per_area = model.force_scale / area
+    rows = sparse.csr_matrix(model.flat_rows)
     return ElasticModel(
-        model.flat_rows, model.load * model.force_scale, area, model.cohesion * per_area, model.tension * per_area,
+        rows, model.load * model.force_scale, area, model.cohesion * per_area, model.tension * per_area,
         model.tan_friction, model.tan_dilation, model.bolt_rows, model.bolt_capacity * model.force_scale,
+        ((block, np.arange(rows.shape[0]), np.arange(model.unknowns)),),
     )  # fmt: skip
 
 
@@ -226,14 +222,7 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
     normals = patches.normals[patch] * np.where(turned, -1.0, 1.0)[:, None]
     axes = section_axes(normals) if assembly.in_section else local_axes(normals)
     area = whole.control_area[:pairs] * whole.area_scale
-    group = whole.group_of_pair[:pairs]
-    bolted = slice(pairs, None)
-    plain = ElasticModel(
-        dense_or_sparse(rows), whole.load.ravel() * whole.force_scale, area,
-        whole.cohesion[:pairs] * whole.force_scale / area, np.array(strength.tension)[patches.joint[patch]],
-        whole.tan_friction[group], whole.tan_dilation[group], bolt_rows, whole.cohesion[bolted] * whole.force_scale,
-    )  # fmt: skip
-    flexible, cells = list[tuple[Flexibility | CondensedBlock, Ints, Ints]](), 0
+    condensed, cells = list[tuple[CondensedBlock, Ints, Ints]](), 0
     for k, block in enumerate(whole.moving.tolist()):
         own = np.flatnonzero((plus == k) | (minus == k))
         at = (3 * own[:, None] + np.arange(3)).ravel()
@@ -245,13 +234,15 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
             raise DesignError([Fault("E125", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
         sides = np.where(plus[own] == k, 1.0, -1.0)[:, None, None] * axes[own]
         elements = Elements(mesh, rock, scene.thickness or 1.0)
-        where, length = whole.points[own], whole.length_scale
-        if plain.is_dense:
-            part = plain.rows[at][:, unknowns]
-            give: Flexibility | CondensedBlock = flexibility(elements, where, sides, part, length)
-        else:
-            give = body(elements, where, sides, length)
-        flexible.append((give, at, unknowns))
+        condensed.append((body(elements, whole.points[own], sides, whole.length_scale), at, unknowns))
+    group = whole.group_of_pair[:pairs]
+    bolted = slice(pairs, None)
+    model = ElasticModel(
+        sparse.csr_matrix(rows), whole.load.ravel() * whole.force_scale, area,
+        whole.cohesion[:pairs] * whole.force_scale / area, np.array(strength.tension)[patches.joint[patch]],
+        whole.tan_friction[group], whole.tan_dilation[group], bolt_rows, whole.cohesion[bolted] * whole.force_scale,
+        tuple(condensed),
+    )  # fmt: skip
 
     loads_of_all = scene_loads(scene)
     assert isinstance(design, AssemblyDesign)  # blocks have no other
@@ -276,10 +267,9 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
 
     names = [scene.names[block] for block in whole.moving.tolist()]
     return ElasticScene(
-        with_blocks(plain, tuple(flexible)), elastic_stiffness(design, True),
-        result.fos.limit, limit_without, whole.points[:pairs] + scene.origin, normals,
-        [scene.joints[joint] for joint in patches.joint[patch].tolist()], np.eye(3), names, whole.unknowns,
-        whole.length_scale, edge, [one for one, *_ in flexible],
+        model, elastic_stiffness(design, True), result.fos.limit, limit_without,
+        whole.points[:pairs] + scene.origin, normals,
+        [scene.joints[joint] for joint in patches.joint[patch].tolist()], np.eye(3), names, edge,
     )  # fmt: skip
 
 
@@ -331,8 +321,6 @@ def _split(scene: AssemblyScene, parts: Ints) -> tuple[AssemblyScene, Ints]:
 
 def _rows(model: Any, pairs: int) -> tuple[Any, Floats]:
     """B with three rows a pair, and the rows of passive bolts."""
-    from scipy import sparse
-
     every, tangents, groups = len(model.control_area), model.slip_rows.shape[1], len(model.group_contact)
     padded = sparse.vstack([model.kinematics, sparse.csr_matrix((1, model.kinematics.shape[1]))]).tocsr()
     index = np.full((pairs, 3), padded.shape[0] - 1)
@@ -454,9 +442,10 @@ def _answer(
     opened, rigid_opened = (float(area[open_].sum() / area.sum()) for open_ in both)
     lost, rigid_lost = (float(area[open_ & bonded].sum() / area.sum()) for open_ in both)
     rigid_moved = _displacements(scene, model.rigid(), rigid)
-    degrees = sum(one.degrees for one in scene.blocks) + 3 * len(area) + len(model.load)
+    bodies = [one for one, *_ in model.blocks]
+    degrees = sum(one.degrees for one in bodies) + 3 * len(area) + len(model.load)
     mesh = ElasticMesh(
-        rest.failed_pairs, len(area), degrees, sum(one.cells for one in scene.blocks), scene.edge, rock.order, taken,
+        rest.failed_pairs, len(area), degrees, sum(one.cells for one in bodies), scene.edge, rock.order, taken,
         rest.residual,
     )  # fmt: skip
     return ElasticBlocks(
@@ -472,11 +461,9 @@ def _answer(
 
 def _displacements(scene: ElasticScene, model: ElasticModel, state: Rest) -> Floats:
     """The mean displacement of each block in the user's axes, (b, 3) m."""
-    out = np.zeros((len(model.seen), 3))
-    in_section = scene.unknowns <= 3
-    for k in range(len(out)):
-        own = state.motion[k * scene.unknowns : (k + 1) * scene.unknowns]
-        out[k, [0, 2] if in_section else [0, 1, 2]] = own[: 2 if in_section else 3]
-        out[k] += model.seen_of(k, state.forces, state.motion, state.factor, state.bent)[0]
-    turned: Floats = out @ scene.axes
+    means = model.mean_bending(state.motion, state.factor, state.bent)
+    motions = state.motion.reshape(len(means), -1)
+    space = [0, 2] if motions.shape[1] == 3 else [0, 1, 2]  # of a section or not
+    means[:, space] += motions[:, : len(space)]
+    turned: Floats = means @ scene.axes
     return turned

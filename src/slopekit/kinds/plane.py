@@ -16,8 +16,8 @@ from slopekit.core.orientation import Line, Plane
 from slopekit.core.records import dataclass
 from slopekit.core.units import is_unit_of, unit_of
 from slopekit.design import words
-from slopekit.design.fields import Field, group, number, orientation
-from slopekit.design.ground_water import TABLE, WORST, SlopeDesign, read_ground_water
+from slopekit.design.fields import Field, declare, fields_of, group, number, orientation
+from slopekit.design.ground_water import WORST, SlopeDesign, read_table
 from slopekit.design.joints import JOINTS, joints_of, refinements, strengths_of
 from slopekit.design.parts import Strength, Water
 from slopekit.design.reading.nodes import Node
@@ -62,7 +62,13 @@ _OUT = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class VerticalCrack:
-    """A vertical tension crack of a plane failure: depth or distance behind the crest, and the water in it; m."""
+    """A vertical tension crack of a plane failure: depth or distance behind the crest, m; `Water` has its water."""
+
+    ALSO: ClassVar[tuple[Field, ...]] = (
+        declare("water", "length", 0.0, code="E118", label="water in the crack", or_measures=("pressure",),
+                doc="depth of it (or `dry`, `full`, `50 %` of the pressure of a full crack; a mean pressure, `5 kPa`); "
+                "triangular there, falling to nothing at the toe"),
+    )  # fmt: skip
 
     depth_m: float | None = number("depth", "length", default=None, above=0.0, code="E120", example="4.35 m",
                                    left_out="by the distance")  # fmt: skip
@@ -70,11 +76,6 @@ class VerticalCrack:
                                       left_out="by the depth", words=("worst",),
                                       doc="behind the crest; below 0 in the face; both where they agree; `worst`: "
                                       "where the closed form is lowest")  # fmt: skip
-    water_m: float | None = number(
-        "water", "length", default=None, least=0.0, code="E118", label="water in the crack", or_measures=("pressure",),
-        doc="depth of it (or `dry`, `full`, `50 %` of the pressure of a full crack; a mean pressure, `5 kPa`); "
-        "triangular there, falling to nothing at the toe",
-    )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,7 +83,7 @@ class PlaneDesign(SlopeDesign):
     """Plane failure per metre of slope (Hoek & Bray; Wyllie & Mah): one joint, maybe a vertical tension crack."""
 
     ALSO: ClassVar[tuple[Field, ...]] = (JOINTS,)
-    INTO: ClassVar[Mapping[str, str]] = {"joints": "joint"}
+    INTO: ClassVar[Mapping[str, str]] = {"joints": "joint", "crack.water": "water.crack_water_m"}
     FILLS: ClassVar[bool] = True
 
     joint: Plane
@@ -105,6 +106,14 @@ class PlaneDesign(SlopeDesign):
         trend = self.seismic.trend_deg
         return 1.0 if trend is None else math.cos(math.radians(trend - self.face.dip_direction_deg))
 
+    def plain(self, exact: bool = False) -> dict[str, Any]:
+        """The attributes as JSON values, the depth of water in the crack with the crack."""
+        document = super().plain(exact)
+        depth = document.pop("crack_water_m", None)
+        if document["crack"] is not None:
+            document["crack"]["water_m"] = depth
+        return document
+
     def in_own_names(self, sentence: str) -> str:
         """A sentence with the name of the joint in place of "its plane", where it was given one."""
         return sentence if self.joint_name == "J1" else sentence.replace("its plane", self.joint_name)
@@ -126,24 +135,16 @@ def read_plane(reader: Reader) -> PlaneDesign:
     if node is not None and not ({"depth", "distance"} & {key for key, _ in node.items()}):
         reader.fault("E143", "crack.depth is missing", node, "Add depth: 4.35 m, or distance: 4 m from the crest.")
         node = None
-    crack, said = None, None if node is None else node.get("water")
-    unit = unit_of(reader.value(said)) if said is not None and reader.is_sound(said) else ""
-    fills = said is not None and (said.text in ("dry", "full") or unit == "%" or is_unit_of(unit, "pressure"))
-    if node is not None:
-        without = replace(node, value={key: below for key, below in node.items() if not (fills and key == "water")})
-        crack = VerticalCrack(**reader.fields(VerticalCrack, without))
+    crack = None if node is None else VerticalCrack(**reader.fields(VerticalCrack, node))
     strengths = strengths_of(reader, joints)
     names = [joint.name for joint in joints] or ["J1"]
-    ground, table = read_ground_water(reader)
-    water = table or _water_of_plane(reader, names, said if fills else None, crack is not None)
-    if said is not None and (reader.at("water") is not None if fills else water != Water()):
-        reader.fault("E112", "crack.water and water both say how full it is", said, "Keep one of them.")
+    water = _water_of_plane(reader, names, node)
     common = read_common(reader)
     searched = node is not None and (distance := node.get("distance")) is not None and distance.text == WORST
     if searched and node is not None and node.get("depth") is not None:
         reader.fault("E112", "crack has depth and distance: worst: they exclude each other", node, "Keep one of them.")
     design: PlaneDesign = reader.made(
-        PlaneDesign, own, common, ground, joint=joints[0].plane if joints else None, joint_name=names[0], crack=crack,
+        PlaneDesign, own, common, joint=joints[0].plane if joints else None, joint_name=names[0], crack=crack,
         strength=strengths[0] if strengths else None, water=water,
     )  # fmt: skip
     return _with_worst_crack(design, str(node.place)) if searched and node is not None else design
@@ -157,18 +158,26 @@ def _with_worst_crack(design: PlaneDesign, place: str) -> PlaneDesign:
     return worst_crack.with_worst_crack(design, ON_ARRAYS, -float(whole.bottom[0]) + _crest_x(design), place)
 
 
-def _water_of_plane(reader: Reader, names: list[str], in_crack: Node | None, has_crack: bool) -> Water:
-    if in_crack is not None and reader.at("water") is None:
-        value = reader.value(in_crack)
-        if is_unit_of(unit_of(value), "pressure"):
-            return reader.kept(words.water, [0.0, value], str(in_crack.place), has_crack) or Water()
-        return reader.kept(words.water, value, str(in_crack.place), has_crack) or Water()
-    water, at = read_water(reader, [*names, *(["crack"] if has_crack else [])])
-    if at is not None and not has_crack and len(at.elements) > 1:
-        reader.fault("E109", f"{len(at.elements)} water pressures given, there is one plane and no crack", at)
-    if water.mode == "pressures" and not has_crack:
-        return Water("pressures", 0.0, water.pressures_kpa[:1])
-    return water
+def _water_of_plane(reader: Reader, names: Sequence[str], crack: Node | None) -> Water:
+    """Water as the design has it, or the crack: how full it is, its mean pressure, or the depth of its water."""
+    in_crack, has_crack = None if crack is None else crack.get("water"), crack is not None
+    interfaces = [*names, "crack"] if has_crack else names
+    water = read_table(reader) or read_water(reader, interfaces, len(interfaces))[0]
+    if in_crack is None or in_crack.value is None:
+        return water
+    value = reader.value(in_crack)
+    unit = unit_of(value)
+    is_pressure = is_unit_of(unit, "pressure")
+    fills = in_crack.text in ("dry", "full") or unit == "%" or is_pressure
+    if reader.at("water") is not None if fills else water != Water():
+        reader.fault("E112", "crack.water and water both say how full it is", in_crack, "Keep one of them.")
+    if not fills:
+        return Water(crack_water_m=reader.field(fields_of(VerticalCrack)["water"], in_crack))
+    if is_pressure:
+        mean = reader.number(fields_of(Water)["pressures_kpa"], in_crack, "water pressure")
+        return Water("pressures", 0.0, (0.0, mean)) if mean else Water()
+    part = reader.kept(words.fill, value, str(in_crack.place))
+    return Water("full", part) if part else Water()
 
 
 def cut(design: PlaneDesign) -> Cut:
@@ -254,7 +263,6 @@ def _local_slope(design: PlaneDesign, section: PlaneSection) -> LocalSlope:
     return LocalSlope(
         section.block, (J1,), CRACK, (FACE, UPPER), normals, offsets, _axes(design.face), np.array([-1.0, 0.0, 0.0]),
         lambda slope: _full(slope, design.water_unit_weight_kn_m3), in_section=True,
-        crack_water_m=None if design.crack is None else design.crack.water_m,
     )  # fmt: skip
 
 
@@ -306,7 +314,7 @@ def arguments(design: PlaneDesign) -> Arguments:
         "unit_weight_kn_m3": design.rock.unit_weight_kn_m3,
         "crack_depth_m": None if crack is None else crack.depth_m,
         "crack_distance_m": None if crack is None else crack.distance_m,
-        "water_in_crack_m": None if crack is None or given else crack.water_m,
+        "water_in_crack_m": None if given else design.water.crack_water_m,
         "fill": 0.0 if given else design.water.fill, "pressure_kpa": pressures[0], "crack_pressure_kpa": pressures[1],
         "water_unit_weight_kn_m3": design.water_unit_weight_kn_m3, "k": design.seismic.coefficient,
         "trend": design.seismic.trend_deg,
@@ -418,9 +426,8 @@ def closed_form(design: PlaneDesign) -> ClosedForm:
 
 
 def _changes(design: PlaneDesign) -> Iterator[tuple[str, PlaneDesign]]:
-    if design.water.mode != TABLE and (design.water.mode == "dry" or design.water.fill < 1.0):
-        crack = None if design.crack is None else replace(design.crack, water_m=None)
-        yield "full water", replace(design, water=Water("full", 1.0), crack=crack)
+    if not design.water.has_table and (design.water.mode == "dry" or design.water.fill < 1.0):
+        yield "full water", replace(design, water=Water("full", 1.0))
     yield from other_strengths(design, [design.strength])
     if design.joint.dip_deg <= 89.0:
         dipping = replace(design.joint, dip_deg=design.joint.dip_deg + 1.0)
@@ -461,11 +468,11 @@ def _slope(design: PlaneDesign, result: Result) -> Iterator[sheet.Section]:
         entries.append(f"crack vertical, {geometry.crack_depth_m:.4g} m deep, {where}{design.crack_in_words}")
     yield sheet.Section("PLANES", entries)
     yield size_part(result, design.height_m, " per metre")
-    crack = design.crack.water_m if design.crack is not None else None
+    crack = design.water.crack_water_m
     highest = f"{(crack or 0.0) * design.water_unit_weight_kn_m3:.4g} kPa at its bottom"
     in_crack = [f"water {crack:.4g} m deep in the crack, {highest}, falling to nothing at the toe"] if crack else []
     own = design.ground_in_words()
-    yield loads_part([*([] if design.water.mode == TABLE else water_in_words(result, 2.0) or in_crack), *own], result)
+    yield loads_part([*([] if design.water.has_table else water_in_words(result, 2.0) or in_crack), *own], result)
 
 
 KIND = kind_of_one_block(

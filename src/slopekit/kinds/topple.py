@@ -21,7 +21,6 @@ from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
 from slopekit.design.fields import Field, declare, number
-from slopekit.design.ground_water import read_ground_water
 from slopekit.design.parts import Action, Water
 from slopekit.design.reading.reader import Reader
 from slopekit.design.sections import strength_names
@@ -115,6 +114,7 @@ class ToppleDesign(NamedDesign):
     water: Water = water_by(
         declare("pressures.base", "pressure", 0.0, axis="water pressure on the bases"),
         declare("pressures.sides", "pressure", 0.0, axis="water pressure on the sides"),
+        without=("depth",),
     )
     pressures_kpa: Point2 = (0.0, 0.0)
 
@@ -158,7 +158,7 @@ def read_topple(reader: Reader) -> ToppleDesign:
     names = dict.fromkeys(column_names(len(heights)), True)
     shared = common(reader, names, True, _WESTWARD, water)
     return reader.made(
-        ToppleDesign, own, shared, read_ground_water(reader)[0], base=base, sides=sides, pressures_kpa=water,
+        ToppleDesign, own, shared, base=base, sides=sides, pressures_kpa=water,
         surcharges_kpa=tuple(read_surcharges(reader, names)),
     )  # fmt: skip
 
@@ -343,7 +343,7 @@ def _loads(design: ToppleDesign) -> Floats | None:
 
     Per metre: down along the bases, square into them, and the moment about the outer corner of each base.
     """
-    if not (design.has_table or design.surcharges_kpa or any(design.pressures_kpa)):
+    if not (design.water.has_table or design.surcharges_kpa or any(design.pressures_kpa)):
         return None
     scene = _columns_with_water(design)
     loads = scene_loads(replace(scene, unit_weights=np.zeros(len(scene.assembly))))

@@ -13,7 +13,8 @@ from slopekit.core.arrays import Floats, cross
 from slopekit.core.errors import Fault, MisfitError
 from slopekit.core.orientation import coordinates
 from slopekit.core.records import dataclass
-from slopekit.design.ground_water import TABLE, SlopeDesign, WetDesign
+from slopekit.design.common import Design
+from slopekit.design.ground_water import SlopeDesign
 from slopekit.geometry.pressure import Height, Pieces, Pressure, even, in_strips, plane_table, resultant, under_planes
 from slopekit.geometry.rock.cutting import Block
 from slopekit.kinds.single_block.closed_forms import Arguments
@@ -37,7 +38,6 @@ class LocalSlope:
     axes : (3, 3) rows are the local axes in east, north, up; into : (3,) level unit vector into the slope
     full : the pressures of full water on joints and crack, by face
     level : elevation of the toe, m; in_section : nothing changes along the slope
-    crack_water_m : depth of water in the crack, where it says what is on the joints
     """
 
     block: Block
@@ -51,7 +51,6 @@ class LocalSlope:
     full: Callable[["LocalSlope"], Mapping[int, Pieces]]
     level: float = 0.0
     in_section: bool = False
-    crack_water_m: float | None = None
 
     @property
     def interfaces(self) -> list[int]:
@@ -60,7 +59,7 @@ class LocalSlope:
 
 
 def pressure_below(
-    design: WetDesign, axes: Floats, into: Floats, level: float, at_depth: Callable[[float], tuple[Height, ...]],
+    design: Design, axes: Floats, into: Floats, level: float, at_depth: Callable[[float], tuple[Height, ...]],
     in_section: bool = False,
 ) -> Pressure:  # fmt: skip
     """The pressure below the table and the pond of a design.
@@ -71,16 +70,16 @@ def pressure_below(
     into : (3,) level unit vector that the places of points count along
     at_depth : the table so many metres below the ground
     """
-    heights: tuple[Height, ...] = ()
-    if design.table_depth_m is not None:
-        heights = at_depth(design.table_depth_m)
-    elif design.table_points_m is not None:
-        places, levels = zip(*design.table_points_m, strict=True)
+    water, heights = design.water, tuple[Height, ...]()
+    if water.table_depth_m is not None:
+        heights = at_depth(water.table_depth_m)
+    elif water.table_points_m is not None:
+        places, levels = zip(*water.table_points_m, strict=True)
         heights = in_strips(into, places, [one - level for one in levels])
-    elif design.table_plane is not None:
-        plane = design.table_plane
+    elif water.table_plane is not None:
+        plane = water.table_plane
         heights = plane_table(axes @ plane.plane.normal(), plane.level_m - level, in_section)
-    return Pressure(heights, None if design.pond_m is None else design.pond_m - level, design.water_unit_weight_kn_m3)
+    return Pressure(heights, None if water.pond_m is None else water.pond_m - level, design.water_unit_weight_kn_m3)
 
 
 def refuse_above(water: Pressure, free: Sequence[Floats], size: float, axes: Floats) -> None:
@@ -130,10 +129,10 @@ def _pressures(design: SlopeDesign, slope: LocalSlope) -> Mapping[int, Pieces]:
     """The pressures on the faces of the block that are wet."""
     water, faces = design.water, slope.block.faces
     by_face: Mapping[int, Pieces] = {}
-    if water.mode == TABLE:
+    if water.has_table:
         by_face = _below_table(design, slope)
-    elif slope.crack_water_m:
-        by_face = standing_in_crack(slope, slope.crack_water_m, design.water_unit_weight_kn_m3)
+    elif water.crack_water_m:
+        by_face = standing_in_crack(slope, water.crack_water_m, design.water_unit_weight_kn_m3)
     elif water.mode == "pressures":
         given = zip(slope.interfaces, water.pressures_kpa, strict=False)
         by_face = {face: even(faces[face], mean) for face, mean in given}

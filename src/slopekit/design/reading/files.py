@@ -203,7 +203,7 @@ def with_values(design: Design, values: Mapping[str, object]) -> Design:
 def _with_unit(design: Design, path: str, value: object) -> object:
     root = None if design.source is None else design.source.root
     field = field_in(type(design), root, path) if isinstance(value, float) else None
-    return f"{value!r} deg" if field is not None and field.refusal.check is in_degrees else value
+    return f"{value!r} deg" if field is not None and field.limits.check is in_degrees else value
 
 
 def _kind(root: Node) -> str:

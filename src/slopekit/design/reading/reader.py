@@ -180,7 +180,7 @@ class Reader:
         if field.measures == "plane":
             return self.plane(node, owner or field.in_words)
         if field.measures == "line":
-            return self.kept(words.line_of_words, value, owner or field.in_words, field.refusal.code, str(node.place))
+            return self.kept(words.line_of_words, value, owner or field.in_words, field.limits.code, str(node.place))
         if field.measures == "point":
             return self.kept(words.point, value, field.in_words, str(node.place))
         return self.word(field, node)
@@ -195,7 +195,7 @@ class Reader:
         written, name = node.text, name or field.in_words
         if written is not None and re.match(_BARE_NUMBER, written) and not self.misshapen:
             bare_number = float(written)  # most numbers of ten thousand blocks are this
-            if abs(bare_number) <= LARGEST and field.limits.takes(bare_number) and field.refusal.check is None:
+            if abs(bare_number) <= LARGEST and field.limits.takes(bare_number) and field.limits.check is None:
                 return int(bare_number) if field.limits.whole else bare_number
         value = self.value(node)
         if value is None:
@@ -230,7 +230,7 @@ class Reader:
         if written.lower() not in field.words:
             known = " or ".join(field.words)
             self.fault(
-                field.refusal.code,
+                field.limits.code,
                 f"{field.in_words} is {written!r}, it is {known}",
                 node,
                 did_you_mean(written, field.words),

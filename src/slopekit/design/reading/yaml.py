@@ -6,7 +6,6 @@ from types import SimpleNamespace
 from typing import Any
 
 from slopekit.core.errors import DesignError, Fault
-from slopekit.core.records import dataclass
 from slopekit.design.reading.nodes import (
     MAX_DEPTH,
     MAX_VALUES,
@@ -78,8 +77,8 @@ class SourceLines:
 def composed(text: str, source: SourceLines) -> Any:
     """ruamel's node tree; whatever it raises becomes a fault.
 
-    In a large text each list of numbers goes through ruamel as one word of the same length, which `_Numbers` then
-    stands for: ten thousand polygons take a second instead of ten. Where such a word turns up anywhere but as a value
+    In a large text each list of numbers goes through ruamel as one word of the same length, which `_numbers` then
+    reads: ten thousand polygons take a second instead of ten. Where such a word turns up anywhere but as a value
     of its own, or anything is wrong, the text itself is read.
     """
     if len(text) > _LARGE and _STAND_IN not in text:
@@ -97,34 +96,28 @@ class _NotAlone(Exception):
     """The stand-in of a list of numbers is part of something else."""
 
 
-@dataclass(slots=True)
-class _Numbers:
+def _like_ruamel(value: "str | list[SimpleNamespace]", at: SimpleNamespace) -> SimpleNamespace:
     """What the tree builder looks at in a node of ruamel's: a number, or a list."""
-
-    value: "str | list[_Numbers]"
-    start_mark: SimpleNamespace
-    tag: str = "tag:yaml.org,2002:str"
-    anchor: None = None
-    style: None = None
+    return SimpleNamespace(value=value, start_mark=at, tag="tag:yaml.org,2002:str", anchor=None, style=None)
 
 
-def _numbers(text: str, at: SimpleNamespace) -> _Numbers:
+def _numbers(text: str, at: SimpleNamespace) -> SimpleNamespace:
     """A list of numbers (or of such lists) that stands in one line."""
-    items: list[_Numbers] = []
-    above: list[list[_Numbers]] = []
+    items: list[SimpleNamespace] = []
+    above: list[list[SimpleNamespace]] = []
     holder = items
     for match in _TOKEN.finditer(text, 1):
         token = match.group()
         if token == "]":
             holder = above.pop() if above else items
             continue
-        inner: list[_Numbers] = []
+        inner: list[SimpleNamespace] = []
         mark = SimpleNamespace(line=at.line, column=at.column + match.start())
-        holder.append(_Numbers(inner if token == "[" else token, mark))
+        holder.append(_like_ruamel(inner if token == "[" else token, mark))
         if token == "[":
             above.append(holder)
             holder = inner
-    return _Numbers(items, at)
+    return _like_ruamel(items, at)
 
 
 def _composed(text: str, source: SourceLines, original: str = "") -> Any:

@@ -85,14 +85,14 @@ def cells_of(soup: Soup, normals: Floats, offsets: Floats, stacks: list[PlaneSta
     half = np.zeros((count, soup.half.shape[1]), dtype=np.bool_)
     half[piece] = soup.half
     slabs = np.empty((count, len(stacks)), dtype=np.int64)
-    for k, stack in enumerate(stacks):
-        slabs[:, k] = _slab(inside @ normals[stack.planes].T - offsets[stack.planes], half[:, k])
+    for k, (planes, _) in enumerate(stacks):
+        slabs[:, k] = _slab(inside @ normals[planes].T - offsets[planes], half[:, k])
     slabs, cell_of_piece = np.unique(slabs, axis=0, return_inverse=True)
     cell_of_piece = cell_of_piece.reshape(count).astype(np.int64)
     weights = plane_weights(len(offsets))
     signature = np.zeros(len(slabs), dtype=np.uint64)
-    for k, stack in enumerate(stacks):
-        passed = np.concatenate([np.zeros(1, dtype=np.uint64), np.cumsum(weights[stack.planes], dtype=np.uint64)])
+    for k, (planes, _) in enumerate(stacks):
+        passed = np.concatenate([np.zeros(1, dtype=np.uint64), np.cumsum(weights[planes], dtype=np.uint64)])
         signature += passed[slabs[:, k]]
     # tetrahedra from a point of each cell to its triangles
     cell = cell_of_piece[piece]

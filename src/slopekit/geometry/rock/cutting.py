@@ -16,10 +16,11 @@ from manifold3d import Error, Manifold, Mesh64
 from slopekit.core.arrays import Floats, Ints, cross, frozen
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.records import dataclass
-from slopekit.geometry.rock.rockmass import CRACK, FACE, J1, J2, UPPER, RockMass
+from slopekit.geometry.rock.rockmass import CRACK, FACE, J1, J2, RockMass
 
 _FAR = 1000  # ids of the six outer faces of the body, 1000 to 1005: the rock goes on behind them
 _REMEMBERED = 64  # wedges
+_ON = 1e-12  # of the size of a wedge: its crest is on the crack
 _SHAPES = ((-1, 3), (-1,), (-1, 3))  # of normals, offsets and corners
 _REACH = 12.0  # of a half-space
 _CUTTER_BACK = 2000  # id of the faces of a cutter that lie outside the body and cut nothing
@@ -58,14 +59,10 @@ class Block:
 def cut_wedge(rock: RockMass) -> Block:
     """The removable wedge of a rock mass.
 
-    The body is split by the face and the upper slope (their upper sides are air), then by the joints and the
-    crack. The wedge is the one piece that touches the face and both joints and reaches none of the body's outer
-    faces, behind which the rock goes on.
-
     Raises
     ------
     GeometryError
-        E208 no piece of the body is removable.
+        E208 the planes enclose none, or two; E207 the crack does not bound it.
     """
     return _wedge_of(rock.normals.tobytes(), rock.offsets.tobytes(), rock.corners.tobytes())
 
@@ -74,31 +71,15 @@ def cut_wedge(rock: RockMass) -> Block:
 def _wedge_of(*rock: bytes) -> Block:
     """The wedge of a rock mass by its normals, offsets and corners: a study changes the strength of one more often."""
     normals, offsets, corners = (np.frombuffer(part).reshape(shape) for part, shape in zip(rock, _SHAPES, strict=True))
-    lowest, highest = corners.min(axis=0), corners.max(axis=0)
-    centre, half = (lowest + highest) / 2.0, (highest - lowest) / 2.0
-    scaled_normals = normals * half
-    lengths = np.sqrt((scaled_normals**2).sum(axis=1))
-    scaled_offsets = (offsets - normals @ centre) / lengths
-    scaled_normals = scaled_normals / lengths[:, None]
-
-    body = far_box(1.5, _FAR)
-    for plane in (FACE, UPPER):
-        body = body.split(half_space(scaled_normals[plane], float(scaled_offsets[plane]), plane, _CUTTER_BACK))[1]
-    pieces = [body]
-    for plane in (J1, J2, *range(CRACK, len(normals))):
-        cutter = half_space(scaled_normals[plane], float(scaled_offsets[plane]), plane, _CUTTER_BACK)
-        pieces = [part for piece in pieces for part in piece.split(cutter) if not part.is_empty()]
-    wedges = []
-    for piece in pieces:
-        mesh = piece.to_mesh64()
-        touched = set(mesh.face_id)
-        if {J1, J2, FACE} <= touched and max(touched) < _FAR:
-            wedges.append(mesh)
-    if len(wedges) != 1:
-        message = f"{len(wedges)} pieces of the rock mass touch both joints and the face and are free to leave it"
-        advice = "The crack cuts the wedge in two below its crest." if len(wedges) else "They enclose no wedge."
-        raise GeometryError([Fault("E208", message, "", advice)])
-    block = _block(wedges[0], normals, offsets, centre, half)
+    sides = np.copysign(1.0, offsets - normals @ corners.mean(axis=0))
+    sides[CRACK:] = np.copysign(1.0, offsets[CRACK:])  # the toe lies in front of the crack
+    behind = (corners[2:] @ normals[CRACK:].T - offsets[CRACK:]) * sides[CRACK:]
+    if (behind > _ON * np.abs(corners).max()).any():
+        message = "the crack cuts the wedge in two below its crest: both parts are free to leave the rock"
+        raise GeometryError([Fault("E208", message)])
+    block = cut_convex(normals * sides[:, None], offsets * sides, corners)
+    if not {J1, J2, FACE} <= block.faces.keys():
+        raise GeometryError([Fault("E208", "joints and face bound no wedge: one of them does not reach it")])
     if len(normals) > CRACK and CRACK not in block.faces:
         raise GeometryError([Fault("E207", "the crack does not bound the wedge between the toe and its back")])
     return block

@@ -7,6 +7,7 @@ says which piece it is.
 """
 
 import math
+from typing import TypeAlias
 
 import numpy as np
 from manifold3d import Manifold
@@ -35,12 +36,8 @@ class Soup:
     half: Bools
 
 
-@dataclass(frozen=True, slots=True)
-class PlaneStack:
-    """Planes that do not meet near the body: (m,) indices from below upward along the axis (3,)."""
-
-    planes: Ints
-    axis: Floats
+#: Planes that do not meet near the body: (m,) indices from below upward along an axis (3,).
+PlaneStack: TypeAlias = tuple[Ints, Floats]
 
 
 def ascending(normals: Floats, offsets: Floats, groups: Ints) -> tuple[Floats, Floats]:
@@ -70,7 +67,7 @@ def stacks_of_planes(normals: Floats, offsets: Floats, groups: Ints, corners: Fl
         members = np.flatnonzero(groups == group)
         axis = _mean_axis(normals[members])
         rise = normals[members] @ axis
-        stacks += [PlaneStack(members[k : k + 1], normals[members[k]]) for k in np.flatnonzero(rise < LEAST_RISE)]
+        stacks += [(members[k : k + 1], normals[members[k]]) for k in np.flatnonzero(rise < LEAST_RISE)]
         members = members[rise >= LEAST_RISE]
         at = _crossings(normals[members], offsets[members], axis, corners)
         chains: list[list[int]] = []
@@ -81,8 +78,8 @@ def stacks_of_planes(normals: Floats, offsets: Floats, groups: Ints, corners: Fl
                     break
             else:
                 chains.append([k])
-        stacks += [PlaneStack(members[np.array(chain)], axis) for chain in chains]
-    return sorted(stacks, key=lambda stack: len(stack.planes))
+        stacks += [(members[np.array(chain)], axis) for chain in chains]
+    return sorted(stacks, key=lambda stack: len(stack[0]))
 
 
 def cut_with_stacks(
@@ -149,7 +146,7 @@ def _crossings(normals: Floats, offsets: Floats, axis: Floats, corners: Floats) 
 
 def _cutter(stack: PlaneStack, normals: Floats, offsets: Floats, back: int, corners: Floats) -> Manifold:
     """Every second slab between the planes of a stack, the first above its first plane, as one body."""
-    axis, ids = stack.axis, stack.planes
+    ids, axis = stack
     at = _crossings(normals[ids], offsets[ids], axis, corners)
     first, second, column = _frame(axis, corners)
     if len(ids) % 2:  # the last slab goes on to beyond the body

@@ -36,7 +36,7 @@ def refuse_too_many(
     GeometryError
         E220 more blocks than `max_blocks`.
     """
-    if math.prod(len(stack.planes) + 1 for stack in stacks) <= max_blocks:
+    if math.prod(len(planes) + 1 for planes, _ in stacks) <= max_blocks:
         return
     count = count_cells(normals, offsets, faces, stacks, _ENOUGH * max_blocks)
     if count > _CLEARLY * max_blocks:
@@ -59,8 +59,8 @@ def count_cells(
     Exact for planes in general position (Zaslavsky 1975); an upper bound where more planes share a line or a point.
     Counting stops when there are more than `enough`.
     """
-    order = np.concatenate([*(stack.planes for stack in stacks), np.zeros(0, dtype=np.int64)]).astype(np.int64)
-    stack = np.repeat(np.arange(len(stacks)), [len(part.planes) for part in stacks])
+    order = np.concatenate([*(planes for planes, _ in stacks), np.zeros(0, dtype=np.int64)]).astype(np.int64)
+    stack = np.repeat(np.arange(len(stacks)), [len(planes) for planes, _ in stacks])
     normals, offsets = normals[order], offsets[order]
     total = 1 + len(order)
     for i in range(len(order)):

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.lib.recfunctions import structured_to_unstructured
 
 from slopekit.core.arrays import Floats
-from slopekit.core.records import dataclass
 
 #: Name, vertices (v, 3), and the vertices of each face in order around it.
 PolygonBody = tuple[str, Floats, list[list[int]]]
@@ -93,22 +92,8 @@ _CORNERS = ("vertex_indices", "vertex_index")
 _Column = Floats | list[Floats]
 
 
-@dataclass(frozen=True, slots=True)
-class _Property:
-    """A property of a PLY element: the letter of its values and, where it is a list, of their number."""
-
-    name: str
-    letter: str
-    count_letter: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class _Element:
-    """A table of a PLY file: its name, how many rows, and its columns."""
-
-    name: str
-    count: int
-    properties: list[_Property]
+#: The properties of an element in their order: the letter of each, of a list those of its length and of its values.
+_Properties = dict[str, str]
 
 
 class _Numbers:
@@ -145,7 +130,7 @@ def ply_bodies(path: Path) -> list[PolygonBody]:
     if not mark or not header.startswith(b"ply") or form not in ("ascii", *_ORDERS):
         raise ValueError("it has no header of a PLY file")
     numbers = _Numbers(content.partition(b"\n")[2], form)
-    columns = {element.name: _columns(element, numbers) for element in elements if element.count}
+    columns = {name: _columns(count, own, numbers) for name, (count, own) in elements.items() if count}
     if "vertex" not in columns or "face" not in columns:
         raise ValueError("it has no vertices, or no faces")
     points = np.concatenate([_column(columns["vertex"], axis) for axis in "xyz"], axis=1)
@@ -154,20 +139,22 @@ def ply_bodies(path: Path) -> list[PolygonBody]:
     return [_body(path.name, points, [face for rows in tables for face in rows.astype(np.int64).tolist()])]
 
 
-def _header(text: str) -> tuple[str, list[_Element]]:
-    """The form of a PLY file and its tables."""
+def _header(text: str) -> tuple[str, dict[str, tuple[int, _Properties]]]:
+    """The form of a PLY file and its tables by name: how many rows, and their properties."""
     form = ""
-    elements: list[_Element] = []
+    elements: dict[str, tuple[int, _Properties]] = {}
+    properties: _Properties | None = None
     for line in text.splitlines():
         match line.split():
             case ["format", word, *_]:
                 form = word
             case ["element", name, count]:
-                elements.append(_Element(name, max(int(count), 0), []))
-            case ["property", "list", count_type, kind, name] if elements:
-                elements[-1].properties.append(_Property(name, _letter(kind), _letter(count_type)))
-            case ["property", kind, name] if elements:
-                elements[-1].properties.append(_Property(name, _letter(kind)))
+                properties = {}
+                elements[name] = max(int(count), 0), properties
+            case ["property", "list", count_type, kind, name] if properties is not None:
+                properties[name] = _letter(count_type) + _letter(kind)
+            case ["property", kind, name] if properties is not None:
+                properties[name] = _letter(kind)
     return form, elements
 
 
@@ -185,35 +172,34 @@ def _column(columns: Mapping[str, _Column], *names: str) -> _Column:
     raise ValueError(f"it has no property {' or '.join(names)}")
 
 
-def _columns(element: _Element, numbers: _Numbers) -> Mapping[str, _Column]:
+def _columns(count: int, properties: _Properties, numbers: _Numbers) -> Mapping[str, _Column]:
     """The columns of a table by name, a value or a list a row.
 
     All rows are taken at once where their lists are as long as those of the first, else row by row.
     """
     begin = numbers.position
-    first = _row(element, numbers)
+    first = _row(properties, numbers)
     numbers.position = begin
-    letters = "".join(entry.count_letter + entry.letter * len(first[entry.name]) for entry in element.properties)
-    ends = np.cumsum([len(entry.count_letter) + len(first[entry.name]) for entry in element.properties]).tolist()
-    spans = {
-        entry.name: (end - len(first[entry.name]), end) for entry, end in zip(element.properties, ends, strict=True)
-    }
-    if begin + numbers.size(letters) * element.count <= len(numbers.data):
-        table = numbers.rows(letters, element.count)
-        lists = [spans[entry.name] for entry in element.properties if entry.count_letter]
+    letters, spans = "", {}
+    for name, kind in properties.items():
+        letters += kind[:-1] + kind[-1] * len(first[name])
+        spans[name] = len(letters) - len(first[name]), len(letters)
+    if begin + numbers.size(letters) * count <= len(numbers.data):
+        table = numbers.rows(letters, count)
+        lists = [spans[name] for name, kind in properties.items() if len(kind) > 1]
         if all((table[:, start - 1] == end - start).all() for start, end in lists):
             return {name: table[:, start:end] for name, (start, end) in spans.items()}
     numbers.position = begin
-    rows = [_row(element, numbers) for _ in range(element.count)]
+    rows = [_row(properties, numbers) for _ in range(count)]
     return {name: [row[name] for row in rows] for name in first}
 
 
-def _row(element: _Element, numbers: _Numbers) -> dict[str, Floats]:
+def _row(properties: _Properties, numbers: _Numbers) -> dict[str, Floats]:
     """The values of the next row by the names of their properties."""
     row = {}
-    for entry in element.properties:
-        count = int(numbers.rows(entry.count_letter, 1)[0, 0]) if entry.count_letter else 1
+    for name, kind in properties.items():
+        count = int(numbers.rows(kind[0], 1)[0, 0]) if len(kind) > 1 else 1
         if not 0 <= count <= len(numbers.data):
             raise ValueError(f"it has a list of {count} entries")
-        row[entry.name] = numbers.rows(entry.letter * count, 1)[0] if count else np.zeros(0)
+        row[name] = numbers.rows(kind[-1] * count, 1)[0] if count else np.zeros(0)
     return row

@@ -6,7 +6,7 @@ takes its place, area and normal from the surface itself; a drawn surface keeps 
 """
 
 import math
-from dataclasses import replace
+from dataclasses import field, replace
 from typing import Literal
 
 import numpy as np
@@ -41,6 +41,7 @@ class SlidingMass:
     facet : (m,) the triangle of the slip body that a face comes from (-1: the ground)
     volume : m³; centroid : (3,) m; area : m² of slip surface
     pieces : volumes (m³) of what else lies within the slip body, left out
+    origin : (3,) taken from all coordinates
     """
 
     vertices: Floats
@@ -51,6 +52,7 @@ class SlidingMass:
     centroid: Floats
     area: float
     pieces: tuple[float, ...]
+    origin: Floats = field(default_factory=lambda: np.zeros(3))
 
     @property
     def edge(self) -> float:

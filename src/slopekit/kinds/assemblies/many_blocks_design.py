@@ -1,15 +1,16 @@
 """What designs of many blocks share: their keys, named strengths, water by pressures, loads on named blocks."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import make_dataclass, replace
+from dataclasses import replace
 from typing import Any, ClassVar
 
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design import words
-from slopekit.design.fields import Field, count, declare, fields_of, group
+from slopekit.design.common import Design
+from slopekit.design.fields import Field, count, declare, fields_of, group, keys_of
 from slopekit.design.fields import number as number_field
-from slopekit.design.ground_water import TABLE, WetDesign
+from slopekit.design.ground_water import TABLE, read_table
 from slopekit.design.parts import Action, Bolt, Force, Seismic, Strength, Water, bolts_without, forces_without
 from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.reader import Reader
@@ -25,19 +26,23 @@ _OFF_SECTION = 1e-9  # of a force, across the section: what rounding leaves of t
 _PRESSURE = declare("pressures", "pressure", 0.0, code="E118")
 
 
-def water_by(*pressures: Field) -> Any:
-    """Water of blocks, by its pressures; mode and fill are known so that the reader can say why they are not taken."""
-    also = (
+def water_by(*pressures: Field, without: tuple[str, ...] = ()) -> Any:
+    """Water of blocks, by its pressures or a table, which has no keys `without`.
+
+    Mode and fill are known so that the reader can say why they are not taken.
+    """
+    keys = keys_of(
+        "WaterOfBlocks",
         declare("mode", "text", example="dry", is_refused=True),
         declare("fill", "ratio", 0.0, 1.0, is_refused=True),
         *pressures,
+        *(one for name, one in fields_of(Water).items() if name in Water.UNSAID),
     )
-    keys = make_dataclass("WaterOfBlocks", (), namespace={"ALSO": also})
-    return group("water", keys, default=Water(), forms=(Leaf(example="dry"),))
+    return group("water", keys, default=Water(), forms=(Leaf(example="dry"),), without=without)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AssemblyDesign(WetDesign):
+class AssemblyDesign(Design):
     """What designs of many blocks share, a water table and a pond that may wet them among it.
 
     Attributes
@@ -85,7 +90,6 @@ class NamedDesign(AssemblyDesign):
 
     ACTIONS: ClassVar[Mapping[str, Action]] = {"surcharges_kpa": "surcharge"}
     UNSAID: ClassVar[tuple[str, ...]] = ("surcharges_kpa",)
-    WITHOUT = ("analysis.factors", "water.depth")
 
     surcharges_kpa: tuple[tuple[str, float], ...] = number_field(
         "loads.surcharge", "pressure", default=(), least=0.0, code="E123", many="names", axis="surcharge",
@@ -133,7 +137,7 @@ def pressures(reader: Reader, example: str) -> list[tuple[str, Node, float]]:
         return []
     mode = node.get("mode") if node.is_mapping else None
     if mode is not None and mode.text == TABLE:
-        return []  # which `read_ground_water` reads
+        return []  # which `read_table` reads
     said = [key for key in ("mode", "fill", "pressures") if node.get(key) is not None]
     other = node if not node.is_mapping else node.get(said[0]) if said and said[0] != "pressures" else None
     if other is not None and (other.name == "fill" or other.text not in ("dry", None)):
@@ -179,7 +183,8 @@ def common(
     attributes["forces"] = tuple(_on_blocks(reader, "loads.forces", "force", words.force, blocks, in_section))
     attributes["bolts"] = tuple(_on_blocks(reader, "support.bolts", "bolt", words.bolt, blocks, in_section))
     attributes["strengths"] = strengths
-    attributes["water"] = Water("pressures", 0.0, tuple(water)) if any(water) else Water()
+    by_pressures = Water("pressures", 0.0, tuple(water)) if any(water) else Water()
+    attributes["water"] = read_table(reader) or by_pressures
     return attributes
 
 

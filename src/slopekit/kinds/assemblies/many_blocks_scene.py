@@ -185,7 +185,7 @@ def with_loads(design: AssemblyDesign, scene: AssemblyScene, toward_deg: float, 
 
 def with_ground(design: NamedDesign, scene: AssemblyScene) -> AssemblyScene:
     """A scene of blocks with names with its ground water, distances along x, and its surcharges. Raises E456, E461."""
-    if not (design.has_table or design.surcharges_kpa):
+    if not (design.water.has_table or design.surcharges_kpa):
         return scene
     from slopekit.kinds.assemblies.table_on_patches import with_surcharges, with_water
 

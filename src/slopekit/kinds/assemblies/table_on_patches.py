@@ -45,7 +45,7 @@ def with_water(
     GeometryError
         E456 the table lies above the ground.
     """
-    if not design.has_table:
+    if not design.water.has_table:
         return scene
     level, assembly = float(scene.origin[2]), scene.assembly
     water = pressure_below(

@@ -10,7 +10,7 @@ from slopekit.core.arrays import Floats, NDArray
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
-from slopekit.design.ground_water import TABLE, SlopeDesign
+from slopekit.design.ground_water import SlopeDesign
 from slopekit.design.parts import Strength
 from slopekit.kinds.protocol import ClosedForm, D
 from slopekit.kinds.single_block.held_bolts import Bounds
@@ -143,7 +143,7 @@ def pressures_and_force(
     if not design.is_cut_for_loads:
         return pressures, force
     means, force = by_faces(force)
-    return (means if design.water.mode == TABLE or design.is_wet_by_crack else pressures), force
+    return (means if design.water.has_table or design.water.crack_water_m else pressures), force
 
 
 def passive_bolts(design: Design) -> list[list[float]]:

@@ -16,7 +16,6 @@ from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.core.onlooker import Clock, say
 from slopekit.core.orientation import Line, coordinates, millimetre
 from slopekit.core.orientation import number as shown
-from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section
 from slopekit.design.parts import MeshFile
 from slopekit.evidence import Comparisons
@@ -56,21 +55,10 @@ if TYPE_CHECKING:
 NAME = "slip surface"
 _EDGES = (4.0, 2.0, 1.0, 0.5)  # times the edge of the design; meshes halve
 _ROOM = 1.01  # asked for so much more than a halving, to get that and not the next
-_FAR_M = 1e4
 _LEVEL_OF_FACETS = 4
 _COARSEST = 2  # level from which the wanted edge is reached by halving
 _NOT_DRIVEN = 1e6  # a factor beyond this is that of level ground
 _OVERHUNG = 1e-6  # of the weight
-
-
-@dataclass(frozen=True, slots=True)
-class _Mass:
-    """The mass with its node pairs, in coordinates about `origin`; `grain` (m): what its mesh files round to."""
-
-    mass: SlidingMass
-    pairs: NodePairs
-    origin: Floats
-    grain: float
 
 
 def analyse_surface(design: SurfaceDesign) -> Result:
@@ -87,13 +75,13 @@ def analyse_surface(design: SurfaceDesign) -> Result:
 def _analysed(design: SurfaceDesign, find: Callable[[Cut, Clock], FoundLimit]) -> Result:
     clock = Clock()
     with clock("cut"):
-        cut = _cut(design)
-        loads = _loads(design, cut)
+        mass, pairs = _cut(design)
+        loads = _loads(design, mass, pairs)
     with clock("normals"):
-        slip, scene = _scene(design, cut, loads)
+        slip, scene = _scene(design, mass, pairs, loads)
     with clock("closed_form"):
-        closed, methods, extra = _closed_forms(design, cut)
-    made = _made(design, cut, loads, slip, scene)
+        closed, methods, extra = _closed_forms(design, mass)
+    made = _made(design, mass, loads, slip, scene)
     found = find(made, clock)
     status = block_status(found, made.joints)
     if status in ("slides_on_J1", "slides_up") and _turns(found.limit.velocity):
@@ -103,14 +91,13 @@ def _analysed(design: SurfaceDesign, find: Callable[[Cut, Clock], FoundLimit]) -
         pressed["ground"] = float(np.linalg.norm(loads.parts["pond"]))
     forces = resultant_forces(made, found, pressed, driven=status != "rotates")
     moves = found.limit.outcome is not Outcome.NO_DRIVING_FORCE
-    of_cut = _notices(design, cut, _misfit(design, slip) if moves else 0.0, slip.left_as_it_was and moves)
+    of_cut = _notices(design, mass, _misfit(design, slip) if moves else 0.0, slip.left_as_it_was and moves)
     notes = [*of_cut, *_columns_below(design, found.limit.factor, methods), *extra]
     comparisons = Comparisons(found.analysis.forces_only.factor, methods)
     return result(WORDS, design, made, found, status, closed, forces, clock, comparisons, notes)
 
 
-def _made(design: SurfaceDesign, cut: _Mass, loads: Loads, slip: Slippage, scene: ContactModel) -> Cut:
-    mass = cut.mass
+def _made(design: SurfaceDesign, mass: SlidingMass, loads: Loads, slip: Slippage, scene: ContactModel) -> Cut:
     left_out = ["bedrock (no unknowns)", "ground surface (free)", "deformation of the mass"]
     if design.slip.shape == "cylinder":
         left_out.append("strength at the two ends of the cylinder")
@@ -119,14 +106,14 @@ def _made(design: SurfaceDesign, cut: _Mass, loads: Loads, slip: Slippage, scene
 
     def geometry() -> SurfaceGeometry:
         return SurfaceGeometry(
-            mass.volume, float(np.ptp(mass.vertices[:, 2])), {NAME: mass.area}, frozen(mass.centroid + cut.origin),
+            mass.volume, float(np.ptp(mass.vertices[:, 2])), {NAME: mass.area}, frozen(mass.centroid + mass.origin),
             mass.edge, design.slip.normals, slip.motions, _misfit(design, slip), mass.pieces,
-            frozen(mass.vertices + cut.origin), mass.triangles, mass.on == SLIP,
+            frozen(mass.vertices + mass.origin), mass.triangles, mass.on == SLIP,
         )  # fmt: skip
 
     return Cut(
         _block(mass), loads, lambda _: scene, [Interface(SLIP, NAME, design.strength)], geometry, left_out,
-        limit=curved_limit_analysis, origin=cut.origin,
+        limit=curved_limit_analysis, origin=mass.origin,
     )  # fmt: skip
 
 
@@ -149,22 +136,23 @@ def _factors(design: SurfaceDesign) -> Factors:
 
 def cut(design: SurfaceDesign) -> Cut:
     """Cut the mass, turn the normals so that it can slip, and load it. Raises GeometryError as `analyse_surface`."""
-    mass = _cut(design)
-    loads = _loads(design, mass)
-    return _made(design, mass, loads, *_scene(design, mass, loads))
+    mass, pairs = _cut(design)
+    loads = _loads(design, mass, pairs)
+    return _made(design, mass, loads, *_scene(design, mass, pairs, loads))
 
 
-def _scene(design: SurfaceDesign, cut: _Mass, loads: Loads) -> tuple[Slippage, ContactModel]:
-    slip = slippable(cut.pairs, cut.mass.centroid, np.concatenate([loads.force, loads.moment]))
-    pairs = cut.pairs if design.slip.normals == "facet" else slip.pairs
-    return slip, ContactModel(pairs, build_model(pairs, loads, cut.mass.centroid, joint_strength([design.strength])))
+def _scene(design: SurfaceDesign, mass: SlidingMass, pairs: NodePairs, loads: Loads) -> tuple[Slippage, ContactModel]:
+    slip = slippable(pairs, mass.centroid, np.concatenate([loads.force, loads.moment]))
+    pairs = pairs if design.slip.normals == "facet" else slip.pairs
+    return slip, ContactModel(pairs, build_model(pairs, loads, mass.centroid, joint_strength([design.strength])))
 
 
 def _turns(velocity: Floats) -> bool:
     return float(velocity[3:] @ velocity[3:]) > 1e-6 * float(velocity @ velocity)
 
 
-def _cut(design: SurfaceDesign) -> _Mass:
+def _cut(design: SurfaceDesign) -> tuple[SlidingMass, NodePairs]:
+    """The mass and its node pairs, about the origin of the mass."""
     slip = design.slip
     ground_mesh = slip_mesh = None
     if design.ground_mesh is not None:
@@ -205,8 +193,7 @@ def _cut(design: SurfaceDesign) -> _Mass:
     _refuse_walls(mass, slip_mesh is not None)
     if design.profile_m is not None:
         _refuse_elsewhere(mass.vertices[:, 0] + origin[0], [x for x, _ in design.profile_m])
-    grain = max(_grain(mesh[0]) for mesh in (ground_mesh, slip_mesh) if mesh) if ground_mesh or slip_mesh else 0.0
-    return _Mass(mass, pairs, origin, grain)
+    return replace(mass, origin=origin), pairs
 
 
 def _refuse_elsewhere(across: Floats, profile: Sequence[float]) -> None:
@@ -225,13 +212,6 @@ def _read(file: MeshFile) -> tuple[Floats, Ints, bool]:
     return vertices, outward(vertices, triangles) if closed else triangles, closed
 
 
-def _grain(vertices: Floats) -> float:
-    """What single precision, which STL files have, rounds these coordinates to (m); 0 in double precision."""
-    single = vertices.astype(np.float32)
-    rounded = (single == vertices).all() and not (vertices == vertices.round()).all()
-    return float(np.spacing(np.abs(single).max())) if rounded else 0.0
-
-
 def _refuse_walls(mass: SlidingMass, is_sheet: bool) -> None:
     """A sheet that ends within the ground leaves upright walls that hold nothing."""
     walls = mass.triangles[(mass.on != SLIP) & (mass.on != GROUND)]
@@ -244,10 +224,8 @@ def _refuse_walls(mass: SlidingMass, is_sheet: bool) -> None:
         raise GeometryError([Fault("E215", message, "", "Extend the sheet until it comes out at the ground surface.")])
 
 
-def _loads(design: SurfaceDesign, cut: _Mass) -> Loads:
-    mass, pairs = cut.mass, cut.pairs
-
-    active, passive = bolt_forces(design, cut.origin, partial(through, mass))
+def _loads(design: SurfaceDesign, mass: SlidingMass, pairs: NodePairs) -> Loads:
+    active, passive = bolt_forces(design, mass.origin, partial(through, mass))
     pushes = {}
     if design.water.mode == "pressures":
         shares = pairs.control_areas[:, None] * pairs.normals * design.water.pressures_kpa[0]
@@ -256,10 +234,10 @@ def _loads(design: SurfaceDesign, cut: _Mass) -> Loads:
     elif design.is_cut_for_loads:
         from slopekit.kinds.surface.water import pushes_of
 
-        pushes = pushes_of(design, mass, cut.origin)
+        pushes = pushes_of(design, mass)
     return block_loads(
         _block(mass), design.rock.unit_weight_kn_m3, _seismic(design),
-        [point_force(force, cut.origin) for force in design.forces], active, passive, pushes,
+        [point_force(force, mass.origin) for force in design.forces], active, passive, pushes,
     )  # fmt: skip
 
 
@@ -282,13 +260,13 @@ def _falls(design: SurfaceDesign) -> float:
 # -- closed forms -------------------------------------------------------------------------------------
 
 
-def _closed_forms(design: SurfaceDesign, cut: _Mass) -> tuple[ClosedForm, dict[str, float | None], list[Notice]]:
+def _closed_forms(design: SurfaceDesign, mass: SlidingMass) -> tuple[ClosedForm, dict[str, float | None], list[Notice]]:
     """The exact answer where there is one (φ = 0, turning about an axis), and the methods of columns."""
     rotation, methods, notes = None, dict[str, float | None](), list[Notice]()
-    why = _why_no_columns(design, cut)
+    why = _why_no_columns(design, mass)
     try:
-        if not (design.forces or design.bolts or design.pond_m is not None) and design.strength.law is None:
-            rotation = _rotation(design, cut)
+        if not (design.forces or design.bolts or design.water.pond_m is not None) and design.strength.law is None:
+            rotation = _rotation(design, mass)
         if not why:
             methods = _columns(design, notes)
     except GeometryError as error:  # ground that turns back over itself has no columns
@@ -299,20 +277,20 @@ def _closed_forms(design: SurfaceDesign, cut: _Mass) -> tuple[ClosedForm, dict[s
     return rotation or none, methods, notes
 
 
-def _why_no_columns(design: SurfaceDesign, cut: _Mass) -> str:
+def _why_no_columns(design: SurfaceDesign, mass: SlidingMass) -> str:
     """Why the methods of columns do not take a design; empty where they do."""
     reasons = {
         "they take one cohesion and friction angle": design.strength.law is not None,
-        "they know no pond": design.pond_m is not None,
+        "they know no pond": design.water.pond_m is not None,
         "they know no forces and bolts": bool(design.forces or design.bolts),
         "they take analytic surfaces below a profile": design.slip.shape == "mesh" or design.profile_m is None,
         "the seismic load has a direction of its own": _sideways(design),
-        "they would count all pieces together": bool(cut.mass.pieces),
+        "they would count all pieces together": bool(mass.pieces),
     }
     return next((reason for reason, holds in reasons.items() if holds), "")
 
 
-def _rotation(design: SurfaceDesign, cut: _Mass) -> ClosedForm | None:
+def _rotation(design: SurfaceDesign, mass: SlidingMass) -> ClosedForm | None:
     """The exact answer of a surface of revolution about the y axis with φ = 0, None for any other."""
     strength, slip, profile = design.strength, design.slip, design.profile_m
     round_ = slip.shape != "mesh" and math.isclose(slip.radii_m[0], slip.radii_m[2], rel_tol=1e-12)
@@ -320,7 +298,7 @@ def _rotation(design: SurfaceDesign, cut: _Mass) -> ClosedForm | None:
         strength.law is not None
         or not (profile and round_ and strength.friction_angle_deg == 0.0)
         or _sideways(design)
-        or cut.mass.pieces
+        or mass.pieces
     ):
         return None
     rotation = rotational_failure(
@@ -385,7 +363,7 @@ def _columns_below(design: SurfaceDesign, limit: float | None, methods: Mapping[
             yield Notice("W324", f"the limit meets {rule}, {', '.join(below)} would not")
 
 
-def _notices(design: SurfaceDesign, cut: _Mass, misfit: float, left: bool) -> Iterator[Notice]:
+def _notices(design: SurfaceDesign, mass: SlidingMass, misfit: float, left: bool) -> Iterator[Notice]:
     if design.slip.normals == "facet":
         message = "facet normals interlock like a ratchet, facets that open lose cohesion: a study, not an answer"
         yield Notice("W325", message)
@@ -400,23 +378,20 @@ def _notices(design: SurfaceDesign, cut: _Mass, misfit: float, left: bool) -> It
         yield Notice("W325", message)
     if design.profile_m is not None:
         ends = [x for x, _ in design.profile_m]
-        low, high = (float(cut.mass.vertices[:, 0].min()), float(cut.mass.vertices[:, 0].max()))
-        beyond = max(min(ends) - low - float(cut.origin[0]), high + float(cut.origin[0]) - max(ends))
+        low, high = (float(mass.vertices[:, 0].min()), float(mass.vertices[:, 0].max()))
+        beyond = max(min(ends) - low - float(mass.origin[0]), high + float(mass.origin[0]) - max(ends))
         if beyond > 1e-6 * (high - low):
             message = f"the mass reaches {beyond:.4g} m beyond the profile, where the ground is taken as level"
             yield Notice("W322", message)
-    if cut.mass.pieces:
+    if mass.pieces:
         message = (
-            f"the slip surface cuts {len(cut.mass.pieces) + 1} pieces off: the largest is analysed, "
-            f"{sum(cut.mass.pieces):.4g} m³ are left out"
+            f"the slip surface cuts {len(mass.pieces) + 1} pieces off: the largest is analysed, "
+            f"{sum(mass.pieces):.4g} m³ are left out"
         )
         yield Notice("W322", message)
-    lowest = float(cut.mass.vertices[:, 2].min() + cut.origin[2])
-    if design.pond_m is not None and design.pond_m <= lowest:
-        yield Notice("W419", f"the pond stands at {shown(design.pond_m)} m, below the mass: it wets nothing")
-    if cut.grain and float(np.abs(cut.origin).max()) > _FAR_M:
-        message = f"map coordinates in a mesh file of single precision: its corners are rounded to {cut.grain:.2g} m"
-        yield Notice("W322", message)
+    lowest = float(mass.vertices[:, 2].min() + mass.origin[2])
+    if design.water.pond_m is not None and design.water.pond_m <= lowest:
+        yield Notice("W419", f"the pond stands at {shown(design.water.pond_m)} m, below the mass: it wets nothing")
 
 
 # -- what check looks at ----------------------------------------------------------------------------------------------

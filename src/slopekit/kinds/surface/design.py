@@ -7,9 +7,10 @@ from typing import Any, ClassVar, Literal
 from slopekit.core.orientation import coordinates
 from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
+from slopekit.design.common import Design
 from slopekit.design.fields import Field, declare, fields_of, group, number, text
-from slopekit.design.ground_water import TABLE, WetDesign, read_ground_water
-from slopekit.design.parts import MeshFile, Strength, Water, axis_key
+from slopekit.design.ground_water import read_table
+from slopekit.design.parts import MeshFile, Strength, axis_key
 from slopekit.design.reading.named_files import mesh_file
 from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.reader import Reader
@@ -110,7 +111,7 @@ class Slip:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SurfaceDesign(WetDesign):
+class SurfaceDesign(Design):
     """A mass on a curved slip surface below a slope profile or within a closed mesh of the ground."""
 
     ALSO: ClassVar[tuple[Field, ...]] = (axis_key("slope.up"),)
@@ -136,7 +137,7 @@ class SurfaceDesign(WetDesign):
     @property
     def is_cut_for_loads(self) -> bool:
         """Whether water is integrated over the surface."""
-        return self.water.mode == TABLE
+        return self.water.has_table
 
     @property
     def wet_interfaces(self) -> tuple[str, ...]:
@@ -168,28 +169,25 @@ def read_surface(reader: Reader) -> SurfaceDesign:
     profile = _profile(reader, reader.at("slope.profile"))
     slip = _slip(reader, node, _mesh(reader, node, "shape"))
     strength = read_strengths(reader, [("slip", None, node or reader.root)])[0]
-    wet, table = read_ground_water(reader)
+    table = read_table(reader)
     depth = reader.at("water.depth")
-    if profile is None and depth is not None and wet.get("table_depth_m") is not None:
+    has_depth = table is not None and table.table_depth_m is not None
+    if profile is None and has_depth:
         message = "the water table lies below the ground, and the ground is a mesh"
         reader.fault("E454", message, depth, "Give its points or a plane.")
-    elif profile is not None and depth is not None and wet.get("table_depth_m") is not None and overhangs(profile):
+    elif profile is not None and has_depth and overhangs(profile):
         message = "the water table lies below the ground, and the profile overhangs: there are two grounds over one x"
         reader.fault("E454", message, depth, "Give its points or a plane.")
-    water, at = (table, None) if table is not None else read_water(reader, ["slip"])
+    water, at = (table, None) if table is not None else read_water(reader, ["slip"], 1)
     if water.mode == "full":
         message = "how full a curved surface is says no pressure"
         reader.fault("E118", message, at, "Write water: {pressures: 5 kPa}.")
-    if water.mode == "pressures":
-        if at is not None and len(at.elements) > 1:
-            reader.fault("E109", f"{len(at.elements)} water pressures given, there is one slip surface", at)
-        water = Water("pressures", 0.0, water.pressures_kpa[:1])
     common = read_common(reader)
     if profile is None and common["seismic"].coefficient and common["seismic"].trend_deg is None:
         message = "the seismic load has no direction, and a mesh of the ground does not say which way it falls"
         reader.fault("E122", message, reader.at("loads.seismic"), "Write seismic: {k: 0.1, toward: 90}.")
     return reader.made(
-        SurfaceDesign, common, wet, profile_m=profile, ground_mesh=ground, slip=slip, strength=strength, water=water
+        SurfaceDesign, common, profile_m=profile, ground_mesh=ground, slip=slip, strength=strength, water=water
     )
 
 

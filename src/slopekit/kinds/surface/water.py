@@ -28,23 +28,19 @@ def water_of(design: SurfaceDesign) -> Pressure:
     return pressure_below(design, np.eye(3), _ALONG, 0.0, at_depth)
 
 
-def pushes_of(design: SurfaceDesign, mass: SlidingMass, origin: Floats) -> dict[str, PointForce]:
+def pushes_of(design: SurfaceDesign, mass: SlidingMass) -> dict[str, PointForce]:
     """Water on the slip surface, and of a pond on the ground: forces through the centroid, with their couples.
-
-    Parameters
-    ----------
-    origin : (3,) of the coordinates of the mass, in those of the design
 
     Raises
     ------
     GeometryError
         E456 the table lies above the ground.
     """
-    water, vertices = water_of(design), mass.vertices + origin
+    water, vertices = water_of(design), mass.vertices + mass.origin
     ground, slip = (vertices[mass.triangles[mass.on == face]] for face in (GROUND, SLIP))
-    if design.table_depth_m is None:
+    if design.water.table_depth_m is None:
         refuse_above(water, list(ground), float(np.ptp(vertices[:, 2])), np.eye(3))
-    centre = mass.centroid + origin
+    centre = mass.centroid + mass.origin
     force, couple, wet = _on_facets(water, slip, centre)
     volume, moment = volume_moments(mass.vertices, mass.triangles)
     sliver, first = mass.volume - volume, mass.volume * mass.centroid - moment

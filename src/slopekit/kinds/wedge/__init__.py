@@ -12,7 +12,7 @@ from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.sheet import Section
-from slopekit.design.parts import Strength
+from slopekit.design.parts import Strength, Water
 from slopekit.evidence import WithoutBasal
 from slopekit.extents import WedgeGeometry
 from slopekit.geometry.rock.rockmass import FACE, J1, J2, UPPER
@@ -242,8 +242,7 @@ def with_worst_crack(design: WedgeDesign, place: str) -> WedgeDesign:
 
 def _changes(design: WedgeDesign) -> Iterator[tuple[str, WedgeDesign]]:
     if design.water.mode == "dry" or (design.water.mode == "full" and design.water.fill < 1.0):
-        without = replace(design, crack_water_m=None)
-        yield "full water", replace(without, water=replace(design.water, mode="full", fill=1.0, pressures_kpa=()))
+        yield "full water", replace(design, water=Water("full", 1.0, crack_fill=design.water.crack_fill))
     yield from other_strengths(design, design.strengths)
     for k, joint in enumerate(design.joints):
         if joint.dip_deg <= 89.0:
@@ -276,7 +275,7 @@ def _notices(design: WedgeDesign) -> Iterator[Notice]:
             name for name, has_any in (
                 ("points of forces", any(force.at_m is not None for force in design.forces)),
                 ("heads of bolts", any(bolt.head_m is not None for bolt in design.bolts)),
-                ("the water table or pond", water.mode == "table" or design.pond_m is not None),
+                ("the water table or pond", water.has_table),
             ) if has_any
         ]  # fmt: skip
         if places:
@@ -351,11 +350,12 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
 
         size = replace(size, entries=[*size.entries, *limits.in_words(design)])
     yield size
-    wet = [] if design.water.mode == "table" else water_in_words(result, 3.0 if design.basal is None else 1.0)
-    if design.crack_water_m:
-        highest = f"{design.crack_water_m * design.water_unit_weight_kn_m3:.4g} kPa at its bottom"
-        wet = [f"water {design.crack_water_m:.4g} m deep in the crack, {highest}, on the joints falling to nothing at "
-               "their other edges"]  # fmt: skip
+    wet = [] if design.water.has_table else water_in_words(result, 3.0 if design.basal is None else 1.0)
+    depth = design.water.crack_water_m
+    if depth:
+        highest = f"{depth * design.water_unit_weight_kn_m3:.4g} kPa at its bottom"
+        wet = [f"water {depth:.4g} m deep in the crack, {highest}, on the joints falling to nothing at their other "
+               "edges"]  # fmt: skip
     yield loads_part([*wet, *design.ground_in_words()], result)
 
 

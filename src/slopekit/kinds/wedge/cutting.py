@@ -159,7 +159,7 @@ def _local_slope(design: WedgeDesign, shape: Shape) -> "LocalSlope":
     return LocalSlope(
         shape.block, shape.ids, shape.crack, shape.free, normals, np.array([0.0, shape.offset_m]), np.eye(3),
         -Line(design.face.dip_direction_deg, 0.0).vector(), lambda _: shape.full(design.water_unit_weight_kn_m3),
-        design.origin_m[2], crack_water_m=design.crack_water_m,
+        design.origin_m[2],
     )  # fmt: skip
 
 

@@ -25,13 +25,13 @@ from slopekit.design.fields import (
     structure_of,
     text,
 )
-from slopekit.design.ground_water import WORST, SlopeDesign, read_ground_water
+from slopekit.design.ground_water import WORST, SlopeDesign, read_table
 from slopekit.design.joints import JOINTS, GivenJoint, joints_of, refinements, strengths_of
 from slopekit.design.parts import Strength, Water
 from slopekit.design.reading.nodes import Document, Node, Place, from_python
 from slopekit.design.reading.reader import Reader
 from slopekit.design.reading.structure import check_structure, is_distribution
-from slopekit.design.sections import given_water, read_common, read_strength, read_water
+from slopekit.design.sections import read_common, read_strength, read_water
 
 if TYPE_CHECKING:
     pass
@@ -129,8 +129,7 @@ class SizeLimits:
 class WedgeDesign(SlopeDesign):
     """One wedge, complete and checked. Made by `read_wedge` and `wedge_design`.
 
-    Strengths are those of J1, J2 and, where there is one, the basal joint. `crack_water_m`: how deep water is in the
-    crack, where it is that which wets the joints; None where `Water` says it.
+    Strengths are those of J1, J2 and, where there is one, the basal joint.
     """
 
     ALSO = (JOINTS,)
@@ -140,7 +139,7 @@ class WedgeDesign(SlopeDesign):
     DEFAULTS = PAPER_WEDGE
     PAPER_KEYS = ("slope.", "strength.", "rock.density")
     CRACK_FROM = "behind the crest along J1's trace"
-    UNSAID = ("basal", "limits", "crack_water_m")
+    UNSAID = ("basal", "limits")
 
     joints: tuple[Plane, Plane]
     face: Plane = orientation("slope.face", axis="the face", default=None, example="60/180")
@@ -153,7 +152,6 @@ class WedgeDesign(SlopeDesign):
     strengths: tuple[Strength, ...]
     basal: Basal | None = group("basal", Basal, default=None, left_out="no basal joint")
     crack: Crack | None = group("crack", Crack, default=None, left_out="no crack")
-    crack_water_m: float | None = None
     limits: SizeLimits | None = group("limits", SizeLimits, default=None, left_out="no limits of size")
     refine: int = refinements()
     origin_m: tuple[float, float, float] = point(
@@ -177,14 +175,9 @@ class WedgeDesign(SlopeDesign):
         return tuple(replace(one, cohesion_kpa=c, friction_angle_deg=phi) for one, c, phi in joints)
 
     @property
-    def is_wet(self) -> bool:
-        """Whether there is water, if only in the crack."""
-        return super().is_wet or self.is_wet_by_crack
-
-    @property
-    def is_wet_by_crack(self) -> bool:
-        """Whether the depth of water in the crack says what is on the joints."""
-        return bool(self.crack_water_m)
+    def is_cut_for_loads(self) -> bool:
+        """Whether water, of a depth in the crack too, or surcharge are integrated over the faces of the block."""
+        return super().is_cut_for_loads or bool(self.water.crack_water_m)
 
     @property
     def wet_interfaces(self) -> tuple[str, ...]:
@@ -230,16 +223,14 @@ def read_wedge(reader: Reader) -> WedgeDesign:
     basal, under = _basal(reader, basal_node, [joint.name for joint in joints])
     strengths = strengths_of(reader, [*joints, *under]) if joints else _without_joints(reader, len(under))
     crack = None if crack_node is None else _crack(reader, crack_node)
-    depth = None if crack_node is None else _depth_of_water(reader, crack_node)
     names = tuple(joint.name for joint in joints) or ("J1", "J2")
-    ground, table = read_ground_water(reader)
-    water = _water(reader, crack_node, [*names, *nodes], table, basal_node is not None)
-    own |= reader.fields(WedgeDesign, only=("refine", "origin_m"))
+    own |= reader.fields(WedgeDesign, only=("surcharge_kpa", "refine", "origin_m"))
+    water = _water(reader, crack_node, [*names, *nodes], 2 if basal_node is None else 3)
     common = read_common(reader)
     sound = tuple(one or Strength(0.0, 0.0) for one in strengths)
     design: WedgeDesign = reader.made(
-        WedgeDesign, own, common, ground, joints=tuple(joint.plane for joint in joints), joint_names=names, crack=crack,
-        crack_water_m=depth, water=water, basal=basal, limits=_limits(reader, names, tuple(nodes)), strengths=sound,
+        WedgeDesign, own, common, joints=tuple(joint.plane for joint in joints), joint_names=names, crack=crack,
+        water=water, basal=basal, limits=_limits(reader, names, tuple(nodes)), strengths=sound,
     )  # fmt: skip
     if crack is None or crack_node is None or not math.isinf(crack.distance_m):
         return design
@@ -332,13 +323,6 @@ def _is_depth(reader: Reader, node: Node) -> bool:
     return reader.is_sound(node) and is_unit_of(unit_of(reader.value(node)), "length")
 
 
-def _depth_of_water(reader: Reader, crack: Node) -> float | None:
-    node = crack.get("water")
-    if node is None or node.value is None or not _is_depth(reader, node):
-        return None
-    return reader.number(_DEPTH_OF_WATER, node)
-
-
 def crack_of_words(value: object, where: str) -> Crack:
     if isinstance(value, str) and "@" in value:
         plane, _, distance = value.partition("@")
@@ -357,43 +341,38 @@ def crack_of_words(value: object, where: str) -> Crack:
     return Crack(orientation, away)
 
 
-def _water(reader: Reader, crack: Node | None, order: Sequence[str], table: Water | None, has_basal: bool) -> Water:
-    """Water on the joints, with the crack's own word: how full it is, or its pressure, the last beside the joints'."""
-    has_crack = crack is not None
-    node = crack.get("water") if crack is not None else None
+def _water(reader: Reader, crack: Node | None, order: Sequence[str], joints: int) -> Water:
+    """Water on the joints, with the crack's own word: how full it is, its pressure, or the depth that wets the joints.
+
+    Parameters
+    ----------
+    order : the interfaces, so many `joints` first
+    """
+    node, table = crack.get("water") if crack is not None else None, read_table(reader)
     if table is not None:
         if node is not None:
-            reader.fault(
-                "E112", "the crack's water and a water table both say how full it is", node, "Keep one of them."
-            )
+            message = "the crack's water and a water table both say how full it is"
+            reader.fault("E112", message, node, "Keep one of them.")
         return table
-    if node is None or node.value is None or _is_depth(reader, node):
-        joint_water, at = read_water(reader, order, has_crack, has_basal)
-        if node is not None and node.value is not None and joint_water != Water():
-            reader.fault("E112", f"the crack's water is {node.text}, which wets the joints, and water says another "
-                         "thing", at, "Keep one of them.")  # fmt: skip
-        return joint_water
-    top = reader.at("water")
-    given = None if top is None or top.value is None else given_water(reader, top, order)
-    water, value = ("dry" if given is None else given[0]), reader.value(node)
-    if value is None:
+    water, at = read_water(reader, order, joints)
+    if node is None or node.value is None:
+        return water
+    if _is_depth(reader, node):
+        if water != Water():
+            message = f"the crack's water is {node.text}, which wets the joints, and water says another thing"
+            reader.fault("E112", message, at, "Keep one of them.")
+        return Water(crack_water_m=reader.number(_DEPTH_OF_WATER, node))
+    value, on_joints = reader.value(node), water.pressures_kpa
+    is_pressure = is_unit_of(unit_of(value), "pressure")
+    if len(on_joints) > joints or (is_pressure and water.mode == "full"):
+        advice = "Give the crack's water in one place; beside full joints it is a part of that: crack: {water: 50 %}."
+        reader.fault("E112", f"the crack's water is {node.text}, and water says another thing", node, advice)
         return Water()
-    count = 3 if has_basal else 2
-    joints = list(water) if isinstance(water, list) else [0.0] * count if water in ("dry", 0.0) else None
-
-    def read(word: Any, at: Node) -> Water:
-        return reader.kept(words.water, word, str(at.place), has_crack, has_basal) or Water()
-
-    if not is_unit_of(unit_of(value), "pressure"):
-        if joints is None or len(joints) <= count:
-            own = read(water, given[1]) if given is not None else Water()
-            return replace(own, crack_fill=reader.kept(words.fill, value, str(node.place)))
-    elif joints is not None and len(joints) <= count:
-        each = joints * count if len(joints) == 1 else [*joints, 0.0]
-        return read([*each[:count], value], node)
-    advice = "Give the crack's water in one place; beside full joints it is a part of that: crack: {water: 50 %}."
-    reader.fault("E112", f"the crack's water is {node.text}, and water says another thing", node, advice)
-    return Water()
+    if is_pressure:
+        own = reader.number(fields_of(Water)["pressures_kpa"], node, "water pressure")
+        each = (*on_joints, *[0.0] * (joints - len(on_joints)), own or 0.0)
+        return Water("pressures", 0.0, each) if any(each) else Water()
+    return water if value is None else replace(water, crack_fill=reader.kept(words.fill, value, str(node.place)))
 
 
 # -- calls ------------------------------------------------------------------------------------------------------------
