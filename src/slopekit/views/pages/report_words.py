@@ -107,17 +107,3 @@ def meaning(document: Mapping[str, Any]) -> list[str]:
         within = float(document["inputs"].get("agree_within", 0.01)) * 100.0
         sentences.append(f"PRE-IE and the closed form differ by {difference * 100.0:.2g} % (allowed: {within:g} %).")
     return sentences
-
-
-def force_notes(document: Mapping[str, Any]) -> list[str]:
-    """What has to be known to read the forces."""
-    forces, has_limit = document["forces_kn"], document["fos"]["limit"] is not None
-    notes = [] if has_limit else ["No limit state was found: what the joints carry is not known."]
-    if has_limit and any(one is not None for one in forces["normal"].values()):
-        notes.append("N' and σ' are effective, compression positive, at the limit.")
-    if "slip" in document["inputs"] and any(forces["water"].values()):
-        notes.append("Water is the resultant, less than u times a curved area.")
-    if document["moments_govern"]:
-        lost = "moments lower the limit below resisting / driving" if has_limit else "with moments there is no limit"
-        notes.append(f"Forces alone: {lost}.")
-    return notes
