@@ -188,11 +188,13 @@ def _bar(figure: Any, axes: Any, bar: Bar) -> None:
     """The colour bar beneath the scene."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import ListedColormap, Normalize
+    from matplotlib.ticker import MaxNLocator
 
     half = 0.5 if bar.whole else 0.0
     steps = np.arange(bar.low, bar.high + half) if bar.whole else np.linspace(bar.low, bar.high, 128)
     colours = ScalarMappable(Normalize(bar.low - half, bar.high + half), ListedColormap(bar.colours(steps) / 255.0))
-    figure.colorbar(colours, ax=axes, location="bottom", label=bar.label, shrink=0.5, aspect=40)
+    ticks = MaxNLocator(integer=bar.whole)
+    figure.colorbar(colours, ax=axes, location="bottom", label=bar.label, ticks=ticks, shrink=0.5, aspect=40)
 
 
 def _scale(axes: Any, wide: float, high: float) -> None:

@@ -240,7 +240,7 @@ def _exploded(stage: Stage, _: int) -> Picture:
         if stage.in_section:
             moved[shapes.fixed] = 0.0
         middle = "the middle of the bedrock" if shapes.fixed.any() else "the middle"
-        note = f"blocks moved _EXPLODED by {_EXPLODED:g} of their distance from {middle}"
+        note = f"blocks moved apart by {_EXPLODED:g} of their distance from {middle}"
     seen.legend += seen.block_legend(bool(seen.layers))
     colours = stage.block_colours()
     colours[shapes.fixed] = ROCK
