@@ -84,21 +84,6 @@ class Mechanism:
 
 
 @dataclass(frozen=True, slots=True)
-class Chips:
-    """Blocks that fail in mechanisms too light to count before the first that does, and were taken away.
-
-    Attributes
-    ----------
-    blocks : in the order in which they fail; below_t : mass of the lightest mechanism that counts, t
-    fos : from which they fail; None where one falls whatever its strength
-    """
-
-    blocks: tuple[str, ...]
-    below_t: float
-    fos: float | None
-
-
-@dataclass(frozen=True, slots=True)
 class Findings:
     """What was found of an assembly.
 
@@ -112,7 +97,9 @@ class Findings:
     table : Goodman & Bray's columns, empty for other kinds: `n` from the toe, y height and M, L arms of the forces on
         the upper and lower side (m), the rest in kN, their mode and that of PRE-IE
     shear_to_normal : k_t / k_n of the elastic joints of the path; None where there was none
-    chips : None where there are none
+    chips : blocks in mechanisms too light to count before the first that does, which were taken away; None without any:
+        `blocks` in the order in which they fail, `below_t` the mass of the lightest that counts, `fos` from which they
+        fail, None where one falls whatever its strength
     """
 
     mechanisms: tuple[Mechanism, ...]
@@ -125,7 +112,7 @@ class Findings:
     checks: Mapping[str, float]
     table: tuple[Mapping[str, Any], ...] = ()
     shear_to_normal: float | None = None
-    chips: Chips | None = None
+    chips: Mapping[str, Any] | None = None
 
     @property
     def rows(self) -> tuple[Mapping[str, Any], ...]:

@@ -24,7 +24,7 @@ from slopekit.evidence import (
     LimitState,
     ModelSize,
 )
-from slopekit.findings import AssemblyGeometry, Chips, Findings, Mechanism
+from slopekit.findings import AssemblyGeometry, Findings, Mechanism
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.kinds.assemblies.many_blocks_notices import (
     debonding_notices,
@@ -370,14 +370,14 @@ def _factors(ravelling: Ravelling, scene: AssemblyScene) -> dict[str, float | No
     return out
 
 
-def _chips(ravelling: Ravelling, scene: AssemblyScene, below_t: float) -> Chips | None:
+def _chips(ravelling: Ravelling, scene: AssemblyScene, below_t: float) -> Mapping[str, Any] | None:
     """What was too light to count and failed before the first mechanism; None where nothing did."""
     if not ravelling.chips:
         return None
     factors = [chip.limit.factor for chip in ravelling.chips]
     known = [factor for factor in factors if factor is not None]
     names = tuple(scene.names[block] for chip in ravelling.chips for block in chip.blocks.tolist())
-    return Chips(names, below_t, min(known) if len(known) == len(factors) else None)
+    return {"blocks": names, "below_t": below_t, "fos": min(known) if len(known) == len(factors) else None}
 
 
 def _standing(ravelling: Ravelling, scene: AssemblyScene) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from slopekit.core.orientation import line_of
 from slopekit.core.sheet import Column, Entry, Section, Table, counted, factor_text
-from slopekit.findings import MOTIONS, SAME_FACTOR, AssemblyGeometry, Chips, Findings, GoverningInterface, Mechanism
+from slopekit.findings import MOTIONS, SAME_FACTOR, AssemblyGeometry, Findings, GoverningInterface, Mechanism
 from slopekit.kinds.words import in_order, line_in_words, mass_in_words, names_in_runs, short, size_number
 from slopekit.result import Result
 
@@ -61,7 +61,7 @@ def status(result: Result, findings: Findings) -> str:
         return result.status_text
     first = findings.mechanisms[0]
     words = _motions(first, _order(result))
-    chips = 0 if findings.chips is None else len(findings.chips.blocks)
+    chips = 0 if findings.chips is None else len(findings.chips["blocks"])
     still = findings.blocks - findings.fixed - len(first.blocks) - chips
     if still > 0:
         words += f", {still} {'stays' if still == 1 else 'stay'}"
@@ -174,12 +174,12 @@ def _pairs(by_mode: Mapping[str, int]) -> list[str]:
 # -- what comes after -----------------------------------------------------------------------------------------------
 
 
-def _chips(chips: Chips | None) -> list[Entry]:
+def _chips(chips: Mapping[str, Any] | None) -> list[Entry]:
     """What fails first and is too light to count."""
     if chips is None:
         return []
-    blocks, below = counted(len(chips.blocks), "block"), mass_in_words(chips.below_t)
-    fails = "whatever their strength" if chips.fos is None else f"from FoS {factor_text(chips.fos).strip()}"
+    blocks, below = counted(len(chips["blocks"]), "block"), mass_in_words(chips["below_t"])
+    fails = "whatever their strength" if chips["fos"] is None else f"from FoS {factor_text(chips['fos']).strip()}"
     return [f"mechanisms lighter than {below}: {blocks}, {fails}; taken away first (analysis.smallest_block)"]
 
 
