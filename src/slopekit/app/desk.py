@@ -28,7 +28,6 @@ T = TypeVar("T")
 _MOST_SLOW = 4  # surveys and files to hand over that wait
 _KEPT_AFTER_S = 1.0  # of rest, what is not saved is kept
 _MOST_READERS = 12  # threads that read and write files: one for each page, and some to spare
-MOST_A_SECOND = 500  # messages of one page: what comes faster waits
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +53,6 @@ class Desk:
         self.readers = ThreadPoolExecutor(_MOST_READERS, "reader")
         self.keeper = ThreadPoolExecutor(1, "keeper")
         self.saving = threading.Lock()
-        self.most_a_second = MOST_A_SECOND
         self.waiting = 0
         self.files: dict[str, handover.File] = {}
         self.survey: surveys.Dropped | None = None
@@ -288,7 +286,6 @@ class Link:
         self.desk, self.socket, self.verbs = desk, socket, verbs
         self.out: asyncio.Queue[str] = asyncio.Queue()
         self.turn: asyncio.Task[None] | None = None
-        self.begin_of_second, self.in_second = 0.0, 0
 
     def in_turn(self, message: Message, work: Callable[[], T], then: Callable[[T], Coroutine[Any, Any, None]]) -> None:
         """Read or write a file in a thread, then do the rest; what this page says behind it waits, others go on."""
@@ -326,22 +323,12 @@ class Link:
                 got = await self.socket.receive()
                 if got["type"] == "websocket.disconnect":
                     return
-                await self._pace()
                 self.heard(got.get("text"))
                 if self.turn is not None:
                     await asyncio.wait({self.turn})
                     self.turn = None
         finally:
             writer.cancel()
-
-    async def _pace(self) -> None:
-        """Let what comes faster than so many a second wait for the next: others have their turn."""
-        now = asyncio.get_running_loop().time()
-        if now - self.begin_of_second >= 1.0:
-            self.begin_of_second, self.in_second = now, 0
-        self.in_second += 1
-        if self.in_second > self.desk.most_a_second:
-            await asyncio.sleep(self.begin_of_second + 1.0 - now)
 
     async def _write(self) -> None:
         while True:

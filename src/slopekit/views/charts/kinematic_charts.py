@@ -11,7 +11,6 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.orientation import Plane, number, parse_plane
-from slopekit.core.records import dataclass
 from slopekit.studies.kinematic.criteria import (
     Lines,
     Modes,
@@ -44,11 +43,11 @@ NETS_OF = ("planar", "wedge", "flexural", "direct")
 _OFTEN = 1500  # lines beyond which they are dots
 
 
-@dataclass(frozen=True)
 class _Survey:
     """A kinematic study as its JSON has it."""
 
-    document: Document
+    def __init__(self, document: Document) -> None:
+        self.document = document
 
     @cached_property
     def planes(self) -> Planes:

@@ -16,7 +16,6 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, frozen
 from slopekit.core.orientation import Plane, number
-from slopekit.core.records import dataclass
 from slopekit.views.charts.drawing import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
 
 NET = "equal area (Schmidt)"
@@ -132,11 +131,11 @@ def cells() -> tuple[Floats, Bools]:
     return frozen(unproject(np.column_stack([x[inside], y[inside]]))), inside
 
 
-@dataclass(frozen=True, slots=True)
 class Stereonet:
     """What is drawn on a net: the axes of matplotlib that have it."""
 
-    axes: Any
+    def __init__(self, axes: Any) -> None:
+        self.axes = axes
 
     def start(self, title: str) -> None:
         """The empty net: rim, ticks every ten degrees, north."""

@@ -7,7 +7,6 @@ from itertools import pairwise
 from typing import Any, TypeAlias
 
 from slopekit.core.orientation import millimetre
-from slopekit.core.records import dataclass
 from slopekit.design.fields import words_of
 from slopekit.design.registry import KINDS, record_of
 from slopekit.studies.points import Line, Method, Point, asked_of, factor_at, lines_of, lower_of, point_from_record
@@ -49,11 +48,11 @@ _BRIEF = {
 }  # fmt: skip
 
 
-@dataclass(frozen=True)
 class _Swept:
     """A sweep as its JSON has it."""
 
-    document: Document
+    def __init__(self, document: Document) -> None:
+        self.document = document
 
     @property
     def keys(self) -> list[Document]:

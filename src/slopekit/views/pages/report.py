@@ -17,7 +17,7 @@ from slopekit.exchange.documents import by_case, checked_document
 from slopekit.kinds import words_named
 from slopekit.views.pages.page_pictures import still_pictures
 from slopekit.views.pages.page_tables import input_rows, parts, table
-from slopekit.views.pages.report_words import answer, meaning
+from slopekit.views.pages.report_words import answer
 from slopekit.views.solid.viewer_data import viewer_data
 
 _TEMPLATES = Path(__file__).parents[1] / "templates"
@@ -237,12 +237,12 @@ def _result(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, 
     inputs = document["inputs"]
     said = words_named(str(document["kind"]), inputs)
     has_closed_form = said.rests_on and document["fos"]["closed_form"] is not None
-    basis = [f"The closed form rests on {said.rests_on}."] if has_closed_form else []
+    basis = f"The closed form rests on {said.rests_on}." if has_closed_form else ""
     both = _of_both(document, sheet)
     sections = [one for one in both["sections"] if one[0] not in _ELSEWHERE]
     return both | {
         "is_study": False, "title": document["title"] or said.title, "kind": said.title,
-        "answer": answer(document, sheet.get("STATUS", [])), "meaning": [*meaning(document), *basis],
+        "answer": answer(document, sheet.get("STATUS", [])), "basis": basis,
         "first": [one for one in sections if one[0] in _FIRST],
         "sections": [one for one in sections if one[0] not in _FIRST],
         "inputs": table(("", "value"), input_rows(inputs)), "not_modelled": NOT_MODELLED,
