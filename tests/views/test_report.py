@@ -376,7 +376,7 @@ def test_the_excerpt_is_of_the_verification_page() -> None:
 def test_inputs_of_many_values_are_counted() -> None:
     assert value_text("heights_m", [1.5] * 30).endswith("... and 6 more (in the JSON) m")
     rows = input_rows(document("blocks")["inputs"])
-    assert ("blocks B1", "polygon (0, 0), (0, 5), (-5, 5) m; fixed no") in rows
+    assert ("blocks B1", "polygon (0.000, 0.000), (0.000, 5.000), (-5.000, 5.000) m; fixed no") in rows
     assert ("interfaces", "(B1, B2, smooth)") in rows
 
 

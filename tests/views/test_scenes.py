@@ -111,7 +111,7 @@ def test_modes_have_their_colours() -> None:
     counts = document("goodman-bray")["assembly"]["mechanisms"][0]["pairs_by_mode"]
     for mode, count in counts.items():
         layer = next(layer for layer in picture.layers if layer.name == f"node pairs: {mode}")
-        assert len(layer.triangles) == 32 * count
+        assert len(layer.triangles) == 80 * count
         assert (layer.colours == MODE_COLOURS[mode]).all()
 
 
@@ -307,14 +307,14 @@ def test_nothing_moves() -> None:
 
 def test_arrows_reach_from_start_to_tip() -> None:
     starts, vectors = np.array([[0.0, 0.0, 0.0], [5.0, 0.0, 0.0]]), np.array([[0.0, 0.0, 2.0], [0.0, 0.0, 0.0]])
-    vertices, triangles, of = arrows(starts, vectors, 0.1)
-    assert set(of.tolist()) == {0}  # an arrow without length is none
+    vertices, triangles = arrows(starts, vectors, 0.1)
+    assert np.ptp(vertices[:, 0]) < 1.0  # an arrow without length is none
     assert vertices[:, 2].min() == pytest.approx(0.0)
     assert vertices[:, 2].max() == pytest.approx(2.0)
     assert trimesh.Trimesh(vertices, triangles).volume > 0.0
-    points, faces, ball = spheres(np.array([[0.0] * 3, [9.0] * 3]), 0.5)
-    assert trimesh.Trimesh(points, faces).volume == pytest.approx(2 * 4 / 3 * np.pi * 0.125, rel=0.4)
-    assert np.bincount(ball).tolist() == [32, 32]
+    points, faces = spheres(np.array([[0.0] * 3, [9.0] * 3]), 0.5)
+    assert trimesh.Trimesh(points, faces).volume == pytest.approx(2 * 4 / 3 * np.pi * 0.125, rel=0.2)
+    assert faces.shape == (160, 3)
 
 
 def test_the_frame_holds_every_layer() -> None:

@@ -14,6 +14,8 @@ _UNITS = {
     "_deg": "°", "_kn": " kN", "_m": " m",
 }  # fmt: skip
 _SAID = ("title", "rules", "joint_names")  # by the head of the page, by ACCEPT and by PLANES
+_COORDINATES = ("origin_m", "head_m", "at_m", "centre_m", "polygon_m", "profile_m", "table_points_m")
+_ROUNDING = 1e-12  # of the largest of several values
 _MOST = 24  # rows or values of one kind
 
 
@@ -90,24 +92,36 @@ def _in_words(one: Mapping[str, Any]) -> str:
 
 
 def value_text(key: str, value: Any) -> str:
-    """A value, or several, with the unit that the key has.
+    """A value, or several, with the unit that the key has; coordinates to the millimetre, a rounding of 0 as 0.
 
-    >>> value_text("spacing_m", 3.5), value_text("normal_kpa", [1.0, 2.0]), value_text("fixed", True)
-    ('3.5 m', '1, 2 kPa', 'yes')
+    >>> value_text("spacing_m", 3.5), value_text("force_kn", [1.0, 2e-17]), value_text("fixed", True)
+    ('3.5 m', '1, 0 kN', 'yes')
+    >>> value_text("head_m", [512300.25, 4187650.0])
+    '512300.250, 4187650.000 m'
     """
     unit = _UNITS.get(_suffix(key), "")
     if isinstance(value, list):
         more = f", ... and {len(value) - _MOST} more (in the JSON)" if len(value) > _MOST else ""
-        return f"{', '.join(_plain(one) for one in value[:_MOST])}{more}{unit}"
-    return f"{_plain(value)}{unit}"
+        return f"{', '.join(_plain(key, one) for one in _rounded(value[:_MOST]))}{more}{unit}"
+    return f"{_plain(key, value)}{unit}"
 
 
-def _plain(value: Any) -> str:
+def _rounded(values: list[Any]) -> list[Any]:
+    """Numbers without what rounding left of a zero."""
+    if not all(isinstance(one, int | float) for one in values):
+        return values
+    least = _ROUNDING * max(map(abs, values), default=0.0)
+    return [one if abs(one) > least else 0.0 for one in values]
+
+
+def _plain(key: str, value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, list):
-        return f"({', '.join(map(_plain, value))})"
-    return number(float(value)) if isinstance(value, int | float) else str(value)
+        return f"({', '.join(_plain(key, one) for one in value)})"
+    if isinstance(value, int | float):
+        return millimetre(value) if key in _COORDINATES else number(float(value))
+    return str(value)
 
 
 def _suffix(key: str) -> str:

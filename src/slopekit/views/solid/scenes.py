@@ -116,7 +116,7 @@ def lines(stage: Stage, measures: Sequence[_Dimension]) -> list[Layer]:
     balls = spheres(np.concatenate([starts, ends]), _END * size)
     return [
         layer("dimensions", rods(starts, ends, _THIN * size), DARK, front=2),
-        layer("dimensions: ends", (balls[0], balls[1]), DARK, front=2),
+        layer("dimensions: ends", balls, DARK, front=2),
     ]
 
 
