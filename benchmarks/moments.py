@@ -127,7 +127,7 @@ def opens_cohesive(kwargs, found) -> bool:
     """Whether the bed has no rest, or opens part of a cohesive joint at its limit."""
     if found.factors.state is None:
         return False
-    shares = [opening.pressed_share for opening in found.openings.values()]
+    shares = [opening["pressed_share"] for opening in found.openings.values()]
     return not shares or any(share < 1.0 and c > 0.0 for share, c in zip(shares, kwargs["c"], strict=True))
 
 

@@ -33,7 +33,7 @@ def test_doctor_asks_for_every_library_of_the_package() -> None:
 @pytest.fixture
 def quick(monkeypatch):
     """A doctor that looks at versions alone."""
-    for name in ("_templates", "_wedge", "_drawing"):
+    for name in ("_templates", "_drawing"):
         monkeypatch.setattr(doctor, name, lambda: ("not asked", True))
     monkeypatch.setattr(doctor, "_both", lambda *_: ("not asked", True))
     have = dict.fromkeys((*_needs.NEEDED, *_EXTRAS), "99") | {"typer": "0.28.0"}

@@ -106,17 +106,28 @@ def rods(heads: Floats, ends: Floats, radius: float) -> tuple[Floats, Ints]:
     >>> vertices[-2:].tolist()
     [[0.0, 0.0, 0.0], [0.0, 0.0, 4.0]]
     """
-    _, u, v = _axes(ends - heads)
+    far = np.sqrt(((ends - heads) ** 2).sum(axis=1))
+    return revolved(heads, ends, np.stack([np.zeros_like(far), far], axis=1), np.full((len(far), 2), radius))
+
+
+def revolved(starts: Floats, ends: Floats, along: Floats, radii: Floats) -> tuple[Floats, Ints]:
+    """Bodies of revolution (b) between `starts` and `ends` (b, 3), m: vertices and triangles, closed.
+
+    Rings of `radii` (b, s) at the distances `along` (b, s) from the start; cones close them to the two ends, which are
+    the last two vertices of each body.
+    """
+    axis, u, v = _axes(ends - starts)
     angle = np.arange(_SIDES) * (2.0 * math.pi / _SIDES)
-    ring = radius * (np.cos(angle)[None, :, None] * u[:, None, :] + np.sin(angle)[None, :, None] * v[:, None, :])
-    near, far = heads[:, None, :], ends[:, None, :]
-    points = np.concatenate([near + ring, far + ring, near, far], axis=1)
+    spokes = np.cos(angle)[None, :, None] * u[:, None, :] + np.sin(angle)[None, :, None] * v[:, None, :]
+    middles = starts[:, None, :] + along[:, :, None] * axis[:, None, :]
+    rings = middles[:, :, None, :] + radii[:, :, None, None] * spokes[:, None, :, :]
+    count, stations = along.shape
+    points = np.concatenate([rings.reshape(count, -1, 3), starts[:, None, :], ends[:, None, :]], axis=1)
     n, here = _SIDES, np.arange(_SIDES)
-    after = (here + 1) % n
-    faces = [
-        (here, after, here + n), (after, after + n, here + n), (after, here, np.full(n, 2 * n)),
-        (here + n, after + n, np.full(n, 2 * n + 1)),
-    ]  # fmt: skip
+    after, last = (here + 1) % n, n * (stations - 1)
+    faces = [(after, here, np.full(n, n * stations)), (here + last, after + last, np.full(n, n * stations + 1))]
+    for first in range(0, last, n):
+        faces += [(here + first, after + first, here + first + n), (after + first, after + first + n, here + first + n)]
     return _each(points, np.concatenate([np.stack(three, axis=1) for three in faces]))
 
 

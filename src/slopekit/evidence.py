@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import field
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -104,32 +104,6 @@ class ReductionStep:
 
 
 @dataclass(frozen=True, slots=True)
-class ContactOpening:
-    """What of a joint is pressed at the limit on its elastic bed; places (3,) in the user's coordinates.
-
-    `resultant_m` is where its normal force acts, `opens_at_m` the corner that opens most, None where all is pressed.
-    """
-
-    pressed_share: float
-    normal_kn: float
-    resultant_m: Floats | None
-    opens_at_m: Floats | None
-
-
-@dataclass(frozen=True, slots=True)
-class SecantLine:
-    """The line of a curved law at the mean normal traction of a joint: kPa and degrees.
-
-    `range_kpa` are the lowest and highest traction of the node pairs at the limit.
-    """
-
-    traction_kpa: float
-    range_kpa: tuple[float, float]
-    cohesion_kpa: float
-    friction_angle_deg: float
-
-
-@dataclass(frozen=True, slots=True)
 class ResidualFactors:
     """The factors on residual strength, after slip: both methods, and whether they agree."""
 
@@ -192,16 +166,18 @@ class LimitState:
     node_pairs : their forces and modes; acting : the loads
     mechanism : of one block; None where nothing moves, or many blocks do
     balance : how well the forces of the node pairs balance the loads; None where there are none
-    openings : by joint what is pressed where the elastic bed settles the limit, else empty
-    curved_strength : the line of each curved law at the mean traction of its joint
+    openings : by joint, where the elastic bed settles the limit: `pressed_share` of its area, `normal_kn`,
+        `resultant_m` where that acts, `opens_at_m` the corner that opens most (None where all is pressed)
+    curved_strength : by joint, of a curved law: `traction_kpa` its mean normal traction, `range_kpa` that of its node
+        pairs, `cohesion_kpa` and `friction_angle_deg` of the line there
     """
 
     node_pairs: NodePairState = field(repr=False)
     acting: Arrows = field(repr=False)
     mechanism: Movement | None = None
     balance: "Balance | None" = None
-    openings: Mapping[str, ContactOpening] = field(default_factory=dict)
-    curved_strength: Mapping[str, SecantLine] = field(default_factory=dict)
+    openings: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    curved_strength: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import field
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -84,61 +84,6 @@ class Mechanism:
 
 
 @dataclass(frozen=True, slots=True)
-class Chips:
-    """Blocks that fail in mechanisms too light to count before the first that does, and were taken away.
-
-    Attributes
-    ----------
-    blocks : in the order in which they fail; below_t : mass of the lightest mechanism that counts, t
-    fos : from which they fail; None where one falls whatever its strength
-    """
-
-    blocks: tuple[str, ...]
-    below_t: float
-    fos: float | None
-
-
-@dataclass(frozen=True, slots=True)
-class MechanismRow:
-    """A row of the table of mechanisms of a result.
-
-    Attributes
-    ----------
-    mechanism : first or next of many blocks, single_block where one slides alone by forces, block_above_basal,
-        whole_wedge (by its closed form)
-    status : as of a result; fos : None where there is none; blocks : those that move
-    volume_m3, mass_t : of those; None where they were not measured
-    """
-
-    mechanism: str
-    status: str
-    fos: float | None
-    blocks: tuple[str, ...]
-    volume_m3: float | None = None
-    mass_t: float | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class ToppleColumn:
-    """A row of Goodman & Bray's table: column n from the toe, with the mode that PRE-IE gives it beside theirs.
-
-    y height (m); M, L arms of the forces on its upper and lower side (m); the rest in kN.
-    """
-
-    n: int
-    y: float = field(metadata={"json": "y_m"})
-    m: float | None = field(metadata={"json": "M_m"})
-    l: float | None = field(metadata={"json": "L_m"})  # noqa: E741  (Goodman & Bray's letter)
-    p_topple: float | None = field(metadata={"json": "P_topple_kn"})
-    p_slide: float | None = field(metadata={"json": "P_slide_kn"})
-    p: float | None = field(metadata={"json": "P_kn"})
-    r: float | None = field(metadata={"json": "R_kn"})
-    s: float | None = field(metadata={"json": "S_kn"})
-    mode: str
-    mode_preie: str
-
-
-@dataclass(frozen=True, slots=True)
 class Findings:
     """What was found of an assembly.
 
@@ -149,9 +94,12 @@ class Findings:
     standing : how many blocks are left after the last mechanism, and why the sequence ends there
     blocks, fixed : numbers of blocks, and of those that are bedrock; components : groups that touch only through it
     checks : what was checked with its figure (volume error, area error, largest unbalanced force, ...)
-    table : Goodman & Bray's columns, empty for other kinds
+    table : Goodman & Bray's columns, empty for other kinds: `n` from the toe, y height and M, L arms of the forces on
+        the upper and lower side (m), the rest in kN, their mode and that of PRE-IE
     shear_to_normal : k_t / k_n of the elastic joints of the path; None where there was none
-    chips : None where there are none
+    chips : blocks in mechanisms too light to count before the first that does, which were taken away; None without any:
+        `blocks` in the order in which they fail, `below_t` the mass of the lightest that counts, `fos` from which they
+        fail, None where one falls whatever its strength
     """
 
     mechanisms: tuple[Mechanism, ...]
@@ -162,21 +110,32 @@ class Findings:
     contacts: int
     components: int
     checks: Mapping[str, float]
-    table: tuple[ToppleColumn, ...] = ()
+    table: tuple[Mapping[str, Any], ...] = ()
     shear_to_normal: float | None = None
-    chips: Chips | None = None
+    chips: Mapping[str, Any] | None = None
 
     @property
-    def rows(self) -> tuple[MechanismRow, ...]:
-        """The mechanisms as a table."""
+    def rows(self) -> tuple[Mapping[str, Any], ...]:
+        """The mechanisms as a table, see `mechanism_row`: first, next, or single_block where one slides by forces."""
         return tuple(
-            MechanismRow(
+            mechanism_row(
                 "single_block" if one.basis == "alone" else "next" if k else "first", one.status, one.fos,
                 tuple(block.name for block in one.blocks),
                 None if one.size is None else one.size.volume_m3, None if one.size is None else one.size.mass_t,
             )
             for k, one in enumerate(self.mechanisms)
         )  # fmt: skip
+
+
+def mechanism_row(
+    mechanism: str, status: str, fos: float | None, blocks: tuple[str, ...], volume_m3: float | None = None,
+    mass_t: float | None = None,
+) -> Mapping[str, Any]:  # fmt: skip
+    """A row of the table of mechanisms of a result: None where there is no factor, or no size was measured."""
+    return {
+        "mechanism": mechanism, "status": status, "fos": fos, "blocks": blocks, "volume_m3": volume_m3,
+        "mass_t": mass_t,
+    }  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,7 +30,7 @@ from slopekit.extents import Geometry
 if TYPE_CHECKING:
     from slopekit.core.sheet import Column, Sheet, Table
     from slopekit.elastic.outcome import ElasticBlocks
-    from slopekit.findings import Findings, MechanismRow
+    from slopekit.findings import Findings
     from slopekit.preie.motion.all_pairs import AllPairsFailed
 
 #: Every status a block can have, as a sentence.
@@ -341,20 +341,23 @@ class Result(Shown):
         return self.findings.mechanisms[0].size if self.findings.mechanisms else None
 
     @property
-    def mechanisms(self) -> "tuple[MechanismRow, ...]":
-        """The mechanisms in the order in which they fail, of a block above a basal joint with the whole wedge."""
+    def mechanisms(self) -> tuple[Mapping[str, Any], ...]:
+        """The mechanisms in the order in which they fail, of a block above a basal joint with the whole wedge.
+
+        Each is a mapping as in the JSON.
+        """
         if self.findings is not None:
             return self.findings.rows
         whole = self.comparisons.without_basal
         if whole is None:
             return ()
-        from slopekit.findings import MechanismRow  # few wedges have a basal joint
+        from slopekit.findings import mechanism_row  # few wedges have a basal joint
 
         block = self.words.block
-        above = MechanismRow(
+        above = mechanism_row(
             "block_above_basal", self.status, self.fos.limit, (block,), self.geometry.volume_m3, self.mass_t
         )
-        return above, MechanismRow("whole_wedge", whole.status, whole.closed_form, ("whole wedge",))
+        return above, mechanism_row("whole_wedge", whole.status, whole.closed_form, ("whole wedge",))
 
     @property
     def mass_t(self) -> float:

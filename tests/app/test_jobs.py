@@ -133,7 +133,7 @@ def test_a_job_is_done_over_there_cancel_ends_it_and_the_next_one_works(tmp_path
             first = (await page.begin())[-1]
             assert (first["lead"], first["stale"]) == (None, True)
             job = (await page.ask(do="start", job="analyse"))["job"]
-            helper = desk.jobs.helper
+            process = desk.jobs.process
             busy = await page.ask(do="start", job="analyse")
             assert (await page.hear())["of"] == "progress"  # it is at work
             number = page.send(do="cancel", job=job)
@@ -142,7 +142,7 @@ def test_a_job_is_done_over_there_cancel_ends_it_and_the_next_one_works(tmp_path
                 said = await page.hear()
                 ended = said if said["of"] == "done" else ended
                 cancelled = said if said.get("id") == number else cancelled
-            assert not helper.process.is_alive()
+            assert not process.is_alive()
             curve = (await page.ask(do="start", job="curve", path="slope.height", points=200))["job"]
             await page.ask(do="cancel", job=curve)
             while True:  # one that is ended at once is ended too
@@ -160,9 +160,9 @@ def test_a_job_is_done_over_there_cancel_ends_it_and_the_next_one_works(tmp_path
     assert "result" not in ended
     assert (done["job"], done["result"]["lead"]) == (small, "1.184")
     assert done["result"]["stale"] is False
-    helper = desk.jobs.helper
+    process = desk.jobs.process
     desk.close()
-    assert not helper.process.is_alive()
+    assert not process.is_alive()
     assert list(tmp_path.iterdir()) == []
 
 
@@ -175,7 +175,7 @@ def test_a_process_that_dies_is_said_and_not_waited_for():
             ended.set()
 
     jobs.start("curve", Session.of_template("wedge").now, {"path": DIP, "points": 400}, hear)
-    jobs.helper.process.kill()
+    jobs.process.kill()
     assert ended.wait(30)
     assert heard[-1]["faults"][0]["code"] == "E544"
     assert jobs.running == 0

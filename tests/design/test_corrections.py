@@ -113,7 +113,7 @@ def test_options_and_parameters_take_synonyms() -> None:
     plain = sk.wedge(dips=("45/115", "45/245"), c=40, phi=25, unit_weight=26, seismic=0.1)
     other = sk.wedge(dips=("45/115", "45/245"), cohesion=40, friction_angle=25, gamma=26, kh=0.1)
     assert other.to_dict()["inputs"] == plain.to_dict()["inputs"]
-    with pytest.raises(sk.DesignError, match="E405 cohesion and c are one"):
+    with pytest.raises(sk.DesignError, match="E142 cohesion is not an input of a wedge"):
         sk.wedge(dips=("45/115", "45/245"), c=40, cohesion=40)
     wedge = ("wedge", "--dips", "45/115", "45/245", "--quiet")
     by_option = slopekit(*wedge, "--cohesion", "40", "--friction-angle", "25", "--gamma=26", "--kh", "0.1").stdout

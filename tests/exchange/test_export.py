@@ -128,15 +128,6 @@ def two_cases():
     return sk.run(design)
 
 
-def test_cases_of_one_shape_say_so(two_cases, tmp_path) -> None:
-    both = two_cases.to_dict()
-    both["cases"]["low"] = both["cases"]["dry"]
-    done = sk.export(both, tmp_path / "wedge.stl")
-    assert [(notice.code, notice.message) for notice in done.warnings] == [
-        ("W376", "the blocks are the same in dry and low: --case NAME writes one")
-    ]
-
-
 @pytest.mark.parametrize(("case", "code", "says"), [("lo", "E197", "Did you mean low?"), ("wet", "E197", "dry, low")])
 def test_a_case_that_there_is_not(two_cases, tmp_path, case, code, says) -> None:
     fault = refused(two_cases, tmp_path / "wedge.stl", case=case)

@@ -263,7 +263,7 @@ def test_columns_agree_with_goodman_and_bray() -> None:
     result = sk.run(COLUMNS)
     assert result.fos.limit == pytest.approx(result.fos.closed_form, rel=1e-5)
     assert result.agree
-    assert [row.mode for row in result.findings.table] == [row.mode_preie for row in result.findings.table]
+    assert [row["mode"] for row in result.findings.table] == [row["mode_preie"] for row in result.findings.table]
 
 
 @pytest.mark.parametrize(
@@ -382,9 +382,9 @@ def test_goodman_and_bray_and_the_bound_of_dilating_joints() -> None:
     result = result_of("goodman-bray")
     assert result.fos.static_bound == pytest.approx(1.19089, abs=1e-4)
     rows = result.findings.table
-    assert [row.mode_preie for row in rows] == ["slide"] * 3 + ["topple"] * 10 + ["stable"] * 3
-    assert [row.mode for row in rows] == [row.mode_preie for row in rows]
-    assert rows[9].p == pytest.approx(2826.71, rel=1e-3)
+    assert [row["mode_preie"] for row in rows] == ["slide"] * 3 + ["topple"] * 10 + ["stable"] * 3
+    assert [row["mode"] for row in rows] == [row["mode_preie"] for row in rows]
+    assert rows[9]["P_kn"] == pytest.approx(2826.71, rel=1e-3)
 
 
 def test_meshes_that_are_inside_out_or_cross_themselves(tmp_path, monkeypatch) -> None:

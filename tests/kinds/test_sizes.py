@@ -202,14 +202,13 @@ def test_dimension_lines_are_as_long_as_their_numbers(bench: Result) -> None:
     """Of a wedge and of a mechanism: each line has its length, and begins or ends at the block."""
     for result in (sk.run(WEDGE), bench):
         stage = Stage.of(result.to_dict())
-        found = {one.name: one for one in dimensions(stage)}
+        found = {text.split()[0]: (text, start, end) for text, start, end, _ in dimensions(stage)}
         assert result.size is not None
         for name, key in (("setback", "setback_m"), ("width", "face_width_m"), ("height", "height_m")):
             if getattr(result.size, key):
-                line = found.pop(name)
-                assert line.length_m == getattr(result.size, key)
-                assert float(np.linalg.norm(line.end - line.start)) == pytest.approx(line.length_m, rel=1e-4)
-                assert line.text == f"{name} {line.length_m:.4g} m"
+                (text, start, end), length_m = found.pop(name), getattr(result.size, key)
+                assert float(np.linalg.norm(end - start)) == pytest.approx(length_m, rel=1e-4)
+                assert text == f"{name} {length_m:.4g} m"
         assert not found
 
 

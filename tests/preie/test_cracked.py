@@ -133,7 +133,7 @@ def opens(limit: FoundLimit, inputs: dict) -> bool:
     """Whether moments govern by a state that opens part of a cohesive joint."""
     if not limit.analysis.moments_govern or not limit.openings:
         return False
-    shares = [opening.pressed_share for opening in limit.openings.values()]
+    shares = [opening["pressed_share"] for opening in limit.openings.values()]
     return any(share < 1.0 and c > 0.0 for share, c in zip(shares, inputs["c"], strict=True))
 
 

@@ -209,7 +209,7 @@ def test_two_laws_on_one_wedge() -> None:
     by_hand = float(area * (one.resistance(normal / area) + two.resistance(normal / area))[0]) / result.forces.driving
     assert result.fos.closed_form == pytest.approx(by_hand, rel=1e-9)
     assert list(result.limit_state.curved_strength) == ["J1", "J2"]
-    assert result.limit_state.curved_strength["J1"].friction_angle_deg == pytest.approx(42.20, abs=0.01)
+    assert result.limit_state.curved_strength["J1"]["friction_angle_deg"] == pytest.approx(42.20, abs=0.01)
 
 
 @pytest.mark.parametrize("law", [ROUGH, PowerCurve(2.0, 0.75), Bilinear(25.0, 15.0, 30.0)], ids=lambda law: law.name)
@@ -236,7 +236,7 @@ strength: {{joint: {{c: 0, phi: 30}}}}
     normal, driving = weight * cos, weight * sin
     exact = 2.0 * float(law.resistance(np.array([normal / 2.0]))[0]) / driving
     assert result.fos.limit == pytest.approx(exact, rel=1e-9)
-    assert result.limit_state.curved_strength["joint"].traction_kpa == pytest.approx(normal / 2.0, rel=1e-9)
+    assert result.limit_state.curved_strength["joint"]["traction_kpa"] == pytest.approx(normal / 2.0, rel=1e-9)
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety
 from slopekit.core.errors import Notice
 from slopekit.design.templates import path_of
 from slopekit.evidence import Comparisons, Displacements, FactorsOfSafety, Forces, LimitState, ModelSize
-from slopekit.findings import AssemblyGeometry, BlockMotion, Findings, GoverningInterface, Mechanism, ToppleColumn
+from slopekit.findings import AssemblyGeometry, BlockMotion, Findings, GoverningInterface, Mechanism
 from slopekit.kinds import kind_of
 from slopekit.result import Result
 
@@ -85,17 +85,18 @@ def goodman_bray(heights: list[float] | None = None) -> Result:
         return None if math.isnan(value) else float(value)
 
     columns = [
-        ToppleColumn(
-            k + 1, float(table.heights_m[k]), number(table.upper_contact_m[k]), number(table.lower_contact_m[k]),
-            number(table.topple_force_kn[k]), number(table.slide_force_kn[k]), float(table.force_kn[k]),
-            float(table.normal_kn[k]), float(table.shear_kn[k]), table.modes[k],
-            "topple" if k + 1 == 3 else table.modes[k],
-        )
+        {
+            "n": k + 1, "y_m": float(table.heights_m[k]), "M_m": number(table.upper_contact_m[k]),
+            "L_m": number(table.lower_contact_m[k]), "P_topple_kn": number(table.topple_force_kn[k]),
+            "P_slide_kn": number(table.slide_force_kn[k]), "P_kn": float(table.force_kn[k]),
+            "R_kn": float(table.normal_kn[k]), "S_kn": float(table.shear_kn[k]), "mode": table.modes[k],
+            "mode_preie": "topple" if k + 1 == 3 else table.modes[k],
+        }
         for k in range(len(design.heights_m))
     ]  # fmt: skip
     ways = {"topple": "topples", "slide": "slides"}
     moving = [motion for way, how in ways.items()
-              for motion in motions([f"C{one.n}" for one in columns if one.mode == way], how)]  # fmt: skip
+              for motion in motions([f"C{one['n']}" for one in columns if one["mode"] == way], how)]  # fmt: skip
     sides = [GoverningInterface("C4/C3", "joint", "slip", 0.4, 2825.48, 11.0),
              GoverningInterface("bedrock/C1", "joint", "open", 0.1, 812.4, 10.0)]  # fmt: skip
     one = mechanism("topples", 1.0006, moving, sides)

@@ -14,7 +14,6 @@ from slopekit.design.templates import path_of
 from slopekit.kinds.protocol import compare
 from slopekit.views.pages import report as room
 from slopekit.views.pages.report import report_of
-from slopekit.views.pages.report_inputs import input_tables
 from slopekit.views.pages.report_words import limit_of
 from slopekit.views.solid import layers
 from slopekit.views.solid import viewer_data as viewer
@@ -22,7 +21,7 @@ from slopekit.views.solid.stage import Stage
 from slopekit.views.solid.viewer_data import viewer_data
 from tests.support import result_of
 from tests.views import scenes
-from tests.views.test_report import document, page, wet_wedge, words
+from tests.views.test_report import document, wet_wedge, words
 
 pytest.importorskip("jinja2")
 
@@ -75,9 +74,7 @@ def test_what_a_limit_of_many_blocks_is() -> None:
 @pytest.mark.slow
 def test_without_a_limit_no_number_is_praised() -> None:
     seen = words(report_of(no_limit(), with_pictures=False).html)
-    for text in ("with them there is no factor of safety. Forces alone give 0.199",
-                 "the methods AGREE on forces alone", "none PRE-IE",
-                 "No limit state was found: what the joints carry is not known"):  # fmt: skip
+    for text in ("forces only would give 0.199: do not use it", "the methods AGREE on forces alone", "none PRE-IE"):
         assert text in seen, text
     for text in ("the number to use", "limit is none", "at the limit.", "N' / kN", "mean σ'", "its bound",
                  "moments lower the limit"):  # fmt: skip
@@ -91,7 +88,6 @@ def test_pressure_on_a_curved_surface_is_the_designs() -> None:
     (name,) = found["geometry"]["areas_m2"]
     assert 0.0 < found["forces_kn"]["water"][name] < 5.0 * found["geometry"]["areas_m2"][name]
     assert found["sheet"]["FORCES"][0]["shown"][0][-1] == "5"
-    assert "Water is the resultant" in words(report_of(found, with_pictures=False).html)
 
 
 def test_why_a_block_has_no_factor() -> None:
@@ -137,16 +133,6 @@ def test_the_view_has_the_colours_of_the_stills() -> None:
     first, other = ("#" + "".join(f"{part:02x}" for part in colour) for colour in (layers.BLOCK, layers.STANDS))
     assert data["plain"] == [first if place == 1 else other for place in order]
     assert len(set(data["plain"])) == 2
-
-
-def test_inputs_as_the_sheet_has_them() -> None:
-    seen = words(page("wet"))
-    assert "splits" not in seen
-    assert "mode full" not in seen
-    split = input_tables(document("wedge")["inputs"] | {"refine": 1})
-    assert any(("splits of the triangles asked for", "1") in table.rows for table in split)
-    plane = input_tables(document("plane")["inputs"])
-    assert ("water", "dry") not in [row for table in plane for row in table.rows]
 
 
 def test_a_fault_of_the_program_is_no_damage(monkeypatch) -> None:

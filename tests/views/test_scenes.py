@@ -111,7 +111,7 @@ def test_modes_have_their_colours() -> None:
     counts = document("goodman-bray")["assembly"]["mechanisms"][0]["pairs_by_mode"]
     for mode, count in counts.items():
         layer = next(layer for layer in picture.layers if layer.name == f"node pairs: {mode}")
-        assert len(layer.triangles) == 32 * count
+        assert len(layer.triangles) == 80 * count
         assert (layer.colours == MODE_COLOURS[mode]).all()
 
 
@@ -307,14 +307,14 @@ def test_nothing_moves() -> None:
 
 def test_arrows_reach_from_start_to_tip() -> None:
     starts, vectors = np.array([[0.0, 0.0, 0.0], [5.0, 0.0, 0.0]]), np.array([[0.0, 0.0, 2.0], [0.0, 0.0, 0.0]])
-    vertices, triangles, of = arrows(starts, vectors, 0.1)
-    assert set(of.tolist()) == {0}  # an arrow without length is none
+    vertices, triangles = arrows(starts, vectors, 0.1)
+    assert np.ptp(vertices[:, 0]) < 1.0  # an arrow without length is none
     assert vertices[:, 2].min() == pytest.approx(0.0)
     assert vertices[:, 2].max() == pytest.approx(2.0)
     assert trimesh.Trimesh(vertices, triangles).volume > 0.0
-    points, faces, ball = spheres(np.array([[0.0] * 3, [9.0] * 3]), 0.5)
-    assert trimesh.Trimesh(points, faces).volume == pytest.approx(2 * 4 / 3 * np.pi * 0.125, rel=0.4)
-    assert np.bincount(ball).tolist() == [32, 32]
+    points, faces = spheres(np.array([[0.0] * 3, [9.0] * 3]), 0.5)
+    assert trimesh.Trimesh(points, faces).volume == pytest.approx(2 * 4 / 3 * np.pi * 0.125, rel=0.2)
+    assert faces.shape == (160, 3)
 
 
 @pytest.mark.slow
@@ -341,8 +341,9 @@ def test_png_glb_and_gltf(tmp_path: Path) -> None:
 
     draw(document("wedge"), "exploded", tmp_path / "a.png")
     pixels = matplotlib.image.imread(tmp_path / "a.png")[:, :, :3]
-    assert pixels.shape == (800, 1130, 3)
-    scene = pixels[90:730, :800]
+    high, wide, _ = pixels.shape
+    assert wide / high == pytest.approx(11.3 / 8.0, rel=2e-3)
+    scene = pixels[high // 10 : high * 9 // 10, : wide * 7 // 10]
     blue = (scene[:, :, 2] > scene[:, :, 0] + 0.15) & (scene[:, :, 2] > scene[:, :, 1] + 0.1)
     tan = scene[:, :, 0] > scene[:, :, 2] + 0.25
     assert blue.mean() > 0.005  # J1 in the notch
@@ -398,15 +399,19 @@ def test_run_draws_into_its_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 
 @pytest.mark.slow
 def test_the_scale_bar_is_true(tmp_path: Path) -> None:
-    """The bar of 50 m against the pixels that the whole scene takes across."""
+    """The bar against the pixels that the whole scene takes across."""
     import matplotlib.image
 
     picture = made("wedge", "exploded")
     draw(document("wedge"), "exploded", tmp_path / "a.png")
     pixels = matplotlib.image.imread(tmp_path / "a.png")[:, :, :3]
-    seen = np.flatnonzero((pixels[90:700, :800] < 0.97).any(axis=(0, 2)))
+    high, wide, _ = pixels.shape
+    black = (pixels[high * 7 // 10 :, : wide // 3].max(axis=2) < 0.3).sum(axis=1)
+    row = int(np.argmax(black)) + high * 7 // 10  # the longest line of black beneath the scene
+    bar = np.flatnonzero(pixels[row, : wide // 3].max(axis=1) < 0.3)
+    scene = pixels[high // 8 : row - 30, : wide * 7 // 10]
+    seen = np.flatnonzero((scene < 0.97).any(axis=(0, 2)))
     right = np.cross([0.0, 0.0, 1.0], picture.eye)
     points = np.concatenate([layer.vertices[layer.triangles.ravel()] for layer in picture.layers])
     per_metre = (seen[-1] - seen[0] + 1) / np.ptp(points @ (right / np.linalg.norm(right)))
-    bar = np.flatnonzero(pixels[728, :400].max(axis=1) < 0.3)
     assert (bar[-1] - bar[0]) / per_metre == pytest.approx(50.0, rel=0.015)

@@ -17,7 +17,6 @@ from typing import Any
 from slopekit.app.saving import digest_of_file, edited, in_brackets
 from slopekit.app.session import Session, at, different
 from slopekit.core.errors import DesignError, Fault
-from slopekit.core.records import dataclass
 from slopekit.design import templates
 from slopekit.design.reading.nodes import Node
 
@@ -25,13 +24,8 @@ WHAT = ("page", "dxf", "json", "command", "yaml")
 _BRACKETS = ("[", "{", "'", '"')
 
 
-@dataclass(frozen=True, slots=True)
-class File:
-    """A file to be downloaded; nothing of it is on the disk."""
-
-    name: str
-    kind: str
-    content: bytes
+#: A file to be downloaded by its name, and what is in it; nothing of it is on the disk.
+File = tuple[str, bytes]
 
 
 def handed(what: str, session: Session, document: Mapping[str, Any] | None) -> File:
@@ -48,19 +42,19 @@ def handed(what: str, session: Session, document: Mapping[str, Any] | None) -> F
     """
     stem = Path(session.opened.name).stem or "design"
     if what == "yaml":
-        return File(f"{stem}.yaml", "application/yaml", edited(session.opened, session.now.document).encode())
+        return f"{stem}.yaml", edited(session.opened, session.now.document).encode()
     if what not in WHAT:
         raise DesignError([Fault("E541", f"{what!r} is nothing to hand over: {', '.join(WHAT)}")])
     if document is None:
         raise DesignError([Fault("E548", "there is no result of this design yet", "", "Analyse it first.")])
     if what == "json":
         text = json.dumps(document, ensure_ascii=False, indent=1, allow_nan=False)
-        return File(f"{stem}.json", "application/json", text.encode())
+        return f"{stem}.json", text.encode()
     if what == "dxf":
-        return File(f"{stem}.dxf", "application/dxf", _dxf(document, stem))
+        return f"{stem}.dxf", _dxf(document, stem)
     from slopekit.views.pages.report import report_of
 
-    return File(f"{stem}.html", "text/html", report_of(document, with_pictures=False).html.encode())
+    return f"{stem}.html", report_of(document, with_pictures=False).html.encode()
 
 
 def _dxf(document: Mapping[str, Any], stem: str) -> bytes:

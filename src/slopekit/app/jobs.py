@@ -12,7 +12,6 @@ import signal
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import field
 from multiprocessing.connection import Connection
 from typing import Any
 
@@ -22,7 +21,6 @@ from slopekit.app.session import Moment
 from slopekit.core.errors import DesignError, Fault, SlopekitError
 from slopekit.core.onlooker import onlooker
 from slopekit.core.options import Advance, Workplace
-from slopekit.core.records import dataclass
 from slopekit.design.fields import words_of
 from slopekit.design.reading.files import with_values
 from slopekit.kinds import kind_named
@@ -262,32 +260,6 @@ def _done(what: str, moment: Moment, options: Mapping[str, Any], pipe: Connectio
 # -- here -------------------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Helper:
-    """A process that does jobs, and the way to it."""
-
-    process: Any
-    pipe: Connection
-    lock: Any = field(default_factory=threading.Lock)
-
-    @classmethod
-    def started(cls) -> "Helper":
-        """A new one."""
-        spawn = multiprocessing.get_context("spawn")
-        here, there = spawn.Pipe()
-        process = spawn.Process(target=_serve, args=(there,), name="slopekit job", daemon=True)
-        process.start()
-        there.close()
-        return cls(process, here)
-
-    def end(self) -> None:
-        """End it, whatever it does."""
-        self.process.kill()
-        self.process.join(5.0)
-        with contextlib.suppress(OSError):
-            self.pipe.close()
-
-
 #: Told of every event of a job: progress, then its end once.
 Heard = Callable[[dict[str, Any]], None]
 
@@ -300,7 +272,8 @@ class Jobs:
 
     def __init__(self) -> None:
         self.lock = threading.Lock()
-        self.helper: Helper | None = None
+        self.process: Any = None
+        self.pipe: Connection | None = None
         self.number = 0
         self.running = 0
         self.cancelled: set[int] = set()
@@ -311,8 +284,7 @@ class Jobs:
         with self.lock:
             if self.running or self.closed:
                 return
-            helper = self._ready()
-            helper.pipe.send(("warm", None, {"kind": kind}))
+            self._ready().send(("warm", None, {"kind": kind}))
 
     def start(self, what: str, moment: Moment, options: Mapping[str, Any], heard: Heard) -> int:
         """Begin a job; its number.
@@ -334,15 +306,30 @@ class Jobs:
                 raise DesignError([Fault("E544", "another job runs already", "", advice)])
             self.number += 1
             self.running = number = self.number
-            helper = self._ready()
-            helper.pipe.send((what, moment, dict(options)))
-        threading.Thread(target=self._listen, args=(helper, number, heard), daemon=True, name="job").start()
+            pipe = self._ready()
+            pipe.send((what, moment, dict(options)))
+        threading.Thread(target=self._listen, args=(pipe, number, heard), daemon=True, name="job").start()
         return number
 
-    def _ready(self) -> Helper:
-        if self.helper is None or not self.helper.process.is_alive():
-            self.helper = Helper.started()
-        return self.helper
+    def _ready(self) -> Connection:
+        """The way to a process that waits for a job: the one that is there, or a new one."""
+        if self.pipe is None or not self.process.is_alive():
+            spawn = multiprocessing.get_context("spawn")
+            self.pipe, there = spawn.Pipe()
+            self.process = spawn.Process(target=_serve, args=(there,), name="slopekit job", daemon=True)
+            self.process.start()
+            there.close()
+        return self.pipe
+
+    def _end(self) -> None:
+        """End the process, whatever it does."""
+        if self.pipe is None:
+            return
+        self.process.kill()
+        self.process.join(5.0)
+        with contextlib.suppress(OSError):
+            self.pipe.close()
+        self.pipe = None
 
     def cancel(self, number: int) -> None:
         """End a job: its process is ended, whatever it does.
@@ -356,24 +343,20 @@ class Jobs:
             if not number or number != self.running:
                 raise DesignError([Fault("E544", "this job does not run")])
             self.cancelled.add(number)
-            helper, self.helper = self.helper, None
-        if helper is not None:
-            helper.end()
+            self._end()
 
     def close(self) -> None:
         """End everything."""
         with self.lock:
             self.closed = True
             self.cancelled.add(self.running)
-            helper, self.helper = self.helper, None
-        if helper is not None:
-            helper.end()
+            self._end()
 
-    def _listen(self, helper: Helper, number: int, heard: Heard) -> None:
+    def _listen(self, pipe: Connection, number: int, heard: Heard) -> None:
         end: dict[str, Any] | None = None
         try:
             while end is None:
-                report = json.loads(helper.pipe.recv_bytes())
+                report = json.loads(pipe.recv_bytes())
                 end = report.get("end")
                 if end is None:
                     heard({"of": "progress", "job": number, **report})

@@ -254,12 +254,12 @@ def _handover(link: Link, message: Message) -> None:
         return
 
     def work() -> Message:
-        file = handover.handed(what, desk.session, None if what == "yaml" else desk.result_document())
+        name, content = handover.handed(what, desk.session, None if what == "yaml" else desk.result_document())
         number = secrets.token_urlsafe(9)
-        desk.files[number] = file
+        desk.files[number] = (name, content)
         for old in list(desk.files)[:-_MOST_FILES]:
             del desk.files[old]
-        return {"address": f"/{desk.token}/get/{number}", "name": file.name}
+        return {"address": f"/{desk.token}/get/{number}", "name": name}
 
     desk.later(link, message, work)
 
@@ -279,6 +279,9 @@ _HERE = Path(__file__).parent
 _PAGE = _HERE / "page"
 _VIEWER = _HERE.parent / "views" / "templates" / "viewer.js"
 _TYPES = {".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml", ".png": "image/png"}
+_HANDED = {
+    ".html": "text/html", ".json": "application/json", ".yaml": "application/yaml", ".dxf": "application/dxf",
+}  # fmt: skip
 #: What a browser is told of every answer: nothing from elsewhere, nothing inline, nothing kept.
 HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
@@ -350,11 +353,13 @@ def application(desk: Desk) -> Guard:
         return Response(path.read_bytes(), media_type=_TYPES[path.suffix], headers=HEADERS)
 
     async def get(request: Request) -> Response:
-        file = desk.files.get(request.path_params["number"])
-        if file is None:
+        number = request.path_params["number"]
+        if number not in desk.files:
             return PlainTextResponse("it is there no more", 404, HEADERS)
-        named = {"Content-Disposition": f"attachment; filename*=UTF-8''{quote(file.name, safe='')}"}
-        return Response(file.content, media_type=file.kind, headers=HEADERS | named)
+        name, content = desk.files[number]
+        named = {"Content-Disposition": f"attachment; filename*=UTF-8''{quote(name, safe='')}"}
+        kind = _HANDED.get(Path(name).suffix, "application/octet-stream")
+        return Response(content, media_type=kind, headers=HEADERS | named)
 
     async def socket(websocket: WebSocket) -> None:
         if len(desk.links) >= _MOST_LINKS:

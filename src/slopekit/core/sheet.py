@@ -192,22 +192,13 @@ class Table(Generic[Row]):
         return self.rows if self.shown is None else self.shown
 
 
-@dataclass(frozen=True, slots=True)
-class Verbatim:
-    """Lines to be copied as they are: in text they stand at the left margin, whatever their length."""
+class Verbatim(str):
+    """A text to be copied as it is: its lines stand at the left margin, whatever their length."""
 
-    text: str
-
-    def lines(self) -> list[str]:
-        """Its lines."""
-        return self.text.rstrip().splitlines()
-
-    def to_dict(self) -> dict[str, Any]:
-        """Its text, by a key that tells it from a table."""
-        return {"verbatim": self.text}
+    __slots__ = ()
 
 
-Entry: TypeAlias = str | Table[Any] | Verbatim
+Entry: TypeAlias = str | Table[Any]
 
 
 @dataclass(frozen=True, slots=True)
@@ -237,7 +228,7 @@ class Section:
         lines: list[str] = []
         for entry in self.content if is_full else self.entries:
             if isinstance(entry, Verbatim):
-                lines += entry.lines()
+                lines += entry.rstrip().splitlines()
             else:
                 texts = [entry] if isinstance(entry, str) else entry.lines()
                 lines += block("" if lines else self.label, texts, self.hang)
@@ -245,7 +236,14 @@ class Section:
 
     def to_list(self) -> list[Any]:
         """The entries as JSON values."""
-        return [entry if isinstance(entry, str) else entry.to_dict() for entry in self.content]
+        return [_entry_json(entry) for entry in self.content]
+
+
+def _entry_json(entry: Entry) -> Any:
+    """An entry as JSON values; a key tells a text to be copied from a table."""
+    if isinstance(entry, Verbatim):
+        return {"verbatim": str(entry)}
+    return entry if isinstance(entry, str) else entry.to_dict()
 
 
 @dataclass(frozen=True, slots=True)

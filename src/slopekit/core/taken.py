@@ -16,7 +16,7 @@ from typing import Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_
 
 from slopekit.core.errors import DesignError, Fault, Faults
 from slopekit.core.options import DESIGN, Argument, Option, as_it_is, given_by
-from slopekit.core.synonyms import nearest, synonym
+from slopekit.core.synonyms import synonym
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -28,64 +28,40 @@ _MOST_BITS = 1023  # of a whole number that is still a float
 _DEEPEST = 2  # lists in lists, (dip, dip direction) of joints: what lies below is a design's, which is read by itself
 
 
+@cache
 def checked(function: Function) -> Function:
     """The function, which says what it takes where it is given something else.
 
     Raises
     ------
     DesignError
-        E405 a value of another type, too many values, or one by two names, E142 a name that it has not, E143 a
-        value that is missing, E105 a number beyond floats.
+        E405 a value of another type, or values that do not fit the signature, E105 a number beyond floats.
     """
-    return cast(Function, _asking(function))
 
-
-@cache
-def _takes(function: Callable[..., Any]) -> tuple[inspect.Signature, list[str], bool, dict[str, str]]:
-    """Its signature, its names, whether it takes others too, and older names of them: read when it is first called."""
-    own = inspect.signature(function)
-    by_name = [one.name for one in own.parameters.values() if one.kind is not inspect.Parameter.VAR_KEYWORD]
-    open_ended = len(by_name) < len(own.parameters)
-    older = {
-        flag.lstrip("-").replace("-", "_"): name
-        for name, one in own.parameters.items()
-        if isinstance(how := given_by(one), Option)
-        for flag in (*([how.flag] if how.flag else ()), *how.also)
-        if flag.startswith("--") and flag.lstrip("-").replace("-", "_") not in own.parameters
-    }
-    return own, by_name, open_ended, older
-
-
-@cache
-def _asking(function: Callable[..., Any]) -> Callable[..., Any]:
     @wraps(function)
-    def asked(*values: Any, **named: Any) -> Any:
-        own, by_name, open_ended, older = _takes(function)
-        faults = Faults()
-        for name in [name for name in named if name not in own.parameters]:
-            meant = older.get(name) or synonym(name, by_name)
-            if meant is None:
-                continue
-            if meant in named:
-                faults.append(Fault("E405", f"{name} and {meant} are one", name, "Give one of them."))
-            named[meant] = named.pop(name)
-        if not open_ended:
-            faults += [_unknown(function, name, by_name) for name in named if name not in own.parameters]
+    def call(*values: Any, **named: Any) -> Any:
+        signature = inspect.signature(function)
+        parameters, faults = signature.parameters, Faults()
+        for name in set(named) - set(parameters):
+            meant = synonym(name, parameters)
+            if meant is not None and meant not in named:
+                named[meant] = named.pop(name)
         try:
-            given = own.bind(*values, **named).arguments
-        except TypeError:
-            raise DesignError(faults or [_misplaced(function, own, values, named)]) from None
+            given = signature.bind(*values, **named).arguments
+        except TypeError as error:
+            raise DesignError([_misplaced(function.__name__, parameters, error)]) from None
+        open_ended = any(one.kind is inspect.Parameter.VAR_KEYWORD for one in parameters.values())
         for name, value in given.items():
             with faults.kept():
                 _possible(function, name, value)
                 # one that takes any name reads most values itself, and says all faults at once
-                if not open_ended or _is_of_another_shape(own.parameters[name], value):
-                    given[name] = _taken(function, own.parameters[name], value)
+                if not open_ended or _is_of_another_shape(parameters[name], value):
+                    given[name] = _taken(function, parameters[name], value)
         faults.refuse()
-        bound = inspect.BoundArguments(own, given)
+        bound = inspect.BoundArguments(signature, given)
         return function(*bound.args, **bound.kwargs)
 
-    return asked
+    return cast(Function, call)
 
 
 def wrong_kind(function: str, name: str, takes: str, value: object, advice: str = "") -> DesignError:
@@ -103,35 +79,11 @@ def wrong_kind(function: str, name: str, takes: str, value: object, advice: str 
     return DesignError([Fault("E405", f"{function} takes {takes}, not {shown}", where, advice)])
 
 
-def _unknown(function: Callable[..., Any], name: str, known: list[str]) -> Fault:
-    """A name that the function has not, and the nearest that it has."""
-    near = nearest(name, known)
-    advice = f"Did you mean {near[0]}?" if near else f"It takes {', '.join(one for one in known if one != 'desk')}."
-    return Fault("E142", f"{function.__name__} takes no {name}", f"{name}=", advice)
-
-
-def _misplaced(
-    function: Callable[..., Any], own: inspect.Signature, values: tuple[Any, ...], named: Mapping[str, Any]
-) -> Fault:
-    """Why the values do not fit the signature."""
-    parameters = [one for one in own.parameters.values() if one.name != "desk"]
-    placed = [one for one in parameters if one.kind is inspect.Parameter.POSITIONAL_OR_KEYWORD]
-    behind = [one for one in parameters if one.kind is inspect.Parameter.KEYWORD_ONLY and one.name not in named]
-    name = function.__name__
-    if len(values) > len(placed):
-        first = ", ".join(one.name for one in placed)
-        message = f"{name} takes {len(placed)} without a name, {first}; {len(values)} are given"
-        surplus = repr(values[len(placed)])
-        advice = f"Write {behind[0].name}={surplus if len(surplus) <= 40 else '...'}." if behind else ""
-        return Fault("E405", message, "", advice)
-    for one in placed[: len(values)]:
-        if one.name in named:
-            return Fault("E405", f"{one.name} is given twice", f"{one.name}=", "Give it once.")
-    here = [one.name for one in placed[: len(values)]] + list(named)
-    missing = [one for one in parameters if one.default is inspect.Parameter.empty and one.name not in here]
-    missing = [one for one in missing if one.kind is not inspect.Parameter.VAR_KEYWORD]
-    said = [f"{one.name}{f' ({how.help})' if (how := given_by(one)) else ''}" for one in missing]
-    return Fault("E143", f"{name} needs {' and '.join(one.name for one in missing)}", "", f"It takes {'; '.join(said)}")
+def _misplaced(called: str, parameters: Mapping[str, inspect.Parameter], error: TypeError) -> Fault:
+    """E405 with Python's own words of what does not fit a signature, and all that it takes."""
+    shown = {name: one.default is inspect.Parameter.empty for name, one in parameters.items() if name != "desk"}
+    takes = [name if is_needed else f"{name}=" for name, is_needed in shown.items()]
+    return Fault("E405", f"{called}: {error}", "", f"It takes {', '.join(takes)}.")
 
 
 def _possible(function: Callable[..., Any], name: str, value: Any, depth: int = 0) -> None:

@@ -127,7 +127,7 @@ def export(
         one if len(whose) == len(sources) else Notice(one.code, f"{', '.join(whose)}: {one.message}")
         for one, whose in said.items()
     ]
-    return Export(tuple(written), (*notices, *_alike(sources)))
+    return Export(tuple(written), tuple(notices))
 
 
 def _written_file(path: Path, source: ExportSource, case: str) -> Written:
@@ -146,19 +146,6 @@ def _written_file(path: Path, source: ExportSource, case: str) -> Written:
     bolts = len(scene.known_bolts) if suffix in _WITH_BOLTS else 0
     beside = tuple(path.with_name(file.name) for file in files)
     return Written(beside, name, precision, len(bodies), interfaces, pairs, volume, bolts, case)
-
-
-def _alike(sources: Mapping[str, ExportSource]) -> list[Notice]:
-    """W376 where every load case has the same blocks."""
-    first, *others = [
-        [(one.name, one.vertices.tobytes(), one.triangles.tobytes()) for one in block_bodies(source.scene)]
-        for source in sources.values()
-    ]  # fmt: skip
-    if not others or any(other != first for other in others):
-        return []
-    *names, last = sources
-    message = f"the blocks are the same in {', '.join(names)} and {last}"
-    return [Notice("W376", f"{message}: --case NAME writes one")]
 
 
 def _target(path: Path) -> Path:

@@ -24,7 +24,7 @@ from slopekit.design.fields import Field, declare, number
 from slopekit.design.parts import Action, Water
 from slopekit.design.reading.reader import Reader
 from slopekit.design.sections import strength_names
-from slopekit.findings import Mechanism, ToppleColumn
+from slopekit.findings import Mechanism
 from slopekit.kinds.assemblies.many_blocks import Blocks, kind_of_many_blocks, named_strength
 from slopekit.kinds.assemblies.many_blocks_design import (
     MOST_BLOCKS,
@@ -246,7 +246,7 @@ def _columns_with_water(design: ToppleDesign) -> AssemblyScene:
     return with_ground(design, scene)
 
 
-def goodman_bray(design: ToppleDesign, mechanism: Mechanism | None) -> tuple[ClosedForm, tuple[ToppleColumn, ...]]:
+def goodman_bray(design: ToppleDesign, mechanism: Mechanism | None) -> tuple[ClosedForm, tuple[Mapping[str, Any], ...]]:
     """The closed form of a row of columns, and its table at the factor where the columns are at their limit."""
     why = why_no_table(design)
     if why:
@@ -313,14 +313,16 @@ def why_no_table(design: ToppleDesign) -> str:
     return ""
 
 
-def _columns(design: ToppleDesign, table: TopplingTable, ways: dict[str, str]) -> Iterator[ToppleColumn]:
+def _columns(design: ToppleDesign, table: TopplingTable, ways: dict[str, str]) -> Iterator[Mapping[str, Any]]:
     for k in range(len(table.heights_m)):
         name = design.block_names[k]
-        yield ToppleColumn(
-            k + 1, float(table.heights_m[k]), _known(table.upper_contact_m[k]), _known(table.lower_contact_m[k]),
-            _known(table.topple_force_kn[k]), _known(table.slide_force_kn[k]), _known(table.force_kn[k]),
-            _known(table.normal_kn[k]), _known(table.shear_kn[k]), table.modes[k], ways.get(name, "stable"),
-        )  # fmt: skip
+        yield {
+            "n": k + 1, "y_m": float(table.heights_m[k]), "M_m": _known(table.upper_contact_m[k]),
+            "L_m": _known(table.lower_contact_m[k]), "P_topple_kn": _known(table.topple_force_kn[k]),
+            "P_slide_kn": _known(table.slide_force_kn[k]), "P_kn": _known(table.force_kn[k]),
+            "R_kn": _known(table.normal_kn[k]), "S_kn": _known(table.shear_kn[k]), "mode": table.modes[k],
+            "mode_preie": ways.get(name, "stable"),
+        }  # fmt: skip
 
 
 def _known(value: float) -> float | None:

@@ -9,7 +9,6 @@ from importlib import metadata
 from slopekit._needs import NEEDED, fits, plain, wanted
 from slopekit._version import __version__
 
-_PAPER_WEDGE = 1.5573963527  # Hoek & Bray at g = 9.81 (METHOD.md §6)
 _EXTRAS = {"pyvista": "plot", "matplotlib": "plot", "jinja2": "report", "ezdxf": "cad", "distributed": "dask",
            "openpyxl": "survey", "anywidget": "notebook", "scikit-fem": "elastic", "starlette": "app", "uvicorn": "app",
            "websockets": "app"}  # fmt: skip
@@ -33,7 +32,7 @@ def examination() -> tuple[list[str], bool]:
         lines.append(f"{told:8}{name} {version or ''}".rstrip() + wish)
     lines.append(_kernels())
     for name, test in (
-        ("templates", _templates), ("the paper's wedge, both methods", _wedge),
+        ("templates", _templates), ("the paper's wedge, both methods", lambda: _both("wedge", 1e-9)),
         ("a plane failure", lambda: _both("plane", 1e-8)), ("the sphere with φ = 0", lambda: _both("sphere", 1e-4)),
         ("Goodman & Bray's columns", lambda: _both("goodman-bray", 1e-8)),
         ("drawing off-screen", _drawing),
@@ -83,17 +82,6 @@ def _templates() -> tuple[str, bool]:
     for name in templates:
         load(path_of(name))
     return f"{len(templates)} read", bool(templates)
-
-
-def _wedge() -> tuple[str, bool]:
-    from slopekit.kinds import analyse
-    from slopekit.kinds.wedge.design import wedge_design
-
-    fos = analyse(wedge_design({"dips": ("45/115", "45/245")})).fos
-    if fos.limit is None or fos.closed_form is None:
-        return "no factor", False
-    right = abs(fos.limit - _PAPER_WEDGE) < 1e-8 and abs(fos.limit - fos.closed_form) < 1e-9
-    return f"{fos.limit:.10f} and {fos.closed_form:.10f}", right
 
 
 def _both(name: str, within: float) -> tuple[str, bool]:

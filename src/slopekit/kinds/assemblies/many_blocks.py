@@ -23,9 +23,8 @@ from slopekit.evidence import (
     Forces,
     LimitState,
     ModelSize,
-    SecantLine,
 )
-from slopekit.findings import AssemblyGeometry, Chips, Findings, Mechanism, ToppleColumn
+from slopekit.findings import AssemblyGeometry, Findings, Mechanism
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.kinds.assemblies.many_blocks_notices import (
     debonding_notices,
@@ -118,12 +117,12 @@ class Blocks(Generic[A]):
 
     words: Words
     cut: Callable[[A], AssemblyScene]
-    closed_form: Callable[[A, Mechanism | None], tuple[ClosedForm, tuple[ToppleColumn, ...]]]
+    closed_form: Callable[[A, Mechanism | None], tuple[ClosedForm, tuple[Mapping[str, Any], ...]]]
     notices: Callable[[A, AssemblyScene, Failure, ClosedForm], Iterable[Notice]]
     closed_gain: Callable[[A, float], Gain | None] | None = None
 
 
-def no_closed_form(_: object, __: Mechanism | None) -> tuple[ClosedForm, tuple[ToppleColumn, ...]]:
+def no_closed_form(_: object, __: Mechanism | None) -> tuple[ClosedForm, tuple[Mapping[str, Any], ...]]:
     """Blocks of any shape have none."""
     return ClosedForm(None, "", "there is no closed form for these blocks"), ()
 
@@ -371,14 +370,14 @@ def _factors(ravelling: Ravelling, scene: AssemblyScene) -> dict[str, float | No
     return out
 
 
-def _chips(ravelling: Ravelling, scene: AssemblyScene, below_t: float) -> Chips | None:
+def _chips(ravelling: Ravelling, scene: AssemblyScene, below_t: float) -> Mapping[str, Any] | None:
     """What was too light to count and failed before the first mechanism; None where nothing did."""
     if not ravelling.chips:
         return None
     factors = [chip.limit.factor for chip in ravelling.chips]
     known = [factor for factor in factors if factor is not None]
     names = tuple(scene.names[block] for chip in ravelling.chips for block in chip.blocks.tolist())
-    return Chips(names, below_t, min(known) if len(known) == len(factors) else None)
+    return {"blocks": names, "below_t": below_t, "fos": min(known) if len(known) == len(factors) else None}
 
 
 def _standing(ravelling: Ravelling, scene: AssemblyScene) -> str:
@@ -481,7 +480,7 @@ def _forces(scene: AssemblyScene, loads: AssemblyLoads, parts: Sequence[Part]) -
     )  # fmt: skip
 
 
-def _curved(scene: AssemblyScene, parts: Sequence[Part]) -> dict[str, SecantLine]:
+def _curved(scene: AssemblyScene, parts: Sequence[Part]) -> dict[str, Mapping[str, Any]]:
     """The line of each curved joint at the mean normal traction of its node pairs that carry any."""
     solved = [part for part in parts if part.model.lines is not None and part.limit.factor]
     if not solved:
@@ -492,16 +491,16 @@ def _curved(scene: AssemblyScene, parts: Sequence[Part]) -> dict[str, SecantLine
     area = np.concatenate(areas)
     normals = [part.limit.normal_force[part.model.joint_pairs] * part.model.force_scale for part in solved]
     normal = np.concatenate(normals)
-    lines = {}
+    lines = dict[str, Mapping[str, Any]]()
     for key, (name, strength) in enumerate(zip(scene.joints, scene.strengths, strict=True)):
         on = (joint == key) & (normal > 0.0)
         if on.any() and strength.law is not None:
             tractions, mean = normal[on] / area[on], float(normal[on].sum() / area[on].sum())
             line = secant_strength(strength, mean)
-            lines[name] = SecantLine(
-                mean, (float(tractions.min()), float(tractions.max())), line.cohesion_kpa,
-                line.friction_angle_deg,
-            )  # fmt: skip
+            lines[name] = {
+                "traction_kpa": mean, "range_kpa": (float(tractions.min()), float(tractions.max())),
+                "cohesion_kpa": line.cohesion_kpa, "friction_angle_deg": line.friction_angle_deg,
+            }  # fmt: skip
     return lines
 
 

@@ -3,13 +3,13 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from operator import attrgetter, itemgetter
+from typing import Any
 
 import numpy as np
 
 from slopekit.core.orientation import line_of
 from slopekit.core.sheet import Column, Entry, Section, Table, counted, factor_text
-from slopekit.findings import MOTIONS, SAME_FACTOR, AssemblyGeometry, Chips, Findings, GoverningInterface, Mechanism
-from slopekit.findings import ToppleColumn as GoodmanBray
+from slopekit.findings import MOTIONS, SAME_FACTOR, AssemblyGeometry, Findings, GoverningInterface, Mechanism
 from slopekit.kinds.words import in_order, line_in_words, mass_in_words, names_in_runs, short, size_number
 from slopekit.result import Result
 
@@ -61,7 +61,7 @@ def status(result: Result, findings: Findings) -> str:
         return result.status_text
     first = findings.mechanisms[0]
     words = _motions(first, _order(result))
-    chips = 0 if findings.chips is None else len(findings.chips.blocks)
+    chips = 0 if findings.chips is None else len(findings.chips["blocks"])
     still = findings.blocks - findings.fixed - len(first.blocks) - chips
     if still > 0:
         words += f", {still} {'stays' if still == 1 else 'stay'}"
@@ -174,12 +174,12 @@ def _pairs(by_mode: Mapping[str, int]) -> list[str]:
 # -- what comes after -----------------------------------------------------------------------------------------------
 
 
-def _chips(chips: Chips | None) -> list[Entry]:
+def _chips(chips: Mapping[str, Any] | None) -> list[Entry]:
     """What fails first and is too light to count."""
     if chips is None:
         return []
-    blocks, below = counted(len(chips.blocks), "block"), mass_in_words(chips.below_t)
-    fails = "whatever their strength" if chips.fos is None else f"from FoS {factor_text(chips.fos).strip()}"
+    blocks, below = counted(len(chips["blocks"]), "block"), mass_in_words(chips["below_t"])
+    fails = "whatever their strength" if chips["fos"] is None else f"from FoS {factor_text(chips['fos']).strip()}"
     return [f"mechanisms lighter than {below}: {blocks}, {fails}; taken away first (analysis.smallest_block)"]
 
 
@@ -283,28 +283,31 @@ def path_in_words(basis: str, ratio: float | None, fos: float | None = None, cha
     return f"peak of {path}: last state at rest{runs}"
 
 
-def toppling_rows(result: Result, table: Sequence[GoodmanBray]) -> list[Entry]:
+def toppling_rows(result: Result, table: Sequence[Mapping[str, Any]]) -> list[Entry]:
     """Goodman & Bray's rows from the highest column down to the toe, with PRE-IE's mode beside theirs."""
     if not table:
         return []
     factor = result.fos.limit or result.fos.closed_form
     at = f"strength divided by {factor_text(factor)}" if factor else "strength as given"
-    by_number = sorted(table, key=lambda column: column.n)
-    columns: list[Column[GoodmanBray]] = [
-        Column("n", attrgetter("n"), "n", width=4),
-        *(Column(title, attrgetter(own), f"{title}_m", "m", _cell, 8)
-          for title, own in (("y", "y"), ("M", "m"), ("L", "l"))),
-        *(Column(title, attrgetter(own), f"{title}_kn", "kN", _cell, 12)
-          for title, own in (("P_topple", "p_topple"), ("P_slide", "p_slide"), ("P", "p"))),
-        Column("mode", attrgetter("mode"), "mode", width=-9, about="  {}"),
-        Column("PRE-IE", attrgetter("mode_preie"), "mode_preie", width=1, about=" | {}"),
-        Column("", lambda row: row.mode != row.mode_preie, show=lambda differs: "<" if differs else "", width=1,
+    by_number = sorted(table, key=itemgetter("n"))
+
+    def column(title: str, unit: str, width: int = 0) -> Column[Mapping[str, Any]]:
+        key = f"{title}_{unit.lower()}"
+        return Column(title, itemgetter(key), key, unit, _cell, width)
+
+    columns: list[Column[Mapping[str, Any]]] = [
+        Column("n", itemgetter("n"), "n", width=4),
+        *(column(title, "m", 8) for title in ("y", "M", "L")),
+        *(column(title, "kN", 12) for title in ("P_topple", "P_slide", "P")),
+        Column("mode", itemgetter("mode"), "mode", width=-9, about="  {}"),
+        Column("PRE-IE", itemgetter("mode_preie"), "mode_preie", width=1, about=" | {}"),
+        Column("", lambda row: row["mode"] != row["mode_preie"], show=lambda differs: "<" if differs else "", width=1,
                about="  {}"),
-        *(Column(title, attrgetter(own), f"{title}_kn", "kN", _cell) for title, own in (("R", "r"), ("S", "s"))),
+        *(column(title, "kN") for title in ("R", "S")),
     ]  # fmt: skip
     whole = Table(columns, by_number[::-1], ends=(_FIRST_ROWS, _LAST_ROWS) if len(table) > _MOST_ROWS else None)
-    alike = sum(column.mode == column.mode_preie for column in table)
-    different = [f"C{column.n}" for column in by_number if column.mode != column.mode_preie]
+    alike = sum(row["mode"] == row["mode_preie"] for row in table)
+    different = [f"C{row['n']}" for row in by_number if row["mode"] != row["mode_preie"]]
     where = f"; not in {names_in_runs(different)}" if different else ""
     return [
         f"Goodman & Bray's columns, {at}; y, M, L in m, P in kN (R and S on the bases: --json)",

@@ -124,9 +124,9 @@ def moments(result: Result) -> list[str]:
     if fos.limit is None:
         return []
     opened = [
-        f"{(1.0 - opening.pressed_share) * 100:.3g} % of {name}"
+        f"{(1.0 - opening['pressed_share']) * 100:.3g} % of {name}"
         for name, opening in result.limit_state.openings.items()
-        if opening.pressed_share < 1.0 - _WHOLE
+        if opening["pressed_share"] < 1.0 - _WHOLE
     ]
     change = "lower the FoS"
     if opened:

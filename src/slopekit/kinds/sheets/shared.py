@@ -1,10 +1,10 @@
 """Entries that the sheets of one block and of many blocks share."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from decimal import ROUND_CEILING, Context
 from functools import partial
 from operator import attrgetter, itemgetter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Entry, Table, factor_text
@@ -14,7 +14,7 @@ from slopekit.kinds.words import short, size_number
 from slopekit.result import JUDGED, METHODS, STATUSES, Result
 
 if TYPE_CHECKING:
-    from slopekit.findings import MechanismRow
+    pass
 
 
 UPPER_BOUND = "upper bound (associated flow), not for design"
@@ -279,12 +279,12 @@ def mechanisms(result: Result) -> list[Entry]:
     """Return the mechanisms of a block above a basal joint: that block, and the whole wedge by its closed form."""
     if result.comparisons.without_basal is None:
         return []
-    columns: list[Column[MechanismRow]] = [
-        Column("FoS", attrgetter("fos"), "fos", show=factor_text, width=9),
-        Column("m³", attrgetter("volume_m3"), "volume_m3", "m³", _size_or_dash, 11),
-        Column("t", attrgetter("mass_t"), "mass_t", "t", _size_or_dash, 11),
-        Column("block", lambda row: row.blocks[0], "block", width=-14, about="  {}"),
-        Column("status", attrgetter("status"), "status", width=1, show=result.words.status, about="{}"),
+    columns: list[Column[Mapping[str, Any]]] = [
+        Column("FoS", itemgetter("fos"), "fos", show=factor_text, width=9),
+        Column("m³", itemgetter("volume_m3"), "volume_m3", "m³", _size_or_dash, 11),
+        Column("t", itemgetter("mass_t"), "mass_t", "t", _size_or_dash, 11),
+        Column("block", lambda row: row["blocks"][0], "block", width=-14, about="  {}"),
+        Column("status", itemgetter("status"), "status", width=1, show=result.words.status, about="{}"),
     ]
     return [Table(columns, result.mechanisms)]
 
@@ -296,11 +296,13 @@ def times(count: int) -> str:
 
 def curved_strength(result: Result) -> list[str]:
     """Where strength is curved: the line of each joint at its mean normal traction, and what the mean leaves out."""
-    return [
-        f"{name} at {line.traction_kpa:.4g} kPa (node pairs {line.range_kpa[0]:.4g} .. {line.range_kpa[1]:.4g}): "
-        f"c {line.cohesion_kpa:.4g} kPa  φ {line.friction_angle_deg:.2f}°, the secant of its law"
-        for name, line in result.limit_state.curved_strength.items()
-    ]
+    said = []
+    for name, line in result.limit_state.curved_strength.items():
+        low, high = line["range_kpa"]
+        at = f"{name} at {line['traction_kpa']:.4g} kPa (node pairs {low:.4g} .. {high:.4g})"
+        secant = f"c {line['cohesion_kpa']:.4g} kPa  φ {line['friction_angle_deg']:.2f}°, the secant of its law"
+        said.append(f"{at}: {secant}")
+    return said
 
 
 def why_no_sensitivity(result: Result) -> str:

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,13 +18,11 @@ from slopekit.design.reading.reader import Reader
 from slopekit.evidence import (
     AtFactorOne,
     Comparisons,
-    ContactOpening,
     Displacements,
     FactorsOfSafety,
     Forces,
     LimitState,
     ModelSize,
-    SecantLine,
     WithoutBasal,
 )
 from slopekit.kinds.protocol import ClosedForm, D, Factors, Kind, compare
@@ -242,9 +240,9 @@ def result(
     )  # fmt: skip
 
 
-def _curved(found: FoundLimit, interfaces: Sequence[Interface]) -> Mapping[str, SecantLine]:
+def _curved(found: FoundLimit, interfaces: Sequence[Interface]) -> Mapping[str, Mapping[str, Any]]:
     """Return the line of each curved law at the mean normal traction of its joint; empty where no law is curved."""
-    model, limit, lines = found.scene.model, found.limit, dict[str, SecantLine]()
+    model, limit, lines = found.scene.model, found.limit, dict[str, Mapping[str, Any]]()
     if model.lines is None:
         return lines
     per_area = model.force_scale / model.area_scale
@@ -254,22 +252,23 @@ def _curved(found: FoundLimit, interfaces: Sequence[Interface]) -> Mapping[str, 
         if interface.strength.law is not None:
             line = secant_strength(interface.strength, traction)
             pairs = limit.normal_force[joint] / model.control_area[joint] * per_area
-            lines[interface.name] = SecantLine(
-                max(traction, 0.0), (float(pairs.min()), float(pairs.max())), line.cohesion_kpa, line.friction_angle_deg
-            )
+            lines[interface.name] = {
+                "traction_kpa": max(traction, 0.0), "range_kpa": (float(pairs.min()), float(pairs.max())),
+                "cohesion_kpa": line.cohesion_kpa, "friction_angle_deg": line.friction_angle_deg,
+            }  # fmt: skip
     return lines
 
 
 def _openings(
     found: FoundLimit, interfaces: Sequence[Interface], origin: Floats, axes: Floats
-) -> Mapping[str, ContactOpening]:
+) -> Mapping[str, Mapping[str, Any]]:
     """Return where joints are pressed at the limit, by their names and in the user's coordinates."""
 
     def place(point: Floats | None) -> Floats | None:
         return None if point is None else point @ axes + origin
 
     return {
-        interface.name: replace(opening, resultant_m=place(opening.resultant_m), opens_at_m=place(opening.opens_at_m))
+        interface.name: {**opening, **{key: place(opening[key]) for key in ("resultant_m", "opens_at_m")}}
         for interface in interfaces
         if (opening := found.openings.get(interface.key)) is not None
     }

@@ -6,7 +6,7 @@ On flat joints it is the lower of that of the forces alone and that of the block
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from slopekit.core.arrays import Floats, frozen
 from slopekit.core.onlooker import Clock
 from slopekit.core.records import dataclass
 from slopekit.design.parts import Strength
-from slopekit.evidence import ContactOpening, ReductionStep
+from slopekit.evidence import ReductionStep
 from slopekit.extents import Geometry
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
 from slopekit.geometry.rock.cutting import Block
@@ -100,7 +100,7 @@ class FoundLimit:
     analysis: LimitAnalysis
     change: float | None = None
     factors: FlatLimit | None = None
-    openings: dict[int, ContactOpening] = field(default_factory=dict)
+    openings: dict[int, Mapping[str, Any]] = field(default_factory=dict)
     bound: float | None = None
     at_rest: Equilibrium | None = None
     pairs: "AllPairsFailed | None" = None
@@ -189,10 +189,10 @@ def _on_bed_points(
     return ContactModel(pairs, on_points, bedding), limit
 
 
-def _openings(bed: Beds, state: BedLimits, forces: PointForces, scene: ContactModel) -> dict[int, ContactOpening]:
+def _openings(bed: Beds, state: BedLimits, forces: PointForces, scene: ContactModel) -> dict[int, Mapping[str, Any]]:
     """Return by interface what is pressed, its force and where that acts, and the corner that opens most."""
     assert scene.bedding is not None
-    openings, centroid = dict[int, ContactOpening](), scene.bedding.centroid
+    openings, centroid = dict[int, Mapping[str, Any]](), scene.bedding.centroid
     gaps = bed.motions(state.displacement, 1)[:, 0]
     for k, key in enumerate(sorted(scene.bedding.polygons)):
         contact = forces.contact == k
@@ -202,7 +202,10 @@ def _openings(bed: Beds, state: BedLimits, forces: PointForces, scene: ContactMo
         widest = int(np.argmax(corner_gaps))
         at = (push @ forces.points[contact]) / total + centroid if total > 0.0 else None
         corner = np.asarray(scene.bedding.polygons[key])[widest] if corner_gaps[widest] > 0.0 else None
-        openings[key] = ContactOpening(pressed / float(area.sum()), total * scene.model.force_scale, at, corner)
+        openings[key] = {
+            "pressed_share": pressed / float(area.sum()), "normal_kn": total * scene.model.force_scale,
+            "resultant_m": at, "opens_at_m": corner,
+        }  # fmt: skip
     return openings
 
 

@@ -16,7 +16,6 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, frozen
 from slopekit.core.orientation import Plane, number
-from slopekit.core.records import dataclass
 from slopekit.views.charts.drawing import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
 
 NET = "equal area (Schmidt)"
@@ -26,15 +25,11 @@ SETS = (BLUE, GREEN, PURPLE, ORANGE, SKY, "#8c6d1f", "#5b5b9e", "#3d3d3d")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "p")
 _LINES = 3.6  # order: above lines and poles that are many, below those that are marked
 _CELLS = 450  # of a zone, from rim to rim
-_SPARE = 0.1  # inches of a net above its N that a title may use
 _DOTS = 350  # of points that stand so close that they cover each other
 FACE, SHADE, LIGHT = "#7a4a1e", "#f2b48a", "#f8ddc8"
-#: Inches: a net, its title, a line above all, one of the legend. At a page's width or half a sheet's the letters beside
-#: a net of this size are still read: they are a fortieth of it.
-_NET, _TITLE, _HEAD, _ENTRY = 4.9, 0.35, 0.19, 0.185
-_LETTER, _SMALL = 10.0, 9.0  # points: heads, the legend
-_WIDE = 0.56  # of a letter's height: its width, on the mean
-_HANDLE = 0.5  # inches that line and gap take of an entry of the legend
+#: Inches: a net with its letters, an entry of the legend; letters of a title above a net, of a short entry.
+_NET, _ENTRY = 4.9, 0.185
+_WIDE, _SHORT = 62, 27
 
 
 def lower(vectors: Floats) -> Floats:
@@ -127,11 +122,11 @@ def cells() -> tuple[Floats, Bools]:
     return frozen(unproject(np.column_stack([x[inside], y[inside]]))), inside
 
 
-@dataclass(frozen=True, slots=True)
 class Stereonet:
     """What is drawn on a net: the axes of matplotlib that have it."""
 
-    axes: Any
+    def __init__(self, axes: Any) -> None:
+        self.axes = axes
 
     def start(self, title: str) -> None:
         """The empty net: rim, ticks every ten degrees, north."""
@@ -148,7 +143,7 @@ class Stereonet:
         self.axes.set_xlim(-1.14, 1.14)
         self.axes.set_ylim(-1.14, 1.14)
         self.axes.axis("off")
-        self.axes.set_title(title, fontsize=_LETTER, pad=0.0)
+        self.axes.set_title(title, fontsize=10, pad=0.0)
 
     def arc(self, vectors: Floats, **style: Any) -> None:
         """A curve through downward vectors (n, 3)."""
@@ -210,32 +205,18 @@ class Stereonet:
 
 
 def arrange(figure: Any, panels: Sequence[Any], across: int, title: str) -> None:
-    """Give the nets (in rows of `across`) and their legends the room that they take, and the figure its size."""
-    figure.set_layout_engine(None)
+    """Give the figure the size of its nets (in rows of `across`) with a legend beneath each, and its title."""
     labels = [axes.get_legend_handles_labels()[1] for axes in panels]
-    columns = [2 if max(map(len, own), default=0) <= _letters(_NET / 2.0 - _HANDLE, _SMALL) else 1 for own in labels]
-    entries = [-(-len(own) // count) for own, count in zip(labels, columns, strict=True)]
-    rows = [max(entries[k : k + across]) for k in range(0, len(panels), across)]
-    wide = _letters(across * _NET - 0.2, _LETTER)
-    title = "\n".join(part for line in title.split("\n") for part in textwrap.wrap(line, wide) or [""])
-    above = _TITLE if any(axes.get_title() for axes in panels) else 0.0
-    heights = [above + _NET - _SPARE + 0.2 + _ENTRY * most for most in rows]
-    head = 0.12 + _HEAD * (1 + title.count("\n"))
-    width, height = across * _NET, head + sum(heights)
-    figure.set_size_inches(width, height)
-    figure.text(0.5, 1.0 - 0.12 / height, title, ha="center", va="top", fontsize=_LETTER)
-    top = height - head
-    for k, axes in enumerate(panels):
-        row, column = divmod(k, across)
-        bottom = top - sum(heights[:row]) - above + _SPARE - _NET
-        axes.set_position((column / across, bottom / height, 1.0 / across, _NET / height))
-        axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.01), ncols=columns[k], fontsize=_SMALL, frameon=False,
-                    handlelength=2.2, columnspacing=1.2, labelspacing=0.35)  # fmt: skip
-
-
-def _letters(inches: float, points: float) -> int:
-    """How many letters of a size there is room for."""
-    return int(inches * 72.0 / (_WIDE * points))
+    columns = [2 if max(map(len, own), default=0) <= _SHORT else 1 for own in labels]
+    lines = max(-(-len(own) // count) for own, count in zip(labels, columns, strict=True))
+    title = "\n".join(textwrap.fill(line, across * _WIDE) for line in title.split("\n"))
+    height = len(panels) // across * (_NET + _ENTRY * (lines + 1)) + _ENTRY * (title.count("\n") + 1)
+    figure.set_size_inches(across * _NET, height)
+    figure.suptitle(title, fontsize=10)
+    for axes, count in zip(panels, columns, strict=True):
+        axes.set_anchor("N")
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=count, fontsize=9, frameon=False,
+                    columnspacing=1.2, labelspacing=0.35)  # fmt: skip
 
 
 def set_marks(names: Sequence[str]) -> dict[str, tuple[str, str]]:

@@ -15,39 +15,29 @@ from slopekit.core.records import dataclass
 from slopekit.core.whole_files import whole_file
 from slopekit.exchange.documents import by_case, checked_document
 from slopekit.kinds import words_named
-from slopekit.views.pages import report_tables as tables
 from slopekit.views.pages.page_pictures import still_pictures
-from slopekit.views.pages.report_inputs import InputTable, input_tables, value_text, words
-from slopekit.views.pages.report_tables import parts
-from slopekit.views.pages.report_words import answer, force_notes, meaning
+from slopekit.views.pages.page_tables import input_rows, parts, table
+from slopekit.views.pages.report_words import answer
 from slopekit.views.solid.viewer_data import viewer_data
 
 _TEMPLATES = Path(__file__).parents[1] / "templates"
 _NUMBER = re.compile(r"^(none|-)$|^[-+<>]? ?[\d(∞-][\d.,e+∞ ()-]*( %| kN| mm| kPa)?$")
-#: Sections of the sheet by the part of the page that has them, in its order. What says the slope differs by kind.
-_SECTIONS = {
-    "factors": ("FoS",), "rules": ("ACCEPT", "FACTORED"), "bolts": ("BOLTS",), "forces": ("FORCES",),
-    "moments": ("MOMENTS", "MOVES"), "elastic": ("ELASTIC",), "assembly": ("MECHANISM", "TABLE"),
-    "checks": ("CHECKS",),
-    "searches": ("STRENGTH", "ALL PAIRS", "SERIES", "COLUMNS", "METHODS", "SENSITIVITY"),
+#: Sections of a result's sheet by their label, as the page calls them; the others are called by the label itself.
+_HEADINGS = {
+    "FoS": "Factors of safety", "ACCEPT": "Acceptance", "FACTORED": "Partial factors", "FORCES": "Forces and moments",
+    "MODEL": "Model and what it leaves out", "MOVES": "Movement", "MECHANISM": "Mechanisms in order",
+    "TABLE": "Goodman & Bray's columns", "ELASTIC": "Elastic blocks", "METHODS": "Methods of columns",
+    "SENSITIVITY": "What changes the factor most", "ALL PAIRS": "All-pairs search",
+    "SERIES": "By strength reduction factor",
 }  # fmt: skip
-_SLOPE = ("PLANES", "SURFACE", "SETS", "COLUMNS", "BLOCKS", "SIZE", "LOADS")
-#: The tables of a section by its label, as the page calls them one after the other.
-_CAPTIONS = {
-    "FoS": ("Factors of safety",), "FACTORED": ("Partial factors",),
-    "BOLTS": ("Schedule",), "FORCES": ("On the joints", "As a whole"),
-    "MOVES": ("What governs",), "ELASTIC": ("Normal tractions on the joints, elastic and rigid",),
-    "MECHANISM": ("Mechanisms in order",),
-    "TABLE": ("Goodman & Bray's columns",),
-    "ALL PAIRS": ("All-pairs search",), "SERIES": ("By strength reduction factor",), "COLUMNS": ("Methods of columns",),
-    "METHODS": ("Methods of columns",), "SENSITIVITY": ("What changes the factor most",),
-}  # fmt: skip
+_FIRST = ("FoS", "ACCEPT", "FACTORED", "MOMENTS")  # before the picture of the slope
+_ELSEWHERE = ("STATUS", "NOTE", "NOT GIVEN")  # in the head, among the notices, behind the inputs
 #: Where the whole of the verification is.
 _WHOLE = "docs/verification.md of the source; slopekit check --suite makes it again"
 NOT_MODELLED = (
-    "Not modelled: deformation of the rock, contact across the tension crack, suction, and the ends of joints."
+    "Not modelled: deformation of the rock (but of elastic blocks), contact across the tension crack, suction, and the "
+    "ends of joints."
 )
-_BENDS = ("deformation of the rock", "deformation of the rock (except in Elastic blocks)")
 #: What a page says of a project, and in which words.
 PROJECT = {
     "name": "project", "client": "client", "number": "number", "author": "made by", "checker": "checked by",
@@ -171,7 +161,7 @@ def _article(document: Mapping[str, Any], name: str, sheet: Any) -> dict[str, An
     try:  # only what reads the document: faults of the program itself go through
         if not is_result:
             return _study(document, sheet)
-        article = _read(document, sheet)
+        article = _result(document, sheet)
     except MISREAD as error:
         if not is_of_document(error):
             raise
@@ -215,63 +205,50 @@ def _study(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, A
     name = document["study"]
     survey, kind = document.get("survey"), str(document.get("kind") or "")
     of = str(survey["name"]) if isinstance(survey, Mapping) and survey.get("name") else ""
-    title = document.get("title") or of or _TITLES.get(name, name)
     kind = "" if kind == name else kind  # a survey has none
-    sections = [(label, list(parts(entries))) for label, entries in sheet.items() if label != "NOTE"]
-    return {
-        "is_study": True, "title": title, "kind": " · ".join(one for one in (_TITLES.get(name, name), kind) if one),
-        "version": document["slopekit"], "sha": str(document.get("input_sha256") or ""),
+    return _of_both(document, sheet) | {
+        "is_study": True, "title": document.get("title") or of or _TITLES.get(name, name),
+        "kind": " · ".join(one for one in (_TITLES.get(name, name), kind) if one),
         "lines": [one.replace("  ", " · ") for one in document["line"].split("\n")],  # blanks are one in HTML
-        "sections": sections,
-        "notices": [(str(one["code"]), str(one["message"])) for one in document["warnings"]],
-        "view": 0,
     }  # fmt: skip
 
 
-def _read(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, Any]:
-    """What the page says of a document."""
+def _of_both(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, Any]:
+    """What the page says of results and studies alike: their sheet by sections, notices, where they come from."""
+    sections = {label: list(parts(entries)) for label, entries in sheet.items()}
+    return {
+        "version": document["slopekit"], "sha": str(document.get("input_sha256") or ""), "view": 0,
+        "sections": [(label, _heading(label), own) for label, own in sections.items() if own and label != "NOTE"],
+        "notices": [(str(one["code"]), str(one["message"])) for one in document["warnings"]],
+    }  # fmt: skip
+
+
+def _heading(label: str) -> str:
+    """The heading of a section of a sheet: RANDOM VARIABLES is a name in capitals, P(FoS < 1) is not."""
+    is_name = label.isupper() and "(" not in label and "-" not in label
+    return _HEADINGS.get(label, label.capitalize() if is_name else label)
+
+
+def _result(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, Any]:
+    """What the page says of a result: its answer, its sheet, its inputs."""
     for key in ("title", "slopekit", "input_sha256"):
         if not isinstance(document[key], str):
             raise TypeError(f"{key} is no text")
     inputs = document["inputs"]
     said = words_named(str(document["kind"]), inputs)
-    title = said.title
-    has_methods = bool(document["methods"])  # the methods of columns, not the columns of a topple, are called so
-    sections = {
-        part: [(label, list(parts(_entries(sheet, label), _CAPTIONS.get(label, ())))) for label in labels
-               if _entries(sheet, label) and (label != "COLUMNS" or has_methods)]
-        for part, labels in _SECTIONS.items()
-    }  # fmt: skip
-    return sections | {
-        "title": document["title"] or title, "kind": title, "version": document["slopekit"],
-        "is_study": False, "sha": document["input_sha256"], "view": 0,
-        "answer": answer(document, _entries(sheet, "STATUS")), "meaning": meaning(document),
-        "rests_on": said.rests_on if document["fos"]["closed_form"] is not None else "",
-        "notices": [(str(one["code"]), str(one["message"])) for one in document["warnings"]],
-        "slope": [(label.lower(), _without_schedule(sheet, label, inputs)) for label in _SLOPE
-                  if _entries(sheet, label) and (label != "COLUMNS" or not has_methods)],
-        "inputs": list(input_tables(inputs, "BOLTS" in sheet)), "force_notes": force_notes(document),
+    has_closed_form = said.rests_on and document["fos"]["closed_form"] is not None
+    basis = f"The closed form rests on {said.rests_on}." if has_closed_form else ""
+    both = _of_both(document, sheet)
+    sections = [one for one in both["sections"] if one[0] not in _ELSEWHERE]
+    return both | {
+        "is_study": False, "title": document["title"] or said.title, "kind": said.title,
+        "answer": answer(document, sheet.get("STATUS", [])), "basis": basis,
+        "first": [one for one in sections if one[0] in _FIRST],
+        "sections": [one for one in sections if one[0] not in _FIRST],
+        "inputs": table(("", "value"), input_rows(inputs)), "not_modelled": NOT_MODELLED,
+        "defaults": sheet.get("NOT GIVEN") or [str(one) for one in document["defaults"]],
         "has_bolts": isinstance(document.get("scene"), Mapping) and document["scene"].get("bolts") is not None,
-        "evidence": list(tables.check_tables(document)),
-        "left_out": [str(one) for one in document["model"]["left_out"]],
-        "not_modelled": NOT_MODELLED.replace(*_BENDS) if document.get("elastic") else NOT_MODELLED,
-        "defaults": _entries(sheet, "NOT GIVEN") or [str(one) for one in document["defaults"]],
-        "assumed": [(key, value_text("", value)) for key, value in document["assumed"].items()]
-        if not any(one["code"] == "W320" for one in document["warnings"]) else [],  # a notice says it
     }  # fmt: skip
-
-
-def _without_schedule(sheet: Mapping[str, Any], label: str, inputs: Mapping[str, Any]) -> list[Any]:
-    """The entries of a label; bolts that a schedule lists are counted."""
-    entries = _entries(sheet, label)
-    return tables.without_bolts(entries, inputs["bolts"]) if label == "LOADS" and "BOLTS" in sheet else entries
-
-
-def _entries(sheet: Mapping[str, Any], label: str) -> list[Any]:
-    entries = sheet.get(label, [])
-    if not isinstance(entries, list) or not all(isinstance(entry, str | Mapping) for entry in entries):
-        raise TypeError(f"sheet.{label} is no list of texts and tables")
-    return entries
 
 
 def _verification(kind: str) -> dict[str, Any]:
@@ -282,16 +259,17 @@ def _verification(kind: str) -> dict[str, Any]:
     for row in excerpt["rows"]:
         if row["kind"] == like:
             judged = {True: "within", False: "OUTSIDE", None: "not judged"}[row["ok"]]
-            shown = ["" if row[key] is None else str(row[key]) for key in ("published",)]
+            published = "" if row["published"] is None else str(row["published"])
             exact, value = (("" if one is None else f"{one:.6g}") for one in (row["exact"], row["value"]))
-            rows.append((row["title"], words(row["quantity"]), *shown, exact, value, row["source"], judged))
+            quantity = row["quantity"].replace("_", " ")
+            rows.append((row["title"], quantity, published, exact, value, row["source"], judged))
     head = ("case", "quantity", "published", "exact or other code", "slopekit", "source", "")
     sources = [(key, excerpt["sources"][key]) for key in excerpt["sources"]
                if any(row["source"] == key and row["kind"] == like for row in excerpt["rows"])]  # fmt: skip
     return {
         "version": excerpt["slopekit"], "counts": excerpt["counts"], "whole": _WHOLE, "sources": sources,
         "bench": kind == "bench",
-        "table": InputTable("", head, tuple(rows), "Why a row is not judged stands in the whole.", left=2),
+        "table": table(head, rows, "Why a row is not judged stands in the whole.", left=2),
     }  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""What a result means, in sentences: the answer, and the check of the two methods."""
+"""What a result means, at the head of its page: the answer, and the check of the two methods."""
 
 import math
 from collections.abc import Mapping
@@ -63,7 +63,7 @@ def _check_badge(document: Mapping[str, Any]) -> tuple[str, str]:
     if agree is None:
         return "no closed form to compare", "plain"
     if not agree:
-        return "the methods DISAGREE", "bad"
+        return "the methods DISAGREE: use neither number before that is explained", "bad"
     if document["moments_govern"]:  # what agrees is not the answer
         return "the methods AGREE on forces alone", "plain" if document["fos"]["limit"] is None else "good"
     return "the methods AGREE", "good"
@@ -85,39 +85,3 @@ def _what_governs(document: Mapping[str, Any], fos: Mapping[str, Any]) -> str:
     if limit is None or pairs is None or document["inputs"].get("criterion", "limit") != "all-pairs":
         return ""
     return f"; all pairs failed {factor(pairs)} governs acceptance" if pairs < limit else ""
-
-
-def meaning(document: Mapping[str, Any]) -> list[str]:
-    """The check of the two methods in sentences: how it came out, and which number to use."""
-    difference = document["difference"]
-    if document["status"] == "not_converged":
-        return ["The analysis did not converge: there is no number to use."]
-    sentences = []
-    if document["moments_govern"]:
-        alone, limit = factor(document["fos"]["highest"]), document["fos"]["limit"]
-        use = "with them there is no factor of safety" if limit is None else "the limit is the number to use"
-        sentences.append(f"Moments govern: {use}. Forces alone give {alone}, and the closed form balances forces only.")
-    if document["agree"] is None:
-        sentences.append("Nothing independent was compared: no closed form covers this design.")
-    elif not document["agree"]:
-        sentences.append("The two methods disagree: neither number is to be used before that is explained.")
-    elif difference is None:
-        sentences.append("Neither method finds a factor of safety, by the same status.")
-    else:
-        within = float(document["inputs"].get("agree_within", 0.01)) * 100.0
-        sentences.append(f"PRE-IE and the closed form differ by {difference * 100.0:.2g} % (allowed: {within:g} %).")
-    return sentences
-
-
-def force_notes(document: Mapping[str, Any]) -> list[str]:
-    """What has to be known to read the forces."""
-    forces, has_limit = document["forces_kn"], document["fos"]["limit"] is not None
-    notes = [] if has_limit else ["No limit state was found: what the joints carry is not known."]
-    if has_limit and any(one is not None for one in forces["normal"].values()):
-        notes.append("N' and σ' are effective, compression positive, at the limit.")
-    if "slip" in document["inputs"] and any(forces["water"].values()):
-        notes.append("Water is the resultant, less than u times a curved area.")
-    if document["moments_govern"]:
-        lost = "moments lower the limit below resisting / driving" if has_limit else "with moments there is no limit"
-        notes.append(f"Forces alone: {lost}.")
-    return notes

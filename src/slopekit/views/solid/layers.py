@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 
 from slopekit.block_scene import Shapes
+from slopekit.bolts import revolved
 from slopekit.core.arrays import Bools, Floats, Ints, cross
 from slopekit.core.records import dataclass
 
 Colour = tuple[int, int, int]
-_ROUND = 12  # sides of the shaft and the head of an arrow
+_MANY = 3000  # balls: beyond that they are rough
 _ROOM = 0.28  # about a block, of its largest extent: the rock that is drawn
 _SAME = 1e-7  # of the size: a point this near to a plane lies on it
 ROCK: Colour = (201, 199, 194)
@@ -113,66 +114,31 @@ def rigid(shapes: Shapes, motion: Floats, points: Floats, of: Ints) -> Floats:
     return moved
 
 
-def spheres(centres: Floats, radius: float) -> tuple[Floats, Ints, Ints]:
-    """Balls of one radius: vertices, triangles, and the ball of each triangle; rougher where there are many."""
-    vertices, triangles = _ball(1 if len(centres) <= 3000 else 0)
-    count = len(centres)
-    points = (centres[:, None, :] + radius * vertices).reshape(-1, 3)
-    of = np.repeat(np.arange(count), len(triangles))
-    return points, (np.arange(count)[:, None, None] * len(vertices) + triangles).reshape(-1, 3), of
+def spheres(centres: Floats, radius: float) -> tuple[Floats, Ints]:
+    """Balls of one radius as vertices and triangles, rougher where there are many."""
+    from trimesh.creation import icosphere
+
+    ball = icosphere(subdivisions=1 if len(centres) <= _MANY else 0)
+    count, size = len(centres), len(ball.vertices)
+    points = (centres[:, None, :] + radius * ball.vertices).reshape(-1, 3)
+    triangles = (np.arange(count)[:, None, None] * size + ball.faces).reshape(-1, 3)
+    return points, triangles
 
 
-def _ball(level: int) -> tuple[Floats, Ints]:
-    """An octahedron, its triangles split in four `level` times, on the unit sphere."""
-    vertices = np.concatenate([np.eye(3), -np.eye(3)])
-    triangles = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]])
-    for _ in range(level):
-        a, b, c = (vertices[triangles[:, k]] for k in range(3))
-        parts = [a, b, c, a + b, b + c, c + a]
-        n = len(triangles)
-        vertices = np.concatenate([part / np.sqrt((part * part).sum(axis=1))[:, None] for part in parts])
-        i = np.arange(n)
-        a_, b_, c_, ab, bc, ca = (i + n * k for k in range(6))
-        corners = [(a_, ab, ca), (ab, b_, bc), (ca, bc, c_), (ab, bc, ca)]
-        triangles = np.concatenate([np.stack(three, axis=1) for three in corners])
-    return vertices, triangles
-
-
-def arrows(starts: Floats, vectors: Floats, width: float) -> tuple[Floats, Ints, Ints]:
-    """Arrows (k): vertices, triangles, and the arrow of each triangle.
+def arrows(starts: Floats, vectors: Floats, width: float) -> tuple[Floats, Ints]:
+    """Arrows (k) as vertices and triangles, those without a length left out.
 
     Parameters
     ----------
     starts, vectors : (k, 3) m; width : m across the shafts of the longest (short ones are thinner)
     """
     lengths = np.sqrt((vectors * vectors).sum(axis=1))
-    kept = np.flatnonzero(lengths > 0.0)
-    axes = vectors[kept] / lengths[kept, None]
-    other = np.where(np.abs(axes[:, 2:]) < 0.9, [[0.0, 0.0, 1.0]], [[1.0, 0.0, 0.0]])
-    u = cross(axes, other)
-    u /= np.sqrt((u * u).sum(axis=1))[:, None]
-    v = cross(axes, u)
-    angle = np.arange(_ROUND) * (2.0 * math.pi / _ROUND)
-    ring = np.cos(angle)[None, :, None] * u[:, None, :] + np.sin(angle)[None, :, None] * v[:, None, :]
-    length = lengths[kept, None, None]
+    kept = lengths > 0.0
+    length, starts = lengths[kept], starts[kept]
     thick = np.minimum(width, 0.12 * length)
-    base, along = starts[kept][:, None, :], axes[:, None, :]
     neck = np.maximum(length - 3.6 * thick, 0.55 * length)
-    tail, upper, brim = base + 0.5 * thick * ring, base + neck * along + 0.5 * thick * ring, (
-        base + neck * along + 1.3 * thick * ring
-    )  # fmt: skip
-    points = np.concatenate([tail, upper, brim, base + length * along, base], axis=1)  # 3 rings, tip, middle of tail
-    n, here = _ROUND, np.arange(_ROUND)
-    after = (here + 1) % n
-    faces = [
-        (here, after, here + n), (after, after + n, here + n), (here + n, after + n, here + 2 * n),
-        (after + n, after + 2 * n, here + 2 * n), (here + 2 * n, after + 2 * n, np.full(n, 3 * n)),
-        (after, here, np.full(n, 3 * n + 1)),
-    ]  # fmt: skip
-    one = np.concatenate([np.stack(three, axis=1) for three in faces])
-    size = points.shape[1]
-    triangles = (np.arange(len(kept))[:, None, None] * size + one).reshape(-1, 3)
-    return points.reshape(-1, 3), triangles, np.repeat(kept, len(one))
+    along = np.stack([np.zeros_like(neck), neck, neck], axis=1)
+    return revolved(starts, starts + vectors[kept], along, np.outer(thick, [0.5, 0.5, 1.3]))
 
 
 # -- the rock about one block -----------------------------------------------------------------------------------------

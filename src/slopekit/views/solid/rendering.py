@@ -1,9 +1,11 @@
-"""Drawing pictures: pixels by pyvista in parallel projection, words, scale and compass about them by matplotlib.
+"""Drawing pictures: pixels by pyvista in parallel projection, words, scale and compass laid out by matplotlib.
 
 GLB and glTF are written with trimesh: a scene of named layers about its middle, in metres, y up.
 """
 
 import math
+import textwrap
+from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -14,20 +16,18 @@ from slopekit.core.arrays import Floats, cross
 from slopekit.core.errors import DesignError, Fault, writing
 from slopekit.core.whole_files import whole_file
 from slopekit.exchange.solids import save_gltf
+from slopekit.views.charts import drawing
 from slopekit.views.solid.layers import Bar, Layer, Picture
 from slopekit.views.solid.scene_parts import nice
 
-_WIDTH, _HEIGHT, _DPI = 1130, 800, 100
-_SIDE, _TOP, _BOTTOM = 330, 84, 64  # pixels beside, above and beneath the scene
-_COMPASS, _REACH = 52.0, 40.0  # pixels from the scene's foot to the middle of the compass; of its arrows
-_END_ON = 0.3  # of its length: an axis shorter than that in the picture is named, not drawn
-_BEYOND, _BELOW_COMPASS = 11.0, 16.0  # pixels from an arrow's tip, and from the middle, to a name
-_ABOVE_COMPASS = 24.0  # of the compass's names, above its arrows
-_BAR = 190.0  # high
-_LINE, _LETTERS = 16, 165  # pixels from note to note, letters in one line
-_SHARP = 2  # pixels of the scene for each of the picture: edges without steps
+_INCHES, _PIXELS = (11.3, 8.0), (1600, 1304)  # the picture; the scene, about two pixels for each of the picture's
 _EDGE_DEG = 12.0  # edges between flatter faces are not drawn
-_Box = tuple[float, float, float, float]  # left, lower, right, upper: pixels from the lower left
+_MARGIN = 1.06  # of the frame, about all that is drawn
+_END_ON = 0.3  # of its length: an axis shorter than that in the picture is named, not drawn
+_LEGEND, _NOTES, _ENTRIES = 40, 160, 18  # letters in a line of the legend and of the notes; entries of the legend
+_LABEL = (4.3e-3, 0.022)  # of the frame: half the width of a letter, the height of a label
+_QUIET = "#444444"
+_Box = tuple[float, float, float, float]  # left, lower, right, upper: m in the frame
 _ADVICE = "pip install 'slopekit[plot]'"
 
 
@@ -78,9 +78,9 @@ class Camera:
         about = points.mean(axis=0)
         x, y, z = np.array([right, up, eye]) @ (points - about).T
         wide, high = float(np.ptp(x)), float(np.ptp(y))
-        aspect = (_WIDTH - _SIDE) / (_HEIGHT - _TOP - _BOTTOM)
+        aspect = _PIXELS[0] / _PIXELS[1]
         middle = about + right * (x.min() + x.max()) / 2.0 + up * (y.min() + y.max()) / 2.0 + eye * z.mean()
-        return cls(right, up, eye, middle, 1.06 * max(high, wide / aspect, 1e-12))
+        return cls(right, up, eye, middle, _MARGIN * max(high, wide / aspect, 1e-12))
 
     def set(self, plotter: Any) -> None:
         """Point the camera of a plotter."""
@@ -115,13 +115,11 @@ def _fill(plotter: Any, pyvista: Any, picture: Picture, before: float = 0.0) -> 
                 long = np.sqrt(((ends[:, 1] - ends[:, 0]) ** 2).sum(axis=1)) > part.shortest
                 edges = edges.extract_cells(np.flatnonzero(long))
             if edges.n_points:
-                plotter.add_mesh(edges, color="#3a2a1c", line_width=1.2 * _SHARP, opacity=max(part.opacity, 0.55))
+                plotter.add_mesh(edges, color="#3a2a1c", line_width=2.4, opacity=max(part.opacity, 0.55))
 
 
 def _moved(picture: Picture) -> Picture:
     """The same about the middle of the scene."""
-    from dataclasses import replace
-
     points = np.concatenate([part.vertices[part.triangles.ravel()] for part in picture.layers])
     middle = (points.min(axis=0) + points.max(axis=0)) / 2.0
     layers = tuple(replace(part, vertices=part.vertices - middle) for part in picture.layers)
@@ -134,12 +132,8 @@ def _moved(picture: Picture) -> Picture:
 def _save_png(picture: Picture, path: Path) -> None:
     require_drawing(path)
     pyvista = _pyvista()
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     picture = _moved(picture)
-    wide, high = _WIDTH - _SIDE, _HEIGHT - _TOP - _BOTTOM
-    plotter = pyvista.Plotter(off_screen=True, window_size=[wide * _SHARP, high * _SHARP])
+    plotter = pyvista.Plotter(off_screen=True, window_size=list(_PIXELS))
     camera = Camera.of(picture)
     try:
         _fill(plotter, pyvista, picture, camera.height)
@@ -147,177 +141,112 @@ def _save_png(picture: Picture, path: Path) -> None:
         pixels = plotter.screenshot(None, return_img=True)
     finally:
         plotter.close()
-    # the mean of each square, a quarter of the time that one over two axes takes
-    places = [(row, column) for row in range(_SHARP) for column in range(_SHARP)]
-    total = sum(pixels[row::_SHARP, column::_SHARP].astype(np.float64) for row, column in places)
-    pixels = total / _SHARP**2 / 255.0
-
-    figure = Figure(figsize=(_WIDTH / _DPI, _HEIGHT / _DPI), dpi=_DPI)
-    FigureCanvasAgg(figure)
-    figure.figimage(pixels, 0, _BOTTOM, origin="upper")
-    x, y = 14 / _WIDTH, 1.0 - 16 / _HEIGHT
-    figure.text(x, y, _within(figure, picture.title, 14, "bold"), fontsize=14, weight="bold", va="top")
-    figure.text(x, 1.0 - 44 / _HEIGHT, picture.subtitle, fontsize=10.5, va="top", wrap=True)
-    for k, note in enumerate(_notes(picture)):
-        figure.text(x, (_BOTTOM - 24 - _LINE * k) / _HEIGHT, note, fontsize=8.5, va="top", color="#444444")
-    write_words(figure, picture, camera, wide, high)
-    with writing(path), whole_file(path) as file:
-        figure.savefig(file, dpi=_DPI)
+    figure = drawing.new_figure(path)
+    lay_out(figure, picture, camera, pixels)
+    drawing.save(figure, path)
 
 
-def _notes(picture: Picture) -> list[str]:
-    """The notes in the two lines that have room beneath the scene; what has none follows in the last."""
-    import textwrap
-
-    notes = [note for note in picture.notes if note]
-    lines = [line for note in notes for line in textwrap.wrap(note, _LETTERS)]
-    return lines if len(lines) <= 2 else textwrap.wrap("; ".join(notes), _LETTERS, max_lines=2, placeholder=" …")
-
-
-def write_words(figure: Any, picture: Picture, camera: Camera, wide: int, high: int) -> None:
-    """Names, scale, legend, colour bar and compass: each where it covers no other."""
-    scale = _scale(figure, camera, wide, high)
-    _write_labels(figure, picture, camera, wide, high, scale)
-    floor = _HEIGHT - _BOTTOM - _COMPASS - _REACH - _ABOVE_COMPASS
-    below = _legend(figure, picture, floor - (0.0 if picture.bar is None else _BAR + 44.0))
+def lay_out(figure: Any, picture: Picture, camera: Camera, pixels: Any) -> None:
+    """The pixels of a scene with title, legend, colour bar, scale, compass and notes; axes in m, as `Camera.seen`."""
+    high = camera.height / 2.0
+    wide = high * _PIXELS[0] / _PIXELS[1]
+    figure.set_size_inches(*_INCHES)
+    axes = figure.subplots()
+    axes.imshow(pixels, extent=(-wide, wide, -high, high))
+    axes.axis("off")
+    axes.set_anchor("NW")
+    answer = textwrap.wrap(picture.subtitle, 110)
+    title = textwrap.shorten(drawing.short(picture.title, 110), 110)
+    axes.set_title(title, fontsize=13, weight="bold", loc="left", pad=8.0 + 14.0 * len(answer))
+    note = {"xycoords": "axes fraction", "textcoords": "offset points", "fontsize": 10}
+    axes.annotate("\n".join(answer), (0.0, 1.0), xytext=(0, 5), **note)
+    figure.supxlabel("\n".join(line for note in picture.notes for line in textwrap.wrap(note, _NOTES)), x=0.01,
+                     ha="left", fontsize=8.5, color=_QUIET)  # fmt: skip
+    _legend(figure, picture)
     if picture.bar is not None:
-        _bar(figure, picture.bar, below)
-    _compass(figure, camera)
+        _bar(figure, axes, picture.bar)
+    _scale(axes, wide, high)
+    _compass(axes, camera)
+    _write_labels(axes, picture, camera, wide, high)
 
 
-def _within(figure: Any, text: str, size: float, weight: str) -> str:
-    """A text, cut where it would leave the picture."""
-    most = int(1.75 * (_WIDTH - 30) / size)
-    return text if len(text) <= most else text[: most - 1] + "…"
+def _legend(figure: Any, picture: Picture) -> None:
+    """The legend at the right; how many entries have no room is said."""
+    from matplotlib.patches import Patch
 
-
-def _legend(figure: Any, picture: Picture, floor: float) -> float:
-    """The legend at the right, as much of it as stands above `floor`; how far down it reaches; pixels from the top."""
-    from matplotlib.patches import Rectangle
-
-    top = float(_TOP + 10)
-    left = _WIDTH - _SIDE + 16
-    wrapped = [_lines(figure, text, _SIDE - 48, 9) for text, _, _ in picture.legend]
-    feet = np.cumsum([8 + 14.5 * len(lines) for lines in wrapped]) + top
-    shown = len(feet) if not len(feet) or feet[-1] <= floor else int((feet <= floor - 22.5).sum())
-    for (_, colour, opacity), lines in list(zip(picture.legend, wrapped, strict=True))[:shown]:
+    patches = []
+    for text, colour, opacity in picture.legend[:_ENTRIES]:
         shade = tuple(1.0 - opacity * (1.0 - part / 255.0) for part in colour)
-        patch = Rectangle((left / _WIDTH, 1.0 - (top + 13) / _HEIGHT), 16 / _WIDTH, 13 / _HEIGHT, facecolor=shade,
-                          edgecolor="#333333", linewidth=0.6, transform=figure.transFigure)  # fmt: skip
-        figure.add_artist(patch)
-        figure.text((left + 24) / _WIDTH, 1.0 - top / _HEIGHT, "\n".join(lines), fontsize=9, va="top", linespacing=1.2)
-        top += 8 + 14.5 * len(lines)
-    if shown < len(wrapped):
-        text = f"and {len(wrapped) - shown} more that have no room here"
-        figure.text((left + 24) / _WIDTH, 1.0 - top / _HEIGHT, text, fontsize=9, va="top", color="#666666")
-        top += 22.5
-    return top
+        label = "\n".join(textwrap.wrap(drawing.short(text, 200), _LEGEND))
+        patches.append(Patch(facecolor=shade, edgecolor=_QUIET, linewidth=0.6, label=label))
+    left = len(picture.legend) - len(patches)
+    patches += [Patch(alpha=0.0, label=f"and {left} more that have no room here")] if left else []
+    figure.legend(handles=patches, loc="outside right upper", fontsize=9, frameon=False)
 
 
-def _lines(figure: Any, text: str, wide: float, size: float) -> list[str]:
-    """A text in lines of at most `wide` pixels, at words where that can be."""
-    import textwrap
+def _bar(figure: Any, axes: Any, bar: Bar) -> None:
+    """The colour bar beneath the scene."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import ListedColormap, Normalize
+    from matplotlib.ticker import MaxNLocator
 
-    most = 42
-    while True:
-        lines = textwrap.wrap(text, most) or [""]
-        if max(map(len, lines)) * 1.4 * size <= wide:  # as wide as the widest letters
-            return lines
-        drawn = figure.text(0, 0, "\n".join(lines), fontsize=size)
-        taken = float(drawn.get_window_extent(figure.canvas.get_renderer()).width)
-        drawn.remove()
-        if taken <= wide or most <= 8:
-            return lines
-        most = max(min(most - 2, int(most * wide / taken)), 8)
+    half = 0.5 if bar.whole else 0.0
+    steps = np.arange(bar.low, bar.high + half) if bar.whole else np.linspace(bar.low, bar.high, 128)
+    colours = ScalarMappable(Normalize(bar.low - half, bar.high + half), ListedColormap(bar.colours(steps) / 255.0))
+    ticks = MaxNLocator(integer=bar.whole)
+    figure.colorbar(colours, ax=axes, location="bottom", label=bar.label, ticks=ticks, shrink=0.5, aspect=40)
 
 
-def _bar(figure: Any, bar: Bar, top: float) -> None:
-    high = _BAR
-    left = _WIDTH - _SIDE + 16
-    axes = figure.add_axes((left / _WIDTH, 1.0 - (top + 30 + high) / _HEIGHT, 20 / _WIDTH, high / _HEIGHT))
-    steps = np.linspace(bar.low, bar.high, 128)
-    if bar.whole:
-        steps = np.arange(bar.low, bar.high + 0.5)
-    reach = (bar.low - 0.5, bar.high + 0.5) if bar.whole else (bar.low, bar.high)
-    axes.imshow(bar.colours(steps)[:, None, :].astype(np.uint8), origin="lower", aspect="auto", extent=(0, 1, *reach))
-    axes.set_xticks([])
-    axes.yaxis.tick_right()
-    if bar.whole and bar.high - bar.low < 12:
-        axes.set_yticks(steps)
-    axes.tick_params(labelsize=8.5)
-    figure.text(left / _WIDTH, 1.0 - (top + 12) / _HEIGHT, bar.label, fontsize=9, va="top")
+def _scale(axes: Any, wide: float, high: float) -> None:
+    """A scale bar beneath the scene: lengths square to the line of sight are true."""
+    length, y = nice(0.44 * wide), -1.03 * high
+    style = {"color": "black", "linewidth": 1.6, "solid_capstyle": "butt", "marker": "|", "markeredgewidth": 0.8}
+    axes.plot([-wide, length - wide], [y, y], clip_on=False, **style)
+    axes.text(length / 2.0 - wide, y, f"{length:g} m", fontsize=9, ha="center", va="bottom")
+    axes.set_xlim(-wide, wide)
+    axes.set_ylim(-high, high)
 
 
-def _scale(figure: Any, camera: Camera, wide: int, high: int) -> _Box:
-    """A scale bar, and what it takes of the picture: lengths square to the line of sight are true."""
-    from matplotlib.lines import Line2D
-
-    per_pixel = camera.height / high
-    length = nice(0.22 * wide * per_pixel)
-    begin, y = 20.0, _BOTTOM + 8.0
-    end = begin + length / per_pixel
-    for x in ((begin, end), (begin, begin), (end, end)):
-        ys = (y, y) if x[0] != x[1] else (y - 4, y + 4)
-        figure.add_artist(Line2D([part / _WIDTH for part in x], [part / _HEIGHT for part in ys], color="black", lw=1.6))
-    figure.text((begin + end) / 2 / _WIDTH, (y + 6) / _HEIGHT, f"{length:g} m", fontsize=9, ha="center", va="bottom",
-                bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8, "alpha": 0.75})  # fmt: skip
-    return begin - 4, y - 6, max(end, begin + 50.0) + 4, y + 26
-
-
-def _compass(figure: Any, camera: Camera) -> None:
-    """North, east and up as they lie in the picture, at the lower right, each name beyond its arrow."""
-    from matplotlib.patches import FancyArrowPatch
-    from matplotlib.transforms import IdentityTransform
-
-    middle = (_WIDTH - _SIDE / 2, _BOTTOM + _COMPASS)
-    axes = [("N", (0.0, 1.0, 0.0), "#b5281e"), ("up", (0.0, 0.0, 1.0), "#444444"), ("E", (1.0, 0.0, 0.0), "#444444")]
-    for name, way, colour in axes:
-        across, above, toward = (float(np.array(way) @ part) for part in (camera.right, camera.up, camera.eye))
-        size = math.hypot(across, above)
-        x, y = middle[0], middle[1] - _BELOW_COMPASS
+def _compass(axes: Any, camera: Camera) -> None:
+    """North, east and up as they lie in the picture, at the right of its foot; what points end-on is named beneath."""
+    inset = axes.inset_axes((1.02, 0.0, 0.16, 0.2))
+    inset.axis("off")
+    inset.set(xlim=(-1.5, 1.5), ylim=(-1.5, 1.5), aspect="equal")
+    ways = (("N", (0.0, 1.0, 0.0), "#b5281e"), ("up", (0.0, 0.0, 1.0), _QUIET), ("E", (1.0, 0.0, 0.0), _QUIET))
+    for name, way, colour in ways:
+        x, y, toward = (float(np.array(way) @ part) for part in (camera.right, camera.up, camera.eye))
+        size = math.hypot(x, y)
         if size < _END_ON:
-            name = f"{name} {'toward you' if toward > 0 else 'into the picture'}"
-        else:
-            tip = (middle[0] + _REACH * across, middle[1] + _REACH * above)
-            figure.add_artist(FancyArrowPatch(
-                middle, tip, arrowstyle="-|>", mutation_scale=11, color=colour, lw=1.6, shrinkA=0, shrinkB=0,
-                transform=IdentityTransform(),
-            ))  # fmt: skip
-            x, y = tip[0] + _BEYOND * across / size, tip[1] + _BEYOND * above / size
-        figure.text(x / _WIDTH, y / _HEIGHT, name, ha="center", va="center", fontsize=9.5 if len(name) < 3 else 8,
-                    color=colour, weight="bold" if name == "N" else "normal", gid="compass")  # fmt: skip
+            said = f"{name} {'toward you' if toward > 0 else 'into the picture'}"
+            inset.text(0.0, -0.4, said, ha="center", va="top", fontsize=8, color=colour)
+            continue
+        inset.annotate("", (x, y), (0.0, 0.0), arrowprops={"arrowstyle": "-|>", "color": colour, "shrinkA": 0})
+        out = 1.0 + 0.3 / size
+        inset.text(out * x, out * y, name, ha="center", va="center", fontsize=9.5, color=colour)
+
+
+def _write_labels(axes: Any, picture: Picture, camera: Camera, wide: float, high: float) -> None:
+    """Labels where they cover no other; how many found no room is said."""
+    taken = list[_Box]()
+    lift = 0.08 * high if picture.beside else 0.0
+    for point, text in picture.labels:
+        x, y = camera.seen(point)
+        half, tall = 2.0 * wide * _LABEL[0] * (len(text) + 1), high * _LABEL[1]
+        box = (x - half, y + lift - tall, x + half, y + lift + tall)
+        if max(map(abs, box[::2])) > wide or max(map(abs, box[1::2])) > high:
+            continue
+        if any(_overlap(box, other) for other in taken):
+            continue
+        taken.append(box)
+        if picture.beside:
+            axes.plot([x, x], [y, y + lift], color="#222222", linewidth=0.9, marker="o", markersize=3, markevery=[0])
+        axes.text(x, y + lift, text, fontsize=8, ha="center", va="center", bbox=drawing.BOX)
+    if left := len(picture.labels) - len(taken):
+        axes.text(wide, -1.03 * high, f"{left} names left out: no room", fontsize=7.5, ha="right", color=_QUIET)
 
 
 def _overlap(one: _Box, other: _Box) -> bool:
     return one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3]
-
-
-def _write_labels(figure: Any, picture: Picture, camera: Camera, wide: int, high: int, scale: _Box) -> None:
-    """Labels where they cover no other, nor the scale; how many found no room is said."""
-    from matplotlib.lines import Line2D
-
-    taken = [scale, (wide - 160.0, _BOTTOM + 0.0, wide + 0.0, _BOTTOM + 20.0)]
-    left = 0
-    lifted = 26.0 if picture.beside else 0.0
-    for point, text in picture.labels:
-        across, above = camera.seen(point)
-        x = wide / 2 + across / camera.height * high
-        y = _BOTTOM + high / 2 + above / camera.height * high
-        half, tall = 3.3 * len(text) + 2, 7.0
-        box = (x - half, y + lifted - tall, x + half, y + lifted + tall)
-        inside = box[0] > 0 and box[2] < wide and box[1] > _BOTTOM and box[3] < _BOTTOM + high
-        if not inside or any(_overlap(box, other) for other in taken):
-            left += 1
-            continue
-        taken.append(box)
-        if picture.beside:
-            ends = [y / _HEIGHT, (y + lifted) / _HEIGHT]
-            figure.add_artist(Line2D([x / _WIDTH] * 2, ends, color="#222222", lw=0.9, marker="o", ms=3, markevery=[0]))
-        figure.text(x / _WIDTH, (y + lifted) / _HEIGHT, text, fontsize=8, ha="center", va="center",
-                    bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.8})  # fmt: skip
-    if left:
-        figure.text((wide - 6) / _WIDTH, (_BOTTOM + 6) / _HEIGHT, f"{left} names left out: no room", fontsize=7.5,
-                    ha="right", color="#666666")  # fmt: skip
 
 
 # -- GLB and glTF -----------------------------------------------------------------------------------------------------

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field
-from typing import Any
 
 import numpy as np
 
@@ -61,10 +60,17 @@ class Scenery:
         self.layers.append(blocks_layer(name, stage.scene.shapes, chosen, colours, offset, opacity))
 
     def add(
-        self, name: str, body: Sequence[Any], colour: Colour, said: str = "", *, opacity: float = 1.0, front: int = 0
+        self,
+        name: str,
+        body: tuple[Floats, Ints],
+        colour: Colour,
+        said: str = "",
+        *,
+        opacity: float = 1.0,
+        front: int = 0,
     ) -> None:
-        """A body, vertices and triangles first, in one colour, and what the legend says of it."""
-        self.layers.append(layer(name, (body[0], body[1]), colour, opacity, front=front))
+        """A body, its vertices and triangles, in one colour, and what the legend says of it."""
+        self.layers.append(layer(name, body, colour, opacity, front=front))
         if said:
             self.legend.append((said, colour, opacity))
 

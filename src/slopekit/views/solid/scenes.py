@@ -64,23 +64,11 @@ _ASIDE = 0.05  # of the size: how far before the block the height stands
 _SAME = 1e-4  # of the size: what was measured, found again
 
 
-@dataclass(frozen=True, slots=True)
-class Dimension:
-    """A length from one point (3,) to another, as it is called; `at` (3,) is where its number stands."""
-
-    name: str
-    length_m: float
-    start: Floats
-    end: Floats
-    at: Floats
-
-    @property
-    def text(self) -> str:
-        """Its number."""
-        return f"{self.name} {self.length_m:.4g} m"
+#: A length as it is called, the two points (3,) that it lies between, and where its number stands.
+_Dimension = tuple[str, Floats, Floats, Floats]
 
 
-def dimensions(stage: Stage) -> list[Dimension]:
+def dimensions(stage: Stage) -> list[_Dimension]:
     """Setback, face width and height of the block, of many blocks of those that move first, as far as they are known.
 
     The numbers are those of the result; the ends are corners of the blocks, or lie square to the crest from one.
@@ -92,18 +80,19 @@ def dimensions(stage: Stage) -> list[Dimension]:
     if height is None or not len(corners):
         return []
     out, size = _square_to_crest(stage), float(np.ptp(corners, axis=0).max())
-    depth, measures = corners @ out, []
+    depth, measures = corners @ out, list[_Dimension]()
     if setback:
         behind = depth.min() if (crest := _crest_of_columns(stage)) is None else -crest - setback
         back = corners[np.abs(depth - behind) < _SAME * size]
         back = back[back[:, 2] > back[:, 2].max() - _SAME * size].mean(axis=0)
-        measures.append(Dimension("setback", setback, back, back + setback * out, back + 0.55 * setback * out))
+        at = back + 0.55 * setback * out
+        measures.append((f"setback {setback:.4g} m", back, back + setback * out, at))
     if width:
         start, end = _across(corners, out, depth.min() + (setback or 0.0), width, size)
-        measures.append(Dimension("width", width, start, end, start + 0.3 * (end - start)))
+        measures.append((f"width {width:.4g} m", start, end, start + 0.3 * (end - start)))
     foot = corners[np.argmin(corners[:, 2])] + _ASIDE * size * out
     top = foot + np.array([0.0, 0.0, height])
-    return [*measures, Dimension("height", height, foot, top, foot + 0.45 * (top - foot))]
+    return [*measures, (f"height {height:.4g} m", foot, top, foot + 0.45 * (top - foot))]
 
 
 def _across(corners: Floats, out: Floats, crest: float, width: float, size: float) -> tuple[Floats, Floats]:
@@ -118,16 +107,16 @@ def _across(corners: Floats, out: Floats, crest: float, width: float, size: floa
     return low, low + np.ptp(across) * along
 
 
-def lines(stage: Stage, measures: Sequence[Dimension]) -> list[Layer]:
+def lines(stage: Stage, measures: Sequence[_Dimension]) -> list[Layer]:
     """Dimensions as thin lines with their ends."""
     if not measures:
         return []
-    starts, ends = np.array([one.start for one in measures]), np.array([one.end for one in measures])
+    starts, ends = np.array([start for _, start, _, _ in measures]), np.array([end for _, _, end, _ in measures])
     size = min(stage.size, 2.0 * float(np.sqrt(((ends - starts) ** 2).sum(axis=1)).max()))
     balls = spheres(np.concatenate([starts, ends]), _END * size)
     return [
         layer("dimensions", rods(starts, ends, _THIN * size), DARK, front=2),
-        layer("dimensions: ends", (balls[0], balls[1]), DARK, front=2),
+        layer("dimensions: ends", balls, DARK, front=2),
     ]
 
 
@@ -225,7 +214,7 @@ def _scene(stage: Stage, _: int) -> Picture:
     seen.bolts()
     measured = dimensions(stage)
     seen.layers += lines(stage, measured)
-    return seen.picture("scene", labels=[*((one.at, one.text) for one in measured), *seen.names()])
+    return seen.picture("scene", labels=[*((at, text) for text, _, _, at in measured), *seen.names()])
 
 
 def _exploded(stage: Stage, _: int) -> Picture:
@@ -240,7 +229,7 @@ def _exploded(stage: Stage, _: int) -> Picture:
         if stage.in_section:
             moved[shapes.fixed] = 0.0
         middle = "the middle of the bedrock" if shapes.fixed.any() else "the middle"
-        note = f"blocks moved _EXPLODED by {_EXPLODED:g} of their distance from {middle}"
+        note = f"blocks moved apart by {_EXPLODED:g} of their distance from {middle}"
     seen.legend += seen.block_legend(bool(seen.layers))
     colours = stage.block_colours()
     colours[shapes.fixed] = ROCK
