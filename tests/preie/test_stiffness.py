@@ -62,8 +62,13 @@ def stiffness_of(model: AssemblyModel, symmetric: bool, seed: int) -> np.ndarray
 
 
 @pytest.fixture(autouse=True)
-def small_pieces(monkeypatch, kernels) -> None:
-    """Pieces of two blocks in space, four in a section, so that small models make trees of many fronts."""
+def small_pieces(monkeypatch, kernels, request) -> None:
+    """Pieces of two blocks in space, four in a section, so that small models make trees of many fronts.
+
+    Fronts are compiled ones: without kernels the band is what there is.
+    """
+    if kernels == "numpy" and any(word in request.node.name for word in ("Fronts", "pivots", "factors_go")):
+        pytest.skip("fronts are compiled")
     monkeypatch.setattr(fronts, "_LEAF", 12)
 
 
@@ -155,13 +160,14 @@ def test_pivots_that_a_front_does_not_have_are_found_in_the_band(monkeypatch) ->
         SparseStiffness(model, Fronts).factored(stiffness, 0.0, False)
 
 
-def test_long_models_take_the_band_small_ones_are_dense_and_broad_ones_are_dissected() -> None:
+def test_long_models_take_the_band_small_ones_are_dense_and_broad_ones_are_dissected(kernels) -> None:
     def chosen(scene: Scene) -> type:
         return type(SparseStiffness(scene.model(30.0)).plans[True].way)
 
     assert chosen(columns()) is Dense
     assert chosen(stack(200)) is Band
-    assert chosen(boxes_in_space((9, 9, 9), (1.0, 1.0, 1.0), 10.0, 0.1)) is Fronts
+    broad = chosen(boxes_in_space((9, 9, 9), (1.0, 1.0, 1.0), 10.0, 0.1))
+    assert broad is (Band if kernels == "numpy" else Fronts)
 
 
 def test_a_band_does_not_grow_with_the_length_of_a_wall() -> None:

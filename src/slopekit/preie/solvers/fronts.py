@@ -1,10 +1,9 @@
-"""The stiffness of an assembly factorised by fronts: multifrontal (Duff & Reid 1983), by nested dissection."""
+"""The stiffness of an assembly factorised by compiled fronts: multifrontal (Duff & Reid 1983), nested dissection."""
 
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from scipy.linalg import blas, lapack
 
 from slopekit.core.arrays import Floats, Ints
 from slopekit.preie.kernels import compiled
@@ -12,9 +11,8 @@ from slopekit.preie.solvers.dissection import along_joints, dissection, touching
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.tolerances import PIVOT_GROWTH
 
-_LEAF = 96  # unknowns of pieces that are not halved again: half or twice as many take a tenth more time
-_FRONT, _COMPILED_FRONT = 50e-6, 3e-6  # s that a front takes beside its work
-FINER = 4  # times smaller are pieces, and dissected is what takes so much less time, with compiled kernels
+_LEAF = 24  # unknowns of pieces that are not halved again: half or twice as many take a tenth more time
+_FRONT = 3e-6  # s that a front takes beside its work
 
 Solver = Callable[[Floats], Floats]
 
@@ -28,9 +26,8 @@ class Fronts:
 
     def __init__(self, model: AssemblyModel, symmetric: bool) -> None:
         u = model.unknowns
-        leaf = _LEAF if compiled() is None else _LEAF // FINER
         # at least two blocks: halves of two would never be done, a cut beyond the second is the cheapest
-        self._laid_out(touching_blocks(model), along_joints(model), max(leaf // u, 2), u, symmetric)
+        self._laid_out(touching_blocks(model), along_joints(model), max(_LEAF // u, 2), u, symmetric)
 
     @classmethod
     def of_graph(cls, edges: Ints, coordinates: Floats, leaf: int, unknowns: int) -> "Fronts":
@@ -71,24 +68,14 @@ class Fronts:
         self.starts, self.own, self.others, self.offsets = starts * u, own, others, offsets[:-1]
         self.later_keys = np.concatenate([front * n + blocks for front, blocks in enumerate(later)])
         self.later_first = np.cumsum(others // u) - others // u
-        if self._kernels is not None:
-            self._compiled = self._for_kernels(counts, children, later)
-        self.fronts = [] if self._kernels is not None else [
-            (
-                int(starts[i] * u), int(own[i]), int(others[i]), int(offsets[i]),
-                (later[i][:, None] * u + np.arange(u)).ravel(),
-                [(child, *_runs(later[child], later[i], int(starts[i]), int(ends[i]), u)) for child in children[i]],
-            )
-            for i in range(len(counts))
-        ]  # fmt: skip
+        self._compiled = None if self._kernels is None else self._for_kernels(counts, children, later)
         updates = others * others
         taken = np.array([int(updates[below].sum()) for below in children])
         self.bytes = 8 * (self.size + int((np.cumsum(updates) - np.cumsum(taken) + taken).max()))
         p, q = own.astype(float), others.astype(float)
         self.flops = float((p**3 / 3.0 + p * p * q + p * q * q).sum())
         work, moved = (1.0 if symmetric else 2.0) * np.array([self.flops, float((q * q).sum())])
-        each = _FRONT if self._kernels is None else _COMPILED_FRONT
-        self.seconds = float(work) / 30e9 + float(moved) * 3e-9 + each * len(counts)  # with two solutions
+        self.seconds = float(work) / 30e9 + float(moved) * 3e-9 + _FRONT * len(counts)  # with two solutions
 
     def _for_kernels(self, counts: Ints, children: list[list[int]], later: list[Ints]) -> Any:
         """The fronts as the compiled kernels take them."""
@@ -107,19 +94,6 @@ class Fronts:
             np.array([child for below in children for child in below], dtype=np.int64), np.concatenate(later), place,
         )  # fmt: skip
 
-    def _factored_by_kernels(self, entries: Floats) -> Solver | None:
-        kernels, fronts, pivots = self._kernels, self._compiled, np.empty(len(self.place) * self.u, dtype=np.intc)
-        if not kernels.factored(fronts, PIVOT_GROWTH, entries, pivots):
-            return None
-
-        def solve(right: Floats) -> Floats:
-            solution = right.T.copy()
-            for one in solution if solution.ndim == 2 else solution[None]:
-                kernels.solved(fronts, entries, pivots, one)
-            return solution.T
-
-        return solve
-
     def at(self, row: Ints, column: Ints) -> Ints:
         """Where entries of K are stored."""
         lower = row >= column
@@ -134,77 +108,18 @@ class Fronts:
         return at
 
     def factored(self, entries: Floats) -> Solver | None:
-        """A solver, or None where K is singular or not positive definite; `entries` are lost."""
-        if self._kernels is not None:
-            return self._factored_by_kernels(entries)
-        symmetric, done = self.symmetric, []
-        updates: dict[int, Floats] = {}
-        for i, (start, p, q, at, later, children) in enumerate(self.fronts):
-            own = entries[at : at + p * p].reshape(p, p).T
-            at += p * p
-            below = entries[at : at + p * q].reshape(p, q).T
-            beside = below if symmetric else entries[at + p * q : at + 2 * p * q].reshape(p, q).T
-            rest = np.zeros((q, q)).T
-            for child, inside, outside in children:
-                more = updates.pop(child)
-                for k, (a, b, c, d) in enumerate(inside):
-                    for e, f, g, h in inside[k if symmetric else 0 :]:
-                        own[g:h, c:d] += more[e:f, a:b]
-                    for e, f, g, h in outside:
-                        below[g:h, c:d] += more[e:f, a:b]
-                        if not symmetric:
-                            beside[g:h, c:d] += more[a:b, e:f].T
-                for k, (a, b, c, d) in enumerate(outside):
-                    for e, f, g, h in outside[k if symmetric else 0 :]:
-                        rest[g:h, c:d] += more[e:f, a:b]
-            if symmetric:
-                factor, info = lapack.dpotrf(own, lower=1, clean=0, overwrite_a=1)
-                swaps = None
-            else:
-                factor, pivots, info = lapack.dgetrf(own, overwrite_a=1)
-                swaps = _swapped(pivots)
-            if info:
-                return None
-            if q and symmetric:
-                below = blas.dtrsm(1.0, factor, below, side=1, lower=1, trans_a=1, overwrite_b=1)
-                updates[i] = blas.dsyrk(-1.0, below, 1.0, rest, lower=1, overwrite_c=1)
-                beside = below
-            elif q:
-                below = blas.dtrsm(1.0, factor, below, side=1, overwrite_b=1)
-                if not np.abs(below).max() < PIVOT_GROWTH:
-                    return None
-                beside[:] = beside[:, swaps]
-                beside = blas.dtrsm(1.0, factor, beside, side=1, lower=1, trans_a=1, diag=1, overwrite_b=1)
-                updates[i] = blas.dgemm(-1.0, below, beside, 1.0, rest, trans_b=1, overwrite_c=1)
-            done.append((start, start + p, later, factor, swaps, below, beside))
+        """A solver, or None where K is singular or not positive definite, or no kernel is there; `entries` are lost."""
+        kernels, fronts, pivots = self._kernels, self._compiled, np.empty(len(self.place) * self.u, dtype=np.intc)
+        if kernels is None or not kernels.factored(fronts, PIVOT_GROWTH, entries, pivots):
+            return None
 
         def solve(right: Floats) -> Floats:
-            solution = right.copy()
-            unit = 0 if symmetric else 1
-            for start, end, later, factor, swaps, below, _ in done:
-                own = solution[start:end]
-                if swaps is not None:
-                    own[:] = own[swaps]
-                blas.dtrsv(factor, own, lower=1, diag=unit, overwrite_x=1)
-                if len(later):
-                    solution[later] -= below @ own
-            for start, end, later, factor, _, _, beside in reversed(done):
-                own = solution[start:end]
-                if len(later):
-                    own -= solution[later] @ beside
-                blas.dtrsv(factor, own, lower=1 - unit, trans=1 - unit, overwrite_x=1)
-            return solution
+            solution = right.T.copy()
+            for one in solution if solution.ndim == 2 else solution[None]:
+                kernels.solved(fronts, entries, pivots, one)
+            return solution.T
 
-        # dtrsv is 4 to 6 times as fast as dtrsm of two columns
-        return lambda right: solve(right) if right.ndim == 1 else np.stack([solve(b) for b in right.T], axis=1)
-
-
-def _swapped(pivots: Ints) -> Ints:
-    """The order that LAPACK's row exchanges end in."""
-    order = list(range(len(pivots)))
-    for k, other in enumerate(pivots.tolist()):
-        order[k], order[other] = order[other], order[k]
-    return np.array(order)
+        return solve
 
 
 def _places_in_turn(sizes: list[int], children: list[list[int]]) -> tuple[Ints, int]:
@@ -224,18 +139,3 @@ def _places_in_turn(sizes: list[int], children: list[list[int]]) -> tuple[Ints, 
         for child in children[front]:
             del live[child]
     return places, most
-
-
-def _runs(blocks: Ints, later: Ints, start: int, end: int, u: int) -> tuple[Any, Any]:
-    """Where unknowns of `blocks` are among those of a front, [start, end), and among its `later` ones.
-
-    As runs (from, to, there from, there to), first those among its own. There are 4 to 7 of a child, about as many as
-    it touches separators: adding slices, 1 ns an entry, beats indices, 3 ns.
-    """
-    own = blocks < end
-    at = np.where(own, blocks - start, np.searchsorted(later, blocks))
-    breaks = np.flatnonzero((np.diff(at) != 1) | (own[1:] != own[:-1])) + 1
-    first, last = np.concatenate([[0], breaks]), np.append(breaks, len(blocks))
-    runs = np.stack([first, last, at[first], at[first] + last - first], axis=1) * u
-    inside = own[first]
-    return runs[inside].tolist(), runs[~inside].tolist()

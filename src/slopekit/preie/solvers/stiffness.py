@@ -14,12 +14,9 @@ wall 50 x 100           15075                 36 (75)        25 (46)
 bench of 7,251          43506                 3200 (-)       710 (1330)
 ===================  ========  =============  =============  =============
 
-With compiled kernels the fronts of 304 blocks take 2.1 (3.0) ms for 5.1 (6.9), those of 4,860 boxes 0.55 (1.1) s for
-1.1 (1.6).
-
-Dense and band are LAPACK's. The third is multifrontal (Duff & Reid 1983) by nested dissection (George 1973): blocks are
-halved by a least set of blocks between the halves, and so on; halves first, what separates them last, each in a dense
-matrix of its own.
+Dense and band are LAPACK's. The third needs compiled kernels, with which its 304 blocks take 2.1 (3.0) ms; the table is
+NumPy's. It is multifrontal (Duff & Reid 1983) by nested dissection (George 1973): blocks are halved by a least set of
+blocks between the halves, and so on; halves first, what separates them last, each in a dense matrix of its own.
 """
 
 from typing import Any
@@ -33,14 +30,14 @@ from slopekit.core.arrays import Floats, Ints
 from slopekit.core.errors import Fault, SolverError
 from slopekit.preie.kernels import compiled
 from slopekit.preie.solvers.dissection import touching_blocks
-from slopekit.preie.solvers.fronts import FINER, Fronts, Solver
+from slopekit.preie.solvers.fronts import Fronts, Solver
 from slopekit.preie.solvers.work_limit import SECOND, factorisation, spend
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.patterns import compiled_contacts
 
 _MOST_BYTES = 900_000_000  # of the factors of one model: what needs more is refused
 _DENSE = 60  # unknowns from which the narrowest band is as fast, and the widest not slower
-_DISSECT = 4e-3  # s a factorisation in a band takes, below which a dissection does not pay
+_DISSECT = 1e-3  # s a factorisation in a band takes, below which a dissection does not pay
 
 
 class SparseStiffness:
@@ -132,7 +129,7 @@ class SparseStiffness:
         if self.model.load.size <= _DENSE:
             return Dense(self.model, symmetric)
         band = Band(self.model, symmetric)
-        if band.seconds < _DISSECT / (1 if self.contacts is None else FINER):
+        if band.seconds < _DISSECT or self.contacts is None:
             return _fitting(band)
         fronts = Fronts(self.model, symmetric)
         return _fitting(fronts if fronts.seconds < band.seconds else band)

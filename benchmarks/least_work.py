@@ -1,4 +1,4 @@
-"""The mechanism that costs least: one convex program in the block velocities.
+"""A rival: the mechanism of least work for frozen friction, one convex program in the velocities of a block.
 
 For frozen friction forces r and tan ψ (the tangent of the dilation) it finds
 
