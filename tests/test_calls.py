@@ -185,7 +185,7 @@ def test_a_template_is_no_file_and_how_to_get_one_is_said(call) -> None:
 def test_advice_leads_somewhere() -> None:
     with pytest.raises(sk.DesignError) as caught:
         sk.sweep(sk.load(DESIGN), {}, fso=1.3)
-    assert caught.value.faults[0].advice == "It takes design, keys, methods=, fos=, jobs=, scheduler=."
+    assert caught.value.faults[0].advice == "It takes design, keys, closed_form=, fos=, jobs=, scheduler=."
 
 
 @pytest.mark.slow
