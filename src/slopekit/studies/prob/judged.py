@@ -370,6 +370,12 @@ def notices_of(
             )
         return
     yield from confirmation_notices(confirmation, "samples")
+    if confirmation.governed:
+        yield Notice(
+            "W353",
+            f"moments govern in {confirmation.governed} of {confirmation.at_random} samples at random: there the "
+            "closed form is too high; --by pre-ie asks PRE-IE of every sample",
+        )
 
 
 def confirmation_notices(confirmation: Confirmation, called: str) -> Iterator[Notice]:
@@ -380,12 +386,6 @@ def confirmation_notices(confirmation: Confirmation, called: str) -> Iterator[No
         yield Notice("W350", f"PRE-IE gave no answer for {open_ones} of the {confirmation.samples} {called} it was "
                      f"asked of ({codes}): they confirm nothing; the upper limit with PRE-IE's judgement takes "
                      "them for failures")  # fmt: skip
-    if confirmation.governed:
-        yield Notice(
-            "W353",
-            f"moments govern in {confirmation.governed} of {confirmation.at_random} {called} at random: there the "
-            "closed form is too high",
-        )
     if confirmation.unsafe:
         yield Notice("W353", f"{confirmation.unsafe} of {confirmation.samples} {called} fail by PRE-IE and stand by "
                      "the closed form: judge by PRE-IE")  # fmt: skip
