@@ -35,7 +35,8 @@ for outcome, count in pairs.counts.items():
     if count:
         print(f"  {outcome.replace('_', ' '):20s}{count:6d}")
 target = pairs.target
-print(f"{target.below} of {pairs.removable} removable wedges lie below 1.3, the largest has {target.largest_m3:.0f} m³")
+print(f"{target['below']} of {pairs.removable} removable wedges lie below 1.3, the largest has "
+      f"{target['largest_volume_m3']:.0f} m³")  # fmt: skip
 
 print(f"\n{'worst pairs':14s}{'status':16s}{'closed form':>12s}{'PRE-IE':>9s}{'m³':>8s}")
 for pair in pairs.worst:
@@ -48,6 +49,6 @@ print(
 
 # What the length of the joints is worth: the same slope where they reach from toe to crest.
 full = sk.combos(JOINTS, **SLOPE, top=0).target
-print(f"\nwithout the limit of 12 m: {full.below} below 1.3, the largest has {full.largest_m3:.0f} m³")
+print(f"\nwithout the limit of 12 m: {full['below']} below 1.3, the largest has {full['largest_volume_m3']:.0f} m³")
 
-assert target.below == 267
+assert target["below"] == 267

@@ -92,7 +92,7 @@ def _part(n: int) -> _Part:
     return part
 
 
-def _put(part: _Part, those: Ints, **values: Floats | Bools) -> _Part:
+def _with_blocks(part: _Part, those: Ints, **values: Floats | Bools) -> _Part:
     """A mode with what forms at some of its places."""
     part["forms"][those] = True
     for name, own in values.items():
@@ -134,7 +134,7 @@ def _wedges(asked: BenchInputs, trials: Trials, height: float, face: float) -> _
     those, scales = those[kept], scale[those][kept]
     factor, fails = _judged(WEDGE_OUTCOMES, wedges.outcome[kept], wedges.factor[kept], asked.number("fos"))
     volume = whole.volume_m3[those] * scales**3
-    return _put(
+    return _with_blocks(
         _part(len(trials)), those, fails=fails, factor=factor, block_height_m=heights[those],
         setback_m=whole.setback_m[those] * scales, volume_m3=volume,
         spill_m=cone_spill_width(volume, face, asked.number("repose"), asked.number("swell")),
@@ -165,7 +165,7 @@ def _planes(asked: BenchInputs, trials: Trials, height: float, face: float) -> _
     those, scales = those[kept], scale[those][kept]
     factor, fails = _judged(PLANE_OUTCOMES, blocks.outcome[kept], blocks.factor[kept], asked.number("fos"))
     area = whole.area_m2[those] * scales**2
-    return _put(
+    return _with_blocks(
         _part(len(trials)), those, fails=fails, factor=factor, block_height_m=heights[kept],
         setback_m=whole.setback_m[those] * scales, volume_m3=area * asked.step_m(height),
         spill_m=prism_spill_width(area, face, asked.number("repose"), asked.number("swell")),
@@ -200,7 +200,7 @@ def _columns(asked: BenchInputs, trials: Trials, height: float, face: float) -> 
             factor = np.where(known, 1.0 / rows.slenderness, np.nan)
         turns = known & (factor < asked.number("fos")) & (rows.columns > 0.0)
         some = those[held]
-        _put(
+        _with_blocks(
             part, some, fails=turns[held], factor=factor[held], block_height_m=heights[some],
             setback_m=rows.setback_m[held], volume_m3=rows.area_m2[held] * asked.step_m(height),
             spill_m=prism_spill_width(rows.area_m2[held], face, asked.number("repose"), asked.number("swell")),

@@ -370,6 +370,12 @@ def notices_of(
             )
         return
     yield from confirmation_notices(confirmation, "samples")
+    if confirmation.governed:
+        yield Notice(
+            "W353",
+            f"moments govern in {confirmation.governed} of {confirmation.at_random} samples at random: there the "
+            "closed form is too high; --by pre-ie asks PRE-IE of every sample",
+        )
 
 
 def confirmation_notices(confirmation: Confirmation, called: str) -> Iterator[Notice]:
@@ -380,29 +386,22 @@ def confirmation_notices(confirmation: Confirmation, called: str) -> Iterator[No
         yield Notice("W350", f"PRE-IE gave no answer for {open_ones} of the {confirmation.samples} {called} it was "
                      f"asked of ({codes}): they confirm nothing; the upper limit with PRE-IE's judgement takes "
                      "them for failures")  # fmt: skip
-    if confirmation.governed:
-        yield Notice(
-            "W353",
-            f"moments govern in {confirmation.governed} of {confirmation.at_random} {called} at random: there the "
-            "closed form is too high",
-        )
     if confirmation.unsafe:
         yield Notice("W353", f"{confirmation.unsafe} of {confirmation.samples} {called} fail by PRE-IE and stand by "
                      "the closed form: judge by PRE-IE")  # fmt: skip
 
 
-def confirmation_words(confirmation: Confirmation, called: str, target: float) -> list[str]:
+def confirmation_words(checked: Confirmation, called: str, target: float) -> list[str]:
     """What PRE-IE was asked of, how far the methods agree, and what it judges otherwise than the closed form."""
-    one = confirmation
-    words = [f"{one.agree} agree", f"{one.disagree} DISAGREE" if one.disagree else "0 disagree"]
-    words += [f"{one.not_compared} not compared"] if one.not_compared else []
-    words += [f"{one.samples - one.settled} WITHOUT ANSWER"] if one.unsettled else []
-    largest = "" if one.largest is None else f"; largest difference {one.largest * 100:.2g} %"
-    most = number(float(f"{100.0 * one.other_at_most:.2g}"))
+    words = [f"{checked.agree} agree", f"{checked.disagree} DISAGREE" if checked.disagree else "0 disagree"]
+    words += [f"{checked.not_compared} not compared"] if checked.not_compared else []
+    words += [f"{checked.samples - checked.settled} WITHOUT ANSWER"] if checked.unsettled else []
+    largest = "" if checked.largest is None else f"; largest difference {checked.largest * 100:.2g} %"
+    most = number(float(f"{100.0 * checked.other_at_most:.2g}"))
     return [
-        f"{one.samples} {called}: {one.at_random} at random, all {one.near} within {one.within * 100:g} % of "
-        f"F = {target:g}",
-        f"{', '.join(words)}{largest}; moments govern in {one.governed} of {one.at_random} at random",
-        f"judged otherwise: {one.unsafe} fail by PRE-IE only, {one.safe} by the closed form only; of all {called} at "
-        f"most {most} % (upper limit, from those at random)",
+        f"{checked.samples} {called}: {checked.at_random} at random, all {checked.near} within "
+        f"{checked.within * 100:g} % of F = {target:g}",
+        f"{', '.join(words)}{largest}; moments govern in {checked.governed} of {checked.at_random} at random",
+        f"judged otherwise: {checked.unsafe} fail by PRE-IE only, {checked.safe} by the closed form only; of all "
+        f"{called} at most {most} % (upper limit, from those at random)",
     ]

@@ -36,7 +36,7 @@ _SAMPLING = {"monte-carlo": "Monte Carlo", "latin-hypercube": "Latin hypercube"}
 
 def sheet_of(study: Probability) -> Sheet:
     """The sheet of a study of probability."""
-    asked, summary, scaled = study.asked, study.summary, study.scaled_down
+    asked, summary, scaled, by_pre_ie = study.asked, study.summary, study.scaled_down, _pre_ie(study)
     samples = f"{len(study.samples.values)} by {_SAMPLING[asked.method]}, seed {asked.seed}; {study.judged.evaluator}"
     times = "  ".join(f"{name} {value:.3g} s" for name, value in study.timing_s.items())
     return Sheet(head(study.design, "prob"), (
@@ -49,7 +49,7 @@ def sheet_of(study: Probability) -> Sheet:
         Section("FoS", [] if summary is None else [_mean(summary, asked.target)]),
         Section("SENSITIVITY", [_matters(study.sensitivities[:_FEW])]),
         Section("SIZE", [f"limits of size: {counted(scaled, 'sample')} made smaller"] if scaled else []),
-        Section("PRE-IE", _pre_ie(study)[:2], details=_pre_ie(study)[2:]),
+        Section("PRE-IE", by_pre_ie[:2], details=by_pre_ie[2:]),
         Section("ACCEPT", _accept(study)),
         Section("TIME", [times]),
         Section("NOTE", [str(notice) for notice in study.warnings]),

@@ -100,7 +100,7 @@ def _case(support: Support, case: BoltCase) -> list[str]:
     by = f"{_size(closed)} {unit} (closed form)" if closed is not None else "not reached by the closed form"
     if limit is not None:
         by += f", {_size(limit.force)} (PRE-IE)" if limit.force is not None else ", not reached by PRE-IE"
-    by += f"; to use: {_size(case.force)}" if case.force is not None else ""
+    by += f"; to use: {_size(case.force)}" if _size(case.force) not in ("", _size(closed)) else ""
     lines = [f"{chosen} {line_in_words(case.toward)}: {by}", *notices]
     if case.layout is None or case.each is None:
         return lines

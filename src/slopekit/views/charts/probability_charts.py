@@ -86,10 +86,10 @@ def _words(document: Document) -> str:
         lines.insert(0, "{} % ({} to {} %) by {}: judge by this; by the closed form".format(*shown, lead["by"]))
     if forming["of"] != every["of"]:
         lines.append(f"of those that form a block: {_percent(forming)}")
-    beyond = (
-        f"; beyond the bars: {bins['below']} lower, {bins['above']} higher" if bins["below"] or bins["above"] else ""
-    )
-    return "\n".join([*lines, f"{document['n']} samples, {document['fos']['samples']} with a factor of safety{beyond}"])
+    lines.append(f"{document['n']} samples, {document['fos']['samples']} with a factor of safety")
+    if bins["below"] or bins["above"]:
+        lines[-1] += f"; beyond the bars: {bins['below']} lower, {bins['above']} higher"
+    return "\n".join(lines)
 
 
 def _percent(share: Document) -> str:

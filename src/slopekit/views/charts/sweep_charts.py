@@ -47,8 +47,11 @@ _BRIEF = {
 
 def _read(document: Document) -> tuple[list[Line], tuple[Method, ...]]:
     """The points of a sweep as `lines_of` has them, and the methods that were asked and are there."""
-    points = [Point.from_record(record) for record in document["points"]]
-    return lines_of(points, *(key["values"] for key in document["keys"])), asked_of(document["methods"], points)
+    points, values = [Point.from_record(one) for one in document["points"]], [key["values"] for key in document["keys"]]
+    needed = math.prod(map(len, values))
+    if len(points) != needed:
+        raise ValueError(f"{len(points)} points for {needed} values")
+    return lines_of(points, *values), asked_of(document["methods"], points)
 
 
 def draw_curve(figure: Any, document: Document) -> None:
