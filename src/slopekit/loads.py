@@ -126,8 +126,8 @@ class Hull:
 
     def meets(self, head: Floats, direction: Floats) -> tuple[float | None, bool]:
         """How far (m) from a head sound rock begins, None where a bolt misses the block; whether it is anchored."""
-        passage = self.passage(head[None, :], direction)
-        return float(passage.sound[0]) if passage.meets[0] else None, bool(passage.is_anchored[0])
+        sound, is_anchored = self.passage(head[None, :], direction)
+        return None if math.isnan(sound[0]) else float(sound[0]), bool(is_anchored[0])
 
     @classmethod
     def of(cls, block: Block, joints: Sequence[int], crack: int) -> "Hull":
@@ -149,8 +149,12 @@ class Hull:
             self.size,
         )
 
-    def passage(self, heads: Floats, direction: Floats) -> "Passage":
-        """How bolts with their heads (n, 3) pass through the block along a direction (3,), of any length."""
+    def passage(self, heads: Floats, direction: Floats) -> tuple[Floats, Bools]:
+        """How bolts with their heads (n, 3) pass through the block along a direction (3,), of any length.
+
+        How far (n,) from its head each comes out of the block, drawn on behind a tension crack (inf: never, nan: it
+        misses the block), and whether it does so through a joint: sound rock begins there.
+        """
         gap = ((self.points - heads[:, None, :]) * self.outward).sum(axis=2)
         slope = self.outward @ direction
         along = np.abs(slope) < 1e-12
@@ -163,20 +167,7 @@ class Hull:
         # rock behind a tension crack hangs on the same joints: it holds a bolt behind them
         onward = np.where(self.is_crack, math.inf, going_out)
         sound, last = onward.min(axis=1), onward.argmin(axis=1)
-        return Passage(meets, sound, np.isfinite(sound) & self.is_joint[last])
-
-
-@dataclass(frozen=True, slots=True)
-class Passage:
-    """How bolts pass through a block: `meets` (n,) whether they do at all.
-
-    `sound` (n,) is how far from its head each comes out of the block, drawn on behind a tension crack (inf: never), and
-    `is_anchored` (n,) whether it does so through a joint: sound rock begins there.
-    """
-
-    meets: Bools
-    sound: Floats
-    is_anchored: Bools
+        return np.where(meets, sound, np.nan), meets & np.isfinite(sound) & self.is_joint[last]
 
 
 def judge_bolt(name: str, sound: float | None, anchored: bool, length: float | None, where: str) -> None:

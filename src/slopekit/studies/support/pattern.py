@@ -61,8 +61,7 @@ def depths(site: Site, heads: Floats, direction: Floats) -> tuple[Floats, Bools]
     ----------
     heads : (n, 3) and direction : (3,), local axes; not of unit length in a section where the bolt points aside
     """
-    passage = site.hull.passage(heads, direction)
-    return passage.sound, passage.meets & passage.is_anchored
+    return site.hull.passage(heads, direction)
 
 
 def layout(site: Site, direction: Floats, force: float, capacity: float, spacing: float | None) -> Layout | Notice:
