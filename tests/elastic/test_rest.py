@@ -7,7 +7,7 @@ from scipy.sparse.linalg import splu
 
 import slopekit as sk
 from benchmarks.elastic_oracle import last_rest, state_of
-from slopekit.elastic.flexibility import Elements, Rock, body
+from slopekit.elastic.flexibility import Elements, body
 from slopekit.elastic.meshing import cells_of, fanned, mesh_of, numbered, split_evenly
 from slopekit.elastic.rest import RestSearch
 from slopekit.kinds import cut
@@ -29,7 +29,7 @@ def blocks(modulus: float, order: int = 2, **more):
     scene = made.scene_at(2)
     points, faces = numbered(made.block.faces.values())
     mesh = split_evenly(mesh_of(points, cells_of(points, fanned(faces))), 25.0)
-    elements, model = Elements(mesh, Rock(modulus, 0.25, order)), scene.model
+    elements, model = Elements(mesh, modulus, 0.25, order=order), scene.model
     give = body(elements, scene.pairs.points, local_axes(scene.pairs.normals), model.length_scale)
     return elastic_model(model, give), elements, scene, model
 

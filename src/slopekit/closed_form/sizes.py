@@ -14,13 +14,13 @@ from typing import Final
 import numpy as np
 
 from slopekit.closed_form.given import Value, columns_of
-from slopekit.closed_form.tolerances import PARALLEL_DEG, REACHES, SAME_DIRECTION
-from slopekit.closed_form.wedge_sliding import Vector, cross, dot, length, less, times
-from slopekit.core.array_types import ArrayLike, Bools, Floats
+from slopekit.closed_form.tolerances import PARALLEL_DEG, REACHES
+from slopekit.closed_form.wedge import UPPER, planes_cut
+from slopekit.closed_form.wedge_sliding import Vector, cross, dot, length, less, rows, times
+from slopekit.core.array_types import ArrayLike, Floats
 from slopekit.core.records import dataclass
 
 _RADIAN: Final = math.pi / 180.0
-_SMALLEST: Final = 1e-300
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,33 +97,29 @@ def wedge_sizes(
     ([14.142, 28.284], [28.284, 56.569], [666.67, 5333.33])
     """
     columns, count = columns_of({
-        "joint1": joint1_dip_deg, "joint1_to": joint1_dip_direction_deg, "joint2": joint2_dip_deg,
-        "joint2_to": joint2_dip_direction_deg, "face": face_dip_deg, "face_to": face_dip_direction_deg,
-        "upper": upper_dip_deg, "upper_to": upper_dip_direction_deg, "height_m": height_m,
+        "joint1_dip_deg": joint1_dip_deg, "joint1_dip_direction_deg": joint1_dip_direction_deg,
+        "joint2_dip_deg": joint2_dip_deg, "joint2_dip_direction_deg": joint2_dip_direction_deg,
+        "face_dip_deg": face_dip_deg, "face_dip_direction_deg": face_dip_direction_deg,
+        "upper_dip_deg": upper_dip_deg, "upper_dip_direction_deg": upper_dip_direction_deg, "height_m": height_m,
     })  # fmt: skip
-    one, two, face, upper = (_normal(columns[name], columns[f"{name}_to"]) for name in _PLANES)
-    traces, line, edge = (cross(one, face), cross(two, face)), cross(one, two), cross(face, upper)
     with np.errstate(all="ignore"):
+        cut = planes_cut(columns, count)
+        offset = cut.offset
         if up_the_face:
-            offset = dot(upper, _up_the_face(columns["face"], columns["face_to"], columns["height_m"]))
-        else:
-            offset = dot(upper, times(traces[0], columns["height_m"] / traces[0][2]))
-        climbs = tuple(dot(upper, way) for way in (*traces, line))
-        first, second, back = (
-            times(way, offset / climb) for way, climb in zip((*traces, line), climbs, strict=True)
-        )  # fmt: skip
-        heights = [np.zeros(count), *(point[2] + np.zeros(count) for point in (first, second, back))]
-        across = _across(edge)
-        behind = less(back, first)
-        sizes = WedgeSizes(*(np.array(values + np.zeros(count)) for values in (
+            face = columns["face_dip_deg"], columns["face_dip_direction_deg"]
+            offset = dot(rows(cut.normals, UPPER), _up_the_face(*face, columns["height_m"]))
+        ends = times(rows(cut.lines, slice(3)), offset / cut.climbs)
+        first, second, back = (rows(ends, k) for k in range(3))
+        heights = [np.zeros(count), *(point[2] for point in (first, second, back))]
+        edge = rows(cut.lines, 3)
+        across, behind = -edge[1] / np.hypot(edge[0], edge[1]), edge[0] / np.hypot(edge[0], edge[1])
+        upper1, upper2 = less(back, first), less(back, second)
+        sizes = (
             abs(dot(first, cross(second, back))) / 6.0, np.maximum.reduce(heights) - np.minimum.reduce(heights),
-            length(less(first, second)), abs(behind[0] * across[0] + behind[1] * across[1]), length(first),
-            length(second), length(behind), length(less(back, second)), length(back),
-        )))  # fmt: skip
-        cuts = _cuts(face, line, traces, climbs, offset, edge) & np.ones(count, dtype=bool)
-    for field in fields(WedgeSizes):
-        getattr(sizes, field.name)[~cuts] = np.nan
-    return sizes
+            length(less(first, second)), abs(upper1[0] * across + upper1[1] * behind), length(first), length(second),
+            length(upper1), length(upper2), length(back),
+        )  # fmt: skip
+        return WedgeSizes(*(np.where(cut.formed, values, np.nan) for values in sizes))
 
 
 def largest_scale(sizes: WedgeSizes, reach1_m: ArrayLike, reach2_m: ArrayLike) -> Floats:
@@ -263,36 +259,7 @@ def column_sizes(
     return ColumnSizes(many, first, setback, area, slender)
 
 
-_PLANES: Final = ("joint1", "joint2", "face", "upper")
-
-
-def _normal(dip_deg: Value, direction_deg: Value) -> Vector:
-    """Upward unit normals."""
-    dip, to = dip_deg * _RADIAN, direction_deg * _RADIAN
-    return np.sin(dip) * np.sin(to), np.sin(dip) * np.cos(to), np.cos(dip)
-
-
 def _up_the_face(dip_deg: Value, direction_deg: Value, height: Value) -> Vector:
     """The crest straight up the dip of the face from the toe."""
     back, to = height / np.tan(dip_deg * _RADIAN), direction_deg * _RADIAN
     return -np.sin(to) * back, -np.cos(to) * back, height
-
-
-def _across(edge: Vector) -> tuple[Value, Value]:
-    """The horizontal direction square to the crest."""
-    flat = np.hypot(edge[0], edge[1])
-    return -edge[1] / flat, edge[0] / flat
-
-
-def _cuts(
-    face: Vector, line: Vector, traces: tuple[Vector, Vector], climbs: tuple[Value, ...], offset: Value, edge: Vector
-) -> Bools:
-    """Whether the line of intersection runs from the face up into the rock and out of the upper slope."""
-    out, long = dot(face, line), np.maximum(length(line), _SMALLEST)
-    toward = np.copysign(1.0, out)
-    is_cut = (long > SAME_DIRECTION) & (length(edge) > SAME_DIRECTION) & (offset > 0.0)
-    is_cut &= (line[2] * toward < 0.0) & (climbs[2] * toward < 0.0) & (out != 0.0)
-    for trace, climb in zip(traces, climbs, strict=False):
-        is_cut &= np.abs(climb) > SAME_DIRECTION * length(trace)
-    answer: Bools = np.asarray(is_cut)
-    return answer

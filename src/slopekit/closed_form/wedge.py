@@ -52,7 +52,7 @@ _PLANES: Final = tuple(
 _FORCE: Final = ("force_east_kn", "force_north_kn", "force_up_kn")
 
 # rows of the normals
-_FACE, _UPPER, _CRACK = 2, 3, 4
+_FACE, UPPER, _CRACK = 2, 3, 4
 # rows of their cross products, behind the traces of J1 and J2 on the face: line of intersection, crest
 _LINE, _CREST = 2, 3
 
@@ -210,7 +210,7 @@ def columns_of_wedges(wedges: WedgeArrays, of: type[WedgeArrays], joints: Sequen
 
 def _solve(columns: Columns, bolts: Sequence[Bolt], outcome: Codes, numbers: Floats) -> None:
     """Fill in what is asked of a chunk."""
-    cut = _cut(columns, outcome.size)
+    cut = planes_cut(columns, outcome.size)
     those: Any = slice(None)
     if np.count_nonzero(cut.formed) < _MOST * outcome.size:
         those = np.flatnonzero(cut.formed)
@@ -231,7 +231,7 @@ def _solve(columns: Columns, bolts: Sequence[Bolt], outcome: Codes, numbers: Flo
 # -- do the planes cut a wedge at all (the tests of geometry.rock.rockmass, in its order) ----------------------------
 
 
-class _Cut(NamedTuple):
+class PlanesCut(NamedTuple):
     """What the planes' normals say, (k, m) of k planes or lines.
 
     `lines` are cross products of normals: the traces of J1 and J2 on the face, the line of intersection, the crest;
@@ -249,14 +249,15 @@ class _Cut(NamedTuple):
     offset: Floats
     formed: Bools
 
-    def of(self, some: NDArray[np.intp]) -> "_Cut":
+    def of(self, some: NDArray[np.intp]) -> "PlanesCut":
         def part(values: Any) -> Any:
             return tuple(map(part, values)) if isinstance(values, tuple) else values.take(some, axis=-1)
 
-        return _Cut(*map(part, self))
+        return PlanesCut(*map(part, self))
 
 
-def _cut(columns: Columns, count: int) -> _Cut:
+def planes_cut(columns: Columns, count: int) -> PlanesCut:
+    """What the normals of the planes of wedges say."""
     names = _PLANES if "crack_dip_deg" in columns else _PLANES[:_CRACK]
     angles = np.empty((2, len(names), count))
     for plane, (dip, direction) in enumerate(names):
@@ -271,20 +272,20 @@ def _cut(columns: Columns, count: int) -> _Cut:
     cross(rows(normals, slice(J1, 4, 2)), rows(normals, slice(J2, 4, 2)), rows(lines, slice(_LINE, 4)))
     squares = dot(lines, lines)
     long = np.sqrt(squares[_LINE])
-    climbs = dot(rows(normals, _UPPER), rows(lines, slice(_CREST)))
+    climbs = dot(rows(normals, UPPER), rows(lines, slice(_CREST)))
     out = dot(rows(normals, _FACE), rows(lines, _LINE))
     trace1, rise = lines[2][J1], lines[2][_LINE]
     high = columns["height_m"] / trace1
-    offset = dot(rows(normals, _UPPER), times(rows(lines, J1), high))
+    offset = dot(rows(normals, UPPER), times(rows(lines, J1), high))
     # into the rock the line climbs, out of the face and to the upper slope
     least, toward = DAYLIGHTS * long, np.copysign(1.0, out)
     formed = (np.minimum.reduce(squares) >= SAME_DIRECTION**2) & (np.abs(out) > least) & (rise * toward < -least)
     formed &= (climbs[_LINE] * toward < -least) & (np.abs(trace1) >= SAME_DIRECTION) & (offset > 0.0)
     formed &= climbs[J2] * climbs[J2] >= SAME_DIRECTION**2 * squares[J2]
-    return _Cut(normals, lines, squares, long, climbs, out, high, offset, formed)
+    return PlanesCut(normals, lines, squares, long, climbs, out, high, offset, formed)
 
 
-def _refused(cut: _Cut) -> Codes:
+def _refused(cut: PlanesCut) -> Codes:
     """Why planes cut no wedge: the first test that fails counts."""
     climbs, out, rise = cut.climbs, cut.out, cut.lines[2][_LINE]
     least, toward, parallel = DAYLIGHTS * cut.length, np.copysign(1.0, out), cut.squares < SAME_DIRECTION**2
@@ -352,7 +353,7 @@ class _Shape(NamedTuple):
     code: Codes | None  # where the volume vanishes E208, where the crack misses the wedge E207, else 0; None for all 0
 
 
-def _shape(columns: Columns, cut: _Cut) -> _Shape:
+def _shape(columns: Columns, cut: PlanesCut) -> _Shape:
     scales = np.empty_like(cut.climbs)
     scales[J1] = cut.high
     np.divide(cut.offset, cut.climbs[J2:], scales[J2:])
@@ -369,9 +370,9 @@ def _shape(columns: Columns, cut: _Cut) -> _Shape:
     return _Shape(areas, inward, volume, _reach(points[2]), None, back, code)
 
 
-def _cracked(columns: Columns, cut: _Cut, whole: _Shape, crests: Vector) -> _Shape:
+def _cracked(columns: Columns, cut: PlanesCut, whole: _Shape, crests: Vector) -> _Shape:
     """What is left in front of the crack."""
-    crack, upper, back = rows(cut.normals, _CRACK), rows(cut.normals, _UPPER), whole.line
+    crack, upper, back = rows(cut.normals, _CRACK), rows(cut.normals, UPPER), whole.line
     crest1, distance = rows(crests, 0), columns["crack_distance_m"]
     trace = less(back, crest1)
     long = length(trace)
@@ -379,7 +380,7 @@ def _cracked(columns: Columns, cut: _Cut, whole: _Shape, crests: Vector) -> _Sha
     share = offset / crossing
     meets = (share > 1e-9) & (share < 1.0 - 1e-9) & (distance < long)
     meets &= np.abs(crossing) >= SAME_DIRECTION * length(back)
-    meets &= np.minimum.reduce(length(cross(crack, rows(cut.normals, [J1, J2, _UPPER])))) >= SAME_DIRECTION
+    meets &= np.minimum.reduce(length(cross(crack, rows(cut.normals, [J1, J2, UPPER])))) >= SAME_DIRECTION
 
     bottom, ways = times(back, share), less(back, crests)
     tops = plus(crests, times(ways, (offset - dot(crack, crests)) / dot(crack, ways)))
@@ -406,7 +407,7 @@ def _reach(heights: Floats) -> Floats:
 # -- how it moves -------------------------------------------------------------------------------------
 
 
-def _moved(columns: Columns, cut: _Cut, bolts: Sequence[Bolt]) -> tuple[Codes, Sequence[Floats | float]]:
+def _moved(columns: Columns, cut: PlanesCut, bolts: Sequence[Bolt]) -> tuple[Codes, Sequence[Floats | float]]:
     """Outcomes, and the numbers of `ClosedFormWedges`, of wedges that the planes cut."""
     shape = _shape(columns, cut)
     weight = columns["unit_weight_kn_m3"] * shape.volume
@@ -453,7 +454,9 @@ def mean_pressures(columns: Columns, joints: int, height: Floats, crack_depth: F
     return [*[mean] * joints, mean if own is None else own]
 
 
-def _load(columns: Columns, cut: _Cut, shape: _Shape, weight: Floats, pressures: list[Value]) -> tuple[Vector, Floats]:
+def _load(
+    columns: Columns, cut: PlanesCut, shape: _Shape, weight: Floats, pressures: list[Value]
+) -> tuple[Vector, Floats]:
     """The resultant of all loads, and the sum of their sizes."""
     load: Vector = (0.0, 0.0, -weight)
     if not _is_none(columns["seismic"]):

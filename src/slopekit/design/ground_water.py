@@ -30,7 +30,8 @@ def surcharge() -> Any:
     )  # fmt: skip
 
 
-_AT_CREST_M = 0.01  # nearer than that a crack is at the crest
+#: Ends of the range of a crack, as `worst_crack.WHERE` has them, in words.
+_ENDS = {"end": ("begins", "nearer to it none forms"), "back": ("ends", "farther back none cuts the block")}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,21 +75,12 @@ class SlopeDesign(Design):
         if self.crack_searched == "free":
             yield Notice("W421", "with the crack here nothing holds the block, by the closed form: worse than any "
                          "factor of safety")  # fmt: skip
-        elif self.crack_searched == "end":
-            said = "at an end of the range of the crack: a crack there is at the crest itself"
-            if (behind := _behind_crest(self)) > _AT_CREST_M:
-                said = f"where the range of the crack begins, {behind:.2f} m {self.CRACK_FROM}: nearer to it none forms"
-            yield Notice("W421", f"the factor is lowest {said}")
-        elif self.crack_searched == "back":
-            yield Notice("W421", f"the factor is lowest where the range of the crack ends, {_behind_crest(self):.2f} m "
-                         f"{self.CRACK_FROM}: farther back none cuts the block")  # fmt: skip
+        elif self.crack_searched in _ENDS:
+            distance, (ends, beyond) = getattr(self, "crack").distance_m, _ENDS[self.crack_searched]  # noqa: B009
+            yield Notice("W421", f"the factor is lowest where the range of the crack {ends}, {distance:.2f} m "
+                         f"{self.CRACK_FROM}: {beyond}")  # fmt: skip
         elif self.crack_searched == "flat":
             yield Notice("W421", "the place of the crack does not move the factor: none is worse than another")
-
-
-def _behind_crest(design: SlopeDesign) -> float:
-    """The distance of the crack from the crest, m."""
-    return float(getattr(getattr(design, "crack", None), "distance_m", None) or 0.0)
 
 
 def read_table(reader: Reader) -> Water | None:

@@ -16,17 +16,9 @@ from scipy.sparse.linalg import splu
 from slopekit.core.arrays import Floats, Ints, frozen
 from slopekit.core.records import dataclass
 
+ORDER = 2  # of the elements
 _CHUNK = 2_000_000  # barycentric coordinates at a time
 _NO_SHAPE = 1e-7  # a shape function that is none: what coordinates of nine digits leave of nodes off a contact
-
-
-@dataclass(frozen=True, slots=True)
-class Rock:
-    """The rock of a block: Young's modulus (kPa), Poisson's ratio; order of its elements."""
-
-    modulus_kpa: float
-    poisson: float
-    order: int = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,16 +51,19 @@ class Elements:
     Parameters
     ----------
     mesh : tetrahedra in space, triangles in the x-z plane of a section of a thickness (m)
+    modulus_kpa, poisson : Young's modulus and Poisson's ratio of the rock; order : of the elements
     """
 
-    def __init__(self, mesh: Any, rock: Rock, thickness: float = 1.0) -> None:
+    def __init__(
+        self, mesh: Any, modulus_kpa: float, poisson: float, thickness: float = 1.0, order: int = ORDER
+    ) -> None:
         import skfem
 
         self.mesh, self.thickness = mesh, thickness
         self.space = [0, 2] if len(mesh.p) == 2 else [0, 1, 2]
         kinds = {(2, 1): "TriP1", (2, 2): "TriP2", (3, 1): "TetP1", (3, 2): "TetP2"}
-        self.basis = skfem.Basis(mesh, getattr(skfem, f"Element{kinds[len(mesh.p), rock.order]}")())
-        self.stiffness = self._stiffness(rock) * thickness
+        self.basis = skfem.Basis(mesh, getattr(skfem, f"Element{kinds[len(mesh.p), order]}")())
+        self.stiffness = self._stiffness(modulus_kpa, poisson) * thickness
         cells, corners = mesh.t.T, mesh.p.T[mesh.t.T]
         volumes = np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])) / (2.0 if len(mesh.p) == 2 else 6.0)
         self.volume = float(volumes.sum()) * thickness
@@ -90,13 +85,13 @@ class Elements:
         out[self.space] = self.centroid
         return out
 
-    def _stiffness(self, rock: Rock) -> Any:
+    def _stiffness(self, modulus_kpa: float, poisson: float) -> Any:
         """K (degrees, degrees): ∫ λ div u div v + 2 μ ε(u) ε(v), in a section with plane strain.
 
         All pairs of shape functions at once: scikit-fem's own assembly of vectors takes twenty times as long.
         """
-        shear = rock.modulus_kpa / (2.0 * (1.0 + rock.poisson))
-        bulk = rock.modulus_kpa * rock.poisson / ((1.0 + rock.poisson) * (1.0 - 2.0 * rock.poisson))
+        shear = modulus_kpa / (2.0 * (1.0 + poisson))
+        bulk = modulus_kpa * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson))
         slopes = np.stack([np.asarray(one[0].grad) for one in self.basis.basis])  # (k, d, c, q)
         weighted = slopes * np.asarray(self.basis.dx)
         (k, dim, cells, _), same = slopes.shape, np.eye(len(self.space))

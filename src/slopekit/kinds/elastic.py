@@ -19,7 +19,7 @@ from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.onlooker import say
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
-from slopekit.elastic.flexibility import CondensedBlock, Elements, Rock, body
+from slopekit.elastic.flexibility import ORDER, CondensedBlock, Elements, body
 from slopekit.elastic.meshing import (
     cells_of,
     edges_of,
@@ -44,7 +44,6 @@ from slopekit.preie.system.model import Model, local_axes
 from slopekit.result import Result
 
 MODULUS_KPA, POISSON = 2e7, 0.25
-ORDER = 2
 _MOST_BLOCKS, _MOST_PAIRS, _MOST_OF_MANY = 300, 1500, 12_000
 _MOST_CELLS, _AUTO_CELLS = 20_000, 1500  # of all blocks; of one with `edge: auto`
 _HALVED = {"one": 3, "section": 2, "space": 1}  # how often the longest edge of a block is halved, `edge: auto`
@@ -90,13 +89,10 @@ def elastic_stiffness(design: Design, many: bool) -> JointStiffness:
     return replace(given, tangential=shear)
 
 
-def rock_of(design: Design) -> tuple[Rock, tuple[str, ...]]:
-    """The rock, and what of it was not given."""
-    given = {"modulus": design.rock.modulus_kpa, "poisson": design.rock.poisson}
-    taken = tuple(name for name, value in given.items() if value is None)
-    return Rock(
-        design.rock.modulus_kpa or MODULUS_KPA, POISSON if design.rock.poisson is None else design.rock.poisson, ORDER
-    ), taken
+def rock_of(design: Design) -> tuple[float, float]:
+    """Young's modulus (kPa) and Poisson's ratio of the rock."""
+    poisson = design.rock.poisson
+    return design.rock.modulus_kpa or MODULUS_KPA, POISSON if poisson is None else poisson
 
 
 def _meshed(mesh: Any, edge: float, name: str) -> Any:
@@ -126,7 +122,7 @@ def _refuse(why: str, advice: str = "Leave --elastic out.") -> DesignError:
 
 def scene_of_one(design: Design, made: Cut) -> ElasticScene:
     """A convex block on flat joints."""
-    (rock, _), block = rock_of(design), made.block
+    block = made.block
     if not made.loads.parts["weight"].any():
         raise _refuse("the block has no weight, and what loads it stands on its surface")
     coarse = made.scene_at(0)
@@ -150,7 +146,7 @@ def scene_of_one(design: Design, made: Cut) -> ElasticScene:
     if len(scene.pairs) > _MOST_PAIRS:
         message = f"edges of {edge:.4g} m make {len(scene.pairs)} node pairs, at most {_MOST_PAIRS} are taken"
         raise DesignError([Fault("E125", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
-    elements, model = Elements(_meshed(mesh, edge, "the block"), rock), scene.model
+    elements, model = Elements(_meshed(mesh, edge, "the block"), *rock_of(design)), scene.model
     axes = local_axes(scene.pairs.normals)
     rigid = made.limit(model)
     whole = elastic_model(model, body(elements, scene.pairs.points, axes, model.length_scale))
@@ -189,7 +185,7 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
     from slopekit.preie.solvers import work_limit
     from slopekit.preie.system.components import whole_model
 
-    assembly, (rock, _) = scene.assembly, rock_of(design)
+    assembly = scene.assembly
     moving = int((~assembly.fixed).sum())
     if moving > _MOST_BLOCKS:
         message = f"{moving} blocks move, elastic ones are at most {_MOST_BLOCKS}"
@@ -233,7 +229,7 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
             message = f"edges of {edge:.4g} m make more than {_MOST_CELLS} finite elements"
             raise DesignError([Fault("E125", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
         sides = np.where(plus[own] == k, 1.0, -1.0)[:, None, None] * axes[own]
-        elements = Elements(mesh, rock, scene.thickness or 1.0)
+        elements = Elements(mesh, *rock_of(design), scene.thickness or 1.0)
         condensed.append((body(elements, whole.points[own], sides, whole.length_scale), at, unknowns))
     group = whole.group_of_pair[:pairs]
     bolted = slice(pairs, None)
@@ -425,7 +421,9 @@ def _answer(
     design: Design, scene: ElasticScene, rest: Rest, rigid: Rest, limits: tuple[float | None, float | None],
     steps: int,
 ) -> ElasticBlocks:  # fmt: skip
-    model, (rock, taken) = scene.model, rock_of(design)
+    model, (modulus, poisson) = scene.model, rock_of(design)
+    given = {"modulus": design.rock.modulus_kpa, "poisson": design.rock.poisson}
+    taken = tuple(name for name, value in given.items() if value is None)
     area = model.area
     elastic, stiff = (state.forces.reshape(-1, 3)[:, 0] / area for state in (rest, rigid))
     joints = {}
@@ -445,13 +443,13 @@ def _answer(
     bodies = [one for one, *_ in model.blocks]
     degrees = sum(one.degrees for one in bodies) + 3 * len(area) + len(model.load)
     mesh = ElasticMesh(
-        rest.failed_pairs, len(area), degrees, sum(one.cells for one in bodies), scene.edge, rock.order, taken,
+        rest.failed_pairs, len(area), degrees, sum(one.cells for one in bodies), scene.edge, ORDER, taken,
         rest.residual,
     )  # fmt: skip
     return ElasticBlocks(
         limits[0], limits[1], rest.factor, opened, rigid_opened, lost, rigid_lost, joints,
         frozen(moved[most]), frozen(rigid_moved[most]),
-        scene.names[most] if scene.names else None, rock.modulus_kpa, rock.poisson, steps, mesh,
+        scene.names[most] if scene.names else None, modulus, poisson, steps, mesh,
         ElasticPairs(
             frozen(scene.points), tuple(scene.joint), frozen(scene.normals), frozen(area), frozen(elastic),
             frozen(stiff), tuple(rest.opened(model).tolist()),

@@ -99,23 +99,9 @@ def _clip(point: Floats, along: Floats, normals: Floats, offsets: Floats) -> tup
     return low, high
 
 
-@dataclass(frozen=True, slots=True)
-class Joined:
-    """Which block each cell belongs to.
-
-    Attributes
-    ----------
-    block : (n,) of each cell, -1 where it is left out
-    fixed : (count,) blocks; count, joined : how many blocks there are and how many slivers were joined to others
-    """
-
-    block: Ints
-    fixed: Bools
-    count: int
-    joined: int
-
-
-def join_slivers(volumes: Floats, fixed: Bools, first: Ints, second: Ints, areas: Floats, least: float) -> Joined:
+def join_slivers(
+    volumes: Floats, fixed: Bools, first: Ints, second: Ints, areas: Floats, least: float
+) -> tuple[Ints, Bools]:  # fmt: skip
     """Join every cell with less than the `least` volume to the neighbour that shares most area with it.
 
     Slivers that choose each other become one cell and choose again, until all are large enough or have no neighbour.
@@ -128,10 +114,14 @@ def join_slivers(volumes: Floats, fixed: Bools, first: Ints, second: Ints, areas
     volumes, fixed : (n,) of the cells
     first, second, areas : (k,) the cells on the two sides of each patch, and its area
 
+    Returns
+    -------
+    the block (n,) of each cell, -1 where it is left out, and whether each block is fixed
+
     Examples
     --------
     >>> cells = np.array([1.0, 1e-12, 1.0])
-    >>> join_slivers(cells, cells < 0, np.array([0, 1]), np.array([1, 2]), np.array([1.0, 2.0]), 1e-9).block.tolist()
+    >>> join_slivers(cells, cells < 0, np.array([0, 1]), np.array([1, 2]), np.array([1.0, 2.0]), 1e-9)[0].tolist()
     [0, 1, 1]
     """
     count = len(volumes)
@@ -150,7 +140,7 @@ def join_slivers(volumes: Floats, fixed: Bools, first: Ints, second: Ints, areas
     hosts, block = np.unique(root[~left_out], return_inverse=True)
     of_cell = np.full(count, -1, dtype=np.int64)
     of_cell[~left_out] = block
-    return Joined(of_cell, holds[hosts], len(hosts), count - len(hosts) - int(left_out.sum()))
+    return of_cell, holds[hosts]
 
 
 def _best_neighbour(first: Ints, second: Ints, areas: Floats, small: Bools, fixed: Bools) -> Ints:
@@ -272,25 +262,27 @@ def cut_bench(body: ConvexBody, planes: SetPlanes, max_blocks: int = 20000, min_
     below = np.flatnonzero(faces.is_below & (other >= 0))
     least = max(min_volume / half**3, NUMERICAL_SLIVER * body_volume)
     sides = faces.cell[below], faces.cell[other[below]]
-    joined = join_slivers(cells.volumes, at_far, *sides, faces.areas[below], least)
-    if joined.count > max_blocks:
-        raise too_many(joined.count, max_blocks)
-    if joined.count == 0:
+    block, fixed = join_slivers(cells.volumes, at_far, *sides, faces.areas[below], least)
+    count, slivers_left_out = len(fixed), int((block < 0).sum())
+    slivers_joined = len(block) - count - slivers_left_out
+    if count > max_blocks:
+        raise too_many(count, max_blocks)
+    if count == 0:
         message = f"the bench has {body_volume * half**3:.4g} m³, less than min_volume = {min_volume:.4g} m³"
         raise GeometryError([Fault("E225", message)])
-    if joined.count == 1 and joined.joined:
+    if count == 1 and slivers_joined:
         message = f"min_volume = {min_volume:.4g} m³ joins all {len(cells.volumes)} blocks into one, on no joint"
         raise GeometryError([Fault("E225", message, "", "It is the volume of slivers: 0.01 m3.")])
     where = (middle, half)
-    patches = _patches(soup, faces, below, other[below], joined.block, planes.joint, normals, where)
-    assembly = _assembly(soup, cells, faces, other, joined, patches, where)
-    left_out = float(cells.volumes[joined.block < 0].sum()) * half**3
+    patches = _patches(soup, faces, below, other[below], block, planes.joint, normals, where)
+    assembly = _assembly(soup, cells, faces, other, block, fixed, patches, where)
+    left_out = float(cells.volumes[block < 0].sum()) * half**3
     small = cells.volumes < least
-    volume_joined = float(cells.volumes[small & (joined.block >= 0)].sum()) * half**3
+    volume_joined = float(cells.volumes[small & (block >= 0)].sum()) * half**3
     return BenchCut(
         assembly, body_volume * half**3, volume_error, area_error,
-        away * half, joint_area * half**2, joined.count, int(joined.fixed.sum()), joined.joined,
-        volume_joined, int((joined.block < 0).sum()), left_out, least * half**3,
+        away * half, joint_area * half**2, count, int(fixed.sum()), slivers_joined,
+        volume_joined, slivers_left_out, left_out, least * half**3,
     )  # fmt: skip
 
 
@@ -312,21 +304,22 @@ def _patches(
 
 
 def _assembly(
-    soup: Soup, cells: Cells, faces: Faces, other: Ints, joined: Joined, patches: Patches, where: tuple[Floats, float]
-) -> Assembly:
+    soup: Soup, cells: Cells, faces: Faces, other: Ints, of_cell: Ints, fixed: Bools, patches: Patches,
+    where: tuple[Floats, float],
+) -> Assembly:  # fmt: skip
     middle, half = where
-    in_block = joined.block >= 0
-    block, count = joined.block[in_block], joined.count
+    in_block = of_cell >= 0
+    block, count = of_cell[in_block], len(fixed)
     weights = cells.volumes[in_block]
     volumes = np.bincount(block, weights, count)
     moments = [np.bincount(block, weights * cells.centroids[in_block, k], count) for k in range(3)]
     centroids = np.stack(moments, axis=1) / volumes[:, None]
     # faces between cells of one block are within it
-    of_face = joined.block[faces.cell]
+    of_face = of_cell[faces.cell]
     outer = (of_face >= 0) & ((other < 0) | (of_face[other] != of_face))
     on_surface = outer[faces.of_triangle]
     return Assembly(
-        frozen(volumes * half**3), frozen(centroids * half + middle), joined.fixed, patches, False,
+        frozen(volumes * half**3), frozen(centroids * half + middle), fixed, patches, False,
         frozen(soup.vertices * half + middle), soup.triangles[on_surface],
-        joined.block[cells.of_triangle[on_surface]],
+        of_cell[cells.of_triangle[on_surface]],
     )  # fmt: skip

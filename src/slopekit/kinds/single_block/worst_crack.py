@@ -15,7 +15,6 @@ import numpy as np
 
 from slopekit.core.arrays import Floats, NDArray
 from slopekit.core.errors import DesignError, Fault, GeometryError
-from slopekit.core.records import dataclass
 from slopekit.design.ground_water import SlopeDesign
 from slopekit.kinds.single_block.closed_forms import OnArrays
 
@@ -33,48 +32,34 @@ _FREE = ("lifted", "falls")
 D = TypeVar("D", bound=SlopeDesign)
 
 
-@dataclass(frozen=True, slots=True)
-class Lowest:
-    """Where factors are lowest, of each of n designs.
-
-    Attributes
-    ----------
-    places, factors : (n,); where : (n,) an index into `WHERE`
-    """
-
-    places: Floats
-    factors: Floats
-    where: NDArray[np.int8]
-
-
-def lowest(
-    factor_at: Callable[[Floats], Floats], reach: float, count: int, rounds: int = 8
-) -> tuple[float, float, str]:
-    """The place in (0, reach) with the lowest factor, that factor, and where: one of `WHERE`.
+def lowest(factor_at: Callable[[Floats], Floats], reach: float, count: int, rounds: int = 8) -> tuple[float, str]:
+    """The place in (0, reach) with the lowest factor, and where it is: one of `WHERE`.
 
     Parameters
     ----------
     factor_at : factors at places (k,), nan where there is none, -inf where nothing holds the block ("free")
     count, rounds : see `lowest_of_many`
 
-    >>> place, _, where = lowest(lambda x: (x - 2.0) ** 2 + 1.0, 10.0, 50)
+    >>> place, where = lowest(lambda x: (x - 2.0) ** 2 + 1.0, 10.0, 50)
     >>> round(place, 6), where
     (2.0, 'inside')
     """
-    minima = lowest_of_many(lambda places: factor_at(places[0])[None], np.array([reach]), count, rounds)
-    return float(minima.places[0]), float(minima.factors[0]), WHERE[int(minima.where[0])]
+    places, where = lowest_of_many(lambda places: factor_at(places[0])[None], np.array([reach]), count, rounds)
+    return float(places[0]), WHERE[int(where[0])]
 
 
-def lowest_of_many(factors_at: Callable[[Floats], Floats], reach: Floats, count: int, rounds: int = 8) -> Lowest:
-    """The same of n designs, each in its own (0, reach).
+def lowest_of_many(
+    factors_at: Callable[[Floats], Floats], reach: Floats, count: int, rounds: int = 8
+) -> tuple[Floats, NDArray[np.int8]]:
+    """The same of n designs, each in its own (0, reach): places (n,), and indices into `WHERE` (n,).
 
     Parameters
     ----------
     factors_at : factors at places (n, k), of each design at its own
     reach : (n,); count : places of the first sweep; rounds : narrower sweeps, each a fifth of the one before
 
-    >>> found = lowest_of_many(lambda x: (x - np.array([[2.0], [9.0]])) ** 2, np.array([10.0, 5.0]), 50)
-    >>> found.places.round(6).tolist(), [WHERE[one] for one in found.where]
+    >>> places, where = lowest_of_many(lambda x: (x - np.array([[2.0], [9.0]])) ** 2, np.array([10.0, 5.0]), 50)
+    >>> places.round(6).tolist(), [WHERE[one] for one in where]
     ([2.0, 4.999995], ['inside', 'back'])
     """
     each = np.arange(len(reach))
@@ -93,9 +78,9 @@ def lowest_of_many(factors_at: Callable[[Floats], Floats], reach: Floats, count:
     free = np.isneginf(factors)
     farthest = count - 1 - np.argmax(free[:, ::-1], axis=1)
     is_free = free.any(axis=1)
-    where[is_free], place[is_free], factor[is_free] = _FREE_OF, places[each, farthest][is_free], -np.inf
+    where[is_free], place[is_free] = _FREE_OF, places[each, farthest][is_free]
     where[unknown.all(axis=1)] = _NONE_OF
-    place[where == _NONE_OF] = factor[where == _NONE_OF] = np.nan
+    place[where == _NONE_OF] = np.nan
     inside = where == _INSIDE
     at_edge = inside & ((k == first) | (k == last))
     beyond = np.where(k == last, high, low)
@@ -111,13 +96,13 @@ def lowest_of_many(factors_at: Callable[[Floats], Floats], reach: Floats, count:
         with np.errstate(invalid="ignore"):
             rises = (np.where(np.isnan(factors), -np.inf, factors).max(axis=1) - factor) > _FLAT * np.abs(factor)
         where[at_edge & ~rises] = np.where(beyond > place, _BACK, _END)[at_edge & ~rises]
-    return Lowest(place, factor, where)
+    return place, where
 
 
 def worst_of_many(
     on_arrays: OnArrays[D], arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]], reach: Floats
-) -> Lowest:
-    """Where the crack of each of n designs lowers the closed form most, as `with_worst_crack` finds it one by one.
+) -> Floats:
+    """Where (n,) the crack of each of n designs lowers the closed form most, as `with_worst_crack` finds it one by one.
 
     Parameters
     ----------
@@ -129,8 +114,8 @@ def worst_of_many(
         part = slice(at, at + _AT_ONCE)
         own = {name: value[part] if np.ndim(value) and np.size(value) > 1 else value for name, value in
                arguments.items()}  # fmt: skip
-        parts.append(lowest_of_many(partial(_factors, on_arrays, own, bolts), reach[part], _MANY, _ROUNDS))
-    return Lowest(*(np.concatenate([getattr(part, name) for part in parts]) for name in ("places", "factors", "where")))
+        parts.append(lowest_of_many(partial(_factors, on_arrays, own, bolts), reach[part], _MANY, _ROUNDS)[0])
+    return np.concatenate(parts)
 
 
 def _factors(
@@ -184,7 +169,7 @@ def with_worst_crack(design: D, on_arrays: OnArrays[D], reach: float, place: str
 
     distance, where = 0.0, "none"
     if reach > 0.0:
-        distance, _, where = lowest(factors, reach, *((_MANY, _ROUNDS) if together else (_FEW, 5)))
+        distance, where = lowest(factors, reach, *((_MANY, _ROUNDS) if together else (_FEW, 5)))
     if where == "none":
         message = "no place of the crack behind the crest gives a factor of safety: none is the worst"
         raise DesignError([Fault("E459", message, place, "Give its distance, or leave the crack out.")])

@@ -37,11 +37,11 @@ def cracked(design: Design, samples: Samples) -> tuple[Design, Samples, Bools] |
     worst = None if fast is None else fast.worst_cracks(samples.values)
     if worst is None:
         return None
-    bare, lowest = worst
+    bare, at = worst
     blocks = ~np.array([name.startswith("E") for name in bare.names])[bare.outcome]
-    known = blocks & np.isfinite(lowest.places)
+    known = blocks & np.isfinite(at)
     # without a block any place says the same of it
-    places: Floats = np.where(known, lowest.places, crack.distance_m)
+    places: Floats = np.where(known, at, crack.distance_m)
     own = places[known] if known.any() else places
     variable = Variable(PLACE, Distribution("uniform", {"min": float(own.min()), "max": float(own.max())}, "length"))
     values = np.asfortranarray(np.column_stack([samples.values, places]))

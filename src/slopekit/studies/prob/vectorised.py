@@ -23,7 +23,7 @@ from slopekit.design.reading.reader import strength_of
 from slopekit.kinds import kind_of
 from slopekit.kinds.single_block.closed_forms import Arguments, ClosedForms, OnArrays
 from slopekit.kinds.single_block.held_bolts import held
-from slopekit.kinds.single_block.worst_crack import Lowest, worst_of_many
+from slopekit.kinds.single_block.worst_crack import worst_of_many
 from slopekit.studies.prob.bolts import as_laid_out, standing
 
 #: A design's values at a sample: what `with_values` takes.
@@ -81,7 +81,7 @@ class Vectorised:
         holds = held(self.on_arrays.bounds(design), design.bolts, self.before)[0]
         return np.broadcast_to(holds, (len(design.bolts), count))
 
-    def worst_cracks(self, values: Floats) -> tuple[ClosedForms, Lowest] | None:
+    def worst_cracks(self, values: Floats) -> tuple[ClosedForms, Floats] | None:
         """Of each sample what it is without its crack, and where a crack is worst; None where they are asked alone.
 
         Bolts pull as they were laid out: those that a place of the crack frees are found with it.
@@ -91,9 +91,9 @@ class Vectorised:
         if reach is None or on_arrays.bolts(self.design):
             return None
         arguments = on_arrays.arguments(design) | on_arrays.of_strengths(self._strengths(values))
-        lowest = worst_of_many(on_arrays, arguments, (), np.broadcast_to(reach, len(values)))
+        places = worst_of_many(on_arrays, arguments, (), np.broadcast_to(reach, len(values)))
         whole = on_arrays.closed_forms({name: None if "crack" in name else own for name, own in arguments.items()}, ())
-        return self._each(whole, len(values)), lowest
+        return self._each(whole, len(values)), places
 
     def arguments(self, values: Floats) -> Arguments:
         """The arguments of all samples: (n,) of those that scatter."""
