@@ -70,11 +70,11 @@ def _check_badge(document: Mapping[str, Any]) -> tuple[str, str]:
 
 
 def limit_of(document: Mapping[str, Any]) -> str:
-    """What the limit is, in words; files of older versions do not say how sure that of many blocks is."""
+    """What the limit is, in words."""
     assembly = document.get("assembly")
-    first = assembly["mechanisms"][0] if assembly and assembly["mechanisms"] else {}
-    if not assembly or "shear_to_normal" not in assembly:
+    if not assembly:
         return "PRE-IE"
+    first = assembly["mechanisms"][0] if assembly["mechanisms"] else {}
     basis, change = first.get("basis", "none"), first.get("change", 0.0)
     return path_in_words(basis, assembly["shear_to_normal"], first.get("fos"), change)
 
