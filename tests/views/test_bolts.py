@@ -22,7 +22,7 @@ from slopekit.views.plots import offers
 from slopekit.views.solid import rendering
 from slopekit.views.solid.layers import ACTIVE_BOLT, PASSIVE_BOLT, Bar, Picture
 from slopekit.views.solid.rendering import Camera, lay_out
-from slopekit.views.solid.scene_parts import kinds_of_loads
+from slopekit.views.solid.scene_parts import amounts, kinds_of_loads
 from slopekit.views.solid.scenes import compose
 from slopekit.views.solid.viewer_data import viewer_data
 from tests.bolted import bolted
@@ -88,14 +88,10 @@ def test_equal_arrows_share_a_line_with_the_numbers_of_the_design() -> None:
 
 def test_many_sizes_are_a_range() -> None:
     names = ["weight", *(f"force {k}" for k in range(1, 6)), "passive bolt 1, full capacity"]
-    sizes = [np.array([float(k + 1)]) for k in range(len(names))]
-    assert kinds_of_loads(names, sizes) == [
+    assert kinds_of_loads(names) == [
         ("weight", [0]), ("5 forces", [1, 2, 3, 4, 5]), ("passive bolt 1, full capacity", [6])
     ]  # fmt: skip
-    few = kinds_of_loads(names[:3], [sizes[0], sizes[1], sizes[1]])
-    assert few == [("weight", [0]), ("2 forces", [1, 2])]
-    apart = kinds_of_loads(names[:4], sizes[:4])
-    assert apart == [("weight", [0]), ("force 1", [1]), ("force 2", [2]), ("force 3", [3])]
+    assert amounts("5 forces", [np.array([float(k)]) for k in range(1, 6)]) == "5 forces: 1 kN to 5 kN"
 
 
 # -- words about a picture --------------------------------------------------------------------------------------------

@@ -83,27 +83,27 @@ def folder_of(folder: Path) -> Path:
     return folder
 
 
-def image_of(path: Path, endings: tuple[str, ...] = (".png",)) -> Path:
-    """The path of a picture, refused before any work is done where it cannot be written."""
-    if path.suffix.lower() not in endings:
-        known = " or ".join([", ".join(endings[:-1]), endings[-1]]) if len(endings) > 1 else endings[0]
-        advice = f"Give it one of these endings: {', '.join(endings)}." if len(endings) > 1 else ""
-        raise DesignError([Fault("E141", f"the picture {path} is not a {known} file", str(path), advice)])
-    if not path.parent.is_dir():
-        raise DesignError([Fault("E129", f"there is no folder {path.parent} for the picture", str(path))])
-    folder_of(path.parent)
-    return path
-
-
-def checked_image(picture: str | None) -> Path | None:
-    """The picture asked for, refused before any work is done where it cannot be drawn or written."""
+def picture_of(picture: str | None, of_result: bool) -> Path | None:
+    """The picture asked for, of a result or a study, refused before any work is done where it cannot be made."""
     if picture is None:
         return None
     from slopekit.views.charts.drawing import FORMATS, require_matplotlib
 
-    image = image_of(Path(picture), FORMATS)
-    require_matplotlib(image)
-    return image
+    path, endings = Path(picture), (".png", ".glb", ".gltf") if of_result else FORMATS
+    if path.suffix.lower() not in endings:
+        known = f"{', '.join(endings[:-1])} or {endings[-1]}"
+        advice = f"Give it one of these endings: {', '.join(endings)}."
+        raise DesignError([Fault("E141", f"the picture {path} is not a {known} file", str(path), advice)])
+    if not path.parent.is_dir():
+        raise DesignError([Fault("E129", f"there is no folder {path.parent} for the picture", str(path))])
+    folder_of(path.parent)
+    if not of_result:
+        require_matplotlib(path)
+    elif path.suffix.lower() == ".png":
+        from slopekit.views.solid.rendering import require_drawing
+
+        require_drawing(path)
+    return path
 
 
 def draw_to(document: dict[str, Any], what: str, *paths: Path | None) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 
 import typer
 
-from slopekit.cli.common import FOLDER, QUIET, draw_to, image_of
+from slopekit.cli.common import FOLDER, QUIET, draw_to
 from slopekit.cli.progress import aside
 from slopekit.core.errors import DesignError, Fault
 
@@ -16,7 +16,6 @@ OPTIONS = {
     "no_pictures": typer.Option("--no-pictures", help="With -o: draw nothing."),
     "quiet": QUIET, "output": FOLDER,
 }  # fmt: skip
-_ENDINGS = (".png", ".glb", ".gltf")
 _PICTURES = ("scene", "elevation", "mechanism", "stereonet", "reduction")
 
 
@@ -83,15 +82,3 @@ def _drawn(record: dict[str, Any], folder: Path) -> list[str]:
         if what in given:
             draw_to(record, what, folder / f"{what}.png")
     return [what for what in _PICTURES if (folder / f"{what}.png").exists()]
-
-
-def scene_of(picture: str | None) -> Path | None:
-    """The picture asked for, refused before any work is done where it cannot be drawn or written."""
-    if picture is None:
-        return None
-    image = image_of(Path(picture), _ENDINGS)
-    if image.suffix.lower() == ".png":
-        from slopekit.views.solid.rendering import require_drawing
-
-        require_drawing(image)
-    return image

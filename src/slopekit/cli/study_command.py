@@ -14,11 +14,11 @@ from slopekit.cli.common import (
     CASE,
     JSON,
     SET,
-    checked_image,
     draw_to,
     folder_of,
     json_text,
     load_design,
+    picture_of,
     print_faults,
     repeats,
 )
@@ -145,7 +145,7 @@ def _drive(function: Callable[..., Any], given: Mapping[str, Any], variant: str)
     is_twice = bool(faults)
     if given["output"] is not None:
         folder = faults.of(folder_of, Path(given["output"]))
-    image = faults.of(results.scene_of if "no_pictures" in given else checked_image, given.get("picture"))
+    image = faults.of(picture_of, given.get("picture"), "no_pictures" in given)
     values, taken = dict[str, Any](), {*_ORDER, *VARIANTS}
     parameters = inspect.signature(function).parameters
     for key, parameter in parameters.items():

@@ -174,16 +174,12 @@ def _article(document: Mapping[str, Any], name: str, sheet: Any) -> dict[str, An
 
 
 def _refuse(document: Mapping[str, Any], name: str, is_result: bool) -> NoReturn:
-    study = document.get("study")
-    if isinstance(study, str):
-        message = f"this is a study ({study}) without its sheet: another version wrote it"
-        advice = f"Make it again: slopekit {study} ... -o DIR, then give DIR/{study}.json."
-    elif is_result:
-        message = "this is a result without its sheet: another version wrote it"
-        advice = "Make it again: slopekit run DESIGN -o DIR, then give DIR/result.json."
-    else:
-        message = "this is another document of slopekit, report takes results and studies"
-        advice = "Give result.json of run or wedge, or the JSON of a study: sweep.json, prob.json, ..."
+    """E340 of a document without a sheet: written by another version, or none that has one."""
+    what = "a result" if is_result else f"a study ({document['study']})" if document.get("study") else ""
+    message = "this is another document of slopekit, report takes results and studies"
+    if what:
+        message = f"this is {what} without its sheet: another version wrote it"
+    advice = "Make it again with -o DIR; give DIR/result.json of run or wedge, or the JSON of a study: sweep.json, ..."
     raise DesignError([Fault("E340", message, name, advice)])
 
 

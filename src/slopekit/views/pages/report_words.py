@@ -32,7 +32,7 @@ def answer(document: Mapping[str, Any], status: list[str]) -> dict[str, Any]:
     """
     fos, judged_by = document["fos"], document.get("leading")
     value = judged_by["fos"] if judged_by else fos["limit"]
-    what = f"{limit_of(document)}{_what_governs(document, fos)}"
+    what = limit_of(document)
     if judged_by:
         what = (
             f"{JUDGED[judged_by['name']]}: what acceptance hangs on; {factor(fos['limit'])} is the {limit_of(document)}"
@@ -70,18 +70,10 @@ def _check_badge(document: Mapping[str, Any]) -> tuple[str, str]:
 
 
 def limit_of(document: Mapping[str, Any]) -> str:
-    """What the limit is, in words; files of older versions do not say how sure that of many blocks is."""
+    """What the limit is, in words."""
     assembly = document.get("assembly")
-    first = assembly["mechanisms"][0] if assembly and assembly["mechanisms"] else {}
-    if not assembly or "shear_to_normal" not in assembly:
+    if not assembly:
         return "PRE-IE"
+    first = assembly["mechanisms"][0] if assembly["mechanisms"] else {}
     basis, change = first.get("basis", "none"), first.get("change", 0.0)
     return path_in_words(basis, assembly["shear_to_normal"], first.get("fos"), change)
-
-
-def _what_governs(document: Mapping[str, Any], fos: Mapping[str, Any]) -> str:
-    """The number that acceptance is held against, where it is not the limit."""
-    limit, pairs = fos["limit"], fos["all_pairs_failed"]
-    if limit is None or pairs is None or document["inputs"].get("criterion", "limit") != "all-pairs":
-        return ""
-    return f"; all pairs failed {factor(pairs)} governs acceptance" if pairs < limit else ""

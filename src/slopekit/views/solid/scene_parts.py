@@ -34,7 +34,6 @@ _MOST_LABELS, _FEW_LABELS = 60, 12
 _RIBBON, _BEFORE = 8e-3, 0.2  # of the size: how wide contacts of a section are drawn; of that: how far before it
 _LIFTED = 2e-3  # of the size: how far the coloured joints lie before the blocks they belong to
 _ROD = 4e-3 / 0.024  # radius of rods, of the width of their plates
-_MOST_LINES = 3  # of one kind of load in the legend
 
 
 @dataclass
@@ -276,35 +275,17 @@ def bolt_colour(name: str) -> Colour | None:
     return ACTIVE_BOLT if name.startswith("active bolt") else PASSIVE_BOLT if name.startswith("passive bolt") else None
 
 
-def kinds_of_loads(names: Sequence[str], sizes: Sequence[Floats]) -> list[tuple[str, list[int]]]:
+def kinds_of_loads(names: Sequence[str]) -> list[tuple[str, list[int]]]:
     """Which loads stand in one line of the legend: the words before their sizes, and their indices.
 
-    Forces and bolts that are numbered and of one size share a line; where they have more than a few sizes, all do.
-
-    Parameters
-    ----------
-    names : of the loads; sizes : of each its forces (k,) kN
-
-    >>> from numpy import array
-    >>> kinds_of_loads(["weight", "active bolt 1", "active bolt 2"], [array([9.0]), array([5.0]), array([5.0])])
+    >>> kinds_of_loads(["weight", "active bolt 1", "active bolt 2"])
     [('weight', [0]), ('2 active bolts', [1, 2])]
     """
-    lines: dict[tuple[str, ...], list[int]] = {}
-    families: dict[str, set[str]] = {}
-    for name, size in zip(names, sizes, strict=True):
-        if match := NUMBERED.match(name):
-            families.setdefault(f"{match[1]}s{match[3] or ''}", set()).add(_sizes_in_words(size))
-    for k, (name, size) in enumerate(zip(names, sizes, strict=True)):
-        key: tuple[str, ...] = (name,)
-        if match := NUMBERED.match(name):
-            family = f"{match[1]}s{match[3] or ''}"
-            key = (family, "" if len(families[family]) > _MOST_LINES else _sizes_in_words(size))
-        lines.setdefault(key, []).append(k)
-    return [(names[own[0]] if len(own) == 1 else f"{len(own)} {key[0]}", own) for key, own in lines.items()]
-
-
-def _sizes_in_words(sizes: Floats) -> str:
-    return kilonewtons(float(sizes.max(initial=0.0)))
+    lines: dict[str, list[int]] = {}
+    for k, name in enumerate(names):
+        match = NUMBERED.match(name)
+        lines.setdefault(f"{match[1]}s{match[3] or ''}" if match else name, []).append(k)
+    return [(names[own[0]] if len(own) == 1 else f"{len(own)} {kind}", own) for kind, own in lines.items()]
 
 
 def amounts(name: str, parts: Sequence[Floats]) -> str:

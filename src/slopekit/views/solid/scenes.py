@@ -298,7 +298,7 @@ def _forces(stage: Stage, _: int) -> Picture:
     sizes = [every_size[own & (loads.what == k)] for k in range(len(loads.names))]
     large = [k for k, size in enumerate(sizes) if (size > _NO_FORCE * longest).any()]
     called = seen.load_names()
-    alike = kinds_of_loads([called[k] for k in large], [sizes[k] for k in large])
+    alike = kinds_of_loads([called[k] for k in large])
     groups: list[_Group] = []
     for name, kinds in alike:
         which = [large[k] for k in kinds]
