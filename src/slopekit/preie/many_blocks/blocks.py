@@ -211,8 +211,8 @@ def _limit(
     velocity = frozen(path_end.motion.reshape(model.load.shape))
     return BlocksLimit(
         outcome, factor, basis, change, velocity, frozen(normal), frozen(path_end.friction), frozen(path_end.bond), top,
-        lowest, highest, steps, bound.steps, path_end.group, path_end.width,
-        path_end.rounding, tips=tips, locked=bound.locked,
+        lowest, highest, tips, bound.locked, steps=steps, bound_steps=bound.steps, group=path_end.group,
+        width=path_end.width, rounding=path_end.rounding,
     )  # fmt: skip
 
 
@@ -227,7 +227,7 @@ def _ended(model: AssemblyModel, outcome: Outcome, motion: Floats, bound: Static
     pairs = len(model.control_area)
     return BlocksLimit(
         outcome, None, Basis.NONE, 0.0, frozen(motion.reshape(model.load.shape) / fastest), frozen(np.zeros(pairs)),
-        frozen(np.zeros(model.slip_rows.shape[:2])), frozen(np.ones(pairs)), None, None, None, steps, bound.steps,
+        frozen(np.zeros(model.slip_rows.shape[:2])), frozen(np.ones(pairs)), steps=steps, bound_steps=bound.steps,
     )  # fmt: skip
 
 
@@ -261,8 +261,8 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
     basis = {PathOutcome.LIMIT: Basis.LIMIT, PathOutcome.SETTLED: Basis.SETTLED}.get(path_end.outcome, Basis.PEAK)
     return path_end, BlocksLimit(
         Outcome.SLIDES, 1.0 / reduction, basis, 0.0, frozen(path_end.motion.reshape(model.load.shape)),
-        frozen(path_end.normal), frozen(path_end.friction), frozen(path_end.bond), None, None, None,
-        path_end.factorisations, 0,
+        frozen(path_end.normal), frozen(path_end.friction), frozen(path_end.bond),
+        steps=path_end.factorisations,
     )  # fmt: skip
 
 

@@ -22,8 +22,30 @@ class Basis(StrEnum):
     NONE = "no factor"
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LimitSearch:
+    """How the limit of an assembly was looked for.
+
+    Attributes
+    ----------
+    steps : factorisations of the path; bound_steps : of the bound
+    group : blocks that were not held when it was found, 0 where none was; then all came to rest but for `width` of it
+    rounding : what the law of the joints is rounded by where all came to rest, in parts of their elastic energy
+    spent : whether there is no factor because the work that is allowed was done (`solvers.work_limit`); `rested`: the
+        factor at which all blocks were at rest last then, None where they were at none, or cohesion might yet be lost
+    """
+
+    steps: int = 0
+    bound_steps: int = 0
+    group: int = 0
+    width: float = 0.0
+    rounding: float = 0.0
+    spent: bool = False
+    rested: float | None = None
+
+
 @dataclass(frozen=True, slots=True)
-class BlocksLimit:
+class BlocksLimit(LimitSearch):
     """The limit of an assembly.
 
     Attributes
@@ -40,11 +62,6 @@ class BlocksLimit:
         crept to no exact limit state, than the factor at 30 elastic displacements
     tips : the part of the loads beside weight and water at which the blocks tip at that factor and any lower one, in a
         motion that slips nowhere; None where no such motion was found
-    steps : factorisations of the path; bound_steps : of the bound
-    spent : whether there is no factor because the work that is allowed was done (`solvers.work_limit`); `rested`: the
-        factor at which all blocks were at rest last then, None where they were at none, or cohesion might yet be lost
-    group : blocks that were not held when it was found, 0 where none was; then all came to rest but for `width` of it
-    rounding : what the law of the joints is rounded by where all came to rest, in parts of their elastic energy
     """
 
     outcome: Outcome
@@ -55,16 +72,9 @@ class BlocksLimit:
     normal_force: Floats
     friction: Floats
     bond: Floats
-    static_bound: float | None
-    lowest: float | None
-    highest: float | None
-    steps: int
-    bound_steps: int
-    group: int = 0
-    width: float = 0.0
-    rounding: float = 0.0
-    spent: bool = False
-    rested: float | None = None
+    static_bound: float | None = None
+    lowest: float | None = None
+    highest: float | None = None
     tips: tuple[float, float] | None = None
     locked: bool = False
 

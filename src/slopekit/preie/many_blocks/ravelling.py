@@ -525,7 +525,7 @@ def _untouched(loads: AssemblyLoads, free: Ints) -> tuple[AssemblyModel, BlocksL
     driven = float(np.abs(load).max()) > 0.0
     limit = BlocksLimit(
         Outcome.LIFTED if driven else Outcome.NO_DRIVING_FORCE, None, Basis.NONE, 0.0, load / size, pairs,
-        np.zeros((0, 2)), pairs, None, None, None, 0, 0,
+        np.zeros((0, 2)), pairs,
     )  # fmt: skip
     return model, limit
 

@@ -45,39 +45,30 @@ class Balance:
         return self.pull <= tolerance and self.friction_excess <= tolerance
 
 
-@dataclass(frozen=True, slots=True)
-class BalanceCheck:
-    """What a model carries at a factor, held against its loads and its strength.
-
-    Attributes
-    ----------
-    unbalanced : (n, u) of what the forces leave of the loads, in parts of each block's load; translations come first
-    normal : (m,) of the node pairs
-    beyond : forces beyond what the contact law allows, in parts of the load of a block that they act on
-    """
-
-    factor: float
-    unbalanced: Floats
-    translations: int
-    normal: Floats
-    beyond: Floats
-
-
-def balance(parts: Sequence[BalanceCheck]) -> Balance | None:
+def balance(parts: Sequence[Balance]) -> Balance | None:
     """The worst of each figure over all parts; None where there are none."""
     if not parts:
         return None
     return Balance(
-        min(part.factor for part in parts),
-        max(float(np.abs(part.unbalanced[:, : part.translations]).max()) for part in parts),
-        max(float(np.abs(part.unbalanced[:, part.translations :]).max(initial=0.0)) for part in parts),
-        max(max(0.0, -float(part.normal.min())) / max(float(np.abs(part.normal).mean()), TINY) for part in parts),
-        max(max(float(part.beyond.max()), 0.0) for part in parts),
-        sum(len(part.normal) for part in parts),
+        min(part.factor for part in parts), max(part.force for part in parts), max(part.moment for part in parts),
+        max(part.pull for part in parts), max(part.friction_excess for part in parts),
+        sum(part.node_pairs for part in parts),
     )  # fmt: skip
 
 
-def of_one_block(model: Model, analysis: LimitAnalysis) -> list[BalanceCheck]:
+def _seen(factor: float, unbalanced: Floats, translations: int, normal: Floats, beyond: Floats) -> Balance:
+    """Return what is off: forces (n, u) left of the loads, normal forces (m,), and forces beyond the contact law."""
+    return Balance(
+        factor,
+        float(np.abs(unbalanced[:, :translations]).max()),
+        float(np.abs(unbalanced[:, translations:]).max(initial=0.0)),
+        max(0.0, -float(normal.min())) / max(float(np.abs(normal).mean()), TINY),
+        max(float(beyond.max()), 0.0),
+        len(normal),
+    )
+
+
+def of_one_block(model: Model, analysis: LimitAnalysis) -> list[Balance]:
     """What one block carries at its limit; nothing where there is no factor."""
     limit = analysis.balanced
     factor, normal, friction, pulls = limit.factor, limit.normal_force, limit.friction, limit.pulls
@@ -87,17 +78,17 @@ def of_one_block(model: Model, analysis: LimitAnalysis) -> list[BalanceCheck]:
     allowed = line(limit.bond * model.cohesion, model.tan_friction, normal) / factor
     beyond = np.concatenate([_sizes(friction) - allowed, pulls - model.bolt_capacity / factor, -pulls])
     turns = limit.velocity.size == model.unknowns
-    return [BalanceCheck(factor, out[None, :], model.translations if turns else limit.velocity.size, normal, beyond)]
+    return [_seen(factor, out[None, :], model.translations if turns else limit.velocity.size, normal, beyond)]
 
 
-def of_blocks(model: "AssemblyModel", factor: float, normal: Floats, friction: Floats, bond: Floats) -> BalanceCheck:
+def of_blocks(model: "AssemblyModel", factor: float, normal: Floats, friction: Floats, bond: Floats) -> Balance:
     """What many blocks carry: N (m,), T (g, t), and what bonds are left (m,)."""
     own = _sizes(model.load)
     weights = np.append(np.maximum(own, LIGHTEST * float(own.max())), np.inf)  # bedrock is the last
     beside = np.minimum(weights[model.plus], weights[model.minus])[model.group_contact]
     allowed = line(model.by_group(bond * model.cohesion), model.tan_friction, model.by_group(normal))
     over = np.maximum(_sizes(friction) - allowed / factor, np.where(model.bolted, -friction[:, 0], 0.0))
-    return BalanceCheck(
+    return _seen(
         factor, model.unbalanced(normal, friction), 2 if model.unknowns == 3 else 3, normal[model.joint_pairs],
         over / beside,
     )  # fmt: skip

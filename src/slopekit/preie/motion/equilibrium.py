@@ -51,21 +51,6 @@ class Equilibrium:
         return int((self.modes != ContactMode.STICK).sum())
 
 
-@dataclass(frozen=True, slots=True)
-class _Physical:
-    """What the contact law needs in kPa and m, from the scaled model."""
-
-    cohesion: Floats
-    tension: Floats
-    area: Floats
-
-    @staticmethod
-    def of(model: Model) -> "_Physical":
-        area = model.control_area * model.area_scale
-        per_area = model.force_scale / area
-        return _Physical(model.cohesion * per_area, model.tension * per_area, area)
-
-
 def equilibrium(
     model: Model, factor: float, stiffness: JointStiffness, start: Equilibrium | None = None,
     until_all_failed: bool = False,
@@ -78,22 +63,25 @@ def equilibrium(
     start : an equilibrium at a smaller factor to go on from
     until_all_failed : stop at the first state on the way in which no pair sticks
     """
-    physical = _Physical.of(model)
     if start is None or not start.stands or start.factor > factor:
         none: Bools = np.zeros(len(model.control_area), dtype=bool)
         here = min(1e-3, factor * 1e-3)
         # first guess: springs in all directions, the normal ones' stiffness
-        spring = np.repeat(physical.area, 3)[:, None] * model.flat_rows * (stiffness.normal / model.force_scale)
+        spring = (
+            np.repeat(model.control_area * model.area_scale, 3)[:, None]
+            * model.flat_rows
+            * (stiffness.normal / model.force_scale)
+        )
         bonded = model.flat_rows.T @ spring
         try:
             guess = np.asarray(np.linalg.solve(bonded, model.load), dtype=np.float64)
         except np.linalg.LinAlgError:  # a sheet thinner than any joint has no stiffness against turning
             guess = np.asarray(np.linalg.lstsq(bonded, model.load, rcond=None)[0], dtype=np.float64)
-        state = _settle(model, physical, here, stiffness, guess, none)
+        state = _settle(model, here, stiffness, guess, none)
         if not state.stands:
             for part in _RAMP:
                 lighter = replace(model, load=frozen(model.load * part))
-                state = _settle(lighter, physical, here, stiffness, guess * part if part == _RAMP[0] else guess, none)
+                state = _settle(lighter, here, stiffness, guess * part if part == _RAMP[0] else guess, none)
                 guess = state.scaled
         if not state.stands:
             return state
@@ -103,7 +91,7 @@ def equilibrium(
     remaining = stride
     while remaining > 0.0:
         target = factor if stride >= remaining else state.factor * math.exp(stride)
-        trial = _settle(model, physical, target, stiffness, state.scaled, state.debonded)
+        trial = _settle(model, target, stiffness, state.scaled, state.debonded)
         if trial.stands:
             state = trial
             if until_all_failed and state.failed_pairs == len(state.modes):
@@ -117,19 +105,17 @@ def equilibrium(
     return state if remaining > 0.0 else replace(state, factor=factor)
 
 
-def _settle(
-    model: Model, physical: _Physical, factor: float, stiffness: JointStiffness, start: Floats, debonded: Bools
-) -> Equilibrium:
+def _settle(model: Model, factor: float, stiffness: JointStiffness, start: Floats, debonded: Bools) -> Equilibrium:
     """Newton until the forces balance, again while pairs debond (Table 2); a bond once broken stays so."""
-    scaled = start
+    scaled, area = start, model.control_area * model.area_scale
     rounding = EQUILIBRIUM * model.force_scale / model.area_scale
     for _ in range(MOST_RELEASES):
-        scaled, law, residual = _newton(model, physical, factor, stiffness, scaled, debonded)
-        broken: Bools = ~debonded & breaks(law, physical.tension, factor, rounding)
+        scaled, law, residual = _newton(model, factor, stiffness, scaled, debonded)
+        broken: Bools = ~debonded & breaks(law, model.tension * model.force_scale / area, factor, rounding)
         if residual > EQUILIBRIUM or not broken.any():
             break
         debonded = debonded | broken
-    forces = law.tractions * physical.area[:, None]
+    forces = law.tractions * area[:, None]
     to_metres = np.where(np.arange(model.unknowns) < model.translations, model.length_scale, 1.0)
     return Equilibrium(
         residual <= EQUILIBRIUM, factor, scaled * to_metres, forces, law.modes, residual, scaled, debonded
@@ -137,13 +123,13 @@ def _settle(
 
 
 def _newton(
-    model: Model, physical: _Physical, factor: float, stiffness: JointStiffness, scaled: Floats, debonded: Bools
+    model: Model, factor: float, stiffness: JointStiffness, scaled: Floats, debonded: Bools
 ) -> tuple[Floats, Tractions, float]:
     bolts = model.bolt_capacity / factor
     stretch = model.bolt_capacity * (model.length_scale / BOLT_GIVE_M)
-    weight, rows = physical.area / model.force_scale, model.flat_rows
+    weight, rows = model.control_area * (model.area_scale / model.force_scale), model.flat_rows
     tractions = reduced_law(
-        stiffness, physical.cohesion, model.tan_friction, model.tan_dilation, factor, debonded
+        stiffness, model.cohesion / weight, model.tan_friction, model.tan_dilation, factor, debonded
     )  # fmt: skip
 
     def unbalanced(at: Floats) -> tuple[Floats, Tractions]:

@@ -42,10 +42,9 @@ from slopekit.preie.tolerances import FINER_PRESSED, LEVEL, NO_FORCE, PARALLEL, 
 
 #: Splits of the triangles on which limits are settled; the next where it changes one by more than `FINER_PRESSED`.
 SPLITS = (3, 4)
-_FLAT = 1e-3  # of ln λ: a path that ends so far above its least value may run at that
 _SETTLES = 5  # times its slope: λ of a path that runs is as near to that of the running state
-_FAR_OUT = 100_000  # elastic displacements: so far out along its motion it is asked whether a path comes down or up
 _DEEP = 0.95  # of F by forces: below it paths may turn before they come down to the running state (4 of 328 wedges)
+_FAR_OUT = 100_000  # elastic displacements: so far out along its motion it is asked whether a path comes down or up
 _RUNNING = 40, 0, inf, 0.05  # to a running state, as of `bed_path`
 _LANDING = 200, 0, inf, 1e-3  # to where a path that creeps is left: far out, where few points carry
 _MOST_LOWERED = 6  # times that a path goes on from a rest at less strength
@@ -281,8 +280,7 @@ class _Limits:
             lowest[turns[known]], tangent[turns[known]] = at[known], along[known]
             if fine is not self.coarse:
                 turns = self.checked(fine, blocks, turns, lowest, tangent)
-        ends_at = np.where(is_far, path.point[:, -1], lowest[:, -1])
-        may_run = np.flatnonzero((path.outcome != PathEnd.TURNED) & (ends_at - lowest[:, -1] < _FLAT))
+        may_run = np.flatnonzero(path.outcome != PathEnd.TURNED)
         is_left = np.ones(len(blocks), dtype=bool)
         is_left[may_run[self.settled_runs(blocks[may_run], path.of(may_run), lowest[may_run])]] = False
         creeps = is_left & is_far & ~path.turns

@@ -30,9 +30,8 @@ SNAP = 10
 #: Elastic displacements, beyond which a path that creeps has all but failed.
 EARLY = 30
 _TURNED, _BACK = math.log(1.2), math.log(20)  # ln λ so far above its least value does not come back, or sticks
-_FIRST, _LONGEST = 0.1, 1.5  # steps along the path
-_EARLY_STEP = 0.4  # the longest within `EARLY` elastic displacements, where parts of joints open and close
-_TURNS, _STRAYS = 0.8, 0.5  # cosine of the angle that a step may turn by, and parts of it that it may leave the tangent
+_FIRST, _LONGEST = 0.1, 0.4  # steps along the path
+_TURNS = 0.8  # cosine of the angle that a step may turn by
 _CORNER = 1e-3  # steps may turn by more where they are as short: points begin to slip
 _STRAIGHT, _STRAIGHTER = 0.98, 0.9999  # where the path turns by less, the next step is twice or four times as long
 _MOST_STEPS = 150  # along one path
@@ -41,15 +40,14 @@ _POINT = 12, 4, 3, 0  # to a point of the path
 _STUCK = 400, 400, math.inf, 0  # to where every point sticks: each takes a third of a pressed part that is too large
 _REST = 100, 0, math.inf, 0.05  # to a rest at one strength
 _WEAKER = 0.97  # of λ at the first slip
-_STRONGER = 1, 2, 8, 32  # times the strength of the first slip at which a block is looked for at rest
+_STRONGER = 1, 8, 32  # times the strength of the first slip at which a block is looked for at rest
 _STRONG = 4  # times the strength that forces in balance need: blocks that do not stick start there
 #: So many times the strength that forces in balance need is the most that is tried.
 STRONGEST = 4096
-_CALMER, _FLOWS, _STIFFEST, _MOST_FLOW = 0.7, 30, 1000, 40  # of viscous flow
-_MARCH = 0.05, 2e-3, 1e-4  # parts of λ: less strength alone, where the path has a corner
-_MOST_POLISH, _WIDEST = 20, 0.3  # points to the least λ on a turn of the path, and how far one lies from the next
+_FLOWS, _STIFFEST, _MOST_FLOW = 30, 1000, 40  # of viscous flow
+_MARCH = 0.01  # part of λ: less strength alone, where the path has a corner
+_MOST_POLISH = 20  # points to the least λ on a turn of the path
 _LEAST = 1e-10  # of ln λ: so near is the least value found
-_LOWER = 1e-8  # of ln λ along a path: lower by less is rounding
 
 _NONE = np.zeros(0)
 
@@ -251,7 +249,7 @@ class BedPath:
     def flow(self, blocks: Ints, start: Floats, reduction: Floats) -> tuple[Floats, Bools]:
         """Let blocks move slowly at one λ (n,) each; return where (n, u) they come to rest, and which of them do."""
         u, rested = start.copy(), np.zeros(len(blocks), dtype=bool)
-        slow, pushed = np.ones(len(blocks)), np.full(len(blocks), np.inf)
+        slow = np.ones(len(blocks))
         stiffness, rows = self.springs.stiffness[blocks], np.arange(len(blocks))
         far = _FLOWS * np.maximum(self.springs.first[blocks], lengths(start))
         for _ in range(_MOST_FLOW):
@@ -259,13 +257,10 @@ class BedPath:
             step = self.rests(blocks[rows], u[rows], reduction[rows], drag=drag)
             moves = rows[step.settled]
             moved = step.x[step.settled, :-1] - u[moves]
-            push = slow[moves] * np.abs((stiffness[moves] @ moved[:, :, None])[:, :, 0]).max(axis=1, initial=0.0)
             u[moves] += moved
             slow[rows] *= np.where(step.settled, 0.2, 4)
-            calmer = moves[push < _CALMER * pushed[moves]]  # driven by more and more there is no rest near
-            rest = self.rests(blocks[calmer], u[calmer], reduction[calmer])
-            u[calmer[rest.settled]], rested[calmer[rest.settled]] = rest.x[rest.settled, :-1], True
-            pushed[moves] = push
+            rest = self.rests(blocks[moves], u[moves], reduction[moves])
+            u[moves[rest.settled]], rested[moves[rest.settled]] = rest.x[rest.settled, :-1], True
             ends = rested[rows] | (slow[rows] > _STIFFEST) | (lengths(u[rows]) > far[rows])
             ends[step.settled] |= ~(np.abs(moved).max(axis=1, initial=0.0) > 0.0)
             rows = rows[~ends]
@@ -304,14 +299,10 @@ class BedPath:
 
         A rest more than `SNAP` elastic displacements away is none.
         """
-        rest, at, rows = points[:, :-1].copy(), np.full(len(blocks), np.nan), np.arange(len(blocks))
-        for part in _MARCH:
-            here = np.exp(points[rows, -1]) * (1.0 - part)
-            found, settled = self.flow(blocks[rows], points[rows, :-1], here)
-            rest[rows[settled]], at[rows[settled]] = found[settled], here[settled]
-            rows = rows[~settled]
-        at[lengths(rest - points[:, :-1]) > SNAP * elastic] = np.nan
-        return rest, at
+        lower = np.exp(points[:, -1]) * (1.0 - _MARCH)
+        rest, settled = self.flow(blocks, points[:, :-1], lower)
+        lower[~settled | (lengths(rest - points[:, :-1]) > SNAP * elastic)] = np.nan
+        return rest, lower
 
     def follow(self, blocks: Ints, u: Floats, reduction: Floats, elastic: Floats, ends: Floats) -> Paths:
         """Follow the paths from states of rest, each until its block runs or λ has turned for good.
@@ -351,17 +342,17 @@ class BedPath:
         along, tangent, before, here = at.length, at.tangent, at.point, lengths(at.point[:, :-1])
         goal = on_scale(before, 1.0 / here) + along[:, None] * tangent
         found = self.on_planes(blocks, tangent, here, goal)
-        after, cosine, off = found.tangent, dots(found.tangent, tangent), lengths(found.x - goal)
+        after, cosine = found.tangent, dots(found.tangent, tangent)
         after[np.abs(after[:, -1]) < ROUNDING, -1] = -ROUNDING  # level, not turned
         before_slope, slope, change = tangent[:, -1], after[:, -1], found.x[:, -1] - before[:, -1]
-        strays = (cosine < _TURNS) | (off > _STRAYS * along)
+        strays = cosine < _TURNS
         # λ does between two points what its slopes at them cannot make: it turned on the way
         strays |= (before_slope * slope > 0.0) & (before_slope * change < 0.0) & (np.abs(change) > POLISHED)
         good = found.settled & ~(strays & (along > _CORNER))
         at.point = np.where(good[:, None], on_scale(found.x, here), before)
         ln, scale = at.point[:, -1], lengths(at.point[:, :-1])
-        at.turns |= good & (before_slope < 0.0) & (slope >= 0.0) & (before[:, -1] <= at.lowest[:, -1] + _LOWER)
-        lower = ln < at.lowest[:, -1] - _LOWER
+        at.turns |= good & (before_slope < 0.0) & (slope >= 0.0) & (before[:, -1] <= at.lowest[:, -1])
+        lower = ln < at.lowest[:, -1]
         at.lowest[lower], at.turns[lower] = at.point[lower], (slope >= 0.0)[lower]
         at.heading[lower] = units((at.point - before)[lower, :-1])
         # between two points ln λ is a line of 1 / |u|, as it is far out
@@ -371,8 +362,7 @@ class BedPath:
         longer = np.where((cosine > _STRAIGHTER) & (found.evaluations <= 3), 4.0, 1.0)
         longer = np.maximum(longer, np.where((cosine > _STRAIGHT) & (found.evaluations <= 4), 2.0, 1.0))
         longer[found.evaluations > 6] = 0.6
-        most = np.where(scale < EARLY * elastic, _EARLY_STEP, _LONGEST)
-        at.length = np.where(good, np.minimum(along * longer, most), along / 4)
+        at.length = np.where(good, np.minimum(along * longer, _LONGEST), along / 4)
         at.tangent = np.where(good[:, None], units(on_scale(after, here / scale)), tangent)
         rise, gone = ln - at.lowest[:, -1], lengths((at.point - at.lowest)[:, :-1]) > SNAP * elastic
         spare = ends - at.lowest[:, -1]  # a path that ends lower than it turned goes on
@@ -420,7 +410,7 @@ class BedPath:
             with np.errstate(divide="ignore", invalid="ignore"):  # a slope that stayed as it was bends nowhere
                 bent = (slope - last[good, 1]) / (here - last[good, 0])
                 reach = np.fmax(np.abs(slope) / np.where(bent > 0.0, bent, 1.0), 2.0 * np.abs(here - last[good, 0]))
-                reach = np.where(is_between, np.abs(slope) * span / rise, np.minimum(reach, _WIDEST))
+                reach = np.where(is_between, np.abs(slope) * span / rise, reach)
             last[good, 0], last[good, 1], side_before[good] = here, slope, side
             at[good] = here - np.sign(slope) * reach
             x[good] = points + (at[good] - here)[:, None] * after

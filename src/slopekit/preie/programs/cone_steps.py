@@ -38,7 +38,7 @@ def determinant(point: Floats) -> Floats:
 
 @dataclass(frozen=True, slots=True)
 class Iterate:
-    """A point of the method.
+    """A point of the method, or a change of one.
 
     Attributes
     ----------
@@ -59,12 +59,7 @@ class Iterate:
     slip: Floats
     shed_slack: float
 
-
-@dataclass(frozen=True, slots=True)
-class IterateStep(Iterate):
-    """A change of every part of an iterate."""
-
-    def longest(self, at: Iterate, most: float) -> float:
+    def longest(self, at: "Iterate", most: float) -> float:
         """How far the step may go, at most 1; `most` is what its pairs and cones allow."""
         singles = (
             (at.shed, self.shed),
@@ -74,7 +69,7 @@ class IterateStep(Iterate):
         ends = [most, *(-value / change for value, change in singles if change < 0.0)]
         return min(1.0, _TO_BOUNDARY * min(ends))
 
-    def taken(self, at: Iterate, length: float) -> Iterate:
+    def taken(self, at: "Iterate", length: float) -> "Iterate":
         """The iterate after so much of the step."""
         return Iterate(
             at.normal + length * self.normal, at.friction + length * self.friction,
@@ -210,7 +205,7 @@ class ConeEquations:
             [load @ self.columns[:, 0], at.shed_slack / at.shed + load @ self.columns[:, 1]],
         ])  # fmt: skip
 
-    def step(self, towards: float) -> tuple[IterateStep, float]:
+    def step(self, towards: float) -> tuple[Iterate, float]:
         """Mehrotra's step, and its length: what a step to the end would do tells how far to aim and what to correct.
 
         Parameters
@@ -231,7 +226,7 @@ class ConeEquations:
         of_shed = barrier - at.shed * at.shed_slack - ahead.shed * ahead.shed_slack
         return self.direction(of_normal, to_strength, of_shed)
 
-    def direction(self, to_normal: Floats, to_strength: Floats, to_shed: float) -> tuple[IterateStep, float]:
+    def direction(self, to_normal: Floats, to_strength: Floats, to_shed: float) -> tuple[Iterate, float]:
         """The step towards given products of the normal forces (m,), the cones (m, 3) and the shed load; its length."""
         at, off, kernels, load = self.start, self.off, compiled(), self.program.load
         contacts, offs = self.program.pattern.contacts, (off.normal, off.slip, off.strength)
@@ -248,5 +243,5 @@ class ConeEquations:
             *offs, at.strength, at.slip, normal, friction, strength, gap, slip,
         )  # fmt: skip
         slack = (to_shed - at.shed_slack * shed) / at.shed
-        step = IterateStep(normal, friction, factor, shed, strength, velocity, gap, slip, slack)
+        step = Iterate(normal, friction, factor, shed, strength, velocity, gap, slip, slack)
         return step, step.longest(at, most)

@@ -10,14 +10,14 @@ from scipy import sparse
 from scipy.sparse.csgraph import breadth_first_order, maximum_bipartite_matching
 
 from slopekit.core.arrays import Bools, Floats, Ints
-from slopekit.preie.system.assembly import AssemblyModel
+from slopekit.preie.system.assembly import AssemblyModel, BlockContacts
 from slopekit.preie.tolerances import PARALLEL
 
 _UNEVEN = 0.15  # of a piece, how far from its middle it may be cut
 _ALIKE = 0.9  # cosine between normals of one joint set
 
 
-def touching_blocks(model: AssemblyModel) -> Ints:
+def touching_blocks(model: BlockContacts) -> Ints:
     """The two blocks of each contact between moving blocks, (2, k)."""
     both = model.minus >= 0
     return np.stack([model.plus[both], model.minus[both]])

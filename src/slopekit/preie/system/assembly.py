@@ -32,9 +32,9 @@ if TYPE_CHECKING:
     from slopekit.preie.system.strength_lines import StrengthLines
 
 
-@dataclass(frozen=True, slots=True)
-class AssemblyModel:
-    """A scaled model of n moving blocks with u unknowns each: 6 in space, 3 in a vertical section.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BlockContacts:
+    """The contacts of n moving blocks: how their motions open and slip them.
 
     Attributes
     ----------
@@ -43,18 +43,9 @@ class AssemblyModel:
     pair_contact : (m,) the contact of each node pair, ascending; normal_rows : (m, u) its opening per motion
     group_contact : (g,) the contact of each friction force, ascending; slip_rows : (g, t, u) its slip per motion
     group_first : (g,) first node pair of each friction force
-    control_area : (m,) in parts of the mean; cohesion : (m,) strength forces c A in parts of the force scale
-    tan_friction, tan_dilation : (g,)
     patch : (k,) index of the contact's patch
     points : (m, 3) m, where the node pairs lie
-    moving : (n,) indices of the moving blocks in the assembly
-    load : (n, u) generalised forces in parts of the force scale; live : (n, u) that part of it that is neither weight
-        nor water (earthquake, forces, active bolts)
-    length_scale : m; force_scale : kN; area_scale : m²
     kinematics, statics : (m + g t, n u) sparse B, from block motions to openings and slips, and its transpose
-    bolts : (b,) which of the passive bolts are the last b contacts, friction forces and node pairs; they have no patch
-    cells : of contacts with cohesion, which acts on the part of them that is pressed; None where none has any
-    lines : where tan_friction was drawn on curved laws, None where none is
     """
 
     plus: Ints
@@ -66,20 +57,39 @@ class AssemblyModel:
     group_contact: Ints
     slip_rows: Floats
     group_first: Ints
+    patch: Ints
+    points: Floats
+    kinematics: Any
+    statics: Any
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AssemblyModel(BlockContacts):
+    """A scaled model of n moving blocks with u unknowns each: 6 in space, 3 in a vertical section.
+
+    Attributes
+    ----------
+    control_area : (m,) in parts of the mean; cohesion : (m,) strength forces c A in parts of the force scale
+    tan_friction, tan_dilation : (g,)
+    moving : (n,) indices of the moving blocks in the assembly
+    load : (n, u) generalised forces in parts of the force scale; live : (n, u) that part of it that is neither weight
+        nor water (earthquake, forces, active bolts)
+    length_scale : m; force_scale : kN; area_scale : m²
+    bolts : (b,) which of the passive bolts are the last b contacts, friction forces and node pairs; they have no patch
+    cells : of contacts with cohesion, which acts on the part of them that is pressed; None where none has any
+    lines : where tan_friction was drawn on curved laws, None where none is
+    """
+
     control_area: Floats
     cohesion: Floats
     tan_friction: Floats
     tan_dilation: Floats
-    patch: Ints
-    points: Floats
     moving: Ints
     load: Floats
     live: Floats
     length_scale: float
     force_scale: float
     area_scale: float
-    kinematics: Any
-    statics: Any
     bolts: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     cells: ContactCells | None = None
     lines: "StrengthLines | None" = None

@@ -11,7 +11,6 @@ a state that is tried pulls, a law is the line to its strength there: the steepe
 import numpy as np
 
 from slopekit.core.arrays import Floats, Ints
-from slopekit.core.records import dataclass
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.tolerances import LEAST_TRACTION
 from slopekit.strength.mohr_coulomb import line
@@ -50,16 +49,6 @@ class JointStrengths:
         return rows
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Curve:
-    """One law, the node pairs that have it, its strength at no traction, and its slope below the least traction."""
-
-    law: StrengthLaw
-    pairs: Ints
-    none: float
-    steepest: float
-
-
 class CurvedStrengths(JointStrengths):
     """Of joints some of whose laws are curved; a friction force has one law."""
 
@@ -71,31 +60,32 @@ class CurvedStrengths(JointStrengths):
         self._straight = model.tan_friction[group_of_pair]
         self._area = model.control_area * (model.area_scale / model.force_scale)  # a traction of one kPa
         self._least = max(LEAST_KPA, LEAST_TRACTION * len(model.load) / float(self._area[model.joint_pairs].sum()))
-        self._curves: list[_Curve] = []
+        # of each law: the node pairs that have it, its strength at no traction, its slope below the least traction
+        self._curves = list[tuple[StrengthLaw, Ints, float, float]]()
         for key, law in enumerate(model.lines.laws):
             pairs = np.flatnonzero(model.lines.joint == key)
             if law is not None and len(pairs):
                 none, least = law.resistance(np.array([0.0, self._least]))
-                self._curves.append(_Curve(law, pairs, float(none), float(least - none) / self._least))
+                self._curves.append((law, pairs, float(none), float(least - none) / self._least))
                 self._straight[pairs] = 0.0
 
     def at(self, normal: Floats, cohesion: Floats) -> Floats:
         """(g,) at normal forces (m,), with the cohesion τ(0) (g,) that is left."""
         resists = self._straight * normal
-        for curve in self._curves:
-            area = self._area[curve.pairs]
-            traction = normal[curve.pairs] / area
-            strength = curve.law.resistance(np.maximum(traction, self._least)) - curve.none
-            resists[curve.pairs] = area * np.where(traction < self._least, curve.steepest * traction, strength)
+        for law, pairs, none, steepest in self._curves:
+            area = self._area[pairs]
+            traction = normal[pairs] / area
+            strength = law.resistance(np.maximum(traction, self._least)) - none
+            resists[pairs] = area * np.where(traction < self._least, steepest * traction, strength)
         return cohesion + self.summed(resists)
 
     def slopes(self, normal: Floats) -> Floats:
         """How strength follows normal forces (m,), (m,)."""
         slopes = self._straight.copy()
-        for curve in self._curves:
-            traction = normal[curve.pairs] / self._area[curve.pairs]
-            slope = curve.law.slope(np.maximum(traction, self._least))
-            slopes[curve.pairs] = np.where(traction < self._least, curve.steepest, slope)
+        for law, pairs, _, steepest in self._curves:
+            traction = normal[pairs] / self._area[pairs]
+            slope = law.slope(np.maximum(traction, self._least))
+            slopes[pairs] = np.where(traction < self._least, steepest, slope)
         return slopes
 
     def followed(self, slopes: Floats, pressed: Floats) -> Floats:
