@@ -52,8 +52,8 @@ def compare(kwargs, made, found):
     """Return the oracle's bracket of one wedge, None where it finds no rest, and how far the bed lies off it."""
     bed, factor = springs_of(kwargs, made), bed_factor(found)
     guess = factor or found.factors.forces.factor or 1.0
-    bracket = best_bracket(bed, guess, lambda known: factor is None or abs(_beside(factor, known)) <= _AGAIN)
-    return bracket, None if bracket is None or factor is None else _beside(factor, bracket)
+    bracket = best_bracket(bed, guess, lambda known: factor is None or abs(beside(factor, known)) <= _AGAIN)
+    return bracket, None if bracket is None or factor is None else beside(factor, bracket)
 
 
 def best_bracket(bed, guess, agrees):
@@ -87,7 +87,7 @@ def lower_of_both(kwargs, count=_SPRINGS):
     bed = springs_of(kwargs, cut(wedge_design(kwargs)), count)
 
     def within(bracket):
-        return abs(_beside(limit, tuple(min(end, closed.factor) for end in bracket))) <= _AGAIN
+        return abs(beside(limit, tuple(min(end, closed.factor) for end in bracket))) <= _AGAIN
 
     bracket = best_bracket(bed, closed.factor, within)
     return limit, None if bracket is None else tuple(min(end, closed.factor) for end in bracket)
@@ -109,7 +109,7 @@ def any_wedge(count: int = 500, seed: int = 12) -> None:
             without.append(number)
             print(f"{number:5d}  limit {limit}  no number to compare with", flush=True)
             continue
-        off.append(_beside(limit, bracket))
+        off.append(beside(limit, bracket))
         if abs(off[-1]) > 0.01:
             print(f"{number:5d}  limit {limit:.5g}  {bracket[0]:.5g} .. {bracket[1]:.5g}  {off[-1]:+.2%}", flush=True)
     print(f"{count} wedges, {len(without)} without a number to compare with; of the other {len(off)}")
@@ -117,7 +117,7 @@ def any_wedge(count: int = 500, seed: int = 12) -> None:
         print(f"  {int((np.abs(off) <= part).sum())} within {part:g} of the lower of both")
 
 
-def _beside(value, bracket):
+def beside(value, bracket):
     """Return how far a value lies outside of a bracket, in parts of its near end."""
     low, high = bracket
     return min(value / low - 1.0, 0.0) + max(value / high - 1.0, 0.0)

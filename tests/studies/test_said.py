@@ -83,7 +83,7 @@ def test_a_probability_says_what_the_run_says_of_the_means() -> None:
 @pytest.mark.parametrize(
     "study",
     [
-        lambda design: sk.sweep(design, {"strength.weak.phi": [20, 22]}, methods="pre-ie"),
+        lambda design: sk.sweep(design, {"strength.weak.phi": [20, 22]}),
         lambda design: sk.tornado(design, closed_form=True),
         lambda design: sk.solve(design, "strength.weak.phi", fos=1.6),
         lambda design: sk.support(design, 1.6, acts="active"),
@@ -100,7 +100,7 @@ def test_studies_are_of_the_peak_strength(study) -> None:
 
 
 def test_without_a_residual_strength_nothing_is_said_of_it() -> None:
-    assert "W417" not in codes(sk.sweep(sk.load(WEDGE), {"strength.weak.phi": [20, 22]}, methods="pre-ie"))
+    assert "W417" not in codes(sk.sweep(sk.load(WEDGE), {"strength.weak.phi": [20, 22]}))
 
 
 def test_check_judges_the_residual_strength() -> None:
