@@ -99,6 +99,7 @@ def full_disk() -> Iterator[None]:
         ("export results -o out/a.vtu", "out"),
         ("export results -o out/a.dxf", "out"),
         ("report results -o out/a.html --no-pictures", "out"),
+        ("run wedge.yaml --picture out/a.png --quiet", "out"),
         ("plot results stereonet -o out/a.svg", "out"),
         ("templates new wedge out/b.yaml", "out"),
     ],
@@ -124,6 +125,10 @@ def test_a_process_of_its_own_meets_a_full_disk(worked, tmp_path) -> None:
     folder = shutil.copytree(worked, tmp_path / "worked")
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
     unspoilt = os.environ | {"PYTHONDONTWRITEBYTECODE": "1"}  # Python itself would leave its own files cut short
+    printed = f"ulimit -f 4; exec {sys.executable} -u -m slopekit run wedge.yaml --json > {tmp_path / 'cut.json'}"
+    cut = subprocess.run(["bash", "-c", printed], cwd=folder, capture_output=True, text=True, env=unspoilt)
+    assert cut.returncode == 2
+    assert "E129" in cut.stderr
     program = f"ulimit -f 0; exec {sys.executable} -m slopekit run wedge.yaml -o results --quiet --no-pictures"
     full = subprocess.run(["bash", "-c", program], cwd=folder, capture_output=True, text=True, env=unspoilt)
     assert full.returncode == 2

@@ -2,7 +2,9 @@
 
 import pytest
 
+from slopekit.core.errors import DesignError
 from slopekit.design.reading.document import load_document
+from slopekit.design.reading.files import load
 from slopekit.design.reading.nodes import document_from
 from slopekit.design.reading.structure import AnyOf, KeyGroup, Leaf, ListOf, Named, check_structure
 
@@ -125,3 +127,12 @@ def test_what_is_wrong_ten_thousand_times_is_said_two_hundred_times() -> None:
     faults = check_structure(many.root, WEDGE, "wedge")
     assert [fault.code for fault in faults] == ["E142"] * 200 + ["E143", "E149"]
     assert faults[-1].message == "there are 200 faults: what stands behind them was not looked at"
+
+
+def test_values_that_are_wrong_a_thousand_times_are_said_two_hundred_times() -> None:
+    wrong = {f"s{k}": {"c": -1.0, "phi": 30} for k in range(1000)}
+    with pytest.raises(DesignError) as caught:
+        load({"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}}, "strength": wrong})
+    assert len(caught.value.faults) == 201
+    assert caught.value.codes[-1] == "E149"
+    assert caught.value.faults[-1].message.endswith("faults: these are the first 200")

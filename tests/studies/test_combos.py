@@ -531,3 +531,8 @@ def test_the_command(tmp_path) -> None:
     wrong = slopekit("combos", LIST, "--c", "5", "--persistence", "-3", "--json")
     assert wrong.returncode == 2
     assert [fault["code"] for fault in json.loads(wrong.stdout)["errors"]] == ["E143", "E116", "E143"]
+
+
+def test_the_sheet_says_what_a_part_of_full_pressure_is() -> None:
+    found = sk.combos(["45/115", "45/245"], face="60/180", height=10, c=5, phi=30, water="50%")
+    assert "water 50 % of full pressure" in str(found)

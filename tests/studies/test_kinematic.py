@@ -295,6 +295,9 @@ def test_all_faults_at_once(tmp_path) -> None:
     with pytest.raises(DesignError) as caught:
         kinematic([Plane(45, 115), "x", (45, 500)], face="65/180")
     assert caught.value.codes == ("E104", "E102")
+    (swapped,) = refused(joints=[f"{190 + k % 7}/76" for k in range(1500)]).faults  # 1,500 were said
+    assert swapped.code == "E103"
+    assert swapped.message.endswith("look swapped, and 1499 rows more like it")
 
 
 def test_notices(tmp_path) -> None:

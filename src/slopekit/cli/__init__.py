@@ -23,6 +23,7 @@ try:
     import atexit
     import errno
     import gc
+    import io
     from collections.abc import Iterable, Mapping, Sequence
     from contextlib import suppress
     from importlib import import_module
@@ -224,6 +225,9 @@ def start() -> NoReturn:
     """
     if _is_interruptible:
         signal.signal(signal.SIGINT, _interrupt)
+    if sys.stdout is not None and isinstance(getattr(sys.stdout, "buffer", None), io.RawIOBase):
+        # of PYTHONUNBUFFERED: a disk that is full takes a part of a text, and Python does not ask for the rest
+        sys.stdout = io.TextIOWrapper(io.BufferedWriter(sys.stdout.buffer), sys.stdout.encoding, line_buffering=True)
     try:
         main()
     except SystemExit as end:

@@ -107,7 +107,10 @@ def picture_of(picture: str | None, of_result: bool) -> Path | None:
 
 
 def draw_to(document: dict[str, Any], what: str, *paths: Path | None) -> None:
-    """Draw a study to the picture asked for and into its folder; what cannot be drawn is said, all else is there."""
+    """Draw a study to the picture asked for and into its folder; what cannot be drawn is said, all else is there.
+
+    A file that cannot be written ends the command with exit code 2.
+    """
     from slopekit.views.plots import draw
 
     for path in paths:
@@ -117,6 +120,8 @@ def draw_to(document: dict[str, Any], what: str, *paths: Path | None) -> None:
                 draw(document, what, path)
         except DesignError as error:
             print_faults(error, plainly=True)
+            if "E129" in error.codes:
+                raise typer.Exit(error.exit_code) from None
 
 
 def json_text(document: Any) -> str:

@@ -8,7 +8,7 @@ _ABBREVIATION = 3  # letters of a word that may be the beginning of the one that
 SYNONYMS: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(("cohesion", "coh", "cohesive_strength"), ("c",)),
     **dict.fromkeys(
-        ("friction", "friction_angle", "angle_of_friction", "internal_friction_angle", "phi_deg"), ("phi",)
+        ("friction", "friction_angle", "angle_of_friction", "internal_friction_angle", "phi_deg", "fi"), ("phi",)
     ),
     **dict.fromkeys(("tensile_strength", "tension_strength"), ("tension",)),
     **dict.fromkeys(("dilation_angle", "dilatancy", "dilatancy_angle"), ("dilation",)),

@@ -12,6 +12,7 @@ from slopekit.core.errors import DesignError, Fault, Faults
 from slopekit.core.orientation import Plane, parse_face, parse_plane
 from slopekit.design.survey import JointList as JointList
 from slopekit.design.survey import MeasuredJoint, read_frame, read_joints
+from slopekit.design.survey.bad_rows import BadRow, grouped_faults
 from slopekit.design.survey.columns import checked_convention
 from slopekit.design.survey.tables import is_frame
 
@@ -70,14 +71,18 @@ def _from_python(source: Any) -> tuple[MeasuredJoint, ...]:
     else:
         message = f"joints are {type(source).__name__}, a path, a frame, a list of planes or {{name: plane}} is needed"
         raise DesignError([Fault("E405", message, "joints", 'Give "joints.csv" or ["45/115", "45/245"].')])
-    faults = Faults()
+    faults, bad, names_of_bad = Faults(), list[BadRow](), list[str]()
     joints: list[MeasuredJoint] = []
     for line, (name, value) in enumerate(named, 1):
         if isinstance(value, MeasuredJoint):
             joints.append(value)
             continue
-        with faults.kept():
+        try:
             joints.append(MeasuredJoint(name, parse_plane(value, name), line))
+        except DesignError as error:
+            bad.append((line, list(error.faults)))
+            names_of_bad.append(name)
+    faults += grouped_faults(bad, names_of_bad)
     for name, times in Counter(joint.name for joint in joints).items():
         if times > 1:
             faults.append(Fault("E151", f"{name} is the name of {times} joints", "joints"))

@@ -21,7 +21,7 @@ from slopekit.design.scatter.distributions import Distribution, Variable
 
 #: The largest share that is left to a study, which counts such samples as impossible.
 MOST_BEYOND = 0.01
-_NEVER = 1e-9  # a share that no study draws: nothing is said of that end
+NEVER = 1e-9  # a share that no study draws: nothing is said of that end
 _BEYOND_DRAWING = 8.5  # standard deviations: no sample lies out there (2⁻⁵⁴ is 8.3 of them)
 
 
@@ -137,7 +137,7 @@ def _fault(variable: Variable, own: Distribution, below: tuple[float, float], ab
     """E281 of a variable: the shares below and above the limits."""
     ends, cures = [], []
     for key, side, (share, limit) in (("min", "below", below), ("max", "above", above)):
-        if share > _NEVER:
+        if share > NEVER:
             ends.append(f"{share * 100:.3g} % of {variable.path} lies {side} {number(limit)}")
             cures.append(f"{key}: {number(limit)}")
     verb = "Give it" if any(cure.partition(":")[0] in own.parameters for cure in cures) else "Add"

@@ -14,7 +14,7 @@ from slopekit.design.common import Design, Reading
 from slopekit.design.fields import Field, every_field, field_in, fields_of, with_parts
 from slopekit.design.parts import Strength
 from slopekit.design.reading.nodes import Document, Kept, Node, as_text
-from slopekit.design.reading.structure import has_angles, is_distribution, orientation_kind
+from slopekit.design.reading.structure import MOST_FAULTS, has_angles, is_distribution, orientation_kind
 
 if TYPE_CHECKING:
     from slopekit.design.common import Pair
@@ -274,6 +274,9 @@ class Reader:
         """
         correlation = self.correlation()
         if self.faults or self.wrong:
+            if len(self.faults) > MOST_FAULTS:
+                message = f"there are {len(self.faults)} faults: these are the first {MOST_FAULTS}"
+                self.faults[MOST_FAULTS:] = [Fault("E149", message, str(self.root.place), "Is this a design file?")]
             raise DesignError(self.faults)
         given: dict[str, Any] = {}
         for part in (*values, more):

@@ -22,7 +22,7 @@ WRITTEN: Mapping[OrientationKind, tuple[str, str]] = {"plane": ("dip", "dip_dire
 _ORIENTATIONS: Mapping[str, OrientationKind] = {"plane": "plane", "face": "plane", "upper": "plane", "toward": "line"}
 _SHOWN_KEYS = 12
 _SELDOM = ("analysis", "cases")  # of the groups at the top
-_MOST_FAULTS = 200  # that are said of one design: nobody reads more, and each is looked up for a likely slip
+MOST_FAULTS = 200  # that are said of one design: nobody reads more, and each is looked up for a likely slip
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,8 +105,8 @@ def check_structure(
     checker = _Checker(spec, kind, others)
     checker.check(root, spec)
     faults = list(dict.fromkeys(checker.faults))
-    if len(checker.faults) >= _MOST_FAULTS:
-        message = f"there are {_MOST_FAULTS} faults: what stands behind them was not looked at"
+    if len(checker.faults) >= MOST_FAULTS:
+        message = f"there are {MOST_FAULTS} faults: what stands behind them was not looked at"
         faults.append(Fault("E149", message, str(root.place), "Is this a design file?"))
     return faults
 
@@ -152,7 +152,7 @@ class _Checker:
         self.faults.append(Fault(code, message, str(node.key_place), advice))
 
     def check(self, node: Node, spec: Spec) -> None:
-        if len(self.faults) >= _MOST_FAULTS:
+        if len(self.faults) >= MOST_FAULTS:
             return
         if isinstance(spec, AnyOf):
             self.any_of(node, spec)
@@ -174,7 +174,7 @@ class _Checker:
             if key in spec.keys:
                 self.check(below, spec.keys[key])
                 continue
-            if len(self.faults) >= _MOST_FAULTS:
+            if len(self.faults) >= MOST_FAULTS:
                 return
             remedy = self.remedy(key, below, node, spec)
             remedies.add(remedy)

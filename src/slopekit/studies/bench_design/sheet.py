@@ -17,10 +17,11 @@ from slopekit.studies.surveys import codes_of, head, inputs_in_words, survey_ent
 def sheet_of(study: BenchDesigns) -> Sheet:
     """The sheet of a study of benches."""
     fails, backbreak, needed, berms = _fails(study), _backbreak(study), _needed(study), _berms(study)
+    inputs = study.given.to_dict() | {"water": study.given.slope.water.in_words()}
     every = {column.key: column for table in (fails, backbreak, needed) for column in table.columns}
     return Sheet(head("bench-design", study.joints, study.given.input_hash()), (
         Section("SURVEY", [survey_entry(study.joints)]),
-        Section("INPUTS", inputs_in_words(study.given.to_dict(), study.given.defaults, UNITS)),
+        Section("INPUTS", inputs_in_words(inputs, study.given.defaults, UNITS)),
         Section("FAILS", [_OF_PLACES, fails]),
         Section("BACKBREAK", [_backbreak_said(study), backbreak]),
         Section("BERMS", [_OF_BERMS, berms] if study.given.berms_m is not None else []),

@@ -34,9 +34,10 @@ _NAME = 11
 def sheet_of(combos: Combos) -> Sheet:
     """The sheet of all pairs."""
     pairs = _every_pair(combos)
+    inputs = combos.given.to_dict() | {"water": combos.given.slope.water.in_words()}
     return Sheet(head("combos", combos.joints, combos.given.input_hash()), (
         Section("SURVEY", [survey_entry(combos.joints)]),
-        Section("INPUTS", inputs_in_words(combos.given.to_dict(), combos.given.defaults)),
+        Section("INPUTS", inputs_in_words(inputs, combos.given.defaults)),
         Section("PAIRS", [_outcomes(combos)], hang=4),
         Section("TARGET", _target(combos)),
         Section("WORST", [_no_worst(combos) if not combos.worst else pairs]),

@@ -1,14 +1,16 @@
 """The sheet of a study of probability: the estimate, what it rests on, what PRE-IE says of it."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from operator import itemgetter
 from typing import Any
 
 from slopekit.core.arrays import Floats
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted
+from slopekit.design.scatter.distributions import Angles, Distribution
 from slopekit.evidence import WithoutBasal
 from slopekit.result import STATUSES
+from slopekit.studies.marginals import NEVER, tails
 from slopekit.studies.points import Point
 from slopekit.studies.prob.estimates import Share, Summary
 from slopekit.studies.prob.judged import confirmation_words
@@ -123,7 +125,18 @@ def _inputs(study: Probability) -> list[Entry]:
         columns.append(Column(name, itemgetter(name), name, show=".5g", width=width))
     left = len(study.variables) - _MOST_INPUTS
     rest = f"and {left} more: see the JSON" if left > 0 else ""
-    return [Table(columns, study.variables, study.variables[:_MOST_INPUTS], rest)]
+    return [Table(columns, study.variables, study.variables[:_MOST_INPUTS], rest), *_beyond_the_vertical(study)]
+
+
+def _beyond_the_vertical(study: Probability) -> Iterator[str]:
+    """Which dips are drawn beyond 0 to 90°, and what becomes of their planes."""
+    for variable in study.samples.variables:
+        own = variable.distribution
+        if variable.of == "plane" and isinstance(own, Angles) and isinstance(own.steep, Distribution):
+            flat, over = tails(own.steep, 0.0, 90.0)
+            if flat + over > NEVER:
+                share = f"{flat + over:.2%} of the dips of {variable.path}"
+                yield f"{share} lie beyond 0 to 90°: those planes dip the other way"
 
 
 def _outcomes(study: Probability) -> Table[tuple[str, int]]:
