@@ -352,7 +352,8 @@ MUTATIONS = (
          "dilation >= friction:", _MESSAGES),
         ("strengths that the paper gives", "design/sections.py", "all(node.get(key) is None for node in given)",
          "any(node.get(key) is None for node in given)", ("tests/design/test_files.py", "tests/strength/test_keys.py")),
-        ("pressures of the last joints", "design/sections.py", "max(last + 1, joints)", "max(last, joints)", ("tests/design/test_files.py",)),
+        ("pressures of the last joints", "design/sections.py", "max(last + 1, joints)",
+         "max(last, joints)", ("tests/design/test_files.py",)),
     ),
     *_group(
         "curved strength",

@@ -188,7 +188,7 @@ def toe_force_required(slope: ColumnSlope, factor: float = 1.0) -> float:
     force = 0.0
     for needed, gain in ((slid, hold), (tipped, along * row.pull_height)):
         if needed > 0.0:
-            force = max(force, needed / gain if gain > 0.0 else math.inf)
+            force = max(force, float(needed) / gain if gain > 0.0 else math.inf)
     return force
 
 
