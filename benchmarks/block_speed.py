@@ -55,7 +55,7 @@ def scene_of(name: str, blocks: int):
         from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety
         from tests.preie.block_scenes import GOODMAN_BRAY
 
-        exact = toppling_factor_of_safety(ColumnSlope(GOODMAN_BRAY, 10.0, 1.0, 30.0, 25.0, 38.15)).factor
+        exact = toppling_factor_of_safety(ColumnSlope(GOODMAN_BRAY, 10.0, 1.0, 30.0, 25.0, 38.15))[0]
         return columns(rows=math.ceil(blocks / 16)), 38.15, exact
     if name == "square wall":
         return wall(32, 32), 35.0, None

@@ -2,8 +2,7 @@
 
 python -m benchmarks.elastic_speed [HALVED]: the wedge of Sheng et al. (2023), Table 4, k_t 1e5 kN/m³, 20 GPa, rigid
 bedrock; edges of half the longest of the wedge, halved HALVED times [3]; CPU seconds of the elastic blocks alone. Then
-the rows that are held against the paper's 305 s: coarse the state at F = 1 with the limit once the
-flexibility is there.
+the rows that are held against the paper's 305 s, and the state at F = 1 with the limit once the blocks are condensed.
 """
 
 import sys

@@ -287,7 +287,7 @@ def goodman_bray_factor(columns: int = 16) -> float | None:
     from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety
 
     given = goodman_bray(columns)["columns"]
-    return toppling_factor_of_safety(ColumnSlope(given["heights"], 10.0, 1.0, 30.0, 25.0, 38.15)).factor
+    return toppling_factor_of_safety(ColumnSlope(given["heights"], 10.0, 1.0, 30.0, 25.0, 38.15))[0]
 
 
 def arch(thickness: float = 0.200637, friction: float = 0.6, voussoirs: int = 44) -> Design:

@@ -241,7 +241,9 @@ def many(name: str, blocks: int, quick: bool, passes_at_1000: int) -> list[Row]:
 
 def columns_closed_form() -> float:
     """Goodman & Bray's columns, limit equilibrium."""
-    return float(toppling_factor_of_safety(ColumnSlope(GOODMAN_BRAY, 10.0, 1.0, 30.0, 25.0, 38.15)).factor)
+    factor, _ = toppling_factor_of_safety(ColumnSlope(GOODMAN_BRAY, 10.0, 1.0, 30.0, 25.0, 38.15))
+    assert factor is not None
+    return factor
 
 
 CLOSED_FORMS: dict[str, Callable[[], float]] = {

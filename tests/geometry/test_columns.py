@@ -6,7 +6,6 @@ import time
 import numpy as np
 import pytest
 
-from slopekit.core.errors import GeometryError
 from slopekit.geometry.sections.columns import BASE, RISER, SIDE, column_assembly, column_outlines
 from slopekit.geometry.sections.section_blocks import section_assembly
 
@@ -79,19 +78,3 @@ def test_ten_thousand_columns() -> None:
     columns = column_assembly(60.0, 10.0, np.full(10_000, 30.0), 1.0)
     assert time.perf_counter() - began < 1.0  # 10 ms alone
     assert columns.patches.areas.sum() == pytest.approx(1e5 + 9999 * (29.0 + 1.0))
-
-
-@pytest.mark.parametrize(
-    ("dip", "width", "heights", "step"),
-    [(0.0, 1.0, [1.0], 0.0), (91.0, 1.0, [1.0], 0.0), (60.0, 0.0, [1.0], 0.0), (60.0, 1.0, [1.0, 0.0], 0.0),
-     (60.0, 1.0, [], 0.0), (60.0, 1.0, [1.0], math.inf)],
-)  # fmt: skip
-def test_columns_that_are_none(dip, width, heights, step) -> None:
-    with pytest.raises(GeometryError) as caught:
-        column_outlines(dip, width, np.array(heights), step)
-    assert caught.value.codes == ("E227",)
-
-
-def test_rows_that_are_none() -> None:
-    with pytest.raises(GeometryError, match="E227"):
-        column_assembly(60.0, 1.0, np.ones(2), 0.0, rows=0)

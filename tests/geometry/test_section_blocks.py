@@ -198,7 +198,7 @@ def test_tolerance_decides_what_touches() -> None:
         ([[0, 0], [4, 0], [4, 2], [1, -1], [0, 2]], "E227"),
         ([[0, 0], [4, 0], [4, 2], [2, 0], [0, 2]], "E227"),
         ([[math.cos(4 * math.pi * k / 5), math.sin(4 * math.pi * k / 5)] for k in range(5)], "E227"),
-        ([[0, 0], [1, 1], [2, 2]], "E227"), ([[0, 0], [1, 1]], "E227"), ([[0, 0], [1, 0], [math.nan, 1]], "E227"),
+        ([[0, 0], [1, 1], [2, 2]], "E227"),
         ([[0, 0], [1e-7, 0], [0, 1e-7]], "E227"), ([[0, 0], [3e-4, 0], [0, 3e-4]], "E230"),
     ],
 )  # fmt: skip
@@ -207,13 +207,6 @@ def test_outlines_that_are_no_blocks(polygon, code) -> None:
         section_assembly([SQUARE * 10.0, polygon], np.array([True, False]), 1.0, names=["base", "B7"])
     assert caught.value.codes == (code,)
     assert "B7" in caught.value.faults[0].message
-
-
-def test_tolerances_and_lists_that_are_none() -> None:
-    with pytest.raises(GeometryError, match="E230"):
-        assemble([SQUARE], tolerance=0.0)
-    with pytest.raises(GeometryError, match="E227 there are no blocks"):
-        assemble([])
 
 
 def test_a_long_base_below_a_thousand_blocks() -> None:

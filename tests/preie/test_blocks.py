@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety
+from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety, toppling_table
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.bed_states import Drive
 from slopekit.preie.elastic_path.flow import relaxed
@@ -150,7 +150,7 @@ def test_goodman_and_bray(risers, bound) -> None:
 
     Columns 4 to 13 turn about their lower edge and lift off at the upper one, 1 to 3 slide, 14 to 16 stand.
     """
-    exact = toppling_factor_of_safety(ColumnSlope(GOODMAN_BRAY, 10.0, 1.0, 30.0, 25.0, 38.15)).factor
+    exact = toppling_factor_of_safety(ColumnSlope(GOODMAN_BRAY, 10.0, 1.0, 30.0, 25.0, 38.15))[0]
     model = columns(risers=risers).model(38.15)
     found = limit_of_blocks(model)
     holds(found, exact, 1e-10)
@@ -170,7 +170,7 @@ def test_goodman_and_bray(risers, bound) -> None:
 @pytest.mark.parametrize("phi", [33.0, 38.6598, 45.0])
 def test_columns_at_other_strengths(phi) -> None:
     """F = tan φ / tan 38.1512°: all strength is friction."""
-    exact = toppling_factor_of_safety(ColumnSlope(GOODMAN_BRAY, 10.0, 1.0, 30.0, 25.0, phi)).factor
+    exact = toppling_factor_of_safety(ColumnSlope(GOODMAN_BRAY, 10.0, 1.0, 30.0, 25.0, phi))[0]
     assert limit_of_blocks(columns().model(phi), ranged=False).factor == pytest.approx(exact, rel=1e-10)
 
 
@@ -178,14 +178,15 @@ def test_slender_columns() -> None:
     """The outline of Goodman & Bray's slope in 64 columns: they topple at 0.48324, all bases hold (closed form)."""
     heights = np.interp(np.linspace(0.0, 15.0, 64), np.arange(16), GOODMAN_BRAY)
     width, step = 150.0 / 63.0, 15.0 / 63.0
-    exact = toppling_factor_of_safety(ColumnSlope(heights, width, step, 30.0, 25.0, 38.15))
-    assert exact.table.base_holds.all()
-    holds(limit_of_blocks(columns(heights, width, step).model(38.15), ranged=False), exact.factor, 1e-9)
+    slope = ColumnSlope(heights, width, step, 30.0, 25.0, 38.15)
+    exact, _ = toppling_factor_of_safety(slope)
+    assert toppling_table(slope, exact).base_holds.all()
+    holds(limit_of_blocks(columns(heights, width, step).model(38.15), ranged=False), exact, 1e-9)
 
 
 def test_rows_that_do_not_touch_have_the_factor_of_one() -> None:
     """Three rows of columns side by side: one model, three components."""
-    exact = toppling_factor_of_safety(ColumnSlope(GOODMAN_BRAY, 10.0, 1.0, 30.0, 25.0, 38.15)).factor
+    exact = toppling_factor_of_safety(ColumnSlope(GOODMAN_BRAY, 10.0, 1.0, 30.0, 25.0, 38.15))[0]
     holds(limit_of_blocks(columns(rows=3).model(38.15), ranged=False), exact, 1e-10)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 import slopekit as sk
 from slopekit.block_scene import Arrows, Contacts, NodePairState
-from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety
+from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety, toppling_table
 from slopekit.core.errors import Notice
 from slopekit.design.templates import path_of
 from slopekit.evidence import Comparisons, Displacements, FactorsOfSafety, Forces, LimitState, ModelSize
@@ -78,8 +78,9 @@ def result(design, mechanisms, names, fixed=(), table=(), closed=None, standing=
 def goodman_bray(heights: list[float] | None = None) -> Result:
     """Goodman & Bray's columns, or others, with their own table and factor; PRE-IE's beside it made up."""
     design = sk.load(path_of("goodman-bray"), set=None if heights is None else {"columns.heights": heights})
-    found = toppling_factor_of_safety(ColumnSlope(design.heights_m, 10.0, 1.0, 30.0, 25.0, 38.15))
-    table = found.table
+    slope = ColumnSlope(design.heights_m, 10.0, 1.0, 30.0, 25.0, 38.15)
+    factor, _ = toppling_factor_of_safety(slope)
+    table = toppling_table(slope, factor)
 
     def number(value: float) -> float | None:
         return None if math.isnan(value) else float(value)
@@ -101,7 +102,7 @@ def goodman_bray(heights: list[float] | None = None) -> Result:
              GoverningInterface("bedrock/C1", "joint", "open", 0.1, 812.4, 10.0)]  # fmt: skip
     one = mechanism("topples", 1.0006, moving, sides)
     names = [f"C{k}" for k in range(1, len(columns) + 1)]
-    return result(design, [one], names, (), columns, found.factor,
+    return result(design, [one], names, (), columns, factor,
                   "3 columns are left; one mechanism was asked for", static_bound=1.1904)  # fmt: skip
 
 

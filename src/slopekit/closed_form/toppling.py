@@ -41,7 +41,7 @@ class ColumnSlope:
     Raises
     ------
     DesignError
-        E260 sizes or strengths that make no row of columns, E260 the loads lift a column off its base.
+        E260 the earthquake acts into the slope, or the loads lift a column off its base.
     """
 
     heights_m: ArrayLike
@@ -60,9 +60,9 @@ class ColumnSlope:
     loads: ArrayLike | None = None
 
     def __post_init__(self) -> None:
-        faults = _faults(self)
-        if faults:
-            raise DesignError(faults)
+        if self.seismic < 0.0:
+            message = f"the seismic coefficient is {self.seismic:.6g}, it is 0 or more, out of the slope"
+            raise DesignError([Fault("E260", message)])
         heights = np.array(self.heights_m, dtype=np.float64)
         heights.setflags(write=False)
         object.__setattr__(self, "heights_m", heights)
@@ -82,13 +82,12 @@ class TopplingTable:
     heights_m : (n,) y; upper_contact_m : (n,) M, height of P_n, nan for the highest column
     lower_contact_m : (n,) L, height of P_(n-1); for column 1 as if a column of no height stood below, -b
     topple_force_kn, slide_force_kn : (n,) P_(n-1) that just keeps the column from toppling, from sliding; below 0 it
-        needs none. Column 1 has nothing to topple against: nan, see toe_moment_knm. ±inf: no force between sides
+        needs none. Column 1 has nothing to topple against: nan. ±inf: no force between sides
         that rough makes a difference (tan φ tan φ_side ≥ 1), and +inf in all rows below
     force_kn : (n,) P_(n-1), 0 or more; modes : stable, topple or slide
     normal_kn, shear_kn : (n,) R and S on the base; base_holds : (n,) R ≥ 0 and |S| ≤ R tan φ + c Δx. A tall column
         that leans on the top of a low one lifts off or slips back: there the method's forces are not to be trusted
     toe_force_kn : P_0, what column 1 still needs, along its base and at its top if it topples; below 0 it stands
-    toe_moment_knm : of column 1 about its toe, above 0 it topples
     """
 
     heights_m: Floats
@@ -102,28 +101,6 @@ class TopplingTable:
     shear_kn: Floats
     base_holds: Bools
     toe_force_kn: float
-    toe_moment_knm: float
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class ClosedFormToppling:
-    """Factor of safety of a row of columns.
-
-    Attributes
-    ----------
-    status : slides or topples (what column 1 does at the limit), no_driving_force, or held (at any strength)
-    factor : None where nothing is lost; 0.0 where no friction is enough
-    bracket : last factor that stands, first that does not; residual_kn : P_0 at the factor
-    friction_required_deg : of the bases, for a factor of 1
-    table : at the strength divided by the factor; as given where there is no factor above 0
-    """
-
-    status: str
-    factor: float | None
-    bracket: tuple[float, float]
-    residual_kn: float
-    friction_required_deg: float | None
-    table: TopplingTable
 
 
 def toppling_table(slope: ColumnSlope, factor: float = 1.0) -> TopplingTable:
@@ -135,19 +112,13 @@ def toppling_table(slope: ColumnSlope, factor: float = 1.0) -> TopplingTable:
     takes T cos(ψ + δ) from D_1, T cos(ψ + δ) L_1 from the moment and adds T sin(ψ + δ) to N_1 (Goodman & Bray 1976;
     Wyllie & Mah 2004, §9.4).
 
-    Raises
-    ------
-    DesignError
-        E260 the factor is not above 0.
-
     >>> columns = ColumnSlope([4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 34, 28, 22, 16, 10, 4], 10, 1, 30, 25, 38.15)
     >>> table = toppling_table(columns)
     >>> round(table.toe_force_kn, 3), table.modes.count("topple"), table.modes[:3]
     (1.182, 10, ('slide', 'slide', 'slide'))
     """
     row = _ColumnRow.of(slope)
-    chain = row.chain(_one(factor))
-    topple, slide, force = chain.topple[:, 0], chain.slide[:, 0], chain.force[:, 0]
+    topple, slide, force = (part[:, 0] for part in row.chain(np.array([factor])))
     above = np.append(force[1:], 0.0)
     with np.errstate(invalid="ignore"):  # infinite forces
         normal = row.off + (above - force) * row.side / factor
@@ -164,48 +135,38 @@ def toppling_table(slope: ColumnSlope, factor: float = 1.0) -> TopplingTable:
     arrays = (row.heights, upper, row.lower, np.append(np.nan, topple[1:]), slide, force)
     for array in (*arrays, normal, shear, holds):
         array.setflags(write=False)
-    return TopplingTable(*arrays, modes, normal, shear, holds, needed, float(chain.toe_moment[0]))
+    return TopplingTable(*arrays, modes, normal, shear, holds, needed)
 
 
-def toppling_factor_of_safety(slope: ColumnSlope) -> ClosedFormToppling:
+def toppling_factor_of_safety(slope: ColumnSlope) -> tuple[float | None, str]:
     """The factor by which tan φ of bases and sides, and c, may be divided before column 1 needs a force at the toe.
 
     The toe force is an active load and stays. Only forces decide; look at `base_holds` of the table for the bases.
 
+    Returns
+    -------
+    the factor, None where nothing is lost, 0.0 where no friction is enough; and the status: slides or topples (what
+    column 1 does at the limit), no_driving_force, or held (at any strength)
+
     Formula: P_0(F) = 0 (Wyllie & Mah 2004, §9.4.5).
 
     >>> columns = ColumnSlope([4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 34, 28, 22, 16, 10, 4], 10, 1, 30, 25, 38.6598)
-    >>> found = toppling_factor_of_safety(columns)
-    >>> found.status, round(found.factor, 4), round(found.friction_required_deg, 4)
-    ('slides', 1.0184, 38.1512)
+    >>> factor, status = toppling_factor_of_safety(columns)
+    >>> round(factor, 4), status
+    (1.0184, 'slides')
     """
     row = _ColumnRow.of(slope)
-    bracket = first_loss(lambda factors: row.chain(factors).force[0] <= 0.0)
-    low, high = bracket
-    if low == 0.0 or math.isinf(high):
-        table = toppling_table(slope)
-        if low == 0.0:
-            toe = row.chain(np.array([high]))
-            status = "topples" if toe.topple[0, 0] >= toe.slide[0, 0] else "slides"
-            return ClosedFormToppling(status, 0.0, bracket, table.toe_force_kn, None, table)
-        status = "held" if np.any(row.down > 0.0) else "no_driving_force"
-        return ClosedFormToppling(status, None, bracket, table.toe_force_kn, None, table)
-    lost = row.chain(np.array([high]))
-    status = "topples" if lost.topple[0, 0] >= lost.slide[0, 0] else "slides"
-    table = toppling_table(slope, low)
-    required = math.degrees(math.atan(row.tangent / low))
-    return ClosedFormToppling(status, low, bracket, table.toe_force_kn, required, table)
+    low, high = first_loss(lambda factors: row.chain(factors)[2][0] <= 0.0)
+    if math.isinf(high):
+        return None, "held" if np.any(row.down > 0.0) else "no_driving_force"
+    topple, slide, _ = row.chain(np.array([high]))
+    return low, "topples" if topple[0, 0] >= slide[0, 0] else "slides"
 
 
 def toe_force_required(slope: ColumnSlope, factor: float = 1.0) -> float:
     """The toe force (kN per metre, at the plunge and height of the slope's own) that gives a factor of safety.
 
     0.0 where none is needed, inf where no pull in that direction is enough.
-
-    Raises
-    ------
-    DesignError
-        E260 the factor is not above 0.
 
     Formula: the larger of T = (P_1 (1 - tan φ tan φ_s) + D_1 - N_1 tan φ - c Δx) / (cos(ψ + δ) + sin(ψ + δ) tan φ)
     and T = (P_1 (M_1 - Δx tan φ_s) + (D_1 y_1 - N_1 Δx) / 2) / (L_1 cos(ψ + δ)) (Wyllie & Mah 2004, §9.4.4).
@@ -215,16 +176,19 @@ def toe_force_required(slope: ColumnSlope, factor: float = 1.0) -> float:
     2012.857
     """
     row = _ColumnRow.of(slope)
-    chain = row.chain(_one(factor))
+    _, __, forces = row.chain(np.array([factor]))
+    push = float(forces[1, 0]) if len(forces) > 1 else 0.0
+    base, side = row.tangent / factor, row.side / factor
     along, into = row.pull
-    hold = along + into * row.tangent / factor
-    slid, tipped = float(chain.toe_excess[0]), float(chain.toe_moment[0])
+    hold = along + into * base
+    slid = push * (1.0 - base * side) + row.down[0] - row.off[0] * base - row.bond / factor
+    tipped = push * (row.upper[0] - row.width * side) + row.moment[0]
     slid += slope.toe_force_kn * hold
     tipped += slope.toe_force_kn * along * row.pull_height
     force = 0.0
     for needed, gain in ((slid, hold), (tipped, along * row.pull_height)):
         if needed > 0.0:
-            force = max(force, needed / gain if gain > 0.0 else math.inf)
+            force = max(force, float(needed) / gain if gain > 0.0 else math.inf)
     return force
 
 
@@ -251,9 +215,9 @@ def seismic_gain(slope: ColumnSlope) -> tuple[float, int]:
     (1.137158042603, 1.137158042603)
     """
     row = _ColumnRow.of(slope)
-    chain = row.chain(_one(1.0))
-    topples = (chain.topple >= chain.slide)[:, 0]
-    moving = 1 + int(np.argmin(np.append(chain.force[1:, 0] > 0.0, False)))
+    topple, slide, forces = row.chain(np.ones(1))
+    topples = (topple >= slide)[:, 0]
+    moving = 1 + int(np.argmin(np.append(forces[1:, 0] > 0.0, False)))
     rates = np.ones(moving)  # θ of those that topple, s of those that slide
     for i in range(1, moving):
         pushed = rates[i - 1] * (row.upper[i - 1] if topples[i - 1] else 1.0)
@@ -276,17 +240,6 @@ def seismic_gain(slope: ColumnSlope) -> tuple[float, int]:
     speeds = rates * radii
     fastest = int(np.argmax(np.where(speeds > (1.0 - ROUNDING) * speeds.max(), weights[:moving], 0.0)))  # the heaviest
     return float(-per_k / per_gain * speeds[fastest]), fastest + 1
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Chain:
-    """Forces (n, m) for m factors, from the highest column down; column 1: its overturning moment and excess shear."""
-
-    topple: Floats
-    slide: Floats
-    force: Floats
-    toe_moment: Floats
-    toe_excess: Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -331,8 +284,8 @@ class _ColumnRow:
         strength = base_tangent, side_tangent, bond
         return cls(heights, width, upper, lower, down, off, moment, *strength, pull, float(at))
 
-    def chain(self, factors: Floats) -> _Chain:
-        """All columns for each factor (m,)."""
+    def chain(self, factors: Floats) -> tuple[Floats, Floats, Floats]:
+        """For each factor (m,) the forces (n, m) of the columns, see TopplingTable: P_t, P_s, P_(n-1)."""
         base, side, bond = self.tangent / factors, self.side / factors, self.bond / factors
         locks = 1.0 - base * side
         topple, slide, forces = (np.empty((self.heights.size, factors.size)) for _ in range(3))
@@ -354,45 +307,4 @@ class _ColumnRow:
                 )
             push = np.maximum(np.maximum(topple[i], slide[i]), 0.0)
             forces[i] = push
-        return _Chain(topple, slide, forces, moment, excess)
-
-
-def _one(factor: float) -> Floats:
-    if not (math.isfinite(factor) and factor > 0.0):
-        raise DesignError([Fault("E260", f"the factor that divides the strength is {factor}, it is above 0")])
-    return np.array([factor])
-
-
-def _faults(slope: ColumnSlope) -> list[Fault]:
-    """Everything that is wrong with sizes and strengths."""
-    numbers = {
-        "the width": (slope.width_m, 0.0, math.inf, "above 0 m"),
-        "the step": (slope.step_m, -math.ulp(0.0), math.inf, "0 m or more"),
-        "the dip of the bases": (slope.base_dip_deg, -math.ulp(0.0), 90.0, "from 0 to below 90 degrees"),
-        "the unit weight": (slope.unit_weight_kn_m3, 0.0, math.inf, "above 0 kN/m³"),
-        "the friction angle": (slope.friction_angle_deg, -math.ulp(0.0), 90.0, "from 0 to below 90 degrees"),
-        "the friction angle of the sides": (
-            slope.friction_angle_deg if slope.side_friction_angle_deg is None else slope.side_friction_angle_deg,
-            -math.ulp(0.0), 90.0, "from 0 to below 90 degrees",
-        ),
-        "the cohesion": (slope.cohesion_kpa, -math.ulp(0.0), math.inf, "0 kPa or more"),
-        "the seismic coefficient": (slope.seismic, -math.ulp(0.0), math.inf, "0 or more, out of the slope"),
-        "the upward seismic coefficient": (slope.seismic_up, -1.0, 1.0, "between -1 and 1"),
-        "the toe force": (slope.toe_force_kn, -math.ulp(0.0), math.inf, "0 kN or more, into the slope"),
-        "the plunge of the toe force": (
-            slope.toe_force_plunge_deg, -180.0 - 1e-9, 180.0 + 1e-9, "between -180 and 180 degrees"
-        ),
-        "the height of the toe force": (slope.toe_force_height_m or 0.0, -math.ulp(0.0), math.inf, "0 m or more"),
-    }  # fmt: skip
-    faults = [
-        Fault("E260", f"{name} is {value:.6g}, it is {allowed}")
-        for name, (value, low, high, allowed) in numbers.items()
-        if not low < value < high
-    ]
-    heights = np.array(slope.heights_m, dtype=np.float64)
-    if heights.ndim != 1 or not heights.size or not np.all(np.isfinite(heights) & (heights > 0.0)):
-        return [*faults, Fault("E260", "the heights are a list of one or more numbers above 0 m, from the toe up")]
-    for i in np.flatnonzero(heights[:-1] <= slope.step_m)[:5]:
-        message = f"column {i + 1} is {heights[i]:.6g} m high, no more than the step of {slope.step_m:.6g} m"
-        faults.append(Fault("E260", message + f": it does not touch column {i + 2}", "", "Leave it out."))
-    return faults
+        return topple, slide, forces

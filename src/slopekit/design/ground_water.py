@@ -64,7 +64,7 @@ class SlopeDesign(Design):
         """Behind the place of the crack on the sheet."""
         return " (the worst place by the closed form)" if self.crack_searched else ""
 
-    def ground_notices(self, toe_m: float, crest_m: float) -> Iterator[Notice]:
+    def ground_notices(self, toe_m: float, crest_m: float, crack_m: float | None) -> Iterator[Notice]:
         """What to know of the pond, by the elevations of toe and crest, and of a crack that was looked for."""
         pond = self.water.pond_m
         if pond is not None and pond <= toe_m:
@@ -76,8 +76,8 @@ class SlopeDesign(Design):
             yield Notice("W421", "with the crack here nothing holds the block, by the closed form: worse than any "
                          "factor of safety")  # fmt: skip
         elif self.crack_searched in _ENDS:
-            distance, (ends, beyond) = getattr(self, "crack").distance_m, _ENDS[self.crack_searched]  # noqa: B009
-            yield Notice("W421", f"the factor is lowest where the range of the crack {ends}, {distance:.2f} m "
+            ends, beyond = _ENDS[self.crack_searched]
+            yield Notice("W421", f"the factor is lowest where the range of the crack {ends}, {crack_m:.2f} m "
                          f"{self.CRACK_FROM}: {beyond}")  # fmt: skip
         elif self.crack_searched == "flat":
             yield Notice("W421", "the place of the crack does not move the factor: none is worse than another")

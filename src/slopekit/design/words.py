@@ -49,7 +49,7 @@ def fill(value: Any, where: str) -> float:
     if text in ("dry", "full"):
         return 1.0 if text == "full" else 0.0
     if text and not text.endswith("%") and not re.match(_BARE_NUMBER, text):
-        advice = "Write dry, full, 50%, u=9.8kPa or u=5kPa,8kPa, of a crack 5 kPa."
+        advice = "Write dry, full, 50%, u=9.8kPa or u=5kPa,8kPa; in a crack 5 kPa."
         raise DesignError([Fault("E118", f"water is {value!r}, which is not understood", where, advice)])
     part = quantity(value, "ratio", "water", where)
     if part > 1.0:

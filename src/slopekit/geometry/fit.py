@@ -123,18 +123,8 @@ def refuse(faults: Sequence[Fault]) -> None:
 
 
 def contact_tolerance(given: float | None, sizes: Floats, rounding: float) -> float:
-    """The tolerance (m) that was given, else 1e-5 of the mean size of the blocks, and not below rounding.
-
-    Raises
-    ------
-    GeometryError
-        E230 it is not more than 0.
-    """
-    if given is None:
-        return max(1e-5 * float(sizes.mean()), rounding)
-    if not 0.0 < given < np.inf:
-        raise GeometryError([Fault("E230", f"the contact tolerance is {given:.6g} m, it must be more than 0")])
-    return float(given)
+    """The tolerance (m) that was given, else 1e-5 of the mean size of the blocks, and not below rounding."""
+    return max(1e-5 * float(sizes.mean()), rounding) if given is None else float(given)
 
 
 def corner_unit(coordinates: Floats, is_single: bool = False) -> float:

@@ -146,7 +146,7 @@ def scene_of_one(design: Design, made: Cut) -> ElasticScene:
     if len(scene.pairs) > _MOST_PAIRS:
         message = f"edges of {edge:.4g} m make {len(scene.pairs)} node pairs, at most {_MOST_PAIRS} are taken"
         raise DesignError([Fault("E125", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
-    elements, model = Elements(_meshed(mesh, edge, "the block"), *rock_of(design)), scene.model
+    elements, model = Elements(_meshed(mesh, edge, "the block"), *rock_of(design), order=ORDER), scene.model
     axes = local_axes(scene.pairs.normals)
     rigid = made.limit(model)
     whole = elastic_model(model, body(elements, scene.pairs.points, axes, model.length_scale))
@@ -229,7 +229,7 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
             message = f"edges of {edge:.4g} m make more than {_MOST_CELLS} finite elements"
             raise DesignError([Fault("E125", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
         sides = np.where(plus[own] == k, 1.0, -1.0)[:, None, None] * axes[own]
-        elements = Elements(mesh, *rock_of(design), scene.thickness or 1.0)
+        elements = Elements(mesh, *rock_of(design), scene.thickness or 1.0, ORDER)
         condensed.append((body(elements, whole.points[own], sides, whole.length_scale), at, unknowns))
     group = whole.group_of_pair[:pairs]
     bolted = slice(pairs, None)

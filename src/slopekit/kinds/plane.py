@@ -435,7 +435,7 @@ def _changes(design: PlaneDesign) -> Iterator[tuple[str, PlaneDesign]]:
 
 
 def _notices(design: PlaneDesign) -> Iterator[Notice]:
-    yield from design.ground_notices(0.0, design.height_m)
+    yield from design.ground_notices(0.0, design.height_m, design.crack.distance_m if design.crack else None)
     share = design.section_share
     if design.seismic.coefficient and abs(share) < 1.0 - 1e-6:
         message = (

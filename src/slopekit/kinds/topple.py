@@ -254,31 +254,31 @@ def goodman_bray(design: ToppleDesign, mechanism: Mechanism | None) -> tuple[Clo
     base, sides = design.strength(design.base), design.strength(design.sides)
     try:
         slope = column_slope(design)
-        closed = toppling_factor_of_safety(slope)
-        table = toppling_table(slope, (closed.factor or 1.0) * (1.0 + _BEYOND))
+        factor, status = toppling_factor_of_safety(slope)
+        table = toppling_table(slope, (factor or 1.0) * (1.0 + _BEYOND))
     except DesignError as error:
         why = f"Goodman & Bray's method does not take these columns: {error.faults[0].message}"
         return ClosedForm(None, "", why), ()
     ways = {block.name: _MODES[block.how] for block in mechanism.blocks} if mechanism is not None else {}
     columns = tuple(_columns(design, table, ways))
     rough = math.tan(math.radians(base.friction_angle_deg)) * math.tan(math.radians(sides.friction_angle_deg))
-    if closed.factor and rough >= closed.factor**2:
+    if factor and rough >= factor**2:
         why = (
-            f"at {closed.factor:.4g} the columns are so rough (tan φ tan φ of the sides above 1) that Goodman & Bray's "
+            f"at {factor:.4g} the columns are so rough (tan φ tan φ of the sides above 1) that Goodman & Bray's "
             "sliding has no meaning: not compared"
         )
-        return ClosedForm(closed.factor, closed.status, why), columns
+        return ClosedForm(factor, status, why), columns
     if not table.base_holds.all():
         lifted = ", ".join(f"C{n + 1}" for n in np.flatnonzero(~table.base_holds)[:5])
         why = f"Goodman & Bray's forces are not admissible at {lifted} (lifted, or slipping back): not compared"
-        return ClosedForm(closed.factor or None, closed.status, why), columns
+        return ClosedForm(factor or None, status, why), columns
     onto = _slid_onto(table) if slope.loads is not None else []
     if onto:
         why = (
             f"Goodman & Bray's P act at the tops of columns, and {onto[0]}, which slides, need not press there: it is "
         )
-        return ClosedForm(closed.factor or None, closed.status, f"{why}above one that topples: not compared"), columns
-    return ClosedForm(closed.factor or None, closed.status), columns
+        return ClosedForm(factor or None, status, f"{why}above one that topples: not compared"), columns
+    return ClosedForm(factor or None, status), columns
 
 
 def _closed_gain(design: ToppleDesign, k: float) -> Gain | None:

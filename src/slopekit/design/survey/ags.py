@@ -11,8 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from slopekit.core.degrees import decimal_degrees
 from slopekit.core.errors import DesignError, Fault
-from slopekit.design.survey.tables import SurveyTable, Text, text_or_grid
-from slopekit.design.survey.units_row import headings_with_units
+from slopekit.design.survey.tables import SurveyTable, Text, headings_with_units, text_or_grid
 
 _DIP, _DIP_DIRECTION = "DISC_DIP", "DISC_DIR"
 _DESCRIPTORS = ("GROUP", "HEADING", "UNIT", "TYPE")

@@ -6,12 +6,22 @@ it is written as directions are, 030, in a list that writes its dips otherwise a
 """
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
+from slopekit.core.errors import Fault
 from slopekit.core.orientation import is_written_as_bearing
 from slopekit.core.records import dataclass
+from slopekit.design.survey.columns import WORDS, columns_advice
 
 SHARE_OF_BAD_ROWS = 0.1  # up to which bad rows are faults of their own, and can be skipped
+#: How two columns are exchanged, by the way that they give planes.
+_EXCHANGED = {
+    ("dip", "dip_direction"): ("dip_direction", "dip"),
+    ("strike", "dip"): ("dip", "strike"),
+    ("trend", "plunge"): ("plunge", "trend"),
+    ("plane",): ("clar",),
+    ("clar",): ("plane",),
+}
 _NUMBER = re.compile(r"^\s*[+-]?(\d+([.,]\d*)?|[.,]\d+)\s*°?\s*$")
 
 
@@ -82,6 +92,26 @@ def beyond_vertical(pairs: Iterable[tuple[str, str]]) -> BeyondVertical:
     dips_beyond = sum(row[2] > 90.0 for row in rows)
     azimuths_beyond = sum(row[3] > 90.0 for row in rows)
     return BeyondVertical(len(rows), len(swapped), dips_beyond, azimuths_beyond, beyond_half_turn, bearings_count)
+
+
+def swapped_columns(
+    name: str, where: str, headings: Sequence[str], way: Sequence[str], beyond: BeyondVertical, option: str
+) -> Fault:
+    """The fault of a list whose dips and azimuths stand in each other's columns.
+
+    Parameters
+    ----------
+    headings : of the columns in their order in the list, all of them; way : those that give the plane
+    """
+    azimuth = "dip directions" if way[0] in ("dip", "plane", "clar") else f"{way[0]}s"
+    column = "plunge" if way[0] == "trend" else "dip"
+    at = f"the column {column}" if len(way) > 1 else f"front in the column {WORDS[way[0]]}"
+    if way[0] in ("clar", "strike/dip"):
+        at = f"the place of dips in the column {WORDS[way[0]]}"
+    message = f"{azimuth} over 90 stand in {at}: columns swapped? ({beyond.swapped} of {beyond.rows} rows of {name})"
+    exchange = dict(zip(way, _EXCHANGED.get(tuple(way), tuple(way)), strict=True))
+    advice = f"If so: {columns_advice(option, [exchange.get(heading, heading) for heading in headings])}."
+    return Fault("E103", message, where, advice)
 
 
 def _value(text: str) -> float | None:

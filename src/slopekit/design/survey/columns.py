@@ -218,3 +218,33 @@ def _split(heading: str) -> tuple[str, str]:
     if match is None:  # a line break in a cell
         return heading, ""
     return match.group(1), (match.group(2) or match.group(3) or "").strip()
+
+
+def named_in_order(columns: str | Sequence[str] | None) -> tuple[str, ...]:
+    """The names of columns as the user lists them, () where none are: `dip_direction,dip`, or a list.
+
+    >>> named_in_order("dip_direction, dip"), named_in_order(["dip", "dip direction"]), named_in_order(None)
+    (('dip_direction', 'dip'), ('dip', 'dip direction'), ())
+    """
+    if columns is None:
+        return ()
+    parts = re.split("[,;]", columns) if isinstance(columns, str) else columns
+    if not isinstance(parts, Sequence) or not all(isinstance(part, str) for part in parts):
+        message = f"columns are {type(columns).__name__}, their names in order are needed"
+        raise DesignError([Fault("E191", message, "columns", 'Give "dip_direction,dip".')])
+    return tuple(part.strip() for part in parts)
+
+
+def columns_advice(option: str, columns: Sequence[str]) -> str:
+    """How the user names columns, by what a convention is given by: an option, a key, an argument, nothing.
+
+    >>> columns_advice("--convention", ["dip", "dip_direction"]), columns_advice("convention:", ["clar"])
+    ('--columns dip,dip_direction', 'columns: [clar]')
+    """
+    if not option:
+        return f"name its columns {','.join(columns)}"
+    if option.startswith("--"):
+        return f"--columns {','.join(columns)}"
+    if option.endswith(":"):
+        return f"columns: [{', '.join(columns)}]"
+    return f'columns = "{",".join(columns)}"'

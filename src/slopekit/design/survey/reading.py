@@ -22,7 +22,7 @@ from slopekit.design.reading.nodes import fail
 from slopekit.design.reading.on_disk import read_bytes
 from slopekit.design.survey.ags import read_ags_table
 from slopekit.design.survey.bad_rows import BadRow, grouped_faults, skipped_rows
-from slopekit.design.survey.beyond_vertical import SHARE_OF_BAD_ROWS, BeyondVertical, beyond_vertical
+from slopekit.design.survey.beyond_vertical import SHARE_OF_BAD_ROWS, BeyondVertical, beyond_vertical, swapped_columns
 from slopekit.design.survey.columns import (
     AMBIGUOUS_DIRECTIONS,
     COLUMNS,
@@ -36,7 +36,9 @@ from slopekit.design.survey.columns import (
     SurveyColumn,
     checked_convention,
     column_of,
+    columns_advice,
     key_of,
+    named_in_order,
     names_may_repeat,
     size_of,
     spelled,
@@ -44,12 +46,10 @@ from slopekit.design.survey.columns import (
     why_no_joints,
 )
 from slopekit.design.survey.joint_list import JointList, MeasuredJoint
-from slopekit.design.survey.ordering import columns_advice, named_in_order, swapped_columns
 from slopekit.design.survey.oriented_core import CoreLog, core_columns
 from slopekit.design.survey.planes import DIP_FIRST, PlaneReader, dip_and_azimuth, is_horizontal
 from slopekit.design.survey.preamble import Preamble, preamble_of
-from slopekit.design.survey.tables import SurveyTable, frame_table
-from slopekit.design.survey.units_row import headings_with_units
+from slopekit.design.survey.tables import SurveyTable, frame_table, headings_with_units
 
 _NUMBER = re.compile(r"^[+-]?(\d+([.,]\d*)?|[.,]\d+)°?$")
 _PLANE = re.compile(r"^\d+([.,]\d+)?°?\s*/\s*\d+([.,]\d+)?°?$")

@@ -11,7 +11,6 @@ import math
 import numpy as np
 
 from slopekit.core.arrays import Floats, Ints, frozen
-from slopekit.core.errors import Fault, GeometryError
 from slopekit.geometry.patches import BEDROCK, Assembly, Patches
 
 BASE, SIDE, RISER = range(3)
@@ -27,11 +26,6 @@ def column_outlines(dip_deg: float, width: float, heights: Floats, base_step: fl
     width : m, along the base; heights : (n,) m, from the toe upward, square to the base
     base_step : m, how much each base lies above the one below, square to it; negative where the base steps down
 
-    Raises
-    ------
-    GeometryError
-        E227 no columns, a dip out of range, or a width or height that is not more than 0.
-
     Examples
     --------
     >>> columns, bedrock = column_outlines(90.0, 2.0, np.array([3.0, 4.0]), 1.0)
@@ -40,7 +34,7 @@ def column_outlines(dip_deg: float, width: float, heights: Floats, base_step: fl
     >>> bedrock.tolist()
     [[0.0, -4.0], [4.0, -4.0], [4.0, 1.0], [2.0, 1.0], [2.0, 0.0], [0.0, 0.0]]
     """
-    frame = _frame(dip_deg, width, heights, base_step)
+    frame = _frame(dip_deg)
     foot, low = _feet(len(heights), width, base_step)
     high = low + np.asarray(heights, dtype=np.float64)
     corners = np.stack([foot, low, foot + width, low, foot + width, high, foot, high], axis=1).reshape(-1, 4, 2) @ frame
@@ -65,20 +59,13 @@ def column_assembly(
     dip_deg, width, heights, base_step : see `column_outlines`
     thickness : m, along y; rows : how often the columns are repeated along y
 
-    Raises
-    ------
-    GeometryError
-        E227, see `column_outlines`.
-
     Examples
     --------
     >>> columns = column_assembly(60.0, 10.0, np.array([4.0, 8.0, 12.0]), 1.0)
     >>> columns.patches.joint.tolist(), columns.patches.areas.tolist()
     ([0, 0, 0, 1, 1, 2, 2], [10.0, 10.0, 10.0, 3.0, 7.0, 1.0, 1.0])
     """
-    frame = _frame(dip_deg, width, heights, base_step)
-    if not thickness > 0.0 or rows < 1:
-        raise GeometryError([Fault("E227", f"the columns are {thickness:.6g} m thick in {rows} rows")])
+    frame = _frame(dip_deg)
     height = np.asarray(heights, dtype=np.float64)
     count = len(height)
     foot, low = _feet(count, width, base_step)
@@ -172,18 +159,8 @@ def _crest(
     return max(round(along / width), 1), rises, falls
 
 
-def _frame(dip_deg: float, width: float, heights: Floats, base_step: float) -> Floats:
-    """Rows e_x and e_y in x and z, once all is checked."""
-    height = np.asarray(heights, dtype=np.float64)
-    faults = []
-    if height.ndim != 1 or len(height) == 0 or not ((height > 0.0) & np.isfinite(height)).all():
-        faults.append(Fault("E227", "columns need a list of heights, each more than 0"))
-    if not 0.0 < dip_deg <= 90.0:
-        faults.append(Fault("E227", f"the columns dip {dip_deg:.6g}°, their dip lies above 0 and up to 90"))
-    if not (0.0 < width < math.inf and math.isfinite(base_step)):
-        faults.append(Fault("E227", f"the columns are {width:.6g} m wide on steps of {base_step:.6g} m"))
-    if faults:
-        raise GeometryError(faults)
+def _frame(dip_deg: float) -> Floats:
+    """Rows e_x and e_y in x and z."""
     sine, cosine = math.cos(math.radians(dip_deg)), math.sin(math.radians(dip_deg))
     if dip_deg == 90.0:
         sine = 0.0  # upright columns have level bases to the last digit

@@ -87,18 +87,9 @@ def clean_outlines(polygons: Sequence[Floats], tolerance: float | None, names: S
     Raises
     ------
     GeometryError
-        E227 an outline has fewer than three corners, or a corner that is no number; E230 the tolerance is not more than
-        0, or no smaller than a tenth of a block.
+        E227 an outline encloses no area.
     """
     arrays = [np.asarray(polygon, dtype=np.float64) for polygon in polygons]
-    faults = [
-        Fault("E227", f"the outline of {name} is no list of three corners x, z or more, all of them numbers")
-        for name, array in zip(names, arrays, strict=True)
-        if array.ndim != 2 or array.shape[1:] != (2,) or len(array) < 3 or not np.isfinite(array).all()
-    ]
-    if not arrays:
-        faults.append(Fault("E227", "there are no blocks"))
-    refuse(faults)
     corners = np.concatenate(arrays)
     start = np.concatenate([[0], np.cumsum([len(array) for array in arrays])])
     origin = np.round((corners.min(axis=0) + corners.max(axis=0)) / 2.0)

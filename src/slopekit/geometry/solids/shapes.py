@@ -3,7 +3,7 @@
 All coordinates are local: about the centre of an analytic shape, about the middle of the mesh of a drawn one.
 """
 
-from typing import Protocol
+from typing import TypeAlias
 
 import numpy as np
 
@@ -46,23 +46,6 @@ class Lifted:
     areas: Floats
     volumes: Floats
     moments: Floats
-
-
-class AnalyticShape(Protocol):
-    """A shape that knows its surface: Σ m x² = 1 about its centre."""
-
-    @property
-    def metric(self) -> Floats:
-        """m, (3,) 1/m²."""
-        ...
-
-    def cutter(self, level: int) -> Cutter:
-        """The shape as triangles with their vertices on it; each level halves the edges."""
-        ...
-
-    def lift(self, points: Floats, vector_areas: Floats) -> Lifted:
-        """Points (n, 3) of flat triangles and their shares of the vector area (n, 3), moved to the surface."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,6 +128,10 @@ class Cylinder:
         moments = sector[:, None] * (2.0 / 3.0 * self.radius * normals + along)
         moments -= flat_sector[:, None] * (2.0 / 3.0 * flat + along)
         return Lifted(self.radius * normals + along, normals, self.radius * angle, sector - flat_sector, moments)
+
+
+#: Shapes that know their surface: Σ m x² = 1 about their centre, m their `metric`.
+AnalyticShape: TypeAlias = Ellipsoid | Cylinder
 
 
 def profile_prism(profile: Floats, lowest: float, half_width: float, reach: tuple[float, float]) -> Cutter:

@@ -71,17 +71,9 @@ def clean_solids(
     Raises
     ------
     GeometryError
-        E227 a mesh is empty or encloses no volume; E216 it is not closed, or some of its triangles are turned inward;
-        E230 the tolerance is not more than 0, or no smaller than a tenth of a block.
+        E227 a mesh encloses no volume; E216 it is not closed, or some of its triangles are turned inward; E230 the
+        tolerance is no smaller than a tenth of a block.
     """
-    faults = [
-        Fault("E227", f"the mesh of {name} has no triangles of three vertices, all of them numbers")
-        for name, (points, corners) in zip(names, meshes, strict=True)
-        if np.ndim(points) != 2 or len(corners) == 0 or not np.isfinite(points).all()
-    ]
-    if not meshes:
-        faults.append(Fault("E227", "there are no blocks"))
-    refuse(faults)
     count = len(meshes)
     vertices = np.concatenate([np.asarray(points, dtype=np.float64) for points, _ in meshes])
     first = np.cumsum([0] + [len(points) for points, _ in meshes])

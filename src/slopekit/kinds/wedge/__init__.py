@@ -269,7 +269,7 @@ def _notices(design: WedgeDesign) -> Iterator[Notice]:
 
         yield from basal.notices(design)
     water, joints, toe = design.water, len(design.strengths), design.origin_m[2]
-    yield from design.ground_notices(toe, toe + height_of(design))
+    yield from design.ground_notices(toe, toe + height_of(design), design.crack.distance_m if design.crack else None)
     if (scaled := size_scale(design)) is not None and scaled["by"] is not None:
         places = [
             name for name, has_any in (
