@@ -241,7 +241,7 @@ def _result(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, 
         "answer": answer(document, sheet.get("STATUS", [])), "basis": basis,
         "first": [one for one in sections if one[0] in _FIRST],
         "sections": [one for one in sections if one[0] not in _FIRST],
-        "inputs": table(("", "value"), input_rows(inputs)), "not_modelled": NOT_MODELLED,
+        "inputs": table(("", "value"), input_rows(inputs), left=2), "not_modelled": NOT_MODELLED,
         "defaults": sheet.get("NOT GIVEN") or [str(one) for one in document["defaults"]],
         "has_bolts": isinstance(document.get("scene"), Mapping) and document["scene"].get("bolts") is not None,
     }  # fmt: skip
