@@ -255,16 +255,7 @@ def _run(bed: Bed, flow: Flow, parameter: float) -> PathLimit | None:
     """The limit of the motion that runs; None where its forces do not settle."""
     if flow.ended != "runs":
         flow = relaxed(bed, flow.at, parameter, max(flow.viscosity, THICK), runs_at=RUNS)
-    runs_at = RUNS
-    for again in range(3 if bed.tangents == 1 else 1):
-        limit = _eased(bed, flow, parameter)
-        if limit is not None or again == 2 or bed.tangents > 1:
-            return limit
-        runs_at *= 20.0
-        flow = relaxed(bed, flow.at, parameter, max(flow.viscosity, 1e-3), most=25, runs_at=runs_at)
-        if flow.ended != "runs":
-            return _eased(bed, flow, parameter)
-    return None
+    return _eased(bed, flow, parameter)
 
 
 def _eased(bed: Bed, flow: Flow, parameter: float) -> PathLimit | None:

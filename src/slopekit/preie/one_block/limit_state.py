@@ -44,7 +44,6 @@ class LimitState:
     normal_force : (n,); velocity : (u,) of unit length; displacement : (u,) elastic
     forces : (n, 3) normal and two tangents, at the reduced strength
     pulls : (b,) of the passive bolts
-    residual : largest unbalanced generalised force in parts of the load
     """
 
     reduction: float
@@ -53,7 +52,6 @@ class LimitState:
     displacement: Floats
     forces: Floats
     pulls: Floats
-    residual: float
 
 
 def elastic_displacement(model: Model) -> Floats:
@@ -179,9 +177,7 @@ def limit_state(
     all_forces[modes.sliding] = forces
     pulls = reduction * model.bolt_capacity * modes.full
     pulls[modes.square] = carried
-    return LimitState(
-        reduction, all_forces[:, 0].copy(), modes.free @ along, modes.rest @ elastic, all_forces, pulls, residual
-    )
+    return LimitState(reduction, all_forces[:, 0].copy(), modes.free @ along, modes.rest @ elastic, all_forces, pulls)
 
 
 class _Modes:
