@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 from slopekit.core.errors import DesignError, Fault
-from slopekit.core.records import dataclass
 from slopekit.views.charts.drawing import finish, new_figure, save
 
 #: What an error that rounds to nothing is drawn as: the bottom of the chart, with an open marker.
@@ -22,7 +22,7 @@ _OPEN = "open: no error to 16 digits"
 _ROOM, _ALONG = 4.5, 4.0  # half the side of the square that a marker takes; from square to square of a line; points
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Curve:
     """One line of a chart; lines of one name share a colour and an entry of the legend.
 

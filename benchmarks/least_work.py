@@ -13,11 +13,11 @@ rounding errors long before the forces are exact.
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.records import dataclass
 from slopekit.preie.system.model import Model
 from slopekit.preie.tolerances import DIAGONAL_SHIFT, NO_FORCE, ROUNDING, TINY
 
@@ -36,7 +36,7 @@ _MOST_STEPS = 60  # of Newton's method, a stage
 _LONGEST = 30.0  # a step is at most this many times the velocity: flat directions have no natural length
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class LeastWorkMechanism:
     """A velocity (u,) with P·v = 1 and its load factor.
 
@@ -50,7 +50,7 @@ class LeastWorkMechanism:
     bolt_pull: Floats
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _TrialVelocity:
     """The program at one velocity."""
 

@@ -8,7 +8,7 @@ The classes neither compare nor print: arrays do that badly, and every wedge wou
 import math
 import zlib
 from collections.abc import Mapping, Sequence
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,6 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.codec import MISREAD, is_of_document
 from slopekit.core.errors import DesignError, Fault
-from slopekit.core.records import dataclass
 
 #: Contact modes of node pairs by their number.
 MODES = ("stick", "slip", "open")
@@ -25,7 +24,7 @@ _TYPES = {"float64": np.float64, "int32": np.int32, "uint8": np.uint8}
 _LEVEL = 4  # of zlib: beyond it costs more time than it saves room
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Sizes:
     """How large it is what fails, m.
 
@@ -47,7 +46,7 @@ class Sizes:
     mass_t: float = math.nan
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Solids:
     """Closed surfaces of blocks.
 
@@ -70,7 +69,7 @@ class Solids:
         return self.vertices[used], index.reshape(-1, 3)
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Contacts:
     """Flat pieces of the interfaces: convex polygons between two blocks.
 
@@ -90,7 +89,7 @@ class Contacts:
         return len(self.joint)
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class NodePairState:
     """The node pairs (n) at the limit.
 
@@ -116,7 +115,7 @@ class NodePairState:
         return len(self.joint)
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Arrows:
     """Loads (k) on blocks: `what` (k,) index into `names`, `block` (k,), `force_kn` (k, 3), `at_m` (k, 3)."""
 
@@ -127,7 +126,7 @@ class Arrows:
     at_m: Floats
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Shapes:
     """Blocks (n) with their interfaces: what geometry knows of a scene.
 
@@ -145,7 +144,7 @@ class Shapes:
     contacts: Contacts
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Bolts:
     """Bolts (b) whose heads are known.
 
@@ -170,7 +169,7 @@ class Bolts:
         return len(self.number)
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class BlockScene:
     """Everything that pictures, reports and files of other programs need of a result.
 

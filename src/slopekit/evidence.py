@@ -1,14 +1,13 @@
 """What stands beside the status of a result: its factors of safety, forces, movements and what they rest on."""
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from slopekit.block_scene import Arrows, NodePairState
 from slopekit.core.arrays import Floats
-from slopekit.core.records import dataclass
 from slopekit.design.parts import Rule
 
 if TYPE_CHECKING:
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
 _ROUNDING = 1e-9  # of a factor that was solved for
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class FactorsOfSafety:
     """The factors of safety; None where one does not apply.
 
@@ -38,7 +37,7 @@ class FactorsOfSafety:
     highest: float | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Forces:
     """Forces in kN: effective normal forces by interface, along the sliding direction what drives and what resists."""
 
@@ -49,7 +48,7 @@ class Forces:
     resisting: float | None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ModelSize:
     """What was modelled and what was left out."""
 
@@ -63,7 +62,7 @@ class ModelSize:
     residual: float
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Movement:
     """A movement of the block: displacement of its centroid and rotation about it, (3,) each."""
 
@@ -75,7 +74,7 @@ class Movement:
         return np.concatenate([self.displacement, self.rotation])
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class AtFactorOne:
     """The blocks at rest at full strength on the elastic bed.
 
@@ -90,7 +89,7 @@ class AtFactorOne:
     every: Floats | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ReductionStep:
     """The block at one strength reduction factor (a row of the paper's Table 3).
 
@@ -103,7 +102,7 @@ class ReductionStep:
     failed_pairs: int
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ResidualFactors:
     """The factors on residual strength, after slip: both methods, and whether they agree."""
 
@@ -114,7 +113,7 @@ class ResidualFactors:
     agree: bool | None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class WithoutBasal:
     """What the whole wedge on J1 and J2 does by its closed form, where a basal joint cuts its toe off.
 
@@ -157,7 +156,7 @@ class WithoutBasal:
         return self.closed_form < target * (1.0 - _ROUNDING)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class LimitState:
     """The state at the limit.
 
@@ -180,7 +179,7 @@ class LimitState:
     curved_strength: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Displacements:
     """Displacements on the elastic bed: at full strength, by the criterion of all pairs, along a series of factors."""
 
@@ -189,7 +188,7 @@ class Displacements:
     series: tuple[ReductionStep, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Comparisons:
     """What else is known of the factor of safety.
 

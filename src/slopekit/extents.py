@@ -1,7 +1,7 @@
 """The size and shape of what was analysed, by kind, and their JSON (a contract: keys never change)."""
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import ClassVar, Protocol
 
 import numpy as np
@@ -9,7 +9,6 @@ import numpy as np
 from slopekit.block_scene import Shapes, Sizes, Solids, closed, contacts_of, prism
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.codec import NO_JSON
-from slopekit.core.records import dataclass
 
 
 class Geometry(Protocol):
@@ -65,7 +64,7 @@ class _Sized:
 _SIZES = ("height_m", "face_width_m", "setback_m", "trace_lengths_m")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class WedgeGeometry(_Sized):
     """Size and shape of the wedge: areas in m² by joint, the line of intersection as trend and plunge.
 
@@ -101,7 +100,7 @@ class WedgeGeometry(_Sized):
         )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class SectionGeometry(_Sized):
     """A block in a vertical section one metre thick: its outline (k, 2) as x (out of the slope) and z, toe at 0, 0.
 
@@ -141,7 +140,7 @@ class SectionGeometry(_Sized):
         return _one_block(block, centroid, vertices @ self.axes, triangles, face, (), tuple(self.areas_m2), polygons)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class SurfaceGeometry:
     """A mass on a curved slip surface: triangles of its whole boundary, and how its normals were taken."""
 

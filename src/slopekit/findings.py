@@ -1,7 +1,7 @@
 """What an analysis of many blocks finds beside a factor of safety: mechanisms, modes of contact, what was checked."""
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import numpy as np
@@ -9,7 +9,6 @@ import numpy as np
 from slopekit.block_scene import Contacts, Shapes, Sizes, Solids, joined, prism
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.codec import NO_JSON
-from slopekit.core.records import dataclass
 from slopekit.geometry.solids.welding import welded
 
 #: Factors that differ by less than this part look the same.
@@ -24,7 +23,7 @@ MOTIONS: Mapping[str, str] = {
 }
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class BlockMotion:
     """A moving block: how it moves (a key of `MOTIONS`), displacement of its centroid and rotation about it, (3,) each.
 
@@ -37,7 +36,7 @@ class BlockMotion:
     rotation: Floats
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class GoverningInterface:
     """An interface or a passive bolt that resists the mechanism.
 
@@ -57,7 +56,7 @@ class GoverningInterface:
     area_m2: float
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Mechanism:
     """One mechanism of a sequence.
 
@@ -83,7 +82,7 @@ class Mechanism:
     size: Sizes | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Findings:
     """What was found of an assembly.
 
@@ -138,7 +137,7 @@ def mechanism_row(
     }  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class AssemblyGeometry:
     """The blocks that were analysed.
 

@@ -6,21 +6,20 @@ stay apart: their capacity is strength, and is divided by the strength reduction
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, cross, frozen
 from slopekit.core.errors import Fault, MisfitError
-from slopekit.core.records import dataclass
 from slopekit.geometry.rock.cutting import Block
 
 if TYPE_CHECKING:  # one block has no patches between blocks
     from slopekit.geometry.patches import Assembly
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class PointForce:
     """A force (3,) in kN through a point (3,) in m; without a point it acts through the centroid.
 
@@ -32,7 +31,7 @@ class PointForce:
     couple: Floats | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Loads:
     """The loads on a block.
 
@@ -108,7 +107,7 @@ def line_of_action(push: PointForce) -> Floats:
     return arm
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Hull:
     """The planes of a convex block, made once for all its bolts.
 
@@ -195,7 +194,7 @@ def judge_bolt(name: str, sound: float | None, anchored: bool, length: float | N
         raise MisfitError([Fault("E212", message, where, "It needs its anchorage behind the joint on top of that.")])
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class PassiveBolts:
     """Bolts of an assembly, passive ones or anchors, each along a line between two blocks or a block and bedrock.
 
@@ -220,7 +219,7 @@ NO_BOLTS = PassiveBolts(
 )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class AssemblyLoads:
     """Loads on the blocks of an assembly: forces (n, 3) kN and moments (n, 3) kNm about their centroids.
 

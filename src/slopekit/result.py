@@ -1,7 +1,7 @@
 """The result of an analysis: value, status and evidence, and its JSON (a contract: keys never change)."""
 
 from collections.abc import Mapping
-from dataclasses import field, fields
+from dataclasses import dataclass, field, fields
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +11,6 @@ from slopekit._version import FORMAT, __version__
 from slopekit.block_scene import BlockScene, Sizes
 from slopekit.core.codec import json_of
 from slopekit.core.errors import Notice
-from slopekit.core.records import dataclass
 from slopekit.core.shown import Shown
 from slopekit.design.common import Design
 from slopekit.design.parts import Rule
@@ -53,7 +52,7 @@ STATUSES: Mapping[str, str] = {
 }
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Words:
     """What a kind of design calls things.
 
@@ -106,7 +105,7 @@ JUDGED: Mapping[str, str] = {
 _SAME = 5e-5  # factors that differ by less than this part look the same
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, repr=False)
 class Result(Shown):
     """One analysed block. `to_dict()` is the JSON of `slopekit wedge --json` and `slopekit run --json`.
 

@@ -1,11 +1,10 @@
 """A sheet shows every load of its design; of one that it has no words for it never says that there is none."""
 
-from dataclasses import fields
+from dataclasses import dataclass, fields
 
 import pytest
 
 import slopekit as sk
-from slopekit.core.records import dataclass
 from slopekit.design.fields import number
 from slopekit.design.parts import Seismic
 from slopekit.design.templates import path_of
@@ -17,7 +16,7 @@ from tests.support import SMALL_BENCH
 WEDGE = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class WithCable(WedgeDesign):
     """A wedge of another's kind, whose load the sheets here have never seen."""
 

@@ -7,6 +7,7 @@ import asyncio
 import threading
 from collections.abc import Callable, Coroutine, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
@@ -18,7 +19,6 @@ from slopekit.app import answers, controls, handover, jobs, saving, surveys
 from slopekit.app.messages import MOST_VALUES, Message, bug, parsed, written, wrong
 from slopekit.app.session import Moment, Opened, Session
 from slopekit.core.errors import DesignError, Fault, SlopekitError
-from slopekit.core.records import dataclass
 from slopekit.design import templates
 from slopekit.design.reading.nodes import cut, printable
 from slopekit.kinds import kind_named
@@ -31,7 +31,7 @@ _MOST_READERS = 12  # threads that read and write files: one for each page, and 
 MOST_A_SECOND = 500  # messages of one page: what comes faster waits
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Wanted:
     """An answer that is asked for: by whom, and of which design."""
 

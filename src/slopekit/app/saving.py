@@ -23,13 +23,12 @@ import secrets
 import sys
 import time
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from slopekit.app.session import Opened, Session, digest_of, opened_text
 from slopekit.core.errors import DesignError, Fault, writing
-from slopekit.core.records import dataclass
 from slopekit.core.synonyms import synonym
 from slopekit.core.whole_files import whole_file
 from slopekit.design.reading.document import read_text
@@ -210,7 +209,7 @@ def _applied(text: str, edits: list[_Edit]) -> str:
 # -- the difference ---------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class SavedChange:
     """What a save would write: where to, the text, the difference from what was opened, how many lines are new."""
 

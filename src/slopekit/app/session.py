@@ -16,13 +16,12 @@ import hashlib
 import re
 from collections.abc import Iterable, Mapping
 from copy import copy
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from slopekit.app import controls
 from slopekit.core.errors import DesignError, Fault
-from slopekit.core.records import dataclass
 from slopekit.design import templates
 from slopekit.design.common import Design
 from slopekit.design.reading.document import read_text
@@ -39,7 +38,7 @@ _NUMBER = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d{1,2})?(?![\d,.e])", re
 _LONGEST = 2000  # letters of one value
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Opened:
     """A design as it was opened.
 
@@ -60,7 +59,7 @@ class Opened:
     cases: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Moment:
     """A design at one moment: what an analysis is asked of, whatever is set meanwhile.
 

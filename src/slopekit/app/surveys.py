@@ -17,6 +17,7 @@ import json
 import math
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,6 @@ import numpy as np
 from slopekit.app import answers
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Plane, normals
-from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.joint_lists import JointList
 from slopekit.design.reading.nodes import as_text
@@ -38,7 +38,7 @@ _TOP = 10  # of these, that PRE-IE looks at
 _NAME = re.compile(r"[^\W_][\w-]{0,39}")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Dropped:
     """A survey and its pairs; `said` is what the page is told."""
 

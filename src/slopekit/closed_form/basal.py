@@ -9,6 +9,7 @@ Forces only, zero dilation, cohesion only on planes in contact.
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -41,7 +42,6 @@ from slopekit.closed_form.wedge_sliding import (
     under_bolts,
 )  # fmt: skip
 from slopekit.core.array_types import ArrayLike, Bools, Floats
-from slopekit.core.records import dataclass
 
 #: What may become of a wedge on three joints; the numbers of the statuses of one on two joints are the same.
 OUTCOMES: Final = (
@@ -67,7 +67,7 @@ _CALLED: Final = np.array(
 )  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class BasalWedgeArrays(WedgeArrays):
     """Wedges on three joints; what they share with those on two is as there, but for the water and the seismic trend.
 

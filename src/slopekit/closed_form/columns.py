@@ -12,6 +12,7 @@ a base along the direction of sliding d, tan α = n·d / n_z, and shear acts in 
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,13 +20,12 @@ from slopekit.closed_form.rotation import GroundSurface, panels
 from slopekit.closed_form.tolerances import LEAST_GRIP, SMALL
 from slopekit.core.array_types import ArrayLike, Floats
 from slopekit.core.errors import Fault, GeometryError
-from slopekit.core.records import dataclass
 
 _COUNT = 12  # nodes between two changes, in either direction
 _PASSES = 200
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Columns:
     """The mass above a slip surface as vertical columns.
 
@@ -163,7 +163,7 @@ def bishop(
     return _vertical_balance(base, columns, cohesion_kpa, friction_angle_deg, lever, turning, push)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _Base:
     """Bases seen along d: normals, apparent dips, areas, and where they are from the axis."""
 

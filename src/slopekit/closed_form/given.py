@@ -1,12 +1,12 @@
 """What closed forms over arrays are given, by name: one number for all of them, or one for each."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from slopekit.core.array_types import ArrayLike, NDArray
-from slopekit.core.records import dataclass
 
 Codes = NDArray[np.int8]
 #: One of the values that a formula takes: a float or an array.

@@ -8,7 +8,7 @@ Section: x out of the slope, z up, the toe at (0, 0). One block is an array of l
 
 import math
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -26,7 +26,6 @@ from slopekit.closed_form.wedge_sliding import (
     with_bolts,
 )
 from slopekit.core.array_types import ArrayLike, Floats
-from slopekit.core.records import dataclass
 
 #: What may become of a block: it slides, it loses contact, nothing drives it, or the plane cuts none (`explain CODE`).
 OUTCOMES: Final = ("slides", "slides_up", "lifted", "falls", "no_driving_force", "E203", "E204", "E205", "E207", "E209")
@@ -37,7 +36,7 @@ _RADIAN: Final = math.pi / 180.0
 _TAN: Final = np.frompyfunc(math.tan, 1, 1)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class PlaneArrays(BlockLoads):
     """Blocks on one plane that daylights at the toe, each value one number for all of them or an (n,) array.
 
@@ -69,7 +68,7 @@ class PlaneArrays(BlockLoads):
     crack_pressure_kpa: ArrayLike | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ClosedFormPlanes:
     """What the closed form says of each of n blocks, per metre of slope; numbers are nan where the plane cuts none.
 

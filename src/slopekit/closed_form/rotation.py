@@ -11,18 +11,18 @@ adds them up between the places where a slice changes its kind.
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.closed_form.tolerances import ON_CIRCLE, SMALL
 from slopekit.core.array_types import ArrayLike, Floats
 from slopekit.core.errors import Fault, GeometryError
-from slopekit.core.records import dataclass
 
 _COUNT = 16  # slices between two changes of kind
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ClosedFormRotation:
     """What the closed form says of a mass that turns about the axis of its slip surface.
 
@@ -94,7 +94,7 @@ def rotational_failure(
     return ClosedFormRotation(resisting / abs(driving), "rotates", volume, surface, driving, resisting)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class GroundSurface:
     """The ground surface z(x) seen from the middle of an ellipse that it makes a circle of radius 1.
 

@@ -8,7 +8,7 @@ ch. 9 (columns). The setback of the crest, also called backbreak or crest loss, 
 """
 
 import math
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from typing import Final
 
 import numpy as np
@@ -18,12 +18,11 @@ from slopekit.closed_form.tolerances import PARALLEL_DEG, REACHES
 from slopekit.closed_form.wedge import UPPER, planes_cut
 from slopekit.closed_form.wedge_sliding import Vector, cross, dot, length, less, rows, times
 from slopekit.core.array_types import ArrayLike, Floats
-from slopekit.core.records import dataclass
 
 _RADIAN: Final = math.pi / 180.0
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class WedgeSizes:
     """Sizes of n wedges that daylight in a face, each (n,), nan where the planes cut none.
 
@@ -140,7 +139,7 @@ def largest_scale(sizes: WedgeSizes, reach1_m: ArrayLike, reach2_m: ArrayLike) -
     return scale
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class PlaneSizes:
     """Sizes of n blocks on one plane, per metre of slope, each (n,), nan where the plane cuts none.
 
@@ -195,7 +194,7 @@ def plane_sizes(
         return PlaneSizes(*(np.where(cuts, values, np.nan) for values in sizes))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ColumnSizes:
     """Sizes of toppling columns behind a crest, per metre of slope, each (n,).
 

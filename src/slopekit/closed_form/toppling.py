@@ -9,6 +9,7 @@ below it; P_n is the force between columns n and n + 1, square to the sides, who
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,10 +17,9 @@ from slopekit.closed_form.search import first_loss
 from slopekit.closed_form.tolerances import HOLDS, ROUNDING
 from slopekit.core.array_types import ArrayLike, Bools, Floats
 from slopekit.core.errors import DesignError, Fault
-from slopekit.core.records import dataclass
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class ColumnSlope:
     """Columns on a stepped base, their strength and their loads.
 
@@ -73,7 +73,7 @@ class ColumnSlope:
             raise DesignError([Fault("E260", message, "", "Give a smaller seismic coefficient or toe force.")])
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class TopplingTable:
     """The table of Goodman & Bray, a row for each column from the toe up; nan where a row has no such number.
 
@@ -242,7 +242,7 @@ def seismic_gain(slope: ColumnSlope) -> tuple[float, int]:
     return float(-per_k / per_gain * speeds[fastest]), fastest + 1
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class _ColumnRow:
     """The slope as arrays in the frame of the bases: down along them, off square to them and into the rock."""
 

@@ -8,7 +8,7 @@ One wedge is an array of length one, and no line is shared with the solver that 
 
 import math
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -33,7 +33,6 @@ from slopekit.closed_form.wedge_sliding import (
     under_bolts,
 )  # fmt: skip
 from slopekit.core.array_types import ArrayLike, Bools, Floats, NDArray
-from slopekit.core.records import dataclass
 
 #: What may become of a wedge: it slides, it loses contact, nothing drives it, or the planes cut none (`explain CODE`).
 OUTCOMES: Final = (*STATUSES, "E201", "E203", "E204", "E205", "E206", "E207", "E208", "E209")
@@ -57,7 +56,7 @@ _FACE, UPPER, _CRACK = 2, 3, 4
 _LINE, _CREST = 2, 3
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class WedgePlanes:
     """The planes of wedges, each value one number for all of them or an (n,) array; in degrees and m.
 
@@ -83,7 +82,7 @@ class WedgePlanes:
     crack_distance_m: ArrayLike = 0.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class WedgeArrays(WedgePlanes, BlockLoads):
     """Wedges with their strength and loads; forces and bolts have the parts east, north and up, in kN.
 
@@ -105,7 +104,7 @@ class WedgeArrays(WedgePlanes, BlockLoads):
     seismic_trend_deg: ArrayLike | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ClosedFormWedges:
     """What a closed form says of each of n wedges on k joints; numbers are nan where the planes cut none.
 

@@ -12,12 +12,10 @@
 import math
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import field, fields, is_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass
 from importlib import import_module
 from types import NoneType, UnionType
 from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
-
-from slopekit.core.records import dataclass
 
 T = TypeVar("T")
 #: Metadata of a field that JSON has not.

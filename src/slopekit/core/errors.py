@@ -6,16 +6,14 @@ texts that `slopekit explain CODE` prints stand in `messages.toml` and load only
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import ParamSpec, TypeVar
-
-from slopekit.core.records import dataclass
 
 T = TypeVar("T")
 P = ParamSpec("P")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Fault:
     """One thing that is wrong: a stable code, what and why, where it stands, and what to do instead.
 
@@ -156,7 +154,7 @@ class SolverError(SlopekitError):
     exit_code = 5
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Notice:
     """Something a reader must know although the run goes on: a stable W-code and a sentence."""
 

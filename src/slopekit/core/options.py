@@ -8,10 +8,9 @@ import inspect
 import re
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar, get_args
-
-from slopekit.core.records import dataclass
 
 Advance = Callable[[int], None]
 #: A progress bar: its label and how much there is to do.
@@ -24,7 +23,7 @@ def as_it_is(text: Any, _option: str) -> Any:
     return text
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Option:
     """An option of a command; a parameter that is a bool is a flag.
 
@@ -50,7 +49,7 @@ class Option:
     also: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Argument:
     """An argument of a command, in the order of the parameters.
 
@@ -77,7 +76,7 @@ def _silent(_done: int) -> None:
     """Progress that nobody looks at."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Workplace:
     """Where a study works: the folder of its journal, None for the present one; how progress is shown."""
 

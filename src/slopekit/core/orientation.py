@@ -6,12 +6,12 @@ Frame: x east, y north, z up. Angles are degrees, dips below the horizontal, dir
 import math
 import re
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault
-from slopekit.core.records import dataclass
 
 _COMPASS = ("N", "NNE", "NE", "ENE", "E", "ESE", "SE", "SSE", "S", "SSW", "SW", "WSW", "W", "WNW", "NW", "NNW")
 # texts: re compiles each when it is first used, and keeps it; a plain wedge uses the first
@@ -23,7 +23,7 @@ _DECIMALS = r"\.\d\d"
 _QUARTER_TURN, _FULL_TURN = math.pi / 2.0 + 1e-4, 2.0 * math.pi + 1e-4  # in radians, rounded up
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Plane:
     """The orientation of a plane: dip and dip direction in degrees.
 
@@ -48,7 +48,7 @@ class Plane:
         return f"{number(self.dip_deg)}/{bearing(self.dip_direction_deg)}"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Line:
     """The orientation of a line: trend and plunge in degrees, plunge positive downward.
 

@@ -18,12 +18,11 @@ JOINTS    joint      FoS
 import math
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from io import StringIO
 from typing import Any, Generic, TextIO, TypeAlias, TypeVar
 
 from slopekit.core.codec import json_of
-from slopekit.core.records import dataclass
 
 WIDTH = 100
 LABEL = 10
@@ -35,7 +34,7 @@ _TO_THREE = 5e-4  # below 1 by less than this three decimals say 1
 _AT_ONCE = 8192  # rows of a CSV whose columns are made at once
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Column(Generic[Row]):
     """One column of a table, declared once for every writing of it.
 
@@ -115,7 +114,7 @@ def without_formula(text: str) -> str:
     return text
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Table(Generic[Row]):
     """Rows of any kind, and the columns that are made of them.
 
@@ -201,7 +200,7 @@ class Verbatim(str):
 Entry: TypeAlias = str | Table[Any]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Section:
     """A label and its entries.
 
@@ -246,7 +245,7 @@ def _entry_json(entry: Entry) -> Any:
     return entry if isinstance(entry, str) else entry.to_dict()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Sheet:
     """What a result or a study says of itself.
 

@@ -1,13 +1,12 @@
 """What designs of every kind share, in m, kN, kPa, kN/m³ and degrees."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import field, fields, is_dataclass, replace
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeAlias
 
 from slopekit.core.codec import digest
 from slopekit.core.orientation import Plane
 from slopekit.core.orientation import number as shown
-from slopekit.core.records import dataclass
 from slopekit.design.fields import Field, declare, group, number, part, parts_of, text
 from slopekit.design.parts import (
     CASE_KEYS,
@@ -133,7 +132,7 @@ class DesignKeys:
     UNSAID: ClassVar[tuple[str, ...]] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Rock:
     """The rock: its weight, and for elastic blocks its stiffness."""
 
@@ -166,7 +165,7 @@ class Rock:
     )  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Analysis:
     """How a design is analysed.
 
@@ -204,7 +203,7 @@ class Analysis:
     )  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Reading:
     """What was found while a design was read.
 
@@ -220,7 +219,7 @@ class Reading:
     read_as: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Design(DesignKeys):
     """A complete and checked design: what every kind has.
 
@@ -369,7 +368,7 @@ class Design(DesignKeys):
         return digest(exact)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class LoadCase:
     """A load case: its name, what it sets (paths and what was written), the design with that, without cases."""
 

@@ -15,7 +15,7 @@ scatter, the keys of studies with their limits and the key reference of the docu
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import MISSING, field, fields, make_dataclass, replace
+from dataclasses import MISSING, dataclass, field, fields, make_dataclass, replace
 from functools import cache
 from inspect import get_annotations
 from math import inf, isfinite
@@ -23,7 +23,6 @@ from typing import Any, Literal, TypeVar, cast
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import number as shown
-from slopekit.core.records import dataclass
 from slopekit.core.units import unit_of
 from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.structure import ANGLES, AnyOf, KeyGroup, Leaf, ListOf, Named, OrientationKind, Spec
@@ -49,7 +48,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 Check = Callable[[float, str, str, Callable[[str], str]], tuple[str, str, str] | None]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Limits:
     """Which numbers a value takes: from `least` to `most`, themselves not where `above`, `below`.
 
@@ -77,7 +76,7 @@ class Limits:
         return low and high and (not self.whole or (value == int(value) and (value % 2 == 1 or not self.is_odd)))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Shape:
     """How a value is written beside a number, a text or a group of keys.
 
@@ -98,7 +97,7 @@ class Shape:
     or_measures: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class KeyTexts:
     """What is said of a key.
 
@@ -118,7 +117,7 @@ class KeyTexts:
     taken: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Field:
     """One value of a design, as `declare` makes it.
 

@@ -1,13 +1,12 @@
 """A water table, a pond at the toe and a load on the upper slope: what designs say of them, and how it is read."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal
 
 from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.orientation import number as shown
 from slopekit.core.orientation import parse_plane
-from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.common import Design
 from slopekit.design.fields import field_at, number
@@ -34,7 +33,7 @@ def surcharge() -> Any:
 _ENDS = {"end": ("begins", "nearer to it none forms"), "back": ("ends", "farther back none cuts the block")}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class SlopeDesign(Design):
     """A block in a slope with a toe, a face and an upper slope.
 

@@ -1,12 +1,11 @@
 """The joints of a wedge or a plane failure: from the design itself or from a joint list, with their strengths."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Plane
-from slopekit.core.records import dataclass
 from slopekit.design.fields import count, declare, keys_of
 from slopekit.design.parts import Strength
 from slopekit.design.reading.nodes import Node
@@ -45,7 +44,7 @@ def refinements() -> Any:
     return count("analysis.refine", 0, 6, default=0, code="E137", advice="Each step makes four triangles of one.")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class GivenJoint:
     """A joint as a design has it.
 

@@ -2,12 +2,11 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.orientation import number as shown
-from slopekit.core.records import dataclass
 from slopekit.design.fields import Field, declare, group, in_degrees, keys_of, number, orientation, point, text
 from slopekit.design.reading.structure import Anything, Leaf, ListOf, Named
 
@@ -27,7 +26,7 @@ def listed(record: type, name: str) -> Iterator[Any]:
     return (vars(base)[name] for base in reversed(record.__mro__) if name in vars(base))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Project:
     """Whose design it is, as pages show it: no number depends on it."""
 
@@ -44,7 +43,7 @@ class Project:
         return {key: value for key, value in asdict(self).items() if value}
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class TablePlane:
     """A water table that is a plane: its orientation, and its elevation above the toe, m."""
 
@@ -55,7 +54,7 @@ class TablePlane:
         return f"{self.plane}@{shown(self.level_m)}m"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Water:
     """Water on the joints: dry, full (its pressure times `fill`), mean pressures in kPa or below a table.
 
@@ -160,7 +159,7 @@ class Water:
         return entries
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Seismic:
     """Pseudo-static coefficient, and the trend it acts toward (None: the way the block would slide)."""
 
@@ -182,7 +181,7 @@ class Seismic:
     )  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Force:
     """A force on the block: east, north, up (kN), and the point it acts at (None: the centroid).
 
@@ -202,7 +201,7 @@ class Force:
                              doc="the block it acts on")  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Bolt:
     """A bolt: its force (kN) and direction on the block; its head and length (m) where they are known.
 
@@ -245,7 +244,7 @@ def bolts_without(*keys: str) -> Any:
     return group("support.bolts", Bolt, default=(), many="list", without=keys, forms=forms)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class HyperbolaParameters:
     """Clough and Duncan's hyperbola (eq. 31), the paper's parameters where none are given."""
 
@@ -257,7 +256,7 @@ class HyperbolaParameters:
     friction_angle_deg: float = number("phi", "angle", default=36.0, above=0.0, below=90.0, code="E127", role="setting")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Stiffness:
     """Joint stiffness for displacements and the all-pairs criterion (the limit factor does not need it).
 
@@ -286,7 +285,7 @@ class Stiffness:
         return f"k_n {self.normal_kn_m3:.4g} kN/m³, k_t {shear}"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Residual:
     """Strength of an interface that has slipped: kPa and degrees. It neither dilates nor holds tension."""
 
@@ -303,7 +302,7 @@ class Residual:
         return f"residual c {self.cohesion_kpa:.6g} kPa  φ {self.friction_angle_deg:.6g}°"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Strength:
     """Strength of an interface at full strength: kPa and degrees.
 
@@ -386,7 +385,7 @@ class Strength:
         return tuple(KEYS.values())
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class MeshFile:
     """A mesh file that a design names; two of the same content are the same, wherever they lie.
 
@@ -421,7 +420,7 @@ def _factor(path: str, doc: str, least: bool = False) -> Any:
     return number(path, "ratio", default=1.0, most=10.0, code="E127", role="setting", scatters=False, doc=doc, **limits)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class FactoredNumber:
     """A number of a design with a partial factor: characteristic, factor (None: it follows), design value.
 
@@ -436,7 +435,7 @@ class FactoredNumber:
     divided: bool = False
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class PartialFactors:
     """Factors on actions, strengths and resistance; `called` and `source` say whose, `table` what they made."""
 
@@ -478,7 +477,7 @@ CASE_KEYS = keys_of(
 ON_FACTOR = ("fos", "fos.limit")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Rule:
     """An acceptance rule: what is held against a value, `fos >= 1.5`.
 

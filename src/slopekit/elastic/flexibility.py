@@ -7,6 +7,7 @@ field a + ω x r that has this force and moment, which for a weight is the unit 
 at the pairs: the mesh of the block need not match them. All u but those of the nodes that L sees are eliminated.
 """
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,14 +15,13 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from slopekit.core.arrays import Floats, Ints, frozen
-from slopekit.core.records import dataclass
 
 ORDER = 2  # of the elements
 _CHUNK = 2_000_000  # barycentric coordinates at a time
 _NO_SHAPE = 1e-7  # a shape function that is none: what coordinates of nine digits leave of nodes off a contact
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class CondensedBlock:
     """A block, condensed to the k unknowns of its elements at its contacts.
 

@@ -8,18 +8,17 @@ d are the relative displacements of the node pairs, γ the motions of the blocks
 (`condensed`), q the loads with the pulls of passive bolts. w = 0 is the rigid model.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
-from slopekit.core.records import dataclass
 from slopekit.elastic.flexibility import CondensedBlock
 from slopekit.preie.motion.equilibrium import BOLT_GIVE_M
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ElasticModel:
     """Blocks on their node pairs.
 

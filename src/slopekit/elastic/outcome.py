@@ -1,15 +1,14 @@
 """What elastic blocks come to, beside the rigid ones: the records of a result and its JSON."""
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
 from slopekit.core.arrays import Floats
 from slopekit.core.codec import record_of
-from slopekit.core.records import dataclass
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class OnElasticJoint:
     """A joint of elastic blocks beside the same of rigid ones: kPa from the lowest to the highest, compression +."""
 
@@ -18,7 +17,7 @@ class OnElasticJoint:
     opened_share: float
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ElasticPairs:
     """Node pairs of elastic blocks: places (n, 3) in the user's coordinates, m² and kPa, and which were pulled open."""
 
@@ -31,7 +30,7 @@ class ElasticPairs:
     opened: tuple[bool, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ElasticMesh:
     """What elastic blocks were solved on.
 
@@ -52,7 +51,7 @@ class ElasticMesh:
     residual: float
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ElasticBlocks:
     """Elastic blocks beside the rigid ones.
 

@@ -6,13 +6,12 @@ the way, which lead blocks in flight back; a rest is one without them, so nothin
 """
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
-from slopekit.core.records import dataclass
 from slopekit.elastic.condensed import Condensed, Place
 from slopekit.elastic.model import ElasticModel
 from slopekit.preie.system.contact import CloughDuncan, ContactMode, JointStiffness, Tractions, breaks, tractions
@@ -39,7 +38,7 @@ _CROWD, _WORST = 100, 0.25  # where more pairs than that are in tension, so many
 _SHORTEST = 1e-5  # stride of ln F, at which there is no rest farther on
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Rest:
     """Blocks at rest, or the last that Newton's method saw of them.
 

@@ -1,14 +1,15 @@
 """The blocks of a scene as they are written to files of other programs: bodies, states, line of intersection."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from slopekit.block_scene import BlockScene
 from slopekit.core.arrays import Floats, Ints
-from slopekit.core.records import dataclass
 from slopekit.geometry.solids.sliding_mass import volume_moments
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class WrittenBlock:
     """A block to write: its index in the scene, its name and its surface."""
 

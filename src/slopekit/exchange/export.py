@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from slopekit.core.errors import DesignError, Fault, Notice, writing
-from slopekit.core.records import dataclass
 from slopekit.core.whole_files import whole_files
 from slopekit.exchange.bodies import block_bodies
 from slopekit.exchange.dxf import write_dxf
@@ -35,7 +34,7 @@ _ROUNDED = (".glb", ".gltf")  # coordinates from each block's own middle are flo
 _WITH_BOLTS = (".glb", ".gltf", ".vtu", ".dxf")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Written:
     """One export.
 
@@ -62,7 +61,7 @@ class Written:
         return record if self.case else {key: value for key, value in record.items() if key != "case"}
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Export:
     """What `export` wrote, and what a reader must know of it."""
 

@@ -3,11 +3,11 @@
 import os
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from slopekit.block_scene import BlockScene
 from slopekit.core.errors import DesignError, Fault
-from slopekit.core.records import dataclass
 from slopekit.exchange.documents import MAKE, Document, by_case, load_document
 
 if TYPE_CHECKING:
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from slopekit.studies.cases import Cases
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ExportSource:
     """A result to export: its JSON, and the scene that stands in it."""
 

@@ -1,20 +1,19 @@
 """How well the user's blocks fit together: what overlaps, what nearly touches. Values, for the caller to judge."""
 
 from collections.abc import Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.errors import Fault, GeometryError
-from slopekit.core.records import dataclass
 from slopekit.geometry.patches import Assembly
 from slopekit.geometry.tolerances import DOUBT, LARGEST_ROUNDING, LARGEST_ROUNDING_OF_THINNEST
 
 _MOST_DECIMALS = 9
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Misfits:
     """Pairs of blocks that lie in each other by more than the tolerance, or nearly touch: by less than 1 % of a block.
 
@@ -33,7 +32,7 @@ class Misfits:
         return len(self.amounts)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Facing:
     """Pairs of faces of blocks that look at each other.
 
@@ -65,7 +64,7 @@ class Facing:
         return np.asarray(apart & (self.most <= reach) & (self.breadth > reach))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class BlocksCut:
     """The user's blocks with their contacts, and how well they fit together.
 
@@ -98,7 +97,7 @@ class BlocksCut:
         return np.setdiff1d(np.arange(len(self.assembly)), np.concatenate([patches.plus, patches.minus]))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ContactTolerance:
     """The distance within which faces touch, and the contacts that depend on it.
 

@@ -6,13 +6,13 @@ that overturning about an edge is exact with the coarsest mesh (METHOD.md §5).
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, Ints, cross, frozen
 from slopekit.core.errors import Fault, SolverError
-from slopekit.core.records import dataclass
 from slopekit.geometry.tolerances import AREA_SUM, LENGTH_ROUNDING
 
 BEDROCK = -1
@@ -20,7 +20,7 @@ _REMEMBERED = 64  # blocks
 _VERTEX_SHARE, _CENTROID_SHARE = 1.0 / 12.0, 3.0 / 4.0
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class NodePairs:
     """Node pairs between blocks.
 

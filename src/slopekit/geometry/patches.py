@@ -1,17 +1,16 @@
 """Contact patches: the flat pieces of joint through which the blocks of an assembly press on each other."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
-from slopekit.core.records import dataclass
 from slopekit.geometry.interfaces import BEDROCK
 
 __all__ = ["BEDROCK", "Assembly", "Patches"]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Patches:
     """Flat convex contact patches between blocks.
 
@@ -39,7 +38,7 @@ class Patches:
         return len(self.areas)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Assembly:
     """Blocks and the patches where they touch.
 

@@ -8,12 +8,12 @@ exact: of a triangle of area A with corners x_i and pressures p_i
 """
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, cross
-from slopekit.core.records import dataclass
 
 _ON_EDGE = 1e-12  # of the size of a polygon: nearer to the border of a piece it lies in it
 
@@ -21,7 +21,7 @@ _ON_EDGE = 1e-12  # of the size of a polygon: nearer to the border of a piece it
 Pieces: TypeAlias = Iterable[tuple[Floats, Floats]]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Height:
     """A height h = slope · x + level over some of the ground plan.
 
@@ -80,7 +80,7 @@ def plane_table(normal: Floats, level: float, in_section: bool) -> tuple[Height,
     return (Height(np.array([-x / z, 0.0 if in_section else -y / z, 0.0]), level),)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Pressure:
     """Hydrostatic pressure below a table, kPa.
 

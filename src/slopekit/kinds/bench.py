@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -9,7 +10,6 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import Line, Plane, coordinates
-from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section
 from slopekit.design.fields import count, declare, fields_of, group, number, orientation, point, text
 from slopekit.design.ground_water import surcharge
@@ -37,7 +37,7 @@ MOST_SEED = 2**63 - 1
 _SLIVERS = 0.01  # of the rock: pieces that hold more are blocks
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class JointSetInput:
     """A joint set of a bench.
 
@@ -84,7 +84,7 @@ class JointSetInput:
     pressure_kpa: float = 0.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class BenchDesign(AssemblyDesign):
     """A bench cut into blocks by joint sets.
 

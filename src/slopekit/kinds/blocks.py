@@ -1,7 +1,7 @@
 """The user's own blocks: polygons of a section, or closed meshes."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar
 
@@ -11,7 +11,6 @@ from scipy.sparse.csgraph import connected_components
 
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.errors import Fault, Faults, GeometryError, Notice
-from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
 from slopekit.design.fields import Field, declare, fields_of, group, number, text
 from slopekit.design.parts import Action, MeshFile, Water, axis_key
@@ -53,7 +52,7 @@ _TRUTH = {"true": True, "false": False}
 _UNTRUTHS = ("no", "off", "n", "0")  # YAML 1.1, said to be a fault; what it means is clear
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class BlockInput:
     """A block of the user: a polygon (x, z) in m with the thickness of the section, or a closed mesh.
 
@@ -84,7 +83,7 @@ class BlockInput:
     fixed: bool = text("fixed", default=False, doc="`true` for bedrock; at least one is, at least one is not")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class BlocksDesign(NamedDesign):
     """The user's own blocks: all polygons of one section, or all meshes.
 

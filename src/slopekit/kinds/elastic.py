@@ -8,7 +8,7 @@ at which elastic blocks no longer come to rest.
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,6 @@ from scipy import sparse
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.onlooker import say
-from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.elastic.flexibility import ORDER, CondensedBlock, Elements, body
 from slopekit.elastic.meshing import (
@@ -52,7 +51,7 @@ _MOST_REFINED = 5
 _WITHOUT = 0.4  # of the work of one analysis, for the limit without what is open; the rest is the elastic blocks' own
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ElasticScene:
     """Elastic blocks in arrays, and what the rigid code makes of them.
 

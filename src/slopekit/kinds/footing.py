@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -10,7 +10,6 @@ import numpy as np
 from slopekit.closed_form.plane import OUTCOMES, ClosedFormPlanes, PlaneArrays, plane_failures
 from slopekit.core import sheet
 from slopekit.core.errors import Fault, MisfitError
-from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.fields import Field, count, declare, group, number
 from slopekit.design.parts import Action, Stiffness, Strength
@@ -30,7 +29,7 @@ from slopekit.result import Result, Words
 NAME = "weak plane"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Uplift:
     """Water on the weak plane: kPa at both ends, linear between, or a part of full pressure; less by drains."""
 
@@ -54,7 +53,7 @@ class Uplift:
     )  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class FootingDesign(Design):
     """A footing above a weak plane that daylights in a vertical face (Sheng et al. 2023, §3.3), per metre.
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -13,7 +13,6 @@ from slopekit.core import sheet
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import Fault, GeometryError, Notice
 from slopekit.core.orientation import Line, Plane
-from slopekit.core.records import dataclass
 from slopekit.core.units import is_unit_of, unit_of
 from slopekit.design import words
 from slopekit.design.fields import Field, declare, fields_of, group, number, orientation
@@ -60,7 +59,7 @@ _OUTCOMES = (*("slides_on_J1" if name == "slides" else name for name in OUTCOMES
 _OUT = 1e-9
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class VerticalCrack:
     """A vertical tension crack of a plane failure: depth or distance behind the crest, m; `Water` has its water."""
 
@@ -78,7 +77,7 @@ class VerticalCrack:
                                       "where the closed form is lowest")  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class PlaneDesign(SlopeDesign):
     """Plane failure per metre of slope (Hoek & Bray; Wyllie & Mah): one joint, maybe a vertical tension crack."""
 

@@ -1,12 +1,11 @@
 """What a kind of design says of itself, in one place: studies and views ask here, never which kind it is."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from slopekit.core.codec import NO_JSON
 from slopekit.core.errors import Notice
-from slopekit.core.records import dataclass
 from slopekit.design.common import Answered, Design
 from slopekit.design.parts import Strength
 from slopekit.design.reading.reader import Reader
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
 D = TypeVar("D", bound=Design)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ClosedForm:
     """A closed form to compare with: its factor and status; `why_not` says why it is not compared."""
 
@@ -30,7 +29,7 @@ class ClosedForm:
     why_not: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Factors:
     """What the two methods say of a design.
 
@@ -63,7 +62,7 @@ class Factors:
         return self.limit if self.limit is not None else self.closed_form
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Gain:
     """How fast a mechanism gains on shaken ground.
 
@@ -82,7 +81,7 @@ class Gain:
     first: float | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Kind(Generic[D]):
     """A kind of design.
 

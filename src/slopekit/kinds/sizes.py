@@ -5,18 +5,17 @@ One for every kind: the faces of a wedge, the section of a block on a plane, the
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from slopekit.block_scene import Sizes
 from slopekit.core.arrays import Floats, cross
-from slopekit.core.records import dataclass
 
 _ON = 1e-7  # of the size of a block: a corner this near to a plane lies on it
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Crest:
     """A crest: a point of it, and the upward unit normals of the face before it and of the slope behind it, (3,)."""
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -18,7 +18,6 @@ from slopekit.closed_form.toppling import (
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Notice
 from slopekit.core.orientation import number as shown
-from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
 from slopekit.design.fields import Field, declare, number
 from slopekit.design.parts import Action, Water
@@ -49,7 +48,7 @@ _MOST_HEIGHTS = 20
 _WESTWARD = 270.0  # columns rise toward +x and fall toward -x
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class ToppleDesign(NamedDesign):
     """Columns on a stepped base (Goodman & Bray 1976), numbered C1, C2, ... from the toe upward; per `thickness_m`.
 

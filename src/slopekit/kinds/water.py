@@ -6,13 +6,13 @@ where they act, a closed form the mean pressure of each joint and the sum of the
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, cross
 from slopekit.core.errors import Fault, MisfitError
 from slopekit.core.orientation import coordinates
-from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.ground_water import SlopeDesign
 from slopekit.geometry.pressure import Height, Pieces, Pressure, even, in_strips, plane_table, resultant, under_planes
@@ -26,7 +26,7 @@ _BRIM = 1e-9  # of the depth of the crack: water that stands no higher does not 
 _GIVE_MEANS = "Give the mean pressures: water: {pressures: ...}."
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class LocalSlope:
     """The block in its slope, in local axes with the toe at the origin and z up.
 

@@ -5,14 +5,13 @@
 as `one_block.flat_limit` has it for one block; rows are taken in chunks, so that memory does not grow with n.
 """
 
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from enum import IntEnum
 from itertools import chain, combinations
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, Ints, cross
-from slopekit.core.records import dataclass
 from slopekit.preie.one_block.bed_limits import BedStatus, bed_limits
 from slopekit.preie.one_block.bed_path import lengths
 from slopekit.preie.one_block.polygon_bed import Beds, contact_rows, cross_2d
@@ -31,7 +30,7 @@ class ForcesStatus(IntEnum):
     NOT_DRIVEN = 2  # nothing drives it: its contacts hold it without strength, but for its moments
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Blocks:
     """Single blocks on up to k flat contacts of up to c corners each, without passive bolts.
 
@@ -83,7 +82,7 @@ class Blocks:
         )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class BlockLimits:
     """The limits of n single blocks.
 

@@ -11,13 +11,12 @@ Rock Mechanics, 739-760 (the scale); Hoek, Practical Rock Engineering, ch. 4, wh
 """
 
 import math
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.records import dataclass
 from slopekit.strength.mohr_coulomb import MohrCoulomb
 from slopekit.strength.reduced import Reduced
 
@@ -39,7 +38,7 @@ def _slips(value: float, name: str, written: str, called: object) -> tuple[str, 
     return "E553", f"{name} is {value:.10g} kPa, joint walls have {low} to {high}", advice
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class BartonBandis:
     """Roughness JRC, wall strength JCS (kPa) and residual angle φ_r (degrees), those of a sample `length_0_m` long.
 

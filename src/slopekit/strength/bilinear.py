@@ -7,18 +7,17 @@ Source: Patton (1966), Proc. 1st Congress ISRM, Lisbon, 1, 509-513.
 """
 
 import math
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.records import dataclass
 from slopekit.strength.mohr_coulomb import MohrCoulomb
 from slopekit.strength.reduced import Reduced
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Bilinear:
     """Friction angle φ, angle of the asperities i (degrees) and the traction σ_t (kPa) that shears them."""
 

@@ -10,17 +10,16 @@ the area: Einstein, Veneziano, Baecher & O'Reilly (1983), Int. J. Rock Mech. Min
 """
 
 import math
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.records import dataclass
 from slopekit.strength.mohr_coulomb import MohrCoulomb, line
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Bridged:
     """Joint and rock (kPa, degrees), and the part of the plane that is joint."""
 

@@ -6,16 +6,15 @@ Source: Coulomb (1776); for joints Hoek & Bray (1981), Rock Slope Engineering, c
 """
 
 import math
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.records import dataclass
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class MohrCoulomb:
     """Cohesion (kPa) and friction angle (degrees)."""
 

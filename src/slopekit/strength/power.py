@@ -6,17 +6,16 @@ Source: Jaeger (1971), Géotechnique 21, 97-134; in SWedge, RocPlane and UnWedge
 """
 
 import math
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.records import dataclass
 from slopekit.strength.mohr_coulomb import MohrCoulomb
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class PowerCurve:
     """Factor a and exponent b of tractions in kPa, and the strength d (kPa) at none."""
 

@@ -1,13 +1,13 @@
 """Any law with its strength divided by a factor."""
 
+from dataclasses import dataclass
 from typing import ClassVar
 
 from slopekit.core.arrays import Floats
-from slopekit.core.records import dataclass
 from slopekit.strength.protocol import StrengthLaw
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Reduced:
     """τ(σ) / F."""
 

@@ -7,18 +7,17 @@ help, joint shear strength, eq. 1: τ = c + σ tan φ + σ tan φ_w).
 """
 
 import math
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.records import dataclass
 from slopekit.strength.mohr_coulomb import MohrCoulomb
 from slopekit.strength.protocol import StrengthLaw
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Wavy:
     """A law, and the angle of the waves (degrees)."""
 

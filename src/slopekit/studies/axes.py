@@ -11,12 +11,12 @@ and treated as Fisher (1953, Proc. R. Soc. A 217, 295-305) treats directions.
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.orientation import downward
-from slopekit.core.records import dataclass
 
 #: Joints of one orientation scatter less than this angle (rad): K would be a number of rounding errors.
 _SAME = 1e-7
@@ -24,7 +24,7 @@ _LARGEST_K = 1.0 / _SAME**2
 _FEW = 3  # joints from which a set has a scatter whose shape means something
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Axes:
     """The statistics of a set of axes.
 

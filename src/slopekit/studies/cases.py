@@ -11,13 +11,12 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from typing import Any, ClassVar, Generic, TypeAlias, TypeVar
 
 from slopekit._version import FORMAT, __version__
 from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
-from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Section, Sheet, Table
 from slopekit.core.shown import Shown
 from slopekit.design.common import Design, LoadCase
@@ -34,7 +33,7 @@ Found = TypeVar("Found", bound=Shown, covariant=True)
 _CaseRow: TypeAlias = tuple[LoadCase, Shown]
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, repr=False)
 class Cases(Shown, Generic[Found]):
     """What a function came to, case by case: `Cases[Result]` of `run`, `Cases[Check]` of `check`.
 

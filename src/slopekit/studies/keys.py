@@ -9,12 +9,11 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import astuple, replace
+from dataclasses import astuple, dataclass, replace
 from typing import Any
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Plane, millimetre
-from slopekit.core.records import dataclass
 from slopekit.core.synonyms import nearest
 from slopekit.core.units import is_unit_of, quantity, unit_of
 from slopekit.design.common import Design
@@ -31,7 +30,7 @@ _MOST_LISTED = 12
 _FISHER_K = declare("k", "ratio", 0.1, 1e6, role="scatter")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Key:
     """One number of a design.
 

@@ -6,6 +6,7 @@ A tail probability p is that of the nearer end, with the side it is of: 1 - p is
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -14,7 +15,6 @@ from scipy.special import erf, ndtr, ndtri
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import number
-from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.fields import declare, field_in
 from slopekit.design.scatter.distributions import Distribution, Variable
@@ -25,7 +25,7 @@ NEVER = 1e-9  # a share that no study draws: nothing is said of that end
 _BEYOND_DRAWING = 8.5  # standard deviations: no sample lies out there (2⁻⁵⁴ is 8.3 of them)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Marginal:
     """A distribution as two functions that give the same numbers.
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
@@ -12,7 +12,6 @@ from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import DesignError, Fault, MisfitError, Notice, SlopekitError
 from slopekit.core.options import Workplace
 from slopekit.core.orientation import number
-from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Bolt
 from slopekit.design.reading.files import with_values
@@ -33,7 +32,7 @@ _OF_FACTORS = tuple(one.name for one in fields(Factors) if one.name not in ("not
 UNSETTLED = "not_converged"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Point:
     """What a design with other values comes to: its factors, or the code and the message of why there are none."""
 

@@ -15,13 +15,12 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor, as_completed
 from contextlib import ExitStack, contextmanager
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from slopekit._version import __version__
 from slopekit.core.errors import DesignError, Fault, SlopekitError, SolverError, writing
-from slopekit.core.records import dataclass
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -37,7 +36,7 @@ _MOST_JOBS = 512
 _LAYOUT = 3  # of records, to be raised with them: since 3 those of points have names
 
 
-@dataclass(slots=True)
+@dataclass
 class Journal:
     """Records of finished tasks by their number.
 
@@ -108,7 +107,7 @@ class Journal:
         self.path.unlink(missing_ok=True)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Crew:
     """Who does the work.
 

@@ -3,7 +3,7 @@
 import math
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from importlib import import_module
 from numbers import Real
@@ -11,7 +11,6 @@ from pathlib import Path
 
 from slopekit.core.codec import MISREAD, is_of_document
 from slopekit.core.errors import DesignError, Fault
-from slopekit.core.records import dataclass
 from slopekit.exchange.documents import Document
 from slopekit.views.charts.drawing import FORMATS, new_figure, plain_numbers, save
 from slopekit.views.charts.kinematic_charts import TESTS
@@ -20,7 +19,7 @@ from slopekit.views.solid.scenes import SCENES
 SCENE_FORMATS = (".png", ".glb", ".gltf")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Chart:
     """A picture that matplotlib draws, all that is known of it.
 

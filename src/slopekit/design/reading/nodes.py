@@ -7,13 +7,13 @@ made of a file (`yaml.py`) and of a Python mapping (`document_from`).
 import os
 import re
 from collections.abc import Callable, ItemsView, Mapping
+from dataclasses import dataclass
 from numbers import Real
 from pathlib import Path
 from typing import Any, Generic, NoReturn, TypeAlias, TypeVar
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Line, Plane
-from slopekit.core.records import dataclass
 
 Value: TypeAlias = "dict[str, Node] | list[Node] | str | None"
 Plain: TypeAlias = "dict[str, Plain] | list[Plain] | str | None"
@@ -35,7 +35,7 @@ def no_text(text: str) -> "re.Match[str] | None":
     return None if text.isprintable() else re.search(_NO_TEXT, text)  # a millisecond to compile, for text with a slip
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Place:
     """Where something was written; `line` 0 is a value from `--set` or from Python, without a file one of a call.
 
@@ -63,7 +63,7 @@ class Place:
         return not self.line and self.file == "--set"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Node:
     """A value of a design: keys with nodes, a list of nodes, the text as written, or None where nothing was written.
 
@@ -143,7 +143,7 @@ class Kept(Generic[T]):
         return made
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Document:
     """A design as it was written: its tree, its name, and its file where it came from one.
 

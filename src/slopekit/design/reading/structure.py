@@ -3,13 +3,12 @@
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
 from typing import Any, Literal, TypeAlias
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import parse_plane
-from slopekit.core.records import dataclass
 from slopekit.core.synonyms import TANGENTS, folded, is_likely, nearest, synonym
 from slopekit.design.reading.nodes import Kept, Node, joined
 
@@ -25,7 +24,7 @@ _SELDOM = ("analysis", "cases")  # of the groups at the top
 MOST_FAULTS = 200  # that are said of one design: nobody reads more, and each is looked up for a likely slip
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Leaf:
     """One value. A number may be a distribution; an orientation also a pair of numbers; `example` is for messages."""
 
@@ -34,7 +33,7 @@ class Leaf:
     example: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class KeyGroup:
     """Known keys, some of them required."""
 
@@ -43,7 +42,7 @@ class KeyGroup:
     example: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Named:
     """Things under names of the user's choice (`weak: ...`); `pairs` allows names such as B1/B2 and J1.phi/J2.phi."""
 
@@ -53,7 +52,7 @@ class Named:
     example: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ListOf:
     """A list of like things; equal bounds fix its length."""
 
@@ -63,7 +62,7 @@ class ListOf:
     example: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class AnyOf:
     """One of several: the first that fits the value best."""
 

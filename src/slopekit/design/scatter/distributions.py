@@ -1,12 +1,11 @@
 """Numbers and orientations that scatter: `{dist: normal, mean: 20, sd: 2}`, `{dist: fisher, mean: 45/115, k: 100}`."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Literal, TypeAlias, cast
 
 from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
 from slopekit.core.orientation import Line, Plane, number, parse_face, parse_plane
-from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.structure import ANGLES, WRITTEN, OrientationKind, is_distribution
@@ -31,7 +30,7 @@ _EXAMPLES = {
 }
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Distribution:
     """A number that scatters: normal or lognormal (with `min` and `max`: truncated), uniform, triangular.
 
@@ -55,7 +54,7 @@ class Distribution:
         return sum(self.parameters.values()) / len(self.parameters)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Fisher:
     """An orientation that scatters about a mean; `k` is Fisher's concentration (Fisher 1953)."""
 
@@ -68,7 +67,7 @@ class Fisher:
         return self.mean
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Angles:
     """An orientation whose dip and dip direction (plunge and trend of a line) scatter as numbers, or one of the two.
 
@@ -91,7 +90,7 @@ class Angles:
         return Plane(steep, direction) if self.of == "plane" else Line(direction, steep)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Variable:
     """A value of a design that scatters: its dotted path in the file, how it scatters, and where that stands.
 

@@ -7,10 +7,10 @@ it is written as directions are, 030, in a list that writes its dips otherwise a
 
 import re
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 from slopekit.core.errors import Fault
 from slopekit.core.orientation import is_written_as_bearing
-from slopekit.core.records import dataclass
 from slopekit.design.survey.columns import WORDS, columns_advice
 
 SHARE_OF_BAD_ROWS = 0.1  # up to which bad rows are faults of their own, and can be skipped
@@ -25,7 +25,7 @@ _EXCHANGED = {
 _NUMBER = re.compile(r"^\s*[+-]?(\d+([.,]\d*)?|[.,]\d+)\s*°?\s*$")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class BeyondVertical:
     """What the dips and azimuths of all rows say of dips beyond 90°.
 

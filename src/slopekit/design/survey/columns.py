@@ -5,9 +5,9 @@ A new name, a new way to give a plane, a new program whose lists are known: one 
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
 from slopekit.core.errors import DesignError, Fault, did_you_mean
-from slopekit.core.records import dataclass
 from slopekit.design.reading.nodes import cut
 
 RIGHT, LEFT = "right-hand-rule", "left-hand-rule"
@@ -112,7 +112,7 @@ _WORDS_IN_HEADING: Mapping[str, Mapping[str, str]] = {"strike": _CONVENTIONS, "b
 _HEADER = re.compile(r"^(.*?)\s*(?:\(([^)]*)\)|\[([^\]]*)\])?\s*$")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class SurveyColumn:
     """Where a column stands, what it is called in the list, the unit or the convention in its header."""
 

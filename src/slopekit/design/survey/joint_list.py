@@ -1,15 +1,15 @@
 """Measured joints, and lists of them with where they come from."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.orientation import Plane, normals
-from slopekit.core.records import dataclass
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class MeasuredJoint:
     """One measured joint: its name, its plane, the line of the file it stands in, strength and set where given.
 
@@ -31,7 +31,7 @@ class MeasuredJoint:
     ends: int | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class JointList:
     """Joints with where they come from.
 

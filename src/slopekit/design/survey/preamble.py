@@ -5,8 +5,8 @@ Declination is added to every azimuth (Rocscience, Dips documentation, Declinati
 
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 
-from slopekit.core.records import dataclass
 from slopekit.design.survey.columns import LEFT, RIGHT
 
 _DIP = r"\bDIP\s*/\s*DIP\s*-?\s*DIR(?:ECTION|N)?\b"
@@ -26,7 +26,7 @@ _NO = re.compile(r"\bNO\b|\bNONE\b|\bOFF\b|\b0\b", re.IGNORECASE)
 _CORE = re.compile(r"\bORIENTED\s+CORE\b|\bALPHA\s*/\s*BETA\b", re.IGNORECASE)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Preamble:
     """What a preamble says.
 

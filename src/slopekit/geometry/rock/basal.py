@@ -6,6 +6,7 @@ wedge). J1 and J2 need not daylight: the basal joint does.
 """
 
 import math
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -13,7 +14,6 @@ import numpy as np
 from slopekit.core.arrays import Floats, cross, frozen
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.orientation import number
-from slopekit.core.records import dataclass
 from slopekit.geometry.rock.cutting import Block, half_spaces_cut
 from slopekit.geometry.rock.rockmass import traces_of
 from slopekit.geometry.tolerances import SAME_DIRECTION
@@ -24,7 +24,7 @@ _NONE = 1e-12  # of the surface of the block: a face below it is none, as in `cl
 _ON_PLANE = 1e-9  # of the largest distance: corners of the box about the block, which is a box with room to spare
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class BasalRockMass:
     """The planes of a wedge on three joints.
 

@@ -1,19 +1,19 @@
 """The rock mass of a bench: a convex body between the face, the upper slope and where the model ends."""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, frozen
 from slopekit.core.errors import Fault, GeometryError
-from slopekit.core.records import dataclass
 from slopekit.geometry.tolerances import FLATTEST_FACE_DEG, SAME_DIP_DEG
 
 #: The faces of a bench in the order of its planes.
 BODY_FACES = ("face", "upper slope", "left end", "right end", "back", "bottom")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ConvexBody:
     """A convex body to cut into blocks: the points with `normals · x <= offsets`.
 

@@ -5,17 +5,18 @@ but for p, so neighbours are found by arithmetic on signatures, exactly, however
 centroids of the two sides are compared afterwards as evidence.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, NDArray
-from slopekit.core.records import dataclass
 from slopekit.geometry.rock.plane_stacks import PlaneStack, Soup
 from slopekit.geometry.tolerances import NO_VOLUME
 
 Hashes = NDArray[np.uint64]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Cells:
     """Convex cells, ordered by the slab of each stack they lie in.
 
@@ -32,7 +33,7 @@ class Cells:
     of_triangle: Ints
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Faces:
     """Faces of cells, one for each cell and plane it lies on.
 

@@ -8,6 +8,7 @@ the input, whatever the kernel's tolerance was.
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -15,7 +16,6 @@ from manifold3d import Error, Manifold, Mesh64
 
 from slopekit.core.arrays import Floats, Ints, cross, frozen
 from slopekit.core.errors import Fault, GeometryError
-from slopekit.core.records import dataclass
 from slopekit.geometry.rock.rockmass import CRACK, FACE, J1, J2, RockMass
 
 _FAR = 1000  # ids of the six outer faces of the body, 1000 to 1005: the rock goes on behind them
@@ -33,7 +33,7 @@ _SQUARE = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 _SQUARE_BOX = np.array([[x, y, z] for z in (-1.0, 1.0) for x, y in _SQUARE.tolist()])
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Block:
     """A block: its faces as polygons by the plane that made them.
 

@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.errors import Fault, GeometryError
-from slopekit.core.records import dataclass
 from slopekit.geometry.rock.bench import ConvexBody
 from slopekit.geometry.tolerances import SAME_PLANE
 
@@ -16,7 +16,7 @@ _MOST_PLANES = 20_000  # of one set
 _LEAST_GAP = 0.1  # of the spacing
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class JointSet:
     """A joint set.
 
@@ -36,7 +36,7 @@ class JointSet:
     spacing_scatter: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class SetPlanes:
     """The planes of all sets that cut a body.
 

@@ -7,20 +7,20 @@ says which piece it is.
 """
 
 import math
+from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
 from manifold3d import Manifold
 
 from slopekit.core.arrays import Bools, Floats, Ints
-from slopekit.core.records import dataclass
 from slopekit.geometry.rock.cutting import BOX_TRIANGLES, far_box, half_space, tagged
 from slopekit.geometry.tolerances import LEAST_GAP, LEAST_RISE
 
 _ROOM = 1.05  # the slabs are this much wider than the body
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Soup:
     """The triangles of all pieces of a cut body; pieces share no vertices.
 

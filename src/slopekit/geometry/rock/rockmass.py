@@ -6,13 +6,13 @@ the point where the trace of joint 1 meets the crest, `height` above the toe (Ho
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, cross, frozen
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.orientation import downward, line_of, opposite
-from slopekit.core.records import dataclass
 from slopekit.geometry.tolerances import NEARLY_PARALLEL, SAME_DIRECTION
 
 J1, J2, FACE, UPPER, CRACK = range(5)
@@ -20,7 +20,7 @@ _COULD_OVERHANG = 70.0  # dip from which a face written by its other side is an 
 PLANE_NAMES = ("J1", "J2", "face", "upper slope", "crack")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class RockMass:
     """The planes that bound the rock mass and cut it, and the corners of the largest wedge they can form.
 

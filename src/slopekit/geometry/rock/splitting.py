@@ -4,12 +4,12 @@ How many blocks there will be is counted before; cells too small to be blocks ar
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.errors import Fault, GeometryError
-from slopekit.core.records import dataclass
 from slopekit.geometry.patches import Assembly, Patches
 from slopekit.geometry.rock.bench import ConvexBody
 from slopekit.geometry.rock.cells import Cells, Faces, cells_of, corners_of_faces, faces_of, facing, plane_error
@@ -173,7 +173,7 @@ def _merged(root: Ints, volume: Floats, cells: Floats, going: Ints, to: Ints) ->
     return new_root, np.where(new_root == np.arange(count), total, volume)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class BenchCut:
     """A body cut into blocks, with the evidence that nothing is lost.
 

@@ -4,13 +4,13 @@ Their interfaces are lines: node pairs by Simpson's rule, exact for linear tract
 """
 
 import math
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, frozen
 from slopekit.core.errors import Fault, GeometryError
-from slopekit.core.records import dataclass
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
 from slopekit.geometry.rock.cutting import Block, cut_convex
 from slopekit.geometry.tolerances import PARALLEL_DEG
@@ -18,7 +18,7 @@ from slopekit.geometry.tolerances import PARALLEL_DEG
 J1, FACE, UPPER, CRACK, LEFT, RIGHT = range(6)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class PlaneSection:
     """A block on one plane in its section.
 

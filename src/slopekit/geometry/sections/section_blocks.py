@@ -5,13 +5,13 @@ the boxes of the edges (`box_search`), everything else is done for all of them a
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from manifold3d import triangulate
 
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.errors import Fault
-from slopekit.core.records import dataclass
 from slopekit.geometry.fit import (
     BlocksCut,
     Facing,
@@ -31,7 +31,7 @@ from slopekit.geometry.tolerances import DOUBT, NEARLY_TOUCHES, OPPOSITE, OUTLIN
 _LARGEST_PIECE = 8  # corners of a convex polygon that is clipped whole; more are cut into triangles
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Outlines:
     """Outlines of blocks in a section, anticlockwise.
 
@@ -268,7 +268,7 @@ def section_assembly(
     )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _FacingEdges(Facing):
     """Pairs of edges that run opposite ways beside each other.
 

@@ -3,13 +3,13 @@
 All coordinates are local: about the centre of an analytic shape, about the middle of the mesh of a drawn one.
 """
 
+from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.errors import Fault, GeometryError
-from slopekit.core.records import dataclass
 from slopekit.geometry.tolerances import ON_EDGE, TINY, UPRIGHT
 
 SLIP, GROUND, END = 0, 1, 2  # what a face of the sliding mass lies on
@@ -17,7 +17,7 @@ _LEVELS = 7
 _ROOM = 0.01  # of the width
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Cutter:
     """A closed triangulated body to cut with.
 
@@ -31,7 +31,7 @@ class Cutter:
     on: Ints
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Lifted:
     """Points of flat triangles moved to the surface.
 
@@ -48,7 +48,7 @@ class Lifted:
     moments: Floats
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Ellipsoid:
     """An ellipsoid about the origin with its axes along x, y and z; a sphere where they are equal. Radii (3,) m."""
 
@@ -88,7 +88,7 @@ class Ellipsoid:
         return Lifted(lifted, gradient / steep[:, None], product * steep * angle, sector - flat_sector, moments)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Cylinder:
     """A horizontal circular cylinder about the y axis through the origin, cut off square at both ends; m."""
 

@@ -6,7 +6,7 @@ takes its place, area and normal from the surface itself; a drawn surface keeps 
 """
 
 import math
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -14,7 +14,6 @@ from manifold3d import Error, Manifold, Mesh64
 
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.errors import DesignError, Fault, GeometryError
-from slopekit.core.records import dataclass
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
 from slopekit.geometry.solids.shapes import GROUND, SLIP, AnalyticShape, Cutter, smooth_normals
 from slopekit.geometry.tolerances import MASS_BALANCE, NO_TURN, NUMERICAL_SLIVER, SLIVER_AREA, TINY
@@ -31,7 +30,7 @@ _FEWEST = 120  # triangles on the slip surface before it is refined
 MOST_TRIANGLES = 12_000  # on the slip surface: two node pairs for each are what the solver takes in seconds
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class SlidingMass:
     """A mass on its slip surface, local coordinates.
 
@@ -249,7 +248,7 @@ def volume_moments(vertices: Floats, triangles: Ints) -> tuple[float, Floats]:
     return volume, np.asarray(moment, dtype=np.float64)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _Sides:
     """The edges of a mass, each once.
 

@@ -1,6 +1,7 @@
 """Closed triangle meshes as one flat array: checked, turned outward, measured, and their flat faces put together."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -8,14 +9,13 @@ from scipy.sparse.csgraph import connected_components
 
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.errors import Fault
-from slopekit.core.records import dataclass
 from slopekit.geometry.fit import contact_tolerance, refuse, size_faults
 from slopekit.geometry.tolerances import BENT, FACE_FLAT, TINY
 
 _MOST_CORNERS = 12  # of a convex face that is taken whole; others stay in triangles
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ClosedMeshes:
     """Closed meshes of blocks, their triangles anticlockwise seen from outside.
 
@@ -37,7 +37,7 @@ class ClosedMeshes:
     shells: Ints
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Pieces:
     """Flat convex pieces of the blocks' faces.
 

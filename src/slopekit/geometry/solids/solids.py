@@ -5,12 +5,12 @@ is a patch (or several, where a face is not convex). Candidates come from the bo
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 from manifold3d import Error, Manifold, Mesh64
 
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
-from slopekit.core.records import dataclass, names_of
 from slopekit.geometry.fit import BlocksCut, Facing, Misfits, fitting_tolerance, widest_rounding
 from slopekit.geometry.patches import Assembly, Patches
 from slopekit.geometry.rock.box_search import box_pairs, chunks, ragged
@@ -75,7 +75,7 @@ def mesh_assembly(
     )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _FacingFaces(Facing):
     """Pairs of faces that look at each other: what they share, in the plane halfway between them.
 
@@ -110,8 +110,8 @@ def _facing(pieces: Pieces, fixed: Bools, reach: float, tolerance: float) -> _Fa
     width = max(part.corners.shape[1] for part in parts)
     corners = [np.pad(part.corners, ((0, 0), (0, width - part.corners.shape[1]), (0, 0))) for part in parts]
 
-    together = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names_of(_FacingFaces)
-                if name != "corners"}  # fmt: skip
+    names = [own.name for own in fields(_FacingFaces) if own.name != "corners"]
+    together = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
     return _FacingFaces(corners=np.concatenate(corners), **together)
 
 

@@ -5,6 +5,7 @@ scene -> loads -> the mechanisms one after the other -> what they say of each bl
 
 import math
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
@@ -13,7 +14,6 @@ from slopekit.block_scene import Contacts
 from slopekit.core.arrays import frozen
 from slopekit.core.errors import Notice
 from slopekit.core.onlooker import Clock
-from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
 from slopekit.design.reading.reader import Reader
 from slopekit.evidence import (
@@ -94,7 +94,7 @@ _ENDS = {
 }
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class SolvedAssembly:
     """A result with what it was read from; the scene is without the chips."""
 
@@ -103,7 +103,7 @@ class SolvedAssembly:
     ravelling: Ravelling
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Blocks(Generic[A]):
     """What a kind of many blocks adds to what they share.
 

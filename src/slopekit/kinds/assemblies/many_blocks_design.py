@@ -1,11 +1,10 @@
 """What designs of many blocks share: their keys, named strengths, water by pressures, loads on named blocks."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from slopekit.core.orientation import number
-from slopekit.core.records import dataclass
 from slopekit.design import words
 from slopekit.design.common import Design
 from slopekit.design.fields import Field, count, declare, fields_of, group, keys_of
@@ -41,7 +40,7 @@ def water_by(*pressures: Field, without: tuple[str, ...] = ()) -> Any:
     return group("water", keys, default=Water(), forms=(Leaf(example="dry"),), without=without)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class AssemblyDesign(Design):
     """What designs of many blocks share, a water table and a pond that may wet them among it.
 
@@ -84,7 +83,7 @@ class AssemblyDesign(Design):
         return dict(self.strengths)[name]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class NamedDesign(AssemblyDesign):
     """Blocks with names: a surcharge stands on those that it names."""
 

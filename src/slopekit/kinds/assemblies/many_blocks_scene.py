@@ -1,7 +1,7 @@
 """Many blocks in arrays: the blocks, their contacts and strengths, the loads on them."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -9,7 +9,6 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats, cross, frozen
 from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.core.orientation import Line
-from slopekit.core.records import dataclass
 from slopekit.design.parts import Bolt, Force, Strength
 from slopekit.geometry.patches import BEDROCK, Assembly
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign, NamedDesign
@@ -61,7 +60,7 @@ def last_left_in_section(outlines: list[Floats], head: Floats, end: Floats) -> i
 _Finder: TypeAlias = Callable[[str | None, Floats | None], int | None]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class SceneLoads:
     """What acts on the blocks of a scene beside their weight and the water between them.
 
@@ -105,7 +104,7 @@ class SceneLoads:
         )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class AssemblyScene:
     """An assembly with everything that the analysis needs, in the design's coordinates less `origin`.
 

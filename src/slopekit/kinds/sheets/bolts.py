@@ -1,13 +1,12 @@
 """The bolts of a design in order, to be set out and drilled: number, place, length, direction, force; table and CSV."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from operator import attrgetter
 from typing import Any
 
 from slopekit.core.orientation import millimetre
-from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Entry, Table
 from slopekit.kinds.words import first_and_last
 
@@ -16,7 +15,7 @@ FILE = "bolts.csv"
 _FIRST, _LAST = 5, 2  # rows of the sheet
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ScheduledBolt:
     """One bolt: `number` as the design lists it, from 1; None where a head or a length is not given; m, degrees, kN.
 

@@ -1,12 +1,12 @@
 """Entries that the sheets of one block and of many blocks share."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context
 from functools import partial
 from operator import attrgetter, itemgetter
 from typing import TYPE_CHECKING, Any
 
-from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Entry, Table, factor_text
 from slopekit.design.parts import Rule
 from slopekit.evidence import ReductionStep
@@ -68,7 +68,7 @@ def _rounded_or_dash(value: float | None) -> str:
     return "-" if value is None else short(value)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Factor:
     """A line of the block FoS: the factor, or a range of them, what it is, and what the check says of it."""
 

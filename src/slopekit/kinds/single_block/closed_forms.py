@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Generic, TypeAlias
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, NDArray
 from slopekit.core.errors import Fault, GeometryError
-from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.ground_water import SlopeDesign
 from slopekit.design.parts import Strength
@@ -20,7 +20,7 @@ from slopekit.kinds.single_block.secants import on_secants
 Arguments: TypeAlias = dict[str, float | None]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ClosedForms:
     """A closed form of n designs.
 
@@ -56,7 +56,7 @@ class ClosedForms:
         return [float(normal[0] / area[0]) for normal, area in zip(self.normal_kn, self.areas_m2, strict=True)]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class SizesOfMany:
     """Sizes of the blocks of n designs, nan where there is none.
 
@@ -72,7 +72,7 @@ class SizesOfMany:
     why: NDArray[np.int8]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class OnArrays(Generic[D]):
     """A closed form that takes many designs in one call.
 

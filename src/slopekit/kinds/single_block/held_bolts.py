@@ -6,13 +6,12 @@ where the line does not pass from a free face through a joint, or where the bolt
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats
-from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Bolt
 
@@ -21,7 +20,7 @@ _AT_ONCE = 20_000  # lines through blocks
 _CLEAR = 1e-9  # of the size of the block: a line that only touches it does not pass
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Bounds:
     """The planes that bound the convex blocks of n designs, in the coordinates of the user.
 

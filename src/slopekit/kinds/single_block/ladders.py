@@ -6,12 +6,11 @@ them a kind has, its file.
 
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
 from slopekit.core.onlooker import Clock, say
-from slopekit.core.records import dataclass
 from slopekit.kinds.protocol import ClosedForm, D
 from slopekit.kinds.single_block.one_block_limit import Cut, find_limit
 from slopekit.kinds.single_block.one_block_states import ContactModel
@@ -36,7 +35,7 @@ _SHORT_S, _REPEATS = 0.05, 5  # what is shorter is measured so often, and the me
 _ONCE_S = 5.0  # what is longer is measured once; the first run of the others may load a library
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Rung:
     """One way to the factor of safety.
 
@@ -58,7 +57,7 @@ class Rung:
     edge_m: float | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Ladder:
     """What `check` looks at.
 

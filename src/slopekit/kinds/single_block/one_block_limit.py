@@ -5,14 +5,13 @@ On flat joints it is the lower of that of the forces alone and that of the block
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, frozen
 from slopekit.core.onlooker import Clock
-from slopekit.core.records import dataclass
 from slopekit.design.parts import Strength
 from slopekit.evidence import ReductionStep
 from slopekit.extents import Geometry
@@ -32,7 +31,7 @@ if TYPE_CHECKING:
     from slopekit.preie.motion.all_pairs import AllPairsFailed
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Interface:
     """An interface by its id in the node pairs, its name, and its strength."""
 
@@ -41,7 +40,7 @@ class Interface:
     strength: Strength
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Cut:
     """A block, cut and loaded, in local axes: what its limit, its result and its support are made from.
 
@@ -81,7 +80,7 @@ class Cut:
         return tuple(interface.key for interface in self.interfaces)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class FoundLimit:
     """The limit of a scene on the node pairs that carry it, and what else PRE-IE was asked of it.
 

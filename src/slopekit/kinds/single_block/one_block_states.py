@@ -6,12 +6,12 @@ proportions.
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.block_scene import OPEN, SLIP, STICK, Arrows, NodePairState
 from slopekit.core.arrays import Bools, Floats, frozen
-from slopekit.core.records import dataclass
 from slopekit.evidence import Movement, ReductionStep
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.loads import Loads
@@ -25,7 +25,7 @@ CLOSED = 1e-9  # normal force below this part of the largest is none
 SLIPS = 1e-4  # slip beyond this part of the fastest motion is slip
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Bedding:
     """The flat contacts of a block, for pairs of another kind on them.
 
@@ -44,7 +44,7 @@ class Bedding:
         return ContactModel(pairs, self.model_of(pairs), self)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ContactModel:
     """Node pairs and the model made of them; `bedding` where the contacts are flat."""
 

@@ -1,11 +1,11 @@
 """The design of a mass on a curved slip surface: its keys, and how it is read; all faults at once."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, ClassVar, Literal
 
 from slopekit.core.orientation import coordinates
-from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.common import Design
 from slopekit.design.fields import Field, declare, fields_of, group, number, text
@@ -22,7 +22,7 @@ Points = tuple[tuple[float, ...], ...]
 _SIZES = {"ellipsoid": ("radii",), "sphere": ("radius",), "cylinder": ("radius", "length")}
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Slip:
     """A slip surface: an ellipsoid (a sphere among them), a horizontal cylinder along y, or a mesh.
 
@@ -110,7 +110,7 @@ class Slip:
         return f"cylinder of {self.radii_m[0]:.6g} m, {2 * self.radii_m[1]:.6g} m long, {at}"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class SurfaceDesign(Design):
     """A mass on a curved slip surface below a slope profile or within a closed mesh of the ground."""
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -9,7 +10,6 @@ import numpy as np
 
 from slopekit.core.arrays import Floats, frozen
 from slopekit.core.orientation import Line, line_of
-from slopekit.core.records import dataclass
 from slopekit.extents import WedgeGeometry
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.geometry.rock.cutting import Block, cut_wedge
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 JOINTS = ((J1, "J1"), (J2, "J2"))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Shape:
     """A wedge cut out of its planes, on two joints or on a basal joint too, with what is said of it by its planes.
 

@@ -3,14 +3,13 @@
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
 from slopekit.core.orientation import Plane, parse_plane
 from slopekit.core.orientation import number as shown
-from slopekit.core.records import dataclass
 from slopekit.core.units import is_unit_of, unit_of
 from slopekit.design import words
 from slopekit.design.fields import (
@@ -50,7 +49,7 @@ _BY_JOINT = {
 }  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Crack:
     """A tension crack: its plane, and its distance from the crest along the trace of plane 1 (m)."""
 
@@ -74,7 +73,7 @@ class Crack:
                                 "is lowest")  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Basal:
     """A third joint under the wedge: its plane, and its height (m) on the trace of J1 over the toe."""
 
@@ -91,7 +90,7 @@ class Basal:
     )  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class SizeLimits:
     """How large a wedge may be, m and m³; None, or no joints, without a limit. See `kinds.wedge.limits`."""
 
@@ -125,7 +124,7 @@ class SizeLimits:
     )  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class WedgeDesign(SlopeDesign):
     """One wedge, complete and checked. Made by `read_wedge` and `wedge_design`.
 

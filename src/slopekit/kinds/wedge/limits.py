@@ -8,6 +8,7 @@ along the crest, the bench width is horizontal and square to it, a trace length 
 persistence the longest edge of its face; of several limits the one that leaves the smallest wedge counts.
 """
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,6 @@ from slopekit.closed_form.sizes import WedgeSizes, wedge_sizes
 from slopekit.core.arrays import Floats, NDArray
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.orientation import number
-from slopekit.core.records import dataclass
 from slopekit.kinds.words import short
 
 #: What made a wedge smaller.
@@ -24,7 +24,7 @@ LIMITED_BY = ("", "trace length", "persistence", "slope length", "bench width", 
 _SAME = 1e-12  # of a length: as large as its limit
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Fitted:
     """Wedges as large as their limits leave them, (n,) each.
 

@@ -1,13 +1,14 @@
 """What stands on elastic joints: their forces, what drives their path, and where Newton's method ended."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats
-from slopekit.core.records import dataclass
 from slopekit.preie.tolerances import SETTLED
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class PressedShare:
     """The share of its cohesion that each friction force (g,) has, as what is pressed where it acts.
 
@@ -19,7 +20,7 @@ class PressedShare:
     by_strength: Floats
 
 
-@dataclass(slots=True)
+@dataclass
 class BedForces:
     """What the joints carry at a displacement.
 
@@ -57,7 +58,7 @@ class BedForces:
         return bool((self.slips == other.slips).all() and (self.touching == other.touching).all())
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Drive:
     """What the path changes: the strength (`ramp` None, the parameter is λ), or the load P + parameter x ramp.
 
@@ -88,7 +89,7 @@ class Drive:
         return bad / good if self.ramp is None else good / bad
 
 
-@dataclass(slots=True)
+@dataclass
 class NewtonStep:
     """Where Newton's method ended: displacement (N,), parameter, forces, whether they balance, steps taken."""
 

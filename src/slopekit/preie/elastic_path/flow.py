@@ -6,10 +6,11 @@ Newton's method stops as a rule with a few blocks out of balance: those are brou
 they are, and it goes on with all (nonlinear elimination: Cai & Keyes 2002, SIAM J. Sci. Comput. 24, 183).
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.records import dataclass
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.bed_states import BedForces, NewtonStep
 
@@ -24,7 +25,7 @@ _ENOUGH = 0.3  # of what may stay unbalanced: blocks that are less out of balanc
 _LESS = 0.5  # of what was out of balance, that has to go
 
 
-@dataclass(slots=True)
+@dataclass
 class Flow:
     """Blocks in viscous flow: displacement, the one before, the viscosity of the last step, and how it ended.
 

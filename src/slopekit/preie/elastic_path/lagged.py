@@ -17,14 +17,13 @@ that adds to the joints counts as rounding. Of 3,199 blocks two slivers are out 
 """
 
 import copy
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import SolverError
 from slopekit.core.onlooker import say
-from slopekit.core.records import dataclass
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.bed_states import BedForces
 from slopekit.preie.elastic_path.flow import Flow
@@ -51,7 +50,7 @@ _SLIVERS, _EVERY = 0.01, 5  # part of the blocks out of balance, and steps after
 _RUNS, _SURE = 10.0, 30  # what ẑ lags by grows to so many times its least, after so many steps: they do not rest
 
 
-@dataclass(slots=True)
+@dataclass
 class _Point:
     """A point of the method: u (N,), N (m,), T (m, 2), G (m,), cones (m, 3) and their multipliers (m, 3)."""
 
@@ -125,7 +124,7 @@ class _Law:
         return _Point(bed.elastic_displacement.copy(), normal, friction, barrier / normal, cone, slips)
 
 
-@dataclass(slots=True)
+@dataclass
 class _Residuals:
     """What is off at a point: (m,), (m, 2), (m, 3), (N,); what is left of the products, what ẑ lags by, the energy."""
 

@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
 from scipy.linalg import lapack
 
 from slopekit.core.arrays import Bools, Floats
-from slopekit.core.records import dataclass
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.bed_states import BedForces
 from slopekit.preie.tolerances import ADMISSIBLE, EQUILIBRIUM, MODES_SHIFT, NO_MOTION, OPENS_ROUGHLY, SAME_LIMIT, TINY
@@ -28,7 +28,7 @@ class PathOutcome(StrEnum):
     GAVE_UP = "the search gave up"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class PathLimit:
     """What the path found.
 

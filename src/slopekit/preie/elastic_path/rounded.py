@@ -16,13 +16,12 @@ linearised products.)
 import copy
 import math
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import Fault, SolverError
-from slopekit.core.records import dataclass
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.tolerances import ALIGNED, EACH_BALANCED, LIGHTEST, SHARP, TINY
 
@@ -46,7 +45,7 @@ def along_rows(a: Floats, b: Floats) -> Floats:
     return products
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _CurvePoint:
     """A point of the curve, or a change of one: v (N,), N, gaps (m,), T (g, t), |z| (g,), z (g, t), λ."""
 
@@ -67,7 +66,7 @@ class _CurvePoint:
         return _CurvePoint(*(part * getattr(self, of.name) for of in fields(self)))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _Residual:
     """Residuals: balance (N,), normal (m,) and shear (g, t) joints, products (m,), (g,), (g, t), and the work."""
 

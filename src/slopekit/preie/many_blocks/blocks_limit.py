@@ -1,10 +1,10 @@
 """What the limit of many blocks is: its factor, how sure it is, and what it was found with."""
 
+from dataclasses import dataclass
 from enum import StrEnum
 from typing import Protocol
 
 from slopekit.core.arrays import Floats
-from slopekit.core.records import dataclass
 from slopekit.preie.elastic_path.path_limit import PathLimit
 from slopekit.preie.one_block.outcome import Outcome
 
@@ -22,7 +22,7 @@ class Basis(StrEnum):
     NONE = "no factor"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class LimitSearch:
     """How the limit of an assembly was looked for.
 
@@ -44,7 +44,7 @@ class LimitSearch:
     rested: float | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class BlocksLimit(LimitSearch):
     """The limit of an assembly.
 

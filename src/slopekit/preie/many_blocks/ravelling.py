@@ -9,7 +9,7 @@ Mechanisms lighter than a given weight are chips: they are taken away first, and
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import takewhile
 from operator import attrgetter, itemgetter
@@ -19,7 +19,6 @@ import numpy as np
 from scipy import sparse
 
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
-from slopekit.core.records import dataclass
 from slopekit.geometry.patches import Assembly
 from slopekit.loads import AssemblyLoads, drained, without_anchors_of
 from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome
@@ -40,7 +39,7 @@ _LARGE = 24  # blocks in space: fewer are one path
 _MOST_SPLIT, _MOST_PAIRS = 3, 6000  # of contacts: splits, and node pairs
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Part:
     """A solved component.
 
@@ -75,7 +74,7 @@ class Part:
         return self.limit.factor
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Failure:
     """One mechanism: the parts that fail together (at the same factor), and the blocks (k,) that move.
 
@@ -94,7 +93,7 @@ class Failure:
         return self.parts[0].limit
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Ravelling:
     """The sequence of mechanisms and chips, the parts at the first mechanism, and the blocks (b,) left at the end.
 

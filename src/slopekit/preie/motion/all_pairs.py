@@ -7,12 +7,12 @@ turns about a pair that sticks: nothing detaches it, and the search ends where t
 """
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from slopekit.core.arrays import Bools
-from slopekit.core.records import dataclass
 from slopekit.preie.motion.equilibrium import Equilibrium, equilibrium
 from slopekit.preie.system.contact import JointStiffness
 from slopekit.preie.system.model import Model
@@ -23,7 +23,7 @@ if TYPE_CHECKING:  # one block needs no sparse matrices
     from slopekit.preie.system.assembly import AssemblyModel
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class AllPairsFailed:
     """The factor with its bracket and the way there.
 

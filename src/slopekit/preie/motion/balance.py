@@ -5,12 +5,12 @@ believed because they balance, not because the search for it says so.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.records import dataclass
 from slopekit.preie.one_block.limit import LimitAnalysis
 from slopekit.preie.system.model import Model
 from slopekit.preie.tolerances import LIGHTEST, TINY
@@ -20,7 +20,7 @@ if TYPE_CHECKING:  # one block needs no sparse matrices
     from slopekit.preie.system.assembly import AssemblyModel
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Balance:
     """The forces of the node pairs at the limit, held against the loads and against the contact law.
 

@@ -6,12 +6,11 @@ increments fail them. Where no step leads on, the blocks do not stand: that is a
 """
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
-from slopekit.core.records import dataclass
 from slopekit.preie.solvers.newton import balanced
 from slopekit.preie.system.contact import ContactMode, JointStiffness, Tractions, breaks, reduced_law
 from slopekit.preie.system.model import Model
@@ -23,7 +22,7 @@ BOLT_GIVE_M = 1e-3  # a passive bolt carries its full capacity once it is drawn 
 _RAMP = (0.03, 0.1, 0.3, 0.6, 1.0)  # parts of the load, where all of it at once is too much for Newton
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Equilibrium:
     """The state of a model at one strength reduction factor.
 

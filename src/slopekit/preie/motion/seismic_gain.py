@@ -12,12 +12,11 @@ Contacts may change a hair above the limit, and the gain with them: the load tha
 for on the path too, and what that says is taken where it is another.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
-from slopekit.core.records import dataclass
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.bed_states import BedForces, Drive
 from slopekit.preie.elastic_path.path_limit import BORDERED
@@ -34,7 +33,7 @@ _ANOTHER = 0.01  # of a gain: more is another one
 _NEAR = 0.1  # of the load: a block alone that moves at another one is not what moves first
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class SeismicGain:
     """The gain of a mechanism.
 

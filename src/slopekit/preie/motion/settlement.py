@@ -7,10 +7,11 @@ Newton's method on it finds no rest: the secant is kept above a part of K, and t
 passive bolt carries its full capacity once it is drawn out by a millimetre, as on one block.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, frozen
-from slopekit.core.records import dataclass
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.bed_states import Drive
 from slopekit.preie.elastic_path.flow import THICK, relaxed, stepped
@@ -23,7 +24,7 @@ _ROUNDS = 16  # of stiffnesses that follow the normal tractions, and of cohesion
 _LEAST = 0.05  # of K: the secant of a joint that the hyperbola lets creep away
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Settlement:
     """Blocks at rest.
 

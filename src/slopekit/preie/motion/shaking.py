@@ -10,12 +10,12 @@ stored, moves, is lost in friction, and what implicit Euler damps.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, frozen
-from slopekit.core.records import dataclass
 from slopekit.preie.motion.equilibrium import MOST_RELEASES, equilibrium
 from slopekit.preie.solvers.newton import balanced
 from slopekit.preie.system.contact import CloughDuncan, ContactMode, JointStiffness, Tractions, breaks, tractions
@@ -27,7 +27,7 @@ _AT_REST = 1e-4  # m/s of the fastest node pair after the record
 _MOST_AFTER = 20.0  # s after the end of the record
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Work:
     """Work from rest to rest, kJ; `unbalanced` is what the others leave of the input."""
 
@@ -44,7 +44,7 @@ class Work:
         return self.put_in - self.friction - self.stored - self.kinetic - self.damped
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Shake:
     """What comes of one shaking.
 
@@ -69,7 +69,7 @@ class Shake:
     work: Work
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ShakenBlock:
     """A block in m, kN and t.
 
@@ -140,7 +140,7 @@ def _shear_stiffness(stiffness: JointStiffness) -> float:
     return stiffness.tangential
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _Motion:
     """Where a block is: displacement (u,), velocity (u,), slip memory (n, 2), lost bonds (n,), which have slipped."""
 

@@ -15,13 +15,13 @@ Four stages, each for the rows that the one before did not settle:
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from enum import IntEnum
 from math import inf
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
-from slopekit.core.records import dataclass
 from slopekit.preie.one_block.bed_path import (
     COARSE,
     FAR,
@@ -63,7 +63,7 @@ class BedStatus(IntEnum):
     NO_REST = 4  # it rests at no strength
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class BedLimits:
     """The limits of n blocks on their beds.
 

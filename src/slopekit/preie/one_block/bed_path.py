@@ -10,13 +10,12 @@ stiffness, implicit steps, until they rest or run.
 
 import math
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from enum import IntEnum
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
-from slopekit.core.records import dataclass
 from slopekit.preie.one_block.polygon_bed import BedSprings
 from slopekit.preie.tolerances import LEVEL, PATH_ENDS, POLISHED, ROUNDING, SETTLED, TINY
 
@@ -55,7 +54,7 @@ Equations = Callable[[Ints, Floats], tuple[Floats, Floats, Floats]]
 Effort = tuple[int, int, float, float]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Roots:
     """What Newton's method found for n rows.
 
@@ -149,7 +148,7 @@ class PathEnd(IntEnum):
     CORNER = 3  # no step leads on
 
 
-@dataclass(slots=True)
+@dataclass
 class Paths:
     """The elastic paths of some blocks: where they are, and what was found along them.
 

@@ -10,12 +10,11 @@ presses on the whole of each joint both are the same number, and no path is foll
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.records import dataclass
 from slopekit.preie.one_block.bed_limits import BedLimits, BedStatus, bed_limits
 from slopekit.preie.one_block.bed_path import COARSE, BedPath, lengths
 from slopekit.preie.one_block.limit import dilating_limit, forces_only_limit, stands_without_strength
@@ -31,7 +30,7 @@ SHEAR_RATIOS = 0.1, 1.0
 RANGE_MATTERS = 0.01
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class FlatLimit:
     """The two limits of one block on flat joints.
 

@@ -12,12 +12,11 @@ sets that of the elastic bed beside it.
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
-from slopekit.core.records import dataclass
 from slopekit.preie.one_block.limit_state import (
     LimitState,
     dilating_limit_state,
@@ -37,7 +36,7 @@ _BEYOND = 1e-3  # of a bracket: so far on either side of where a straight line a
 _MOST_RELEASES = 2  # a pair that opens so often has lost its cohesion; with 1 some factors move by 20 %
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class LimitAnalysis:
     """The limit that governs, that of the forces alone, and that with turning; the same where one step settled all.
 
@@ -220,7 +219,7 @@ def _path_limit(model: Model) -> Limit:
     return Limit(Outcome.SLIDES, factor, unit(end.motion), normal, bond, steps, swing, friction, pulls)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _Resultant:
     """The load split at one reduction λ: velocity (3,) with the driving force as its length, pushes, bolt pulls."""
 

@@ -11,11 +11,11 @@ and λ: as many as the block has, and one.
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats
-from slopekit.core.records import dataclass
 from slopekit.preie.solvers.linear import split_space
 from slopekit.preie.system.model import Model
 from slopekit.preie.tolerances import (
@@ -34,7 +34,7 @@ _MOST_CHANGES = 12  # of contact modes, on the way from approximate ones
 _MOST_TURNS = 200  # of the motion, whose slip opens the joints that dilate
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class LimitState:
     """An equilibrium at the limit.
 

@@ -1,12 +1,12 @@
 """How the limit analysis of one block ends: the factor with its evidence, or why there is none."""
 
 import math
+from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.records import dataclass
 from slopekit.preie.system.model import Model
 
 
@@ -21,7 +21,7 @@ class Outcome(Enum):
     NOT_CONVERGED = "the search did not settle"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Limit:
     """A limit factor with its evidence.
 

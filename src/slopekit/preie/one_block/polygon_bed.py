@@ -13,13 +13,13 @@ slips one way). Where the pressed part grows its shear grows with it: the slopes
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, cross
-from slopekit.core.records import dataclass
 from slopekit.preie.system.contact import SHEAR_TO_NORMAL
 from slopekit.preie.system.model import Model, local_axes
 from slopekit.preie.system.patch_pairs import fan_rule
@@ -31,7 +31,7 @@ BOLT_GIVE = 1e-2  # passive bolts pull fully once drawn out by this part of the 
 _STEP = 1e-30  # imaginary part of what slopes are taken by: its square is none
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Beds:
     """The flat contacts of n single blocks, each block in scaled units of its own.
 
@@ -124,7 +124,7 @@ def contact_rows(arms: Floats, corner: Ints, axes: Floats, columns: Ints) -> tup
     return middle, np.ascontiguousarray(moved[..., columns].reshape(len(count), 9, -1)), plane
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Unbalanced:
     """Unbalanced forces (n, u) of blocks and their slopes by g (n, u, u), by s (n, u, u) and by λ (n, u)."""
 
@@ -134,7 +134,7 @@ class Unbalanced:
     by_reduction: Floats
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class PointForces:
     """What the points (q) of a bed carry, scaled: `shear` (q, 2) in the local tangents, `pulls` (b,) of the bolts.
 

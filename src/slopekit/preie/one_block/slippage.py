@@ -11,17 +11,16 @@ whose roots are the sines of the angles between surface and motion. Each normal 
 come as near as the one on which the load works most.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, frozen
-from slopekit.core.records import dataclass
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.preie.tolerances import ALIKE_MOTIONS, DRIVEN, FARTHEST_DEG, TANGENT_DEG, TINY, TURNED
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Slippage:
     """How a surface slides.
 

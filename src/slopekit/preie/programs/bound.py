@@ -9,13 +9,12 @@ Both sides are used: a mechanism proposes λ, and forces that balance the loads 
 """
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.records import dataclass
 from slopekit.preie.solvers.linear import bounded_least_squares
 from slopekit.preie.solvers.work_limit import SECOND, WorkSpentError, allowed
 from slopekit.preie.system.model import Model
@@ -29,7 +28,7 @@ _MOST_PAIRS = 7_500  # beyond, cone programs take minutes
 _WORK = 5.0 * SECOND  # for the bound of one block, which judges nothing
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class StaticBound:
     """The largest F at which *some* admissible forces balance the loads.
 

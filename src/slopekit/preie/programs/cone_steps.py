@@ -9,10 +9,11 @@ multipliers are velocities of the blocks. A passive bolt, 0 <= T <= λ r, is a f
 friction force of strength r/2 about it.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.records import dataclass
 from slopekit.preie.kernels import compiled
 from slopekit.preie.solvers.fronts import Solver
 from slopekit.preie.solvers.stiffness import SparseStiffness
@@ -36,7 +37,7 @@ def determinant(point: Floats) -> Floats:
     return size
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Iterate:
     """A point of the method, or a change of one.
 
@@ -148,7 +149,7 @@ class Shortfall:
         return _GIVE * self.give, _GIVE * self.group_give, self.friction, self.weight
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Residuals:
     """What is off at an iterate, one part for each equation; `gap` is what the multipliers still earn."""
 

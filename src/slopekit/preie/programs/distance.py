@@ -11,12 +11,12 @@ loads: the static bound.
 """
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.records import dataclass
 from slopekit.preie.programs.bound import StaticBound, is_proved
 from slopekit.preie.solvers.work_limit import PROGRAM, factorisation, spend
 from slopekit.preie.tolerances import (
@@ -45,7 +45,7 @@ _PAIRS_AN_UNKNOWN = 4.0  # node pairs that a program works on as on one unknown:
 _LONGEST_STRIDE = 10.0  # of λ: where one is known roughly, less to begin with
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class DistanceAt:
     """The distance s in parts of the load, infinite where the program gave up, and ds/dλ; N (m,) and a motion (N,).
 

@@ -12,7 +12,7 @@ and a node pair that never touches: it pulls with 0 <= T <= λ times its capacit
 """
 
 import math
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,7 +20,6 @@ from scipy import sparse
 
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.errors import Fault, SolverError
-from slopekit.core.records import dataclass
 from slopekit.geometry.patches import BEDROCK, Patches
 from slopekit.loads import NO_BOLTS, PassiveBolts
 from slopekit.preie.system.contact_cells import ContactCells
@@ -32,7 +31,7 @@ if TYPE_CHECKING:
     from slopekit.preie.system.strength_lines import StrengthLines
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class BlockContacts:
     """The contacts of n moving blocks: how their motions open and slip them.
 
@@ -63,7 +62,7 @@ class BlockContacts:
     statics: Any
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class AssemblyModel(BlockContacts):
     """A scaled model of n moving blocks with u unknowns each: 6 in space, 3 in a vertical section.
 

@@ -1,20 +1,19 @@
 """An assembly in parts: components that touch each other, and the model of some of its blocks with all others held."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from slopekit.core.arrays import Bools, Floats, Ints
-from slopekit.core.records import dataclass
 from slopekit.geometry.patches import BEDROCK, Assembly, Patches
 from slopekit.loads import AssemblyLoads
 from slopekit.preie.system.assembly import AssemblyModel, build_assembly
 from slopekit.preie.system.model import JointStrength
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class WholeAssembly:
     """What every part of an assembly shares."""
 

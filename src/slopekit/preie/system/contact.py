@@ -5,12 +5,12 @@ Tractions are compression positive, openings positive; all arrays run over the n
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from enum import IntEnum
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
-from slopekit.core.records import dataclass
 from slopekit.strength.mohr_coulomb import line
 
 #: k_t / k_n of the elastic path and bed, as the definition has it (METHOD-3 §13): from 0.1 to 1 the limit is the same
@@ -30,7 +30,7 @@ _STICK, _SLIP, _DEBOND = (np.int64(mode) for mode in ContactMode)
 _EYE2 = np.eye(2)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class CloughDuncan:
     """Clough and Duncan's hyperbola (eq. 31) with the paper's parameters.
 
@@ -55,7 +55,7 @@ class CloughDuncan:
         return initial, bent, pressed, normal > self.floor_kpa
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class JointStiffness:
     """k_zz of closed pairs and of debonded ones, and the tangential law (a constant k, or Clough-Duncan); kN/m³."""
 
@@ -64,7 +64,7 @@ class JointStiffness:
     tangential: float | CloughDuncan = CloughDuncan()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Tractions:
     """Tractions (n, 3) on the plus side in kPa, and the modes (n,)."""
 

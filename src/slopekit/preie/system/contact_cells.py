@@ -10,13 +10,14 @@ Each node pair has its cohesion on the pressed parts of the triangles whose area
 nothing holds it, however far the rest is pressed.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from slopekit.core.arrays import Floats, Ints
-from slopekit.core.records import dataclass
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ContactCells:
     """Contacts cut into cells.
 

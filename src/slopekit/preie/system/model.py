@@ -13,14 +13,13 @@ control areas by their sum: a wedge of 1 mm and one of 100 km are the same model
 """
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, Ints, cross, frozen
 from slopekit.core.errors import Fault, SolverError
-from slopekit.core.records import dataclass
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.loads import Loads
 from slopekit.preie.tolerances import PARALLEL
@@ -32,7 +31,7 @@ if TYPE_CHECKING:
 _SECTION = [0, 2, 4]  # of the six unknowns of a block those that stay in its x-z section
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class JointStrength:
     """Strength of each interface as a line: (k,) arrays; kPa and tangents.
 
@@ -47,7 +46,7 @@ class JointStrength:
     laws: "tuple[StrengthLaw | None, ...]" = ()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Model:
     """A PRE-IE model in scaled units.
 

@@ -13,13 +13,12 @@ Friction forces that several pairs share (a flat contact in a section) have the 
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, Ints, frozen
-from slopekit.core.records import dataclass
 from slopekit.preie.elastic_path.path_limit import PathLimit
 from slopekit.preie.many_blocks.blocks import bound_of, load_limit
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit, Proposal
@@ -45,7 +44,7 @@ AnyModel = TypeVar("AnyModel", Model, AssemblyModel)
 Found = TypeVar("Found")
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class StrengthLines:
     """Where the lines of a model were drawn.
 

@@ -17,6 +17,7 @@ none. Largest: the toe is that of the bench, and a joint too short makes the blo
 """
 
 import math
+from dataclasses import dataclass
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -29,7 +30,6 @@ from slopekit.closed_form.tolerances import REACHES
 from slopekit.closed_form.wedge import OUTCOMES as WEDGE_OUTCOMES
 from slopekit.closed_form.wedge import WedgeArrays, hoek_bray_wedges
 from slopekit.core.arrays import Bools, Floats, Ints
-from slopekit.core.records import dataclass
 from slopekit.studies.bench_design.given import BenchInputs
 from slopekit.studies.bench_design.trials import Trials
 from slopekit.studies.kinematic.criteria import beside_deg
@@ -39,7 +39,7 @@ WEDGE, PLANE, TOPPLING = range(3)
 _ANGLE: Final = 1e-9  # degrees, as in studies.kinematic.criteria
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Bench:
     """What becomes of the trials in one bench; (3, n) by mode, in the order of `MODES`.
 

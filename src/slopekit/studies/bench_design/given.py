@@ -1,7 +1,7 @@
 """What a study of benches is given: the survey with its strengths and sizes, the benches to look at, what counts."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -12,7 +12,6 @@ from slopekit.core.arrays import Floats
 from slopekit.core.codec import digest, json_of
 from slopekit.core.errors import DesignError, Fault, Faults
 from slopekit.core.orientation import Plane, normals, number
-from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.joint_lists import JointList, joint_list
 from slopekit.design.parts import Seismic
@@ -55,7 +54,7 @@ UNITS = {name: {"length": " m", "angle": "°", "ratio": ""}[kind] for name, (kin
 _WHOLE = ("n", "confirm", "seed")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class BenchInputs:
     """Everything that a study of benches depends on.
 

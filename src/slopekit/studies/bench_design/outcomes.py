@@ -2,14 +2,13 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from slopekit.closed_form.berms import effective_face_angle, inter_ramp_angle
 from slopekit.core.arrays import Floats
-from slopekit.core.records import dataclass
 from slopekit.studies.bench_design.bench import MODES, Bench
 from slopekit.studies.bench_design.given import BenchInputs
 from slopekit.studies.bench_design.trials import Trials, bootstrapped, share_of
@@ -43,7 +42,7 @@ def quantiles(values: Floats, shares: Sequence[float], weights: Floats | None = 
     return least_values
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class OfBerm:
     """A berm of a bench.
 
@@ -66,7 +65,7 @@ class OfBerm:
     accepted: bool | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class OfBench:
     """A height and a face.
 

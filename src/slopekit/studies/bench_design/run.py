@@ -11,7 +11,7 @@ trials -> what forms and fails in each bench -> shares, backbreak, volume, berms
 
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -19,7 +19,6 @@ import numpy as np
 from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import number
-from slopekit.core.records import dataclass
 from slopekit.design.joint_lists import JointList
 from slopekit.studies.bench_design.bench import bench_of
 from slopekit.studies.bench_design.confirmed import Doubted, confirmed
@@ -106,7 +105,7 @@ def _cohesion(benches: Sequence[OfBench]) -> Iterator[Notice]:
     )
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, repr=False)
 class BenchDesigns(StudyOutcome):
     """Benches against a survey.
 

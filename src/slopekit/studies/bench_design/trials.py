@@ -5,10 +5,11 @@ daylights. The survey's own luck is bootstrapped (Efron 1979, Ann. Stat. 7, 1-26
 the joints, which weighs the trials anew and needs no new ones.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
-from slopekit.core.records import dataclass
 from slopekit.design.joint_lists import JointList
 from slopekit.studies.prob.estimates import Share
 
@@ -18,7 +19,7 @@ _OWN_STREAM = 0xBE7C
 _AT_ONCE = 4_000_000  # weights held at a time
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Trials:
     """Places along a bench.
 

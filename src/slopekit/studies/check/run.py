@@ -9,13 +9,12 @@
 
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from operator import attrgetter
 from typing import Any, ClassVar
 
 from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import Notice
-from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column
 from slopekit.kinds import kind_of, with_all_said
 from slopekit.kinds.single_block.ladders import Ladder, Rung
@@ -31,7 +30,7 @@ _BALANCED = 1e-5  # of a block's load: what settles balances to 1e-6 or better
 _INDEPENDENT = ("closed form", "node pairs", "upper bound")  # findings that hold the number against something else
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Finding:
     """One thing that was looked at.
 
@@ -50,7 +49,7 @@ class Finding:
     code: str | None = None
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, repr=False)
 class Check(StudyOutcome):
     """A checked design.
 

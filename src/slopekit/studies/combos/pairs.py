@@ -9,6 +9,7 @@ A wedge that a limit makes smaller keeps its shape and its crest: its toe moves 
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields
 from functools import partial
 from typing import Any
 
@@ -20,7 +21,6 @@ from slopekit.core.arrays import Bools, Floats, Ints, NDArray
 from slopekit.core.codec import digest, json_of
 from slopekit.core.errors import DesignError, Fault, Faults, GeometryError
 from slopekit.core.orientation import Plane, number
-from slopekit.core.records import dataclass, names_of
 from slopekit.core.units import quantity
 from slopekit.design import words
 from slopekit.design.joint_lists import JointList, joint_list, plane_of
@@ -87,7 +87,7 @@ def _crest_point(face: Plane, height_m: float) -> Floats:
     return height_m * np.array([-math.sin(direction) * back, -math.cos(direction) * back, 1.0])
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class PairInputs:
     """Everything that the pairs of a list depend on.
 
@@ -225,7 +225,7 @@ def _top(value: object, option: str) -> int | None:
     return int(top)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class JointPairs(Fitted):
     """Every pair of the list as a wedge within the limits of size, (m,) each; where it cuts none they mean nothing.
 
@@ -289,7 +289,7 @@ def _joined(parts: Sequence[Any]) -> Any:
     kind = type(parts[0])
     if kind is np.ndarray:
         return np.concatenate(parts)
-    return kind(**{name: _joined([getattr(part, name) for part in parts]) for name in names_of(kind)})
+    return kind(**{own.name: _joined([getattr(part, own.name) for part in parts]) for own in fields(kind)})
 
 
 def _part(

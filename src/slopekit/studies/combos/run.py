@@ -10,7 +10,7 @@
 
 import time
 from collections.abc import Mapping
-from dataclasses import field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -19,7 +19,6 @@ from slopekit.core.arrays import Bools
 from slopekit.core.codec import json_of
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import Plane
-from slopekit.core.records import dataclass, names_of
 from slopekit.design.joint_lists import JointList
 from slopekit.kinds.protocol import Factors
 from slopekit.kinds.wedge.limits import LIMITED_BY
@@ -32,7 +31,7 @@ from slopekit.studies.surveys import AFace, AJointList, Columns, Convention, Ski
 _NOTHING_HOLDS = ("lifted", "falls", "topples")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class PairCheck(Factors):
     """A pair that PRE-IE has looked at: what both methods say of it.
 
@@ -81,7 +80,7 @@ class PairCheck(Factors):
         }  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, repr=False)
 class Combos(StudyOutcome):
     """A survey's pairs against a slope.
 
@@ -308,4 +307,4 @@ def _said_of(point: Point) -> dict[str, Any]:
     """What both methods say of a pair; one that broke is not settled."""
     factors = point.factors or Factors(UNSETTLED, None, "", None, None, None, False, False)
     settled = factors.settled and factors.status != UNSETTLED
-    return {name: getattr(factors, name) for name in names_of(Factors)} | {"settled": settled}
+    return {each.name: getattr(factors, each.name) for each in fields(Factors)} | {"settled": settled}

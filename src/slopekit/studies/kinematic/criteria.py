@@ -30,13 +30,13 @@ Limits are met where they are reached (to 1e-9°): a joint at the friction angle
 everywhere in slopekit: a joint parallel to the face does not daylight.
 """
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, NDArray
 from slopekit.core.orientation import Plane, normals
-from slopekit.core.records import dataclass
 from slopekit.design.joint_lists import JointList
 from slopekit.geometry.tolerances import SAME_DIRECTION
 
@@ -57,7 +57,7 @@ _TOUCHES = 1e-12  # cosine, as in geometry.rock.rockmass
 Words = NDArray[np.int8]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Lines:
     """The lines of intersection of all pairs of joints.
 
@@ -77,7 +77,7 @@ class Lines:
     turn: Floats
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Modes:
     """What could move in a slope of one face.
 
@@ -273,7 +273,7 @@ def beside_deg(directions_deg: Floats, toward_deg: float) -> Floats:
     return angles_deg
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Planes:
     """Orientations (n,) in degrees, as the criteria take them."""
 

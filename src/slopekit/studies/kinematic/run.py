@@ -10,7 +10,7 @@ The criteria and their sources stand in `criteria`.
 
 import time
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Annotated, Any, ClassVar
 
@@ -20,7 +20,6 @@ from slopekit.core.arrays import Floats
 from slopekit.core.codec import digest
 from slopekit.core.errors import Faults, Notice
 from slopekit.core.orientation import Plane, number
-from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.fields import fields_of
 from slopekit.design.joint_lists import JointList, joint_list, own_or_given, plane_of
@@ -51,7 +50,7 @@ PHI_DEG, LATERAL_DEG, LATERAL_TOPPLING_DEG = 30.0, 20.0, 30.0
 SEED = 1  # of the pairs that are drawn where there are too many
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, repr=False)
 class Kinematic(StudyOutcome):
     """A survey tested against a slope.
 

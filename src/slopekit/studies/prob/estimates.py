@@ -2,12 +2,11 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats
-from slopekit.core.records import dataclass
 
 _LEAST_IN_REPLICATES = 5  # cases of the rarer kind that each replicate needs for their scatter to mean something
 _MOST_BINS = 60
@@ -15,7 +14,7 @@ _DIRECTIONS = ("dip_direction", "trend")  # the last word of their paths
 _QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Share:
     """A share of samples and its confidence limits.
 
@@ -89,7 +88,7 @@ def _by_student(shares: Floats, share: float, size: int, confidence: float) -> t
     return max(0.0, share - reach), min(1.0, share + reach)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Summary:
     """What is said of the factors of safety of the samples that have one.
 

@@ -4,7 +4,7 @@ Those that PRE-IE looks at besides are a random part, and all near the target.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import ClassVar, TypeAlias
 
 import numpy as np
@@ -12,7 +12,6 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import number
-from slopekit.core.records import dataclass
 from slopekit.evidence import WithoutBasal
 from slopekit.kinds.single_block.closed_forms import ClosedForms
 from slopekit.studies.points import Point, falls_short
@@ -27,7 +26,7 @@ _RANKED = 50_000  # samples that sensitivities are taken from: ranks of more tak
 _OWN_STREAM = 0x5E1EC7  # apart from the stream that draws the samples
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Judged:
     """What the method that counts says of the samples.
 
@@ -170,7 +169,7 @@ def sensitivities(samples: Samples, factor: Floats) -> tuple[tuple[str, float], 
 # -- PRE-IE beside a closed form ---------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Confirmation:
     """What PRE-IE says of some samples, beside the closed form.
 

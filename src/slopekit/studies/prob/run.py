@@ -5,7 +5,7 @@ samples -> outcome and factor of each -> PRE-IE where it matters -> shares with 
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -16,7 +16,6 @@ from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import DesignError, Fault, Faults, Notice, SlopekitError
 from slopekit.core.onlooker import Clock
 from slopekit.core.orientation import number
-from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, counted
 from slopekit.design.common import Design
 from slopekit.design.fields import field_in
@@ -73,7 +72,7 @@ MANY, FEW = 20_000, 1_000
 _MOST, _MOST_BY_PRE_IE = 5_000_000, 1_000_000
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ProbabilityOptions:
     """What a study of probability was asked for.
 
@@ -98,7 +97,7 @@ class ProbabilityOptions:
     accept: float | None
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, repr=False)
 class Probability(StudyOutcome):
     """What came of it.
 

@@ -4,6 +4,7 @@ They are drawn in blocks, each with random numbers of its own.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
 from typing import Literal, TypeAlias
@@ -12,7 +13,6 @@ import numpy as np
 
 from slopekit.core.arrays import Floats, NDArray
 from slopekit.core.orientation import Line, Plane
-from slopekit.core.records import dataclass
 from slopekit.design.common import Pair
 from slopekit.design.reading.nodes import as_text
 from slopekit.design.scatter.distributions import Angles, Distribution, Fisher, Variable
@@ -28,7 +28,7 @@ REPLICATES, FEWEST_IN_REPLICATE, MOST_REPLICATES = 16, 8, 32767
 _PIECE = 4096  # samples whose angles stay in the innermost cache
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Samples:
     """Values drawn for what scatters.
 

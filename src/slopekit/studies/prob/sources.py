@@ -8,6 +8,7 @@ Orientations scatter by Fisher's distribution about a mean; angles are folded ba
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 from typing import TypeAlias
 
@@ -16,7 +17,6 @@ from scipy.special import ndtri
 
 from slopekit.core.arrays import Floats
 from slopekit.core.orientation import Line, Plane
-from slopekit.core.records import dataclass
 from slopekit.design.common import Pair
 from slopekit.design.scatter.copula import factor, normal_correlation
 from slopekit.studies.marginals import Marginal
@@ -28,7 +28,7 @@ _NOT_ZERO = 2.0**-54  # half a step of uniform numbers, so that no tail is 0
 _SURELY_CONCENTRATED = 100.0  # k from which exp(-2k) is beyond all digits of any sample
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Copula:
     """Which coordinates hang together, and how.
 

@@ -6,7 +6,7 @@ of it (the direction of a force), there is no such evaluator, and the samples ar
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,6 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Plane
-from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.fields import field_at, fields_of, parts_of
 from slopekit.design.parts import Strength
@@ -32,7 +31,7 @@ _EXACT = 1e-12
 _PROBES = 8
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Vectorised:
     """A closed form over samples (n, k), whose columns are numbers of a design by their keys.
 

@@ -11,7 +11,7 @@ import math
 import os
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,6 @@ import numpy as np
 from slopekit.core.arrays import Floats, frozen
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import number
-from slopekit.core.records import dataclass
 from slopekit.core.sheet import counted
 from slopekit.design.reading.on_disk import read_bytes
 
@@ -58,7 +57,7 @@ _PULSE = re.compile(
 )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Record:
     """Ground acceleration, linear between its samples.
 

@@ -12,7 +12,7 @@
 import math
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -20,7 +20,6 @@ import numpy as np
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import number, opposite
-from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.common import Design
 from slopekit.design.reading.files import with_values
@@ -52,7 +51,7 @@ _SPREAD = 7  # records that a 16th and an 84th percentile ask for: of fewer they
 _MOVES_ON = 0.01  # of a displacement, beyond the end of the record
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Shaken:
     """What one record does.
 
@@ -81,7 +80,7 @@ class Shaken:
         return max(self.as_recorded_m, self.reversed_m)
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, repr=False)
 class Quake(StudyOutcome):
     """What earthquakes do to a design.
 

@@ -8,6 +8,7 @@ its lowest, and stops where V is back there. Nothing is stepped.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,6 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import number
-from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Strength
 from slopekit.design.reading.files import with_values
@@ -28,7 +28,7 @@ from slopekit.studies.quake.records import Record
 from slopekit.studies.quake.yielding import KEY
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class RecordSlide:
     """What comes of one record.
 
@@ -96,7 +96,7 @@ _COLUMNS = ("east_m", "north_m", "up_m", "about_east_deg", "about_north_deg", "a
 WAYS = {"as recorded": 1.0, "reversed": -1.0}
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Shaking:
     """What one record does to the block in six degrees of freedom, in one polarity.
 
@@ -124,7 +124,7 @@ class Shaking:
     work_kj: Work
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class InSix:
     """What the records do to the block in six degrees of freedom.
 

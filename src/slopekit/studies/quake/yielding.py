@@ -8,7 +8,7 @@ has the inertia of its own motion, and κ is that of the block that goes farthes
 
 import math
 from collections.abc import Callable
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -16,7 +16,6 @@ from slopekit.core.arrays import Floats
 from slopekit.core.codec import NO_JSON
 from slopekit.core.errors import DesignError, Fault, NoConvergenceError, Notice, SlopekitError
 from slopekit.core.orientation import number, opposite
-from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Force
 from slopekit.design.reading.files import with_values
@@ -42,7 +41,7 @@ _DILATES = "its joints dilate: it rises as it slides"
 _JUST_ABOVE = 1.0 + 1e-7  # of k_y: the block moves as it will, and no elastic state at rest is asked for
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Yield:
     """The yield coefficient by one method.
 

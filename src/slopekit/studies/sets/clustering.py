@@ -16,11 +16,11 @@ it finds the number that was drawn; (m): remembered, not looked up.
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, Ints
-from slopekit.core.records import dataclass
 
 MOST_SETS = 8
 LEAST_JOINTS = 4  # of a set that is found
@@ -35,7 +35,7 @@ _FITTED = 1e-4  # of ln K, and of the part of joints of no set
 _PART_AT_FIRST = 0.1  # of joints of no set, before they are counted
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Clusters:
     """Poles divided among sets.
 
@@ -165,7 +165,7 @@ def _started(poles: Floats, weights: Floats, sets: int, rng: np.random.Generator
 # -- joints of no set -------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _Mixture:
     """Sets of Fisher's distribution among joints without any order: means (m, 3), K (m,), parts (m,), that of none."""
 

@@ -9,7 +9,7 @@
 import math
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Annotated, Any, ClassVar
 
@@ -19,7 +19,6 @@ from slopekit.core.arrays import Floats, Ints
 from slopekit.core.codec import digest, json_of
 from slopekit.core.errors import Fault, Faults, Notice
 from slopekit.core.orientation import Line, Plane
-from slopekit.core.records import dataclass
 from slopekit.core.sheet import counted
 from slopekit.design.joint_lists import JointList, joint_list
 from slopekit.design.words import between, line_of_words
@@ -44,7 +43,7 @@ _SEED = 1
 SHARES = (0.68, 0.95)  # of joints within the cones of variability
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class FoundSet:
     """A joint set.
 
@@ -92,7 +91,7 @@ class FoundSet:
         return record
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, repr=False)
 class JointSets(StudyOutcome):
     """A survey divided into sets.
 

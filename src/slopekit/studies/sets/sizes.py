@@ -2,19 +2,19 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.orientation import number
-from slopekit.core.records import dataclass
 from slopekit.design.survey import MeasuredJoint
 
 _FEW = 2
 _ALONG = 0.26  # cosine between line and normal below which a line meets a set hardly: 15° and less from the set
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Lengths:
     """The statistics of some lengths.
 

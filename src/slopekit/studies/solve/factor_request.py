@@ -3,13 +3,12 @@
 import math
 import re
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import groupby
 from typing import TypeAlias
 
 from slopekit.core.errors import Notice
-from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.kinds import kind_of
 from slopekit.studies.keys import Key, values_of
@@ -41,7 +40,7 @@ def level_of(factor: float, target: float) -> float:
     return 1.0 if math.isinf(factor) else (factor - target) / (factor + target)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class FactorRequest:
     """A number of a design between two values, the factor that is wanted, and what was found at values so far."""
 

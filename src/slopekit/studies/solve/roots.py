@@ -7,11 +7,9 @@ here knows of slopes.
 import math
 from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Generic, Literal, TypeVar
-
-from slopekit.core.records import dataclass
 
 T = TypeVar("T")
 _MOST_STEPS = 200
@@ -26,7 +24,7 @@ _NOT_NEAR = 1e-4  # a level beyond this is not that of a root nearby
 _MOST_SPLITS = 8  # of an interval in which places turn out to be undefined
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Sample(Generic[T]):
     """The function at one place: its level (None where it is undefined), a label of its branch, what else is known."""
 
@@ -36,7 +34,7 @@ class Sample(Generic[T]):
     found: T
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Crossing(Generic[T]):
     """A place where the level changes its sign.
 

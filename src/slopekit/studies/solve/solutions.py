@@ -4,13 +4,12 @@ is no value that gives the target.
 
 import math
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal
 
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.orientation import number
-from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column
 from slopekit.design.common import Design
 from slopekit.kinds import factors_of, notices_of_inputs
@@ -32,7 +31,7 @@ _LESS_WORK = "Fewer or larger blocks, or a narrower range: {}=lo:hi."
 End = tuple[float, float] | None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class SolvedValue:
     """A value at which the factor passes the target.
 
@@ -58,7 +57,7 @@ class SolvedValue:
     notes: tuple[Notice, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Answers:
     """What one method says.
 
@@ -85,7 +84,7 @@ class Answers:
     reason: Fault | None
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, repr=False)
 class Solution(StudyOutcome):
     """The value that was asked for.
 

@@ -5,14 +5,13 @@ A case is a design and what sources say of it. No reference value comes from slo
 
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from functools import cache
 from importlib.resources import files
 from typing import Any
 
 from slopekit.core.errors import DesignError, Fault
-from slopekit.core.records import dataclass
 
 #: What a row can hold against its reference, and its unit; {of} is what it is meant for.
 QUANTITIES: Mapping[str, str] = {
@@ -42,7 +41,7 @@ FACTORS = (
 OWN_SOURCES = ("cases", "prototype", "lem", "exact", "conic")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Reference:
     """One number of a source: what is compared, with what, how closely, and why so closely.
 
@@ -83,7 +82,7 @@ class Reference:
         return self.quantity in FACTORS
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ReferenceCase:
     """A design and what its sources say of it; `status` is that of the result where a source gives one."""
 

@@ -9,14 +9,13 @@ import math
 import platform
 import time
 from collections.abc import Iterable, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, ClassVar, TypeAlias
 
 from slopekit._version import __version__
 from slopekit.core.codec import record_of
 from slopekit.core.errors import SlopekitError
-from slopekit.core.records import dataclass
 from slopekit.design.reading.files import load
 from slopekit.kinds import analyse, kind_of
 from slopekit.result import METHODS, Result
@@ -28,7 +27,7 @@ BOUND_SLACK = 1e-6
 _VERSIONS_OF = ("numpy", "scipy", "clarabel", "manifold3d")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Row:
     """One line of the suite's table.
 
@@ -72,7 +71,7 @@ class Row:
         return record | {name: record[name] or None for name in ("formula", "why", "reason")}
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, repr=False)
 class Verification(StudyOutcome):
     """The whole suite: rows in the order of their sources, the sources by key, the versions that made it."""
 

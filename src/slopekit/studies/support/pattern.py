@@ -4,6 +4,7 @@ A head is left out only where its bolt misses the block, or comes out of the gro
 """
 
 import math
+from dataclasses import dataclass
 from functools import partial
 from typing import TypeAlias
 
@@ -11,7 +12,6 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, frozen
 from slopekit.core.errors import Notice
-from slopekit.core.records import dataclass
 from slopekit.studies.support.search import Site
 
 MOST_BOLTS = 5000
@@ -25,7 +25,7 @@ _NO_PLACE = Notice(
 )  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Layout:
     """Bolts on a face.
 

@@ -4,7 +4,7 @@ import math
 import re
 import textwrap
 from collections.abc import Callable, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from decimal import ROUND_CEILING, Context
 from operator import attrgetter
 from typing import Any, ClassVar, Literal
@@ -15,7 +15,6 @@ from slopekit.core.arrays import Floats
 from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import Line, number
-from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column
 from slopekit.core.units import quantity
 from slopekit.design.common import Design
@@ -32,7 +31,7 @@ _UP = Context(prec=5, rounding=ROUND_CEILING)
 Acts = Literal["active", "passive"]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class SupportOptions:
     """Options of a support study: kN, m, degrees.
 
@@ -112,7 +111,7 @@ def _plunges(value: object, option: str) -> tuple[float, float]:
     return low, high
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class BoltCase:
     """Bolts that act one way.
 
@@ -193,7 +192,7 @@ class BoltCase:
         return "".join(f"# {line}\n" for line in said) + snippet((*self.existing, *self.bolts))
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, repr=False)
 class Support(StudyOutcome):
     """What a design needs.
 

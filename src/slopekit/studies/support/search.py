@@ -5,7 +5,7 @@ The site is the design as support sees it: its block, its face, and its closed f
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,6 @@ from slopekit.core.arrays import Floats
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.orientation import Line, line_of
-from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Bolt, Force
 from slopekit.kinds import kind_of
@@ -38,7 +37,7 @@ _INTO_FACE_DEG = 5.0  # bolts point into the face by at least that
 _FORCE = ("force_east", "force_north", "force_up")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Answer:
     """What one method says: factor of safety (None: none), and the status."""
 
@@ -73,7 +72,7 @@ class Answer:
         return level is not None and level >= target
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Need:
     """What one method needs.
 
@@ -101,7 +100,7 @@ class Need:
         }  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Site:
     """A wedge or a plane failure that support is looked for.
 

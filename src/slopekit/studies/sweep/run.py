@@ -11,7 +11,7 @@ import math
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import pairwise, product
 from typing import Annotated, Any, ClassVar
@@ -19,7 +19,6 @@ from typing import Annotated, Any, ClassVar
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import number
-from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, is_number
 from slopekit.design.common import Design
 from slopekit.design.parts import ON_FACTOR
@@ -60,7 +59,7 @@ from slopekit.studies.running import Crew, checked_crew
 _LEVELS = (*ON_FACTOR, "fos.closed_form")  # names of the rules whose levels are looked for
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, repr=False)
 class Sweep(StudyOutcome):
     """A design at many values.
 

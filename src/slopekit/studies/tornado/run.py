@@ -10,14 +10,13 @@
 import math
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
 from slopekit.core.codec import json_of
 from slopekit.core.errors import Faults, Notice
-from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.scatter.distributions import Distribution
 from slopekit.kinds import notices_of_inputs, peak_only
@@ -48,7 +47,7 @@ _NO_CHANGE = 1e-9
 _OF_ENDS = "W310"  # the closed form is not compared: of ends that only the study made so it says nothing
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class TornadoBar:
     """One number and what its two ends do.
 
@@ -69,7 +68,7 @@ class TornadoBar:
     swings: Mapping[Method, float | None]
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, repr=False)
 class Tornado(StudyOutcome):
     """The numbers of a design by what they do.
 

@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, cross
 from slopekit.core.orientation import millimetre, parse_plane
-from slopekit.core.records import dataclass
 from slopekit.kinds.sheets.bolts import (
     FILE,
     ScheduledBolt,
@@ -38,7 +38,7 @@ _FAINT = 0.55  # what the upper slope keeps of its colour
 _MARKS = (("active", ACTIVE_BOLT, "o"), ("passive", PASSIVE_BOLT, "s"))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _FlatPiece:
     """A flat piece of the surface: triangles (t, 3, 3) m, its outline as lines (e, 2, 3), its colour; 1: in full."""
 

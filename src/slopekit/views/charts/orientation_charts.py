@@ -4,6 +4,7 @@ Needs the extra `plot`.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
@@ -11,7 +12,6 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.orientation import Line, Plane, downward, line_of, number, parse_plane
-from slopekit.core.records import dataclass
 from slopekit.studies.kinematic.criteria import zones_of_lines, zones_of_poles
 from slopekit.studies.kinematic.run import LATERAL_DEG
 from slopekit.views.charts.drawing import BLUE, DARK, GREY, RED, nothing, short, title_of

@@ -3,6 +3,7 @@
 import json
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -11,7 +12,6 @@ from typing import Any, NoReturn
 from slopekit._version import __version__
 from slopekit.core.codec import MISREAD, is_of_document
 from slopekit.core.errors import DesignError, Fault, Notice, writing
-from slopekit.core.records import dataclass
 from slopekit.core.whole_files import whole_file
 from slopekit.exchange.documents import by_case, checked_document
 from slopekit.kinds import words_named
@@ -50,7 +50,7 @@ _TITLES = {
 }  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Report:
     """A page: its HTML, the words of its pictures, what it lacks and why, and what has to be said."""
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,6 @@ import numpy as np
 from slopekit.block_scene import Shapes
 from slopekit.bolts import revolved
 from slopekit.core.arrays import Bools, Floats, Ints, cross
-from slopekit.core.records import dataclass
 
 Colour = tuple[int, int, int]
 _MANY = 3000  # balls: beyond that they are rough
@@ -43,7 +43,7 @@ _SCALE = np.array([
 ])  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Layer:
     """Triangles of one kind.
 
@@ -249,7 +249,7 @@ def ground_below(shapes: Shapes, profile: Sequence[Sequence[float]]) -> tuple[Fl
     return None if inner is None else _about(_solid(*inner) - _solid(vertices - middle + out, triangles), middle)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Bar:
     """A colour bar: what it shows and the values at its ends; `whole`: they are numbers of something."""
 
@@ -270,7 +270,7 @@ class Bar:
         return rounded
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Picture:
     """A scene before it is drawn.
 

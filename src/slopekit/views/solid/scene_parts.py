@@ -2,14 +2,13 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from slopekit.block_scene import Contacts, joined
 from slopekit.bolts import plates, rods
 from slopekit.core.arrays import Bools, Floats, Ints, cross
-from slopekit.core.records import dataclass
 from slopekit.exchange.panels import triangles_of
 from slopekit.exchange.source import NUMBERED, bolt_of_load
 from slopekit.kinds.sheets.bolts import forces_in_words, schedule, without_head

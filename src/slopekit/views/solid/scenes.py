@@ -5,6 +5,7 @@ Made of the JSON of a result (`scene` and what stands beside it), drawn by `soli
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,6 @@ from slopekit.bolts import rods
 from slopekit.core.arrays import Bools, Floats, cross
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import parse_plane
-from slopekit.core.records import dataclass
 from slopekit.core.sheet import factor_text
 from slopekit.findings import MOTIONS
 from slopekit.kinds import status_text
@@ -148,7 +148,7 @@ _Group = tuple[str, str, Floats, Floats, Colour, bool]
 _NO_LIMIT = "no limit state was found: what the joints carry is not known"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Scene:
     """A picture of a result: what it shows, who puts it together, keys that the result must have.
 

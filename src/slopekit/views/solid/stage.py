@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -12,7 +13,6 @@ from slopekit.bolts import nearest
 from slopekit.core.arrays import Bools, Floats, Ints, cross
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Line, parse_plane
-from slopekit.core.records import dataclass
 from slopekit.core.sheet import factor_text
 from slopekit.kinds import known_kind
 from slopekit.result import JUDGED
