@@ -20,10 +20,10 @@ import clarabel
 import numpy as np
 import scipy.sparse as sp
 
-from benchmarks.least_work import COLD, least_work_mechanism
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
 from slopekit.preie.one_block.limit import curved_limit_analysis
 from slopekit.preie.one_block.limit_state import elastic_displacement
+from slopekit.preie.programs.mechanism import COLD, least_work_mechanism
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.model import Model
 from slopekit.strength.mohr_coulomb import line

@@ -109,7 +109,7 @@ def facts(**changes) -> tuple[set[str], str]:
     ("code", "changes", "says"),
     [
         ("W312", {"change": 0.03}, "still moved the limit by 3.0 %"),
-        ("W317", {"swings": 0.01}, "the path did not settle: the limit lies between 1.557 and 1.573"),
+        ("W317", {"swings": 0.01}, "the passes did not settle: the limit swings between 1.557 and 1.573"),
     ],
 )
 def test_notices_of_what_the_solver_met(code, changes, says) -> None:

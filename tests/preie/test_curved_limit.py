@@ -10,7 +10,7 @@ from scipy.optimize import fsolve
 import slopekit as sk
 from slopekit.closed_form.rotation import rotational_failure
 from slopekit.preie.one_block.limit import curved_limit_analysis
-from slopekit.preie.one_block.outcome import Outcome
+from slopekit.preie.one_block.passes import Outcome
 from tests.closed_form.scalar_plane import plane_failure
 from tests.preie import conic_oracle
 from tests.scenes import COARSE, PAPER, SLOPE, SPHERE, ellipsoid_mesh, inputs, model_of, run, save, sheet, slab, tilted

@@ -13,7 +13,7 @@ from slopekit.kinds import cut
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import Loads
 from slopekit.preie.one_block.limit import curved_limit_analysis
-from slopekit.preie.one_block.outcome import Outcome
+from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.programs.bound import static_bound
 from slopekit.preie.system.model import JointStrength, Model, build_model
 from tests.preie import conic_oracle

@@ -24,7 +24,7 @@ from slopekit.preie.many_blocks.blocks import limit_of_blocks, load_limit
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
 from slopekit.preie.many_blocks.ravelling import Part, _too_coarse
 from slopekit.preie.one_block.limit import curved_limit_analysis
-from slopekit.preie.one_block.outcome import Outcome
+from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.programs.bounds import held_by_normals, static_bound
 from slopekit.preie.system.assembly import AssemblyModel
 from tests.preie import load_oracle, path_oracle

@@ -121,7 +121,7 @@ def bench(blocks: int = 10_000, mechanisms: int = 40, **more: Any) -> Result:
             found.append(mechanism("rotates", fos, (*motions(few[:4], "slides"), *motions(few[4:], "rotates"))))
     moving = blocks - 500
     standing = f"{moving - 49 - 6 * (mechanisms - 1)} blocks are left; {mechanisms} were asked for"
-    notice = Notice("W317", "the path did not settle: the limit lies between 0.9 and 0.902; the lower is printed")
+    notice = Notice("W317", "the passes did not settle: the limit swings between 0.9 and 0.902; the lower is printed")
     return result(design, found, names, names[-500:], standing=standing, components=3, warnings=(notice,),
                   areas={"S1": 5123.4, "S2": 2345.6, "S3": 1e4, "cut at the ends": 3.0})  # fmt: skip
 

@@ -68,7 +68,7 @@ from slopekit.preie.many_blocks.ravelling import (
 )
 from slopekit.preie.motion.all_pairs import AllPairsFailed, all_pairs_failed
 from slopekit.preie.motion.balance import Balance, balance, of_blocks
-from slopekit.preie.one_block.outcome import Outcome
+from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.solvers import work_limit
 from slopekit.preie.solvers.threads import one_thread
 from slopekit.preie.system.components import whole_model

@@ -19,7 +19,7 @@ from slopekit.notices import (
 )
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
 from slopekit.preie.many_blocks.ravelling import Failure, Part, Ravelling
-from slopekit.preie.one_block.outcome import Outcome
+from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.tolerances import PASSES_SETTLED, SAME_LIMIT, TINY
 
 

@@ -44,7 +44,7 @@ from slopekit.notices import those_of_factors
 from slopekit.preie.motion.balance import balance, of_one_block
 from slopekit.preie.motion.equilibrium import equilibrium
 from slopekit.preie.one_block.flat_limit import lowest_factor
-from slopekit.preie.one_block.outcome import Limit, Outcome
+from slopekit.preie.one_block.passes import Limit, Outcome
 from slopekit.preie.programs.bound import static_bound
 from slopekit.preie.tolerances import PASSES_SETTLED
 from slopekit.result import Result, Words

@@ -23,7 +23,7 @@ from slopekit.preie.motion.equilibrium import Equilibrium
 from slopekit.preie.one_block.bed_limits import BedLimits
 from slopekit.preie.one_block.flat_limit import FlatLimit, flat_limit, forces_limit
 from slopekit.preie.one_block.limit import LimitAnalysis, curved_limit_analysis, governed
-from slopekit.preie.one_block.outcome import Limit, Outcome
+from slopekit.preie.one_block.passes import Limit, Outcome
 from slopekit.preie.one_block.polygon_bed import Beds, PointForces
 from slopekit.preie.system.model import Model
 

@@ -27,8 +27,8 @@ def notices(design: Design, made: Cut, found: FoundLimit, why_not: str, block: s
     yield from common_notices(design, strengths)
     if limit.factor and not limit.settled_to(PASSES_SETTLED):
         highest = limit.factor / (1.0 - limit.change)
-        swings = f"the limit lies between {limit.factor:.4g} and {highest:.4g}"
-        yield Notice("W317", f"the path did not settle: {swings}; the lower is printed")
+        swings = f"the limit swings between {limit.factor:.4g} and {highest:.4g}"
+        yield Notice("W317", f"the passes did not settle: {swings}; the lower is printed")
     if limit.factor is not None:
         yield from _lost_contact(made, found)
         yield from _shaking(made, found)

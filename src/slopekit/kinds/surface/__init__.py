@@ -43,7 +43,7 @@ from slopekit.kinds.words import loads_part, size_number, size_part, strength_in
 from slopekit.loads import Loads, PointForce, block_loads
 from slopekit.notices import those_of_factors
 from slopekit.preie.one_block.limit import curved_limit_analysis
-from slopekit.preie.one_block.outcome import Outcome
+from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.one_block.slippage import Slippage, slippable
 from slopekit.preie.system.model import build_model
 from slopekit.preie.tolerances import PASSES_SETTLED

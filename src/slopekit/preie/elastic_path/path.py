@@ -42,23 +42,22 @@ _OTHER = 0.5
 _FAILS = 7
 _BORDERED_AS_WELL = 600  # unknowns in space up to which stage L is tried before C has settled: its matrix is dense
 _CHEAPLY = 100  # and up to which it is tried with the same modes again
-SNAPS, _FARTHER, _SLOWLY = 20, 1e3, 4000  # of a path in the load; work at which they run; factorisations
+_SNAPS, _FARTHER, _SLOWLY = 20, 1e3, 4000  # of a path in the load; work at which they run; factorisations
 
 
-def follow(bed: Bed, start: float, snaps: int = 0) -> PathLimit:
+def follow(bed: Bed, start: float) -> PathLimit:
     """Return the limit of one assembly on its elastic joints.
 
     Parameters
     ----------
     start : strength (λ) at which gravity comes on, or the first load multiplier
-    snaps : how often less strength may take the blocks to another rest; a load may `SNAPS` times
 
     Raises
     ------
     WorkSpentError
         The work that is allowed is done.
     """
-    path = _Path(bed, start, snaps)
+    path = _Path(bed, start)
     try:
         ended = path.limit()
     except WorkSpentError:
@@ -85,10 +84,9 @@ class _Path:
         blocks rest farther off
     """
 
-    def __init__(self, bed: Bed, start: float, snaps: int) -> None:
+    def __init__(self, bed: Bed, start: float) -> None:
         self.bed, self.start = bed, start
         self.is_strength = bed.drive.ramp is None
-        self.snaps = snaps if self.is_strength else SNAPS
         self.stable: float | None = None
         self.last_near, self.has_crept = math.nan, False
         self.failed: Flow | None = None  # the last flow whose forces did not settle
@@ -115,7 +113,7 @@ class _Path:
         assert self.stable is not None
         # parameters at which nothing was found at rest, the worst first, and the work of the state they were tried from
         runs: list[tuple[float, Flow, float]] = []
-        ratio, place, snaps = _STRIDE, 0, self.snaps
+        ratio, place, snaps = _STRIDE, 0, 0 if self.is_strength else _SNAPS
         while True:
             if runs and 1.0 - bed.drive.gap(runs[-1][0], self.stable) < brackets[place]:
                 unstable, flow, work_before = runs.pop()

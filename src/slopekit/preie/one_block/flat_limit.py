@@ -18,7 +18,7 @@ from slopekit.core.arrays import Floats
 from slopekit.preie.one_block.bed_limits import BedLimits, BedStatus, bed_limits
 from slopekit.preie.one_block.bed_path import COARSE, BedPath, lengths
 from slopekit.preie.one_block.limit import dilating_limit, forces_only_limit, stands_without_strength
-from slopekit.preie.one_block.outcome import Limit, Outcome
+from slopekit.preie.one_block.passes import Limit, Outcome
 from slopekit.preie.one_block.polygon_bed import Beds, BedSprings, elastic_bed
 from slopekit.preie.system.model import Model
 from slopekit.preie.tolerances import TINY

@@ -1,9 +1,11 @@
 """The limit factor of safety of one block on node pairs, and that of its forces alone.
 
-1. Every pair closed, every bond whole: `intact_limit_state`, exact, dilating or not.
-2. Else the elastic path of the block on its node pairs, as of an assembly of one. A pair that the mechanism opens
-   beyond its dilation loses its cohesion on the next path and gets it back if it closes again; one that opens twice has
-   lost it.
+Where slip does not dilate the joints:
+
+1. every pair closed, every bond whole: `intact_limit_state`, exact;
+2. passes: friction frozen at the normal forces of the last pass, the mechanism of least work of a convex program, new
+   normal forces. A pair that the mechanism opens loses its cohesion in the next pass and gets it back if it closes
+   again; one that opens twice has lost it. Aitken's rule steers the passes, `settled_limit_state` ends them.
 
 Forces alone (no turning): the load splits in one way only into a pull along an admissible velocity and pushes on the
 joints (Moreau's decomposition), whatever their strength: this is what closed forms compute. On flat joints `flat_limit`
@@ -22,18 +24,17 @@ from slopekit.preie.one_block.limit_state import (
     dilating_limit_state,
     elastic_displacement,
     intact_limit_state,
-    limit_state,
 )
-from slopekit.preie.one_block.outcome import Limit, Outcome, unit
+from slopekit.preie.one_block.passes import Limit, Outcome, exact_limit, opens, release, settle_by_passes, unit
 from slopekit.preie.programs.bound import static_bound
 from slopekit.preie.solvers.linear import bounded_least_squares
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import EQUILIBRIUM, FARTHEST, NO_FORCE, NO_MOTION, OPENS_ROUGHLY, SAME_LIMIT, TINY
+from slopekit.preie.tolerances import EQUILIBRIUM, FARTHEST, NO_FORCE, NO_NUMBER, SAME_LIMIT, TINY
 from slopekit.strength.mohr_coulomb import line
 
 _STRIDE = 1.05  # steps of λ on the way to the first loss
 _BEYOND = 1e-3  # of a bracket: so far on either side of where a straight line across it meets zero
-_MOST_RELEASES = 2  # a pair that opens so often has lost its cohesion; with 1 some factors move by 20 %
+_MOST_TRIES = 40  # bonds let go and found again
 
 
 @dataclass(frozen=True)
@@ -93,7 +94,7 @@ def _dilating_on_lines(model: Model) -> LimitAnalysis:
     if limit is None:
         bond = np.ones(len(model.control_area))
         limit = Limit(Outcome.NOT_CONVERGED, None, np.zeros(model.unknowns), 0.0 * bond, bond, 0, 0.0)
-    return LimitAnalysis(limit, limit, limit, False)
+    return _alike(limit)
 
 
 def curved_limit_analysis(model: Model) -> LimitAnalysis:
@@ -101,12 +102,7 @@ def curved_limit_analysis(model: Model) -> LimitAnalysis:
 
     There are no forces alone to compare with: `moments_govern` is false.
     """
-
-    def analysed(on_lines: Model) -> LimitAnalysis:
-        limit = _curved_limit_on_lines(on_lines)
-        return LimitAnalysis(limit, limit, limit, False)
-
-    return _on_lines(model, analysed)
+    return _on_lines(model, lambda on_lines: _alike(_curved_limit_on_lines(on_lines)))
 
 
 def _curved_limit_on_lines(model: Model) -> Limit:
@@ -119,35 +115,40 @@ def _curved_limit_on_lines(model: Model) -> Limit:
     if stands_without_strength(model):
         return Limit(Outcome.NO_DRIVING_FORCE, None, none, 0.0 * bond, bond, 0, 0.0)
     associated = _associated_limit(model, _curved_limit_on_lines) if model.dilates else None
-    return associated or _path_limit(model)
+    if associated is not None:
+        return associated
+    start = elastic_displacement(model)
+    normal = np.maximum(-model.control_area * (model.normal_rows @ start), 0.0)
+    return _by_passes(model, start, normal, bond)
+
+
+def _by_passes(model: Model, velocity: Floats, normal_force: Floats, bond: Floats) -> Limit:
+    """The limit by passes; none where dilation itself resists, and they lose their way."""
+    limit = settle_by_passes(model, velocity, normal_force, bond)
+    if model.dilates and (limit.outcome is Outcome.NO_STRENGTH or limit.change > NO_NUMBER):
+        return replace(limit, outcome=Outcome.NOT_CONVERGED, factor=None)
+    return limit
+
+
+def _alike(limit: Limit) -> LimitAnalysis:
+    """One step settled all."""
+    return LimitAnalysis(limit, limit, limit, False)
 
 
 def _intact_limit(model: Model) -> Limit | None:
     """The exact limit with every pair closed and every bond whole, dilating or not; None where there is none."""
     state = intact_limit_state(model)
-    closed = np.ones(len(model.control_area), dtype=bool)
     if state is not None and model.dilates:
-        state = dilating_limit_state(model, state, closed)
-    if state is None:
+        state = dilating_limit_state(model, state)
+    if state is None or (model.dilates and _opens_cohesion(model, state)):
         return None
+    return exact_limit(state, np.ones(len(model.control_area)), 0)
+
+
+def _opens_cohesion(model: Model, state: LimitState) -> bool:
+    """Whether the motion of a limit state opens pairs that have cohesion beyond their dilation."""
     tan_dilation = np.minimum(model.tan_dilation, state.reduction * model.tan_friction)
-    if model.dilates and (opens(model, state.velocity, tan_dilation) & (model.cohesion > 0.0)).any():
-        return None
-    return _exact_limit(state, closed.astype(np.float64))
-
-
-def _exact_limit(state: LimitState, bond: Floats) -> Limit:
-    normal, friction = np.maximum(state.normal_force, 0.0), state.forces[:, 1:]
-    factor = 1.0 / state.reduction
-    return Limit(Outcome.SLIDES, factor, state.velocity, normal, bond, 0, 0.0, friction, state.pulls)
-
-
-def opens(model: Model, velocity: Floats, tan_dilation: Floats, part: float = NO_MOTION) -> Bools:
-    """Which pairs a motion opens beyond their dilation by a part of its fastest, (n,)."""
-    motion = model.relative(velocity)
-    opening, slip = motion[:, 0], np.sqrt((motion[:, 1:] * motion[:, 1:]).sum(axis=1))
-    beyond: Bools = opening - tan_dilation * slip > part * max(float(slip.max()), float(opening.max()))
-    return beyond
+    return bool((opens(model, state.velocity, tan_dilation) & (model.cohesion > 0.0)).any())
 
 
 def _associated_limit(model: Model, without_dilation: Callable[[Model], Limit]) -> Limit | None:
@@ -160,8 +161,9 @@ def _associated_limit(model: Model, without_dilation: Callable[[Model], Limit]) 
     ----------
     without_dilation : the limit that the search for the bound begins at
     """
-    bond, releases = np.ones(len(model.control_area)), np.zeros(len(model.control_area))
-    while True:
+    bond = np.ones(len(model.control_area))
+    releases = np.zeros(len(bond))
+    for _ in range(_MOST_TRIES):
         rigid = replace(model, tan_dilation=np.zeros_like(bond), cohesion=bond * model.cohesion)
         without = without_dilation(rigid)
         if not without.factor:
@@ -169,54 +171,11 @@ def _associated_limit(model: Model, without_dilation: Callable[[Model], Limit]) 
         bound = static_bound(rigid, without.velocity_of(rigid), without.factor)
         if bound.factor is None or (model.tan_dilation * bound.factor < model.tan_friction * (1.0 - EQUILIBRIUM)).any():
             return None
-        parted = opens(model, bound.velocity, model.tan_friction / bound.factor) | (releases >= _MOST_RELEASES)
-        releases += parted & (bond > 0.0)
-        renewed = np.where(parted, 0.0, 1.0)
+        renewed, releases = release(model, bound.velocity, model.tan_friction / bound.factor, bond, releases)
         if (renewed == bond).all():
             return Limit(Outcome.SLIDES, bound.factor, unit(bound.velocity), bound.normal_force, bond, 0, 0.0)
         bond = renewed
-
-
-def _path_limit(model: Model) -> Limit:
-    """The limit of the elastic path of a block on its node pairs, each a contact of its own."""
-    from slopekit.preie.elastic_path.bed import Bed  # only a block that is not held all over pays for it
-    from slopekit.preie.elastic_path.bed_states import Drive
-    from slopekit.preie.elastic_path.path import SNAPS, START, follow
-    from slopekit.preie.elastic_path.path_limit import PathOutcome
-    from slopekit.preie.solvers.work_limit import MOST, WorkSpentError, allowed
-    from slopekit.preie.system.assembly import one_block
-
-    pairs, bolts = len(model.control_area), np.ones(len(model.bolt_capacity))
-    assembly = one_block(replace(model, interface=np.arange(pairs)))
-    normal = np.maximum(-model.control_area * (model.normal_rows @ elastic_displacement(model)), 0.0)
-    strength = float(line(model.cohesion, model.tan_friction, normal).sum() + model.bolt_capacity.sum())
-    start = START * math.sqrt(float(model.load @ model.load)) / max(strength, NO_FORCE)
-    bond, opened, steps = np.ones(pairs), np.zeros(pairs), 0
-    while True:
-        bed = Bed(assembly, Drive(model.load), np.append(bond, bolts))
-        try:
-            with allowed(MOST):
-                end = follow(bed, start, SNAPS)
-        except WorkSpentError:
-            return Limit(Outcome.NOT_CONVERGED, None, np.zeros(model.unknowns), 0.0 * bond, bond, steps, 0.0)
-        steps += end.factorisations
-        if end.outcome is PathOutcome.GAVE_UP:
-            return Limit(Outcome.NOT_CONVERGED, None, unit(end.motion), 0.0 * bond, bond, steps, 0.0)
-        tan_dilation = np.minimum(model.tan_dilation, end.reduction * model.tan_friction)
-        part = NO_MOTION if end.outcome is PathOutcome.LIMIT else OPENS_ROUGHLY
-        parted = opens(model, end.motion, tan_dilation, part) | (opened >= _MOST_RELEASES)
-        opened += parted & (bond > 0.0)
-        renewed = np.where(parted, 0.0, 1.0)
-        if (renewed == bond).all():
-            break
-        bond = renewed
-    normal, friction = np.maximum(end.normal[:pairs], 0.0), end.friction[:pairs]
-    if end.parameter is None:
-        outcome = Outcome.NO_DRIVING_FORCE if end.outcome is PathOutcome.STANDS else Outcome.NO_STRENGTH
-        return Limit(outcome, None, unit(end.motion), normal, bond, steps, 0.0)
-    swing = 0.0 if end.found or end.peak is None else abs(end.peak[1] / end.peak[0] - 1.0)
-    factor, pulls = 1.0 / end.parameter, end.friction[pairs:, 0]
-    return Limit(Outcome.SLIDES, factor, unit(end.motion), normal, bond, steps, swing, friction, pulls)
+    return None
 
 
 @dataclass(frozen=True)
@@ -292,21 +251,11 @@ def forces_only_limit(model: Model) -> Limit:
         if not alone.touching.any():
             return limit(Outcome.LIFTED, None, alone)
         if held.dilates:
-            return _dilating_slide(held, alone)
+            velocity = alone.pull / alone.driving
+            return settle_by_passes(held, velocity, alone.normal_force, alone.touching.astype(np.float64))
         return limit(Outcome.SLIDES, alone.resisting / alone.driving, alone)
     guess = alone.driving / max(alone.resisting, NO_FORCE)
     return _first_loss(at, limit, float(held.bolt_capacity.sum()), guess if alone.touching.any() else 0.0)
-
-
-def _dilating_slide(held: Model, alone: _Resultant) -> Limit:
-    """The exact limit of a block that may not turn on joints that dilate, from its slide without dilation."""
-    bond = alone.touching.astype(np.float64)
-    state = limit_state(held, alone.pull, alone.driving / alone.resisting, alone.touching, bond)
-    if state is not None:
-        state = dilating_limit_state(held, state, alone.touching)
-    if state is None:
-        return Limit(Outcome.NOT_CONVERGED, None, alone.pull / alone.driving, alone.normal_force, bond, 0, 0.0)
-    return _exact_limit(state, bond)
 
 
 def _first_loss(

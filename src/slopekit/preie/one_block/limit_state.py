@@ -7,7 +7,8 @@ and λ: as many as the block has, and one.
 
     Bᵀ f + P + λ P_bolts = 0,    f_n = N,    f_t = -λ (χ c A + N tan φ) v_t / |v_t|,    |v| = 1
 
-χ is 0 for pairs that have lost their cohesion.
+χ is 0 for pairs that have lost their cohesion. Hinges (closed pairs that do not slip) are springs in all
+directions, within their strength.
 """
 
 import math
@@ -19,10 +20,13 @@ from slopekit.core.arrays import Bools, Floats
 from slopekit.preie.solvers.linear import split_space
 from slopekit.preie.system.model import Model
 from slopekit.preie.tolerances import (
+    CARRIES,
     EQUILIBRIUM,
     FARTHEST,
     NO_FORCE,
     NO_MOTION,
+    OPENS_ROUGHLY,
+    PARALLEL,
     ROUNDING,
     TINY,
 )
@@ -80,23 +84,26 @@ def intact_limit_state(model: Model) -> LimitState | None:
     strength = float(line(model.cohesion, model.tan_friction, normal).sum() + model.bolt_capacity.sum())
     if strength < NO_FORCE:
         return None
-    state = limit_state(model, free @ along, pull / strength, closed, np.ones(len(closed)), displacement=displacement)
+    state = limit_state(
+        model, free @ along, pull / strength, closed, ~closed, np.ones(len(closed)), displacement=displacement
+    )
     if state is None or state.reduction <= 0.0 or state.normal_force.min() < 0.0:
         return None
     return state
 
 
-def dilating_limit_state(model: Model, start: LimitState, touching: Bools) -> LimitState | None:
-    """The limit state of joints that dilate as they slip, or None.
+def dilating_limit_state(model: Model, start: LimitState) -> LimitState | None:
+    """The limit state of joints that dilate as they slip, no bond lost, or None.
 
     A closed pair then keeps v_n = tan ψ |v_t|: its gap grows by (n - tan ψ e)·v, e the direction of its slip. Those
     rows take the normals' place, and are renewed with v (and with λ where ψ is capped by the reduced friction angle).
 
     Parameters
     ----------
-    start : the limit state without dilation; touching : (n,) pairs that are closed there, which keep their cohesion
+    start : the limit state without dilation
     """
-    closed, bond = touching, touching.astype(np.float64)
+    closed: Bools = np.ones(len(model.control_area), dtype=bool)
+    hinged: Bools = np.zeros(len(closed), dtype=bool)
     velocity, state = start.velocity, start
     for _ in range(_MOST_TURNS):
         motion = model.relative(velocity)[:, 1:]
@@ -106,7 +113,9 @@ def dilating_limit_state(model: Model, start: LimitState, touching: Bools) -> Li
         tan_dilation = np.minimum(model.tan_dilation, state.reduction * model.tan_friction)
         along_slip = np.einsum("nt,ntu->nu", motion / size[:, None], model.rows[:, 1:, :])
         gap_rows = model.normal_rows - tan_dilation[:, None] * along_slip
-        next_state = limit_state(model, velocity, state.reduction, closed, bond, state.displacement, gap_rows)
+        next_state = limit_state(
+            model, velocity, state.reduction, closed, hinged, np.ones(len(closed)), state.displacement, gap_rows
+        )
         if next_state is None or next_state.reduction <= 0.0:
             return None
         moved = float(np.abs(next_state.velocity - velocity).max()) + abs(next_state.reduction / state.reduction - 1.0)
@@ -119,8 +128,44 @@ def dilating_limit_state(model: Model, start: LimitState, touching: Bools) -> Li
     return None
 
 
+def settled_limit_state(
+    model: Model, velocity: Floats, reduction: float, normal_force: Floats, bond: Floats
+) -> LimitState | None:
+    """Polish an approximate mechanism: pairs pulled apart are let go, pairs pushed together are closed.
+
+    Parameters
+    ----------
+    velocity, reduction, normal_force : from the passes of `limit`
+    bond : (n,) χ
+
+    Returns
+    -------
+    The limit state, or None where the contact modes do not settle.
+    """
+    velocity = velocity / float(np.sqrt(velocity @ velocity))
+    slip = model.slip(velocity)
+    total = float(normal_force.sum())
+    closed: Bools = normal_force > CARRIES * total
+    for _ in range(_MOST_CHANGES):
+        if not closed.any():
+            return None
+        state = limit_state(model, velocity, reduction, closed, closed & (slip < OPENS_ROUGHLY * slip.max()), bond)
+        if state is None or state.reduction <= 0.0:
+            return None
+        opening = model.normal_rows @ state.velocity
+        pulled = closed & (state.normal_force < -EQUILIBRIUM * np.abs(state.normal_force).sum())
+        pushed = ~closed & (opening < -PARALLEL)
+        if not pulled.any() and not pushed.any():
+            # pairs that the mechanism leaves at rest must be open in the elastic displacement
+            pushed = ~closed & (np.abs(opening) <= PARALLEL) & (model.normal_rows @ state.displacement < -NO_FORCE)
+            if not pushed.any():
+                return state
+        closed = (closed & ~pulled) | pushed
+    return None
+
+
 def limit_state(
-    model: Model, velocity: Floats, reduction: float, closed: Bools, bond: Floats,
+    model: Model, velocity: Floats, reduction: float, closed: Bools, hinged: Bools, bond: Floats,
     displacement: Floats | None = None, gap_rows: Floats | None = None,
 ) -> LimitState | None:  # fmt: skip
     """Newton's method for given contact modes; None where it does not converge.
@@ -128,11 +173,11 @@ def limit_state(
     Parameters
     ----------
     velocity, reduction : where to start
-    closed : (n,) pairs that carry normal force
+    closed : (n,) pairs that carry normal force; hinged : (n,) those of them that do not slip
     bond : (n,) χ
     gap_rows : (n, u) what keeps a closed pair closed, where that is not its normal (dilation)
     """
-    modes = _Modes(model, velocity, closed, bond, model.normal_rows if gap_rows is None else gap_rows)
+    modes = _Modes(model, velocity, closed, hinged, bond, model.normal_rows if gap_rows is None else gap_rows)
     count = modes.free.shape[1]
     if len(modes.sliding) == 0 or count == 0:
         return None
@@ -170,36 +215,49 @@ def limit_state(
     else:
         if residual > EQUILIBRIUM * scale:
             return None
-    carried = modes.bolt_springs @ elastic
-    if not modes.bolts_hold(carried, along, reduction):
+    at_hinges, carried = modes.at_hinges(elastic), modes.bolt_springs @ elastic
+    if not modes.bolts_hold(carried, along, reduction) or not modes.hinges_hold(at_hinges, reduction):
         return None
     all_forces = np.zeros((len(closed), 3))
     all_forces[modes.sliding] = forces
+    all_forces[modes.hinges] = at_hinges
     pulls = reduction * model.bolt_capacity * modes.full
     pulls[modes.square] = carried
     return LimitState(reduction, all_forces[:, 0].copy(), modes.free @ along, modes.rest @ elastic, all_forces, pulls)
 
 
 class _Modes:
-    """What stays while the contact modes do: rows and springs of pairs that slip, and of bolts held square.
+    """What stays while the contact modes do: rows and springs of pairs that slip, of hinges, of bolts held square.
 
     Attributes
     ----------
-    sliding : pairs; square, full : (b,) bolts square to the movement, and those that are drawn
+    sliding, hinges : pairs; square, full : (b,) bolts square to the movement, and those that are drawn
     free, rest : (u, k), (u, u - k) motions that keep what is closed closed, and the others
     """
 
-    def __init__(self, model: Model, velocity: Floats, closed: Bools, bond: Floats, normal_rows: Floats) -> None:
+    def __init__(
+        self, model: Model, velocity: Floats, closed: Bools, hinged: Bools, bond: Floats, normal_rows: Floats
+    ) -> None:
         self.model, unknowns = model, model.unknowns
-        self.sliding = sliding = np.flatnonzero(closed | (bond > 0.0))
+        self.sliding = sliding = np.flatnonzero((closed | (bond > 0.0)) & ~hinged)
+        self.hinges = hinges = np.flatnonzero(hinged)
         drawn = -model.bolt_rows @ velocity
         self.square = np.abs(drawn) <= NO_MOTION * math.sqrt(float(velocity @ velocity))
         self.held_bolts, self.full = model.bolt_rows[self.square], (drawn > 0.0) & ~self.square
-        self.free, self.rest = split_space(np.concatenate([normal_rows[closed], self.held_bolts]))
+        self.free, self.rest = split_space(
+            np.concatenate([normal_rows[closed], *(model.rows[hinges, k] for k in (1, 2)), self.held_bolts])
+        )
         self.rows = model.rows[sliding].reshape(-1, unknowns)
         self.slip_rows = model.rows[sliding, 1:, :] @ self.free
         self.springs = -(model.control_area * closed)[sliding, None] * (normal_rows[sliding] @ self.rest)
-        self.tan_friction, self.cohesion = model.tan_friction[sliding], (model.cohesion * bond)[sliding]
+        self.hinge_rows = model.rows[hinges].reshape(-1, unknowns)
+        self.hinge_springs = -np.repeat(model.control_area[hinges], 3)[:, None] * (self.hinge_rows @ self.rest)
+        bonds = model.cohesion * bond
+        self.tan_friction, self.cohesion, self.hinge_cohesion = (
+            model.tan_friction[sliding],
+            bonds[sliding],
+            bonds[hinges],
+        )
         self.bolts = (model.bolt_capacity * self.full) @ model.bolt_rows
         # bolts square to the movement: springs that carry what they must, checked against their capacity at the end
         self.bolt_springs = -(self.held_bolts @ self.rest)
@@ -210,9 +268,14 @@ class _Modes:
         size = np.sqrt((tangential * tangential).sum(axis=1))
         return None if size.min() <= ROUNDING else (tangential / size[:, None], size)
 
+    def at_hinges(self, elastic: Floats) -> Floats:
+        """Forces (h, 3) at the hinges."""
+        forces: Floats = (self.hinge_springs @ elastic).reshape(-1, 3)
+        return forces
+
     def unbalanced(self, forces: Floats, elastic: Floats, reduction: float) -> Floats:
         """The sum (u,) of all that acts."""
-        out = forces.ravel() @ self.rows
+        out = forces.ravel() @ self.rows + (self.hinge_springs @ elastic) @ self.hinge_rows
         out = out + self.model.load + reduction * self.bolts
         balance: Floats = out + (self.bolt_springs @ elastic) @ self.held_bolts
         return balance
@@ -231,6 +294,7 @@ class _Modes:
         slope[:, 1:, unknowns] = -strength[:, None] * direction
         matrix = np.zeros((unknowns + 1, unknowns + 1))
         matrix[:unknowns] = self.rows.T @ slope.reshape(-1, unknowns + 1)
+        matrix[:unknowns, count:unknowns] += self.hinge_rows.T @ self.hinge_springs
         matrix[:unknowns, count:unknowns] += self.held_bolts.T @ self.bolt_springs
         matrix[:unknowns, unknowns] += self.bolts
         matrix[unknowns, :count] = along
@@ -244,3 +308,9 @@ class _Modes:
         speed = -model.bolt_rows @ (self.free @ along)
         is_within = not (carried < -spare).any() and not (carried > capacity + spare).any()
         return is_within and not (speed[full] < -NO_MOTION).any() and not (speed[~full & ~square] > NO_MOTION).any()
+
+    def hinges_hold(self, forces: Floats, reduction: float) -> bool:
+        """Whether no hinge is pushed beyond its strength: one that would slip is none."""
+        shear = np.sqrt((forces[:, 1:] ** 2).sum(axis=1))
+        most = line(self.hinge_cohesion, self.model.tan_friction[self.hinges], np.maximum(forces[:, 0], 0.0))
+        return not (shear > reduction * most + EQUILIBRIUM).any()

@@ -23,7 +23,7 @@ from slopekit.preie.elastic_path.path_limit import PathLimit
 from slopekit.preie.many_blocks.blocks import bound_of, load_limit
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit, Proposal
 from slopekit.preie.one_block.limit import LimitAnalysis, forces_only_limit
-from slopekit.preie.one_block.outcome import Limit, Outcome
+from slopekit.preie.one_block.passes import Limit, Outcome
 from slopekit.preie.programs.bounds import static_bound
 from slopekit.preie.solvers.work_limit import WorkSpentError
 from slopekit.preie.system.assembly import AssemblyModel

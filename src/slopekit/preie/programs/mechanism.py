@@ -1,4 +1,4 @@
-"""A rival: the mechanism of least work for frozen friction, one convex program in the velocities of a block.
+"""The mechanism that costs least: one convex program in the block velocities.
 
 For frozen friction forces r and tan ψ (the tangent of the dilation) it finds
 
