@@ -57,7 +57,7 @@ def test_the_same_are_answered_with_a_number_or_a_fault(template):
         for value in both_ends(session, control):
             session.open(session.opened)
             session.set({path: value}, final=True)
-            answer = answers.answer_of(session.now, with_scene=False)
+            answer, _ = answers.analysed(session.now, with_scene=False)
             assert bool(answer["status"]) != bool(answer["faults"]), (path, value)
             assert all(CODE.fullmatch(fault["code"]) for fault in answer["faults"])
             assert answer["net"] is not None
@@ -184,7 +184,7 @@ def test_the_numbers_of_a_design_are_found_once(monkeypatch) -> None:
     for height in (30.0, 31.0):
         asked.clear()
         session.set({"slope.height": height}, final=True)
-        answers.answer_of(session.now, with_scene=False)
+        answers.analysed(session.now, with_scene=False)
         assert "slope.height" in session.changed
         assert session.values_at(["slope.height"])["slope.height"]["value"] == height
         assert len(asked) == 1

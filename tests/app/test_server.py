@@ -14,7 +14,7 @@ from dataclasses import replace
 import pytest
 
 from slopekit.app import saving
-from slopekit.app.answers import analysed, answer_of, net_of
+from slopekit.app.answers import analysed, net_of
 from slopekit.app.controls import values_of
 from slopekit.app.desk import Desk, Wanted
 from slopekit.app.messages import LARGEST, LARGEST_SURVEY, parsed
@@ -776,7 +776,7 @@ def test_what_is_not_saved_is_kept_when_another_design_is_opened(desk):
 def test_a_kind_on_a_button_is_not_called_old_where_nothing_has_changed(tmp_path):
     desk = desk_of(tmp_path, "bench")
     moment = desk.session.now
-    desk.last, desk.last_moment = answer_of(Session.of_template("wedge").now), moment
+    desk.last, desk.last_moment = analysed(Session.of_template("wedge").now)[0], moment
 
     async def begun():
         async with Page(desk) as page:

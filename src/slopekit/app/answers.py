@@ -1,7 +1,7 @@
 """What stands on the page of a design: its numbers with status, check and what governs, its net, its scene, its faults.
 
 >>> from slopekit.app.session import Session
->>> answer = answer_of(Session.of_template("wedge").now)
+>>> answer, result = analysed(Session.of_template("wedge").now)
 >>> answer["lead"], answer["status_words"], answer["agree"], answer["net"]["line"]["trend"]
 ('1.557', 'slides on both planes', True, 180.0)
 >>> answer["governs"][1]["text"], answer["governs"][1]["label"], answer["governs"][1]["paths"]
@@ -41,19 +41,16 @@ _GOVERNED: tuple[tuple[str, tuple[str, ...]], ...] = (
 )  # fmt: skip
 
 
-def answer_of(moment: Moment, final: bool = True, with_scene: bool = True) -> Answer:
-    """Analyse a design and say what came of it; bad input and blocks that cannot form are faults in it.
+def analysed(moment: Moment, final: bool = True, with_scene: bool = True) -> tuple[Answer, Result | None]:
+    """Analyse a design and say what came of it, with the result where there is one.
+
+    Bad input and blocks that cannot form are faults in the answer.
 
     Parameters
     ----------
     final : whether the slider was let go
     with_scene : what is drawn too
     """
-    return analysed(moment, final, with_scene)[0]
-
-
-def analysed(moment: Moment, final: bool = True, with_scene: bool = True) -> tuple[Answer, Result | None]:
-    """The same, and the result where there is one."""
     began = time.perf_counter()
     if moment.faults:
         return faulty(moment, moment.faults, final, began), None

@@ -96,7 +96,7 @@ def _edits(text: _Text, item: Any, before: Node, after: Node) -> Iterator[_Edit]
     """What to replace so that the value of `before` that stands at `item` becomes that of `after`."""
     if before is after or before.plain() == after.plain():
         return
-    if before.is_mapping and after.is_mapping and _is_mapping(item):
+    if before.is_mapping and after.is_mapping and type(item).__name__ == "MappingNode":
         yield from _of_mapping(text, item, before, after)
     elif (
         isinstance(before.value, list) and isinstance(after.value, list)
@@ -158,10 +158,6 @@ def _without(text: _Text, item: Any, pairs: dict[str, Any], gone: list[str], flo
         for name in gone:
             if names.index(name) > first:
                 yield _end(pairs[names[names.index(name) - 1]][1]), _end(pairs[name][1]), ""
-
-
-def _is_mapping(item: Any) -> bool:
-    return type(item).__name__ == "MappingNode"
 
 
 def _end(item: Any) -> int:

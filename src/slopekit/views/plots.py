@@ -56,10 +56,6 @@ def _sweeps(document: Document, keys: int) -> bool:
     return document.get("study") == "sweep" and isinstance(swept, list) and len(swept) == keys
 
 
-def _of_benches(document: Document) -> bool:
-    return document.get("study") == "bench-design"
-
-
 def _has_bolts(document: Document) -> bool:
     scene = document.get("scene")
     return isinstance(scene, Mapping) and scene.get("bolts") is not None
@@ -106,7 +102,8 @@ CHARTS: Mapping[str, Chart] = {
     ),
     "backbreak": Chart(
         "how much of the crest is lost along the bench, by height and face angle",
-        "bench-design.json: slopekit bench-design survey.csv -o DIR", "bench_charts.draw_backbreak", _of_benches,
+        "bench-design.json: slopekit bench-design survey.csv -o DIR", "bench_charts.draw_backbreak",
+        lambda document: document.get("study") == "bench-design",
     ),
     "tornado": Chart(
         "what each number does to the factor", "tornado.json: slopekit sweep design.yaml --tornado -o DIR",

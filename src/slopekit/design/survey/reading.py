@@ -306,12 +306,8 @@ class _Reader:
         cells = self.table.cells(row)
         if way_of(key for key in map(key_of, cells) if key) is None:
             return False
-        return len(cells) > 1 or any(
-            _PLANE.match(text) or parse_quadrants(text) for text in map(self.first_cell, below)
-        )
-
-    def first_cell(self, row: int) -> str:
-        return next(iter(self.table.cells(row)), "")
+        first = [next(iter(self.table.cells(row)), "") for row in below]
+        return len(cells) > 1 or any(_PLANE.match(text) or parse_quadrants(text) for text in first)
 
     def first_of_numbers(self, rows: Sequence[int]) -> int | None:
         """The first row that begins with two numbers, and as many cells as all rows below it."""
