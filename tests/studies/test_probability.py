@@ -488,7 +488,7 @@ def test_dips_beyond_the_vertical_are_planes_that_dip_the_other_way_and_that_is_
     over = directions == 295.0
     assert 0.1 < over.mean() < 0.35
     beyond = norm.sf(90.0, 86.0, 5.0)
-    assert f"{beyond:.2%} of the dips of joints.J1.plane lie beyond 0 to 90°: those planes dip" in str(study)
+    assert f"{beyond:.2%} of the dips of joints.J1.plane lie beyond 0 to 90°: those dip" in str(study)
     assert dips.max() <= 90.0
     assert set(directions.tolist()) == {115.0, 295.0}
     one = int(np.flatnonzero(over & np.isfinite(study.judged.factor))[0])

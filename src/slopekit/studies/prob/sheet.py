@@ -135,9 +135,7 @@ def _beyond_the_vertical(study: Probability) -> Iterator[str]:
         if variable.of == "plane" and isinstance(own, Angles) and isinstance(own.steep, Distribution):
             flat, over = tails(own.steep, 0.0, 90.0)
             if flat + over > NEVER:
-                yield (
-                    f"{flat + over:.2%} of the dips of {variable.path} lie beyond 0 to 90°: those planes dip the other way"
-                )
+                yield f"{flat + over:.2%} of the dips of {variable.path} lie beyond 0 to 90°: those dip the other way"
 
 
 def _outcomes(study: Probability) -> Table[tuple[str, int]]:
