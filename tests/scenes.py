@@ -37,11 +37,11 @@ def run(slip: dict, slope: Any = SLOPE, **more: Any):
 def model_of(slip: dict, slope: Any = SLOPE, **more: Any) -> tuple[Model, Slippage]:
     """The model that an analysis would solve, and how its surface slides."""
     design = sk.load(inputs(slip, slope, **more))
-    cut = surface._cut(design)
-    loads = surface._loads(design, cut)
-    slippage = slippable(cut.pairs, cut.mass.centroid, np.concatenate([loads.force, loads.moment]))
+    mass, pairs = surface._cut(design)
+    loads = surface._loads(design, mass, pairs)
+    slippage = slippable(pairs, mass.centroid, np.concatenate([loads.force, loads.moment]))
     strength = surface.joint_strength([design.strength])
-    return build_model(slippage.pairs, loads, cut.mass.centroid, strength), slippage
+    return build_model(slippage.pairs, loads, mass.centroid, strength), slippage
 
 
 def tilted(distance: float, dip: float, reach: float) -> np.ndarray:

@@ -156,7 +156,7 @@ def test_doctor_finds_a_sound_machine() -> None:
     run = slopekit("doctor")
     assert run.returncode == 0, run.stdout
     assert run.stdout.endswith("all is well\n")
-    assert "1.5573963527 and 1.5573963527" in run.stdout
+    assert "1.55739635 and 1.55739635" in run.stdout
 
 
 def test_sheets_fit_the_page_and_name_what_they_give() -> None:

@@ -243,7 +243,7 @@ def test_the_range_of_the_worst_crack_is_said_to_end(name) -> None:
     assert factor_at(1.0 - toward * 1e-3) is None
     assert found.crack_searched == where
     says = f"W421 the factor is lowest where the range of the crack {says}"
-    assert [str(one).startswith(says) for one in found.ground_notices(0.0, 20.0)] == [True]
+    assert [str(one).startswith(says) for one in found.ground_notices(0.0, 20.0, place)] == [True]
 
 
 @pytest.mark.parametrize("law", [{}, {"waviness": 1}], ids=["together", "one by one"])

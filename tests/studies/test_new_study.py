@@ -35,7 +35,7 @@ def test_a_script_calls_it() -> None:
 
 
 @pytest.mark.parametrize(("values", "named", "code"), [
-    (("wedge.yaml",), {}, "E147"), ((3, 2), {}, "E405"), ((3,), {"bye": 2}, "E142"), ((), {}, "E143"),
+    (("wedge.yaml",), {}, "E147"), ((3, 2), {}, "E405"), ((3,), {"bye": 2}, "E405"), ((), {}, "E405"),
 ])  # fmt: skip
 def test_it_says_what_it_takes(values, named, code) -> None:
     with pytest.raises(sk.DesignError, match=code):

@@ -53,7 +53,7 @@ def test_a_column_tips_at_its_slenderness_and_what_it_holds_there_is_said() -> N
     assert found.answer.how == "jump"
     assert found.answer.factor == pytest.approx(math.tan(math.radians(60.0)) / 0.5, rel=1e-9)
     assert [notice.code for notice in found.warnings] == ["W356"]
-    assert "FoS 3.4641, and at once less or none beyond it" in str(found)
+    assert "from 3.4641 to none (nothing holds it)" in str(found)
 
 
 def test_both_ways_to_the_yield_of_a_slab_are_one() -> None:

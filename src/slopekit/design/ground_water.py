@@ -30,7 +30,7 @@ def surcharge() -> Any:
 
 
 #: Ends of the range of a crack, as `worst_crack.WHERE` has them, in words.
-_ENDS = {"end": ("begins", "nearer to it none forms"), "back": ("ends", "farther back none cuts the block")}
+_ENDS = {"end": ("begins", ": nearer to it none forms"), "back": ("ends", ": farther back none cuts the block")}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,9 +75,9 @@ class SlopeDesign(Design):
             yield Notice("W421", "with the crack here nothing holds the block, by the closed form: worse than any "
                          "factor of safety")  # fmt: skip
         elif self.crack_searched in _ENDS:
-            ends, beyond = _ENDS[self.crack_searched]
+            ends, beyond = _ENDS[self.crack_searched] if round(crack_m or 0.0, 2) else ("begins", "")
             yield Notice("W421", f"the factor is lowest where the range of the crack {ends}, {crack_m:.2f} m "
-                         f"{self.CRACK_FROM}: {beyond}")  # fmt: skip
+                         f"{self.CRACK_FROM}{beyond}")  # fmt: skip
         elif self.crack_searched == "flat":
             yield Notice("W421", "the place of the crack does not move the factor: none is worse than another")
 
