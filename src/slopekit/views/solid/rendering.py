@@ -171,7 +171,7 @@ def lay_out(figure: Any, picture: Picture, camera: Camera, pixels: Any) -> None:
 
 
 def _legend(figure: Any, picture: Picture) -> None:
-    """The legend at the right; how many entries have no room is said."""
+    """The legend at the right, below the longest title; how many entries have no room is said."""
     from matplotlib.patches import Patch
 
     patches = []
@@ -181,7 +181,7 @@ def _legend(figure: Any, picture: Picture) -> None:
         patches.append(Patch(facecolor=shade, edgecolor=_QUIET, linewidth=0.6, label=label))
     left = len(picture.legend) - len(patches)
     patches += [Patch(alpha=0.0, label=f"and {left} more that have no room here")] if left else []
-    figure.legend(handles=patches, loc="outside right upper", fontsize=9, frameon=False)
+    figure.legend(handles=patches, loc="outside right center", fontsize=9, frameon=False)
 
 
 def _bar(figure: Any, axes: Any, bar: Bar) -> None:
