@@ -15,6 +15,7 @@ from tests.commands import slopekit
 connect = pytest.importorskip("websockets.asyncio.client").connect
 
 
+@pytest.mark.slow
 def test_it_serves_this_machine_alone_and_ends_by_ctrl_c(tmp_path):
     file = tmp_path / "my wall.yaml"
     file.write_text("slopekit: 1\nkind: wedge\njoints: {J1: {plane: 45/115}, J2: {plane: 45/245}}\n", encoding="utf-8")

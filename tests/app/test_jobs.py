@@ -63,6 +63,7 @@ def test_a_probability_is_that_of_the_study_with_the_scatter_put_in():
     assert len(found["histogram"]["edges"]) == len(found["histogram"]["closed_form"]) + 1
 
 
+@pytest.mark.slow
 def test_a_scatter_of_the_design_can_be_taken_out():
     moment = Session.of_template("wedge-scatter").now
     given = dict.fromkeys(("strength.clay.phi.mean", "strength.clay.c"))
@@ -75,6 +76,7 @@ def test_a_scatter_of_the_design_can_be_taken_out():
     assert found["histogram"]["edges"] == prob(means, 200, confirm=0).to_dict()["histogram"]["edges"]
 
 
+@pytest.mark.slow
 def test_bolts_are_those_of_the_study():
     moment = Session.of_template("wedge").now
     found = run_job("support", moment, {"fos": 1.6}, silent)

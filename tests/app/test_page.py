@@ -23,6 +23,8 @@ if not CHROMIUM or not DRIVER:
 
 from tests.app.browsing import Page, started  # noqa: E402
 
+pytestmark = pytest.mark.slow
+
 DESIGN = """slopekit: 1
 kind: wedge
 title: "<img src=x onerror='document.title=1'> & wall"   # a title is text
@@ -91,7 +93,6 @@ def expected(page, **given) -> str:
     return f"{found.fos.limit:.3f}"
 
 
-@pytest.mark.slow
 def test_it_asks_no_one_but_this_machine_and_leaves_one_name(browser, address, loaded) -> None:
     asked = loaded.requests()
     assert len(asked) > 10
@@ -110,7 +111,6 @@ def test_it_asks_no_one_but_this_machine_and_leaves_one_name(browser, address, l
     assert loaded.script("return document.querySelectorAll(arguments[0]).length", inline) == 0
 
 
-@pytest.mark.slow
 def test_a_slider_changes_the_factor_live_and_is_one_step_back(page) -> None:
     slider = f"c-{PHI}"
     page.script("document.getElementById(arguments[0]).scrollIntoView({block: 'center'})", slider)
@@ -209,7 +209,6 @@ def test_a_box_takes_units_and_says_what_it_does_not_know(page) -> None:
     assert "parsec" in page.script("return document.querySelector('.fault').innerText")
 
 
-@pytest.mark.slow
 def test_nothing_refused_and_nothing_old_stands_beside_a_number(page) -> None:
     page.type("rock.density", "{")
     page.quiet()
@@ -323,7 +322,6 @@ def test_tabs_go_by_the_keyboard_and_the_page_is_dark_on_demand(page) -> None:
     assert page.script(ground) == light
 
 
-@pytest.mark.slow
 def test_a_curve_with_its_dot_and_a_probability(page) -> None:
     page.tab("curve")
     page.until(lambda: page.script("return !!document.querySelector('#screen-curve .dot .name')"), 60)
@@ -359,7 +357,6 @@ def test_a_pair_of_a_survey_becomes_the_design(page, tmp_path) -> None:
     assert page.script("return document.querySelectorAll('.pole').length") == 2
 
 
-@pytest.mark.slow
 def test_many_updates_leave_nothing_behind(page) -> None:
     """Heap, nodes and listeners after 48 answers as before; one canvas, in the same WebGL context."""
     page.script("document.querySelector('#view canvas').dataset.kept = 'yes'")

@@ -10,6 +10,8 @@ import slopekit as sk
 from slopekit.app import notebook
 from slopekit.core.errors import DesignError
 
+pytestmark = pytest.mark.slow
+
 pytest.importorskip("anywidget", reason="anywidget is not installed (extra: notebook)")
 
 
@@ -45,7 +47,6 @@ import(script).then((it) => { window.stopIt = it.default.render({ model, el: doc
 """
 
 
-@pytest.mark.slow
 def test_the_page_of_a_widget_in_a_browser(browser) -> None:
     widget = sk.wedge(dips=("45/115", "45/245")).view()
     browser.get("about:blank")

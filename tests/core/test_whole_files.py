@@ -90,6 +90,7 @@ def full_disk() -> Iterator[None]:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="ulimit")
 @pytest.mark.parametrize(
     ("command", "kept"),

@@ -17,6 +17,8 @@ from slopekit.design.registry import KINDS, record_of
 from slopekit.studies.bench_design import bench_design
 from slopekit.studies.sets import sets
 
+pytestmark = pytest.mark.slow
+
 _COUNT, _SEED = 165, 21  # 11 takes twice as long for as many codes
 _SEED_OF_BLOCKS, _SEED_OF_OTHERS = 12, 11
 _SEED_OF_CASES = 14  # 11 draws one near 90° of friction and dilation that takes three times as long as all others
@@ -36,7 +38,6 @@ def found() -> list:
     return outcomes(_COUNT, _SEED, names=_NAMES)
 
 
-@pytest.mark.slow
 def test_nothing_escapes(found) -> None:
     assert not [each for each in found if each.escaped], report(found)
     assert {each.exit_code for each in found} <= {0, 1, 2, 3, 4}
@@ -88,7 +89,6 @@ def test_surveys_and_options_of_two_studies_are_run_or_refused(tmp_path) -> None
         assert set(OPTIONS[study]) == set(function.__kwdefaults__) - {"desk", "jobs", "scheduler"}
 
 
-@pytest.mark.slow
 def test_files_with_load_cases_are_run_or_refused(tmp_path) -> None:
     """Cases and partial factors: every file ends with a result or with codes."""
     each = [run(case(index, _SEED_OF_CASES, _OF_CASES), tmp_path) for index in range(30)]
@@ -98,7 +98,6 @@ def test_files_with_load_cases_are_run_or_refused(tmp_path) -> None:
     assert len({code for one in each for code in one.codes}) >= 8
 
 
-@pytest.mark.slow
 def test_files_of_many_blocks_are_read_or_refused(tmp_path) -> None:
     """Reading alone: whatever is wrong has a code and a place."""
     write_files(tmp_path)

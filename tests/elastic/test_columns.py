@@ -55,6 +55,7 @@ def test_a_column_settles_as_strength_of_materials_says(edge: float) -> None:
     assert found.forces.reshape(-1, 3)[:, 0] == pytest.approx(GAMMA * H * model.area, rel=1e-11)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("elastic", [False, True])
 def test_a_block_that_overhangs_does_not_hang_on_open_pairs(elastic: bool) -> None:
     """Its weight acts a millionth of its width beyond the edge it would turn about: nothing but springs of open pairs

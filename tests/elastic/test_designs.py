@@ -50,6 +50,7 @@ def test_a_plane_in_its_section_and_a_slope_below_one() -> None:
     assert weak.elastic.factor == pytest.approx(0.95 * weak.fos.limit, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_elastic_rock_may_not_stand_where_rigid_rock_just_does() -> None:
     """Its limit by forces is 1.013: what its deformation opens takes it below 1, and the state is one below."""
     found = sk.wedge(

@@ -69,6 +69,7 @@ def test_displacements_on_nodes_give_the_same_forces() -> None:
     assert forces == pytest.approx(found.forces.reshape(-1, 3), abs=1e-8 * float(np.abs(forces).max()))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("more", [{"water": "50%"}, {"crack": "80/180@8", "bolts": ["1000@5/-10,passive"]}])
 def test_the_limit_is_the_rigid_one_without_the_cohesion_that_is_pulled_open(more) -> None:
     """The oracle of METHOD-2 §10: the factor up to which the elastic block comes to rest."""
@@ -115,6 +116,7 @@ def turned_by(plane: str, degrees: float) -> str:
     return f"{dip}/{(float(direction) + degrees) % 360.0:g}"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("changed", ["turned", "moved", "mirrored", "scaled"])
 def test_the_same_wedge_elsewhere(changed: str) -> None:
     base = sk.wedge(**WEDGE, **COARSE, elastic=True).elastic

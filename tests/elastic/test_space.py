@@ -130,6 +130,7 @@ def test_lighter_dashpots_lead_to_rest_where_the_others_give_up(bench, monkeypat
     assert np.abs(unbalanced).max() < 1e-8 * np.abs(scene.model.load).max()
 
 
+@pytest.mark.slow
 def test_stiff_rock_is_rigid_in_space(bench) -> None:
     design, answer = bench
     stiff = replace(design, rock=replace(design.rock, modulus_kpa=1e14))

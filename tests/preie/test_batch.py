@@ -72,6 +72,7 @@ def test_the_forces_are_those_of_hoek_and_bray() -> None:
     assert (found.factor < 0.99 * found.forces).any()
 
 
+@pytest.mark.slow
 def test_more_friction_never_lowers_a_limit() -> None:
     """Nor a snap that comes to rest again: from 1.01 to 1.02 of its friction the first cut fell from 0.666 to 0.509."""
     cuts = blocks_of([random_cuts(751, 77)[750], *random_cuts(60, 3)])

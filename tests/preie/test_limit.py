@@ -172,6 +172,7 @@ def test_static_bound_against_clarabel() -> None:
         assert ours.factor == pytest.approx(conic_oracle.static_bound(model, ours.factor), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_turning_limit_against_the_conic_sequence() -> None:
     """Where every bond holds, the conic sequence of METHOD.md §4 (Clarabel) must find the same limit."""
     compared = 0

@@ -334,6 +334,7 @@ def test_the_static_bound_of_a_frame_is_one_at_its_published_associated_multipli
     assert static_bound(model_of(populations.frame())).factor == pytest.approx(1.0, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_the_static_bound_of_two_hundred_columns() -> None:
     """Rough programs have the wrong sign there: the bound closed at 0.9577, with a twentieth of the load to spare."""
     model = model_of(populations.goodman_bray(200))
@@ -546,6 +547,7 @@ def test_with_normality_a_mechanism_has_one_factor(name) -> None:
     assert found.highest == pytest.approx(found.factor, rel=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", [DILATING["section"], model_of(populations.bench(94))], ids=["section", "turns"])
 def test_dilation_beyond_the_friction_angle_says_no_more(model) -> None:
     """Friction is reduced all along the path: tan ψ = tan φ and five times that are one law, and one state."""

@@ -235,6 +235,7 @@ def test_a_box_rocks_where_the_push_passes_width_over_height(push, rocks) -> Non
         assert abs(out.work.unbalanced) < 1e-8 * out.work.put_in
 
 
+@pytest.mark.slow
 def test_a_box_that_rocks_knocks_as_housner_has_it() -> None:
     """The first angle by hand; after a knock (1 - 1.5 sin² α)² of it: less with long steps, which damp (Housner)."""
     alpha, inertia = math.atan(1.0 / 3.0), (1.0 + 9.0) / 3.0

@@ -157,6 +157,7 @@ def test_bolts_that_hold_a_part_of_a_wedge_alone_are_said() -> None:
     assert none.exit_code == 1
 
 
+@pytest.mark.slow
 def test_no_load_case_is_met_that_the_whole_wedge_does_not_meet() -> None:
     """The value that governs is that of the block above the basal joint: 3.5 with 61.6°, the whole wedge has 3.171."""
     found = solved_for_both()

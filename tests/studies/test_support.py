@@ -275,6 +275,7 @@ def test_moments_govern_and_the_larger_number_is_the_one_to_use(turning) -> None
     assert max(map(len, sheet.splitlines())) <= 100
 
 
+@pytest.mark.slow
 def test_heads_lie_on_the_face_and_bolts_reach_behind_the_joint(turning) -> None:
     """Measured against planes through the toe: the face, and the first joint that each bolt meets."""
     case = turning.cases[0]

@@ -23,6 +23,8 @@ image = pytest.importorskip("PIL.Image", reason="pictures are read with pillow (
 
 from tests.app.browsing import started  # noqa: E402
 
+pytestmark = pytest.mark.slow
+
 PIXELS = 0.5  # of the view along a pixel of the page: drawn by software, a quarter of the work
 
 
@@ -106,7 +108,6 @@ def changed(one: np.ndarray, two: np.ndarray) -> float:
     return float((np.abs(one - two).max(axis=2) > 12).mean())
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", ["wedge", "columns"])
 def test_the_page_opens_without_a_complaint_or_a_request(browser, pages, name) -> None:
     page = Page(browser, pages[name])
@@ -119,7 +120,6 @@ def test_the_page_opens_without_a_complaint_or_a_request(browser, pages, name) -
     assert page.script("return document.getElementById('view-none').hidden")
 
 
-@pytest.mark.slow
 def test_it_turns_by_mouse_wheel_keyboard_and_comes_back(browser, pages) -> None:
     page = Page(browser, pages["wedge"])
     first = page.canvas()
@@ -142,7 +142,6 @@ def test_it_turns_by_mouse_wheel_keyboard_and_comes_back(browser, pages) -> None
     assert changed(first, page.canvas()) == 0.0
 
 
-@pytest.mark.slow
 def test_it_turns_by_touch(browser, pages) -> None:
     page = Page(browser, pages["wedge"], 390, mobile=True)
     first = page.canvas()
@@ -169,7 +168,6 @@ CONTROLS = {
 }  # fmt: skip
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", ["wedge", "columns"])
 def test_every_control_changes_the_view(browser, pages, name) -> None:
     """What is set back to what it was shows the same again; joints behind opaque blocks need them apart."""
@@ -190,7 +188,6 @@ def test_every_control_changes_the_view(browser, pages, name) -> None:
     assert page.complaints() == []
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", ["wedge", "columns"])
 def test_no_page_is_wider_than_a_phone(browser, pages, name) -> None:
     page = Page(browser, pages[name], 390, mobile=True)
@@ -198,7 +195,6 @@ def test_no_page_is_wider_than_a_phone(browser, pages, name) -> None:
     assert page.script("return document.documentElement.clientWidth") == 390
 
 
-@pytest.mark.slow
 def test_it_prints(browser, pages) -> None:
     """A PDF of A4 pages, the view as it was seen last on it and its controls not."""
     page = Page(browser, pages["wedge"])
@@ -217,7 +213,6 @@ def test_it_prints(browser, pages) -> None:
         page.command("Emulation.setEmulatedMedia", media="")
 
 
-@pytest.mark.slow
 def test_no_printed_table_is_cut_off(browser, tmp_path) -> None:
     """Many bolts at map coordinates: on paper A4 every cell ends within the page (they stood in two columns)."""
     head = [512300.125, 4187645.0, 1245.0]
@@ -240,7 +235,6 @@ def test_no_printed_table_is_cut_off(browser, tmp_path) -> None:
         page.command("Emulation.setEmulatedMedia", media="")
 
 
-@pytest.mark.slow
 def test_each_scene_of_several_can_be_turned(browser, pages) -> None:
     """One view goes from place to place; where it is not stands its last picture, and all are printed."""
     page = Page(browser, pages["two"])
@@ -271,7 +265,6 @@ def test_each_scene_of_several_can_be_turned(browser, pages) -> None:
     assert page.complaints() == []
 
 
-@pytest.mark.slow
 def test_the_printed_view_has_its_legend_scale_and_north(browser, pages) -> None:
     """The canvas alone has none of them: they are drawn into the picture, the legend stands beneath it."""
     page = Page(browser, pages["columns"])
@@ -310,7 +303,6 @@ def test_names_of_the_arrows_never_lie_on_each_other(browser, pages) -> None:
                 assert one[1] <= two[0] + 1 or two[1] <= one[0] + 1 or one[3] <= two[2] + 4 or two[3] <= one[2] + 4
 
 
-@pytest.mark.slow
 def test_a_table_wider_than_a_phone_says_so(browser, pages) -> None:
     """Goodman & Bray's columns have eleven; every table that scrolls is shaded there and followed by a hint."""
     page = Page(browser, pages["columns"], 390, mobile=True)
@@ -342,7 +334,6 @@ def test_without_webgl_the_page_says_so(browser, pages) -> None:
         browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", added)
 
 
-@pytest.mark.slow
 def test_bolts_are_shown_and_numbered_where_there_is_room(browser, pages) -> None:
     """Rods come and go with their box; no number lies on another, the axes or the scale; a bare page has no box."""
     page = Page(browser, pages["bolts"])
