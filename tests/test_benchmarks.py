@@ -27,6 +27,7 @@ def test_the_cracked_base_is_compared_with_springs(capsys) -> None:
     assert "1 within 2 % of the springs' bracket" in " ".join(capsys.readouterr().out.split())
 
 
+@pytest.mark.slow
 def test_the_wedge_names_every_solver_and_its_rows_make_sense(monkeypatch, tmp_path):
     monkeypatch.setattr(speed_error, "TURNS", {"quick": 0, "full": 0})
     rows = speed_error.wedge(quick=True)

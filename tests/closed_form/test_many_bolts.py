@@ -57,6 +57,7 @@ def test_they_cost_as_much_as_two(slope, monkeypatch) -> None:
     assert many == asked[0] > 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("slope", SLOPES)
 def test_directions_of_their_own_hold_a_little_less_than_their_mean(slope) -> None:
     """A fan of 20 about one direction beside one bolt: the resultant of a fan of ± 2° is shorter by 0.03 % or so."""

@@ -67,6 +67,7 @@ PROFILES = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("profile", PROFILES)
 @pytest.mark.parametrize("half_width", [28.2842712474619, 60.0])
 def test_brute_force(profile, half_width) -> None:

@@ -320,6 +320,7 @@ def test_a_force_that_leaves_nothing_to_drive() -> None:
     assert compare(one(force_kn=force)) == {"no_driving_force": 3, "slides_up": 1, "slides_on_both": 1}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "given",
     [random(70), around(72, degrees=12.0, fill=uniform(73, 0.0, 3.0)), cracked(around(71, degrees=10.0), 71),

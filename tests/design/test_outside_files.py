@@ -107,6 +107,7 @@ def test_pipes_and_devices_are_not_waited_for(tmp_path) -> None:
         sk.sets(pipe)
 
 
+@pytest.mark.slow
 def test_what_the_shell_hands_over_is_read(tmp_path) -> None:
     """`<(...)` and /dev/stdin are open already: they are read, up to the size that a file may have."""
     (tmp_path / "wedge.yaml").write_text(

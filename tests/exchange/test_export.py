@@ -104,6 +104,7 @@ def test_a_folder_stands_for_the_result_in_it(result, tmp_path) -> None:
     assert (run.returncode, run.stdout) == (0, "y.stl\n")
 
 
+@pytest.mark.slow
 def test_runs_load_nothing_of_exports() -> None:
     heavy = ["ezdxf", "pyvista", "matplotlib", "slopekit.exchange"]
     program = (

@@ -337,6 +337,7 @@ def test_what_the_results_of_hard_scenes_say() -> None:
     assert "others held" not in " ".join(room._left_out(design, scene, (part,)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [27])
 def test_the_static_bound_is_that_of_all_blocks(number) -> None:
     """By a program of all blocks."""
@@ -353,6 +354,7 @@ def in_components() -> Ravelling:
     return ravel(scene.assembly, scene_loads(scene), joint_strength(scene.strengths), ranged=False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("locked", "known"), [(False, False), (True, True)])
 def test_a_component_whose_bound_was_not_found_leaves_none_of_all(locked, known) -> None:
     """That of the others holds those alone; a component that is locked at any friction takes nothing away."""

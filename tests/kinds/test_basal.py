@@ -106,6 +106,7 @@ def test_what_it_shares_with_the_wedge_of_two_joints() -> None:
     assert steep.comparisons.forces_only == pytest.approx(two.comparisons.forces_only, rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [1, 4, 20])
 def test_turned_mirrored_moved_and_scaled_it_is_the_same(number) -> None:
     """By the closed form; c grows with the size."""
@@ -333,6 +334,7 @@ SOCKET = put(
 )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("crack", [{"plane": "85/180"}, {"plane": "80/170", "water": "25 %"}])
 def test_the_worst_crack_of_a_block_whose_sides_do_not_daylight(crack) -> None:
     """Scanned from the crest to behind the block, one at a time: nowhere lower than where it was put."""

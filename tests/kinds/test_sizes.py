@@ -134,6 +134,7 @@ def bench() -> Result:
     return sk.run(folder() / "bench.yaml", set={"slope.length": 14, "slope.depth": 9, "slope.height": 8})
 
 
+@pytest.mark.slow
 def test_a_mechanism_has_the_sizes_of_its_blocks(bench: Result) -> None:
     """Volume by the divergence theorem, mass, height, width and setback by the corners: what moves, random blocks."""
     design, geometry = bench.design, bench.geometry

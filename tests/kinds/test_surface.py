@@ -38,6 +38,7 @@ def test_the_paper_s_ellipsoid() -> None:
     assert not codes(result)
 
 
+@pytest.mark.slow
 def test_the_sphere_of_hungr() -> None:
     """φ = 0: 1.4016 ± 0.0005 (Hungr, Salgado & Byrne 1989: 1.402), agreeing with the closed form."""
     slip = {"shape": "sphere", "centre": [0, 0, 0], "radius": 10}
@@ -103,6 +104,7 @@ def test_nothing_drives_it() -> None:
     assert "W325" not in codes(result)
 
 
+@pytest.mark.slow
 def test_normals_that_were_turned_are_reported() -> None:
     """An ellipsoid of three axes lets no motion through: W325; facets: W325."""
     three = run({"shape": "ellipsoid", "centre": [40, 0, 40], "radii": [44, 30, 39], **COARSE})

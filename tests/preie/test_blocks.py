@@ -464,6 +464,7 @@ def test_a_block_that_can_slide_alone_does(seed) -> None:
     assert random_limit(seed).factor == pytest.approx(alone, rel=2e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sets", [BENCH, CLOSER])
 def test_a_light_block_slides_alone_on_a_bench(sets) -> None:
     """On the plane at 45°: tan 30° / tan 45°, to 1e-6, and a limit state, not the end of a bracket."""

@@ -74,6 +74,7 @@ def test_a_few_blocks_keep_newtons_method_from_rest_and_are_settled_by_themselve
     assert forces.normal.min() >= 0.0
 
 
+@pytest.mark.slow
 def test_blocks_run_by_the_work_that_they_do_from_where_they_are(monkeypatch) -> None:
     """From far down the slope they are at rest, when enough strength holds them there."""
     model = model_of_bench(monkeypatch, 1.6)

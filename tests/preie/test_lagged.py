@@ -57,6 +57,7 @@ def test_slivers_do_not_hold_up_all_others(bed):
     admissible(bed.model, 0.99 * LIMIT, rest.forces.normal, rest.forces.friction, rest.forces.strength)
 
 
+@pytest.mark.slow
 def test_contacts_that_lie_open_are_those_of_a_sharp_rest(bed, both):
     """Every force of a rounded rest is above nothing: a bond of an open contact would count."""
     contact = bed.model.pair_contact

@@ -165,6 +165,7 @@ def random_models(count: int, seed: int):
             yield model, analysis
 
 
+@pytest.mark.slow
 def test_static_bound_against_clarabel() -> None:
     """Other matrices, and bisection: to 1e-6 (Clarabel's margin is 1e-10)."""
     for model, analysis in random_models(25, 11):

@@ -179,6 +179,7 @@ def test_the_certified_range_of_one_limit_is_a_point(name) -> None:
     assert (found.lowest, found.highest) == (pytest.approx(factor, rel=3e-4), pytest.approx(factor, rel=3e-4))
 
 
+@pytest.mark.slow
 def test_two_blocks_have_a_continuum_of_limits() -> None:
     """METHOD-3 §12: a global solver proves [0.52049, 0.52955]. The history and slopekit end inside."""
     model = model_of(known.TWO_BLOCKS)

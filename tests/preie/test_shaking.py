@@ -171,6 +171,7 @@ def test_a_second_program_says_the_same(way, metres) -> None:
     )
 
 
+@pytest.mark.slow
 def test_shaking_across_pulls_joints_open_and_does_not_depend_on_the_step() -> None:
     """The same record across the slope as well: a joint opens and loses its bond, the wedge slides a quarter more."""
     found = []

@@ -36,6 +36,7 @@ def limits(inputs: dict[str, Any], key: str, values: list[Any]) -> list[float]:
     return [sk.wedge(**inputs, **{key: value}).fos.limit for value in values]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("inputs", "percents"),
     [(RISING_WATER, [82.0, 83.0, 83.5, 84.0, 84.5, 86.0]), (WATER_AND_CRACK, [45.0, 47.0, 48.0, 50.0, 55.0])],

@@ -49,6 +49,7 @@ def assert_same(one, other, rel: float = 1e-7) -> None:
             assert b == pytest.approx(a, rel=rel)
 
 
+@pytest.mark.slow
 @quick
 @given(seed=seeds)
 def test_map_coordinates_change_no_digit_beyond_1e_9(seed) -> None:

@@ -555,6 +555,7 @@ OUT_OF_REACH = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("code", "design", "options", "says"), OUT_OF_REACH, ids=lambda value: str(value)[:12])
 def test_what_cannot_be_reached_says_why(code, design, options, says) -> None:
     options = {"fos": 1.9} | options
