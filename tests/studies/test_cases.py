@@ -116,6 +116,7 @@ def test_every_study_of_a_design_takes_cases() -> None:
 def test_the_bolts_of_the_case_that_governs_satisfy_every_case() -> None:
     """The bolts that are written, put into the design by hand, and every case run with them."""
     found = sk.support(sk.load(FILE), acts="active")
+    assert "bolts of one case are not tried in the others" in str(found)  # they are by `run`, as here
     assert (found.exit_code, found.governing) == (0, "static")
     assert [one.target for one in found.cases.values()] == [1.5, 1.1, 1.3]
     rows = found.to_frame()

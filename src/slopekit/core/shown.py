@@ -16,6 +16,8 @@ class Shown:
     #: Of its files: NAME.json and NAME.txt, or another name of the text.
     name: ClassVar[str]
     text_name: ClassVar[str] = ""
+    #: What a table over load cases adds behind the one that governs.
+    of_one_case: ClassVar[tuple[str, ...]] = ()
 
     @property
     @abstractmethod

@@ -124,19 +124,18 @@ class Cases(Shown, Generic[Found]):
         own.append(Column("says", lambda row: row[1].line, "line"))
         table = Table(own, rows)
         own_name = "cases.csv" if self.what == "run" else f"{self.what}-cases.csv"
-        sections = [Section("CASES", [table])]
         cut = [f"{case.name}: {case.in_words}" for case, _ in rows if len(case.in_words) > room - 2]
-        sections.append(Section("SETS", cut))
+        sections = [Section("CASES", [table]), Section("SETS", cut)]
         if not more:
             sections.append(Section("EACH", [f"{case.name}: {found.line}" for case, found in rows]))
         if more:
-            sections.append(Section("GOVERNS", [f"{self.governing}: {self.cases[self.governing].line}"]))
+            governing = self.cases[self.governing]
+            sections.append(Section("GOVERNS", [f"{self.governing}: {governing.line}", *governing.of_one_case]))
         elif first.margin is not None:
             sections.append(Section("GOVERNS", [self.governing]))
-        sections.append(Section("NOTE", [str(notice) for notice in self.warnings]))
         return Sheet(
             head(self.design, f"{self.what}, {len(rows)} load case{'s' * (len(rows) != 1)}"),
-            sections,
+            [*sections, Section("NOTE", [str(notice) for notice in self.warnings])],
             {own_name: table},
         )
 

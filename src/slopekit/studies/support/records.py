@@ -208,6 +208,9 @@ class Support(StudyOutcome):
     """
 
     name: ClassVar[str] = "support"
+    of_one_case: ClassVar[tuple[str, ...]] = (
+        "bolts of one case are not tried in the others: put into the design, `run` judges all",
+    )
     JSON_ALSO: ClassVar = ("reached", "needed", "without")
     design: Design = field(metadata={"json": None})
     target: float = field(metadata={"json": "target_fos"})

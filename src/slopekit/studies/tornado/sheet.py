@@ -44,7 +44,13 @@ def _now(study: Tornado) -> str:
 def _bars(study: Tornado, moved: list[TornadoBar]) -> Table[TornadoBar]:
     main, *others = study.asked
     columns: list[Column[TornadoBar]] = [
-        Column("key", lambda bar: bar.key.path, "key", show=_short, width=-29),
+        Column(
+            "key",
+            lambda bar: bar.key.path,
+            "key",
+            width=-29,
+            show=lambda path: path if len(path) <= 28 else "…" + path[-27:],
+        ),
         Column("from", lambda bar: bar.key.reduced(bar.low), "low", width=11, text=lambda bar: _number(bar, bar.low)),
         Column("to", lambda bar: bar.key.reduced(bar.high), "high", width=11, text=lambda bar: _number(bar, bar.high)),
         Column("", lambda bar: _end(bar.at_low, main), "fos_low", show=_end_text, width=8),
@@ -53,10 +59,6 @@ def _bars(study: Tornado, moved: list[TornadoBar]) -> Table[TornadoBar]:
         *(Column(METHODS[method], _swing_by(method), f"swing_{method}", show=_swing, width=13) for method in others),
     ]
     return Table(columns, moved)
-
-
-def _short(path: str) -> str:
-    return path if len(path) <= 28 else "…" + path[-27:]
 
 
 def _swing_by(method: Method) -> Callable[[TornadoBar], float | None]:
