@@ -168,21 +168,17 @@ def _probability(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Resu
     seed = _whole(options, "seed", 1, 0, 2**31)
     scatter = _scattered(moment, options)
     design = with_values(moment.design, scatter) if scatter else moment.design
-    has_form = kind_named(design.kind).closed_form is not None
-    confirm = _whole(options, "confirm", 200, 0, 10_000)
     target = number_in(options, "fos", 1.0)
     assert target is not None
-    given: dict[str, Any] = {"confirm": min(confirm, count)} if has_form else {}
     tell(0, None, "samples")
-    study = prob(design, count, seed=seed, fos=target, desk=_desk(tell), **given)
+    study = prob(design, count, seed=seed, fos=target, desk=_desk(tell))
     assert isinstance(study, Probability)
-    leading, by = study.leading, study.asked.by
-    histogram = study.to_dict()["histogram"]
+    share, other, histogram = study.all_samples, study.by_closed_form, study.to_dict()["histogram"]
     if histogram is not None:
-        histogram[{"pre-ie": "limit"}.get(by, "closed_form")] = histogram["counts"]
+        histogram["limit"] = histogram["counts"]
     return {
-        "samples": count, "pf": leading["probability"], "low": leading["low"], "high": leading["high"],
-        "pf_of": leading["by"],
+        "samples": len(study.samples.values), "pf": share.share, "low": share.low, "high": share.high,
+        "pf_closed_form": None if other is None else other.share,
         "confidence": study.asked.confidence, "target": target, "histogram": histogram, "outcomes": study.counts,
         "sensitivity": [{"label": name, "rank_correlation": value} for name, value in study.sensitivities],
         "notices": [answers.notice_of(one) for one in study.warnings], "line": study.line,

@@ -10,7 +10,7 @@ import numpy as np
 
 from slopekit.closed_form.plane import OUTCOMES, PlaneArrays, plane_failures
 from slopekit.core import sheet
-from slopekit.core.arrays import Floats
+from slopekit.core.arrays import Floats, cross
 from slopekit.core.errors import Fault, GeometryError, Notice
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.units import is_unit_of, unit_of
@@ -23,6 +23,7 @@ from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.reader import Reader
 from slopekit.design.sections import read_common, read_water
 from slopekit.extents import SectionGeometry
+from slopekit.geometry.polytopes import Polytopes
 from slopekit.geometry.pressure import Pieces, even
 from slopekit.geometry.rock.cutting import Block
 from slopekit.geometry.sections.section import CRACK, FACE, J1, UPPER, PlaneSection, line_pairs, plane_section
@@ -377,13 +378,14 @@ def bounds(design: PlaneDesign) -> Bounds:
     if crack is not None:
         with np.errstate(divide="ignore", invalid="ignore"):
             behind = (
-                np.atleast_1d(crack.distance_m or 0.0)
+                np.atleast_1d(0.0 if crack.distance_m is None else crack.distance_m)
                 if crack.depth_m is None
                 else (height + crest * slide - crack.depth_m) / (slide - upper)
             )
         normals.append(out)
         offsets.append(crest - behind)
-    return bounds_of(normals, offsets, within, np.zeros(3), (0,), (1, 2), height)
+    bounded = bounds_of(normals, offsets, within, np.zeros(3), (0,), (1, 2), height)
+    return replace(bounded, along=cross(np.array([0.0, 0.0, 1.0]), out))
 
 
 def _sizes(design: PlaneDesign) -> SizesOfMany | None:
@@ -410,7 +412,33 @@ def crack_reach(design: PlaneDesign) -> Floats:
     return _extents(design, None).setback_m
 
 
-ON_ARRAYS = OnArrays(arguments, _passive, _strengths, _of_strengths, closed_forms, bounds, _sizes, crack_reach)
+def _full_water(design: PlaneDesign, solids: Polytopes) -> list[tuple[int, Floats, Floats]]:
+    """Full water, or what stands in the crack, of blocks whose numbers are arrays: as `_full` of one."""
+    weight, slide = design.water_unit_weight_kn_m3, 0
+    if design.crack is None:
+        return [solids.even(slide, weight * solids.height() / 4.0)]
+    crack = len(solids.outward[0]) - 3  # before the ends of the metre
+    corners = solids.faces[:, crack]
+    lowest, highest = corners[:, :, 2].min(axis=1), corners[:, :, 2].max(axis=1)
+    depth = highest - lowest if design.water.crack_water_m is None else design.water.crack_water_m
+    level = np.broadcast_to(lowest + depth, lowest.shape)[:, None]
+    wet = solids.triangles(crack)  # above the water it has no area
+    wet = np.concatenate([wet[..., :2], np.minimum(wet[..., 2:], level[:, :, None, None])], axis=3)
+    under = solids.triangles(slide)
+    share = (under[..., 2] - solids.faces[:, slide, :, 2].min(axis=1)[:, None, None]) / lowest[:, None, None]
+    return [(slide, under, weight * (level - lowest[:, None])[:, :, None] * share),
+            (crack, wet, weight * (level[:, :, None] - wet[..., 2]))]  # fmt: skip
+
+
+def _shaken(design: PlaneDesign) -> Floats:
+    """Which way an earthquake without a trend acts: out of the face."""
+    return upward(90.0, design.face.dip_direction_deg)
+
+
+ON_ARRAYS = OnArrays(
+    arguments, _passive, _strengths, _of_strengths, closed_forms, bounds, _sizes, crack_reach, None, _full_water,
+    _shaken,
+)  # fmt: skip
 
 
 def closed_form(design: PlaneDesign) -> ClosedForm:

@@ -213,19 +213,28 @@ def both_methods(design: Design) -> Record:
     return point_of(design, {}).to_record()
 
 
+def kept_records(
+    work: Callable[[Any], Record], tasks: Sequence[Any], crew: Crew, desk: Workplace, study: str, label: str,
+    run: object, at_once: int = 8, given_up: Record | None = None,
+) -> tuple[list[Record], Journal]:  # fmt: skip
+    """The records of many tasks, by whoever does the work, and the journal that keeps them until it is removed.
+
+    Parameters
+    ----------
+    study, label : names of the journal and of the bar; run : everything that the records depend on, as JSON values
+    """
+    journal = Journal.of(desk.folder or Path.cwd(), study, run, streamed=desk.folder is not None)
+    with desk.bar(label, len(tasks)) as advance:
+        records = run_all(work, tasks, crew, journal=journal, advance=advance, at_once=at_once, given_up=given_up)
+    return records, journal
+
+
 def kept_points(
     work: Callable[[Any], Record], tasks: Sequence[Any], crew: Crew, desk: Workplace, study: str, label: str,
     run: object, at_once: int = 8,
 ) -> tuple[tuple[Point, ...], Journal]:  # fmt: skip
-    """The points of many tasks, by whoever does the work, and the journal that keeps what is done until it is removed.
-
-    Parameters
-    ----------
-    study, label : names of the journal and of the bar; run : everything that the points depend on, as JSON values
-    """
-    journal = Journal.of(desk.folder or Path.cwd(), study, run, streamed=desk.folder is not None)
-    with desk.bar(label, len(tasks)) as advance:
-        records = run_all(work, tasks, crew, journal=journal, advance=advance, at_once=at_once, given_up=GIVEN_UP)
+    """The points of many tasks: as `kept_records`."""
+    records, journal = kept_records(work, tasks, crew, desk, study, label, run, at_once, GIVEN_UP)
     return tuple(Point.from_record(record) for record in records), journal
 
 

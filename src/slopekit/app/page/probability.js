@@ -118,7 +118,7 @@ function show(found) {
   }
   fill(parts.found, el("div", { class: "figures" }, el("div", {}, el("span", { class: "soft" }, "probability of failure"),
     el("strong", { id: "pf" }, percent(found.pf)), el("span", { class: "soft" }, found.low === null || found.low === undefined ? "" : `${percent(found.low)} to ${percent(found.high)} (${percent(found.confidence ?? 0.95)} confidence)`)),
-  el("div", {}, el("span", { class: "soft" }, "samples"), el("strong", {}, found.samples), el("span", { class: "soft" }, found.pf_of ? `by ${found.pf_of}` : ""))),
+  el("div", {}, el("span", { class: "soft" }, "samples"), el("strong", {}, found.samples), el("span", { class: "soft" }, found.pf_closed_form === null || found.pf_closed_form === undefined ? "" : `closed form ${percent(found.pf_closed_form)}`))),
   sheet ? sheet.sheet : null, beyond(found), sensitivity(found.sensitivity || []), (found.notices || []).map((one) => el("p", {}, el("code", {}, one.code), " ", one.text)));
 }
 

@@ -12,6 +12,7 @@ from slopekit.core.errors import Fault, GeometryError
 from slopekit.design.common import Design
 from slopekit.design.ground_water import SlopeDesign
 from slopekit.design.parts import Strength
+from slopekit.geometry.polytopes import Polytopes
 from slopekit.kinds.protocol import ClosedForm, D
 from slopekit.kinds.single_block.held_bolts import Bounds
 from slopekit.kinds.single_block.secants import on_secants
@@ -89,6 +90,9 @@ class OnArrays(Generic[D]):
         designs have none
     crack_reach_m : how far the place of a crack may lie, of a design whose numbers may be arrays; not a number where
         the planes make no block; None where a design is asked one by one
+    full : of a design whose numbers may be arrays and its blocks, full water, or what stands in the crack: the plane of
+        each face that it presses on, the face in triangles (n, t, 3, 3), and the pressures at their corners (n, t, 3)
+    shaken : of such a design, the level unit vector (n, 3) that an earthquake without a trend acts along
     """
 
     arguments: Callable[[D], Arguments]
@@ -100,6 +104,8 @@ class OnArrays(Generic[D]):
     sizes: Callable[[D], SizesOfMany | None] | None = None
     crack_reach_m: Callable[[D], Floats | None] | None = None
     also: Callable[[D, Arguments, Floats], ClosedForms | None] | None = None
+    full: Callable[[D, Polytopes], Sequence[tuple[int, Floats, Floats]]] | None = None
+    shaken: Callable[[D], Floats] | None = None
 
     def of(self, design: D) -> ClosedForm:
         """One design, on the secants of its strengths where these are curved.

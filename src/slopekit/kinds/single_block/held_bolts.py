@@ -22,21 +22,25 @@ _CLEAR = 1e-9  # of the size of the block: a line that only touches it does not 
 
 @dataclass(frozen=True)
 class Bounds:
-    """The planes that bound the convex blocks of n designs, in the coordinates of the user.
+    """The planes that bound the convex blocks of n designs.
 
     Attributes
     ----------
-    outward : (k, n, 3) unit normals; offsets : (k, n) m: `outward · x <= offset` within a block
+    outward : (k, n, 3) unit normals; offsets : (k, n) m: `outward · (x - origin) <= offset` within a block
+    origin : (3,) m, in the coordinates of the user
     joints, free : the planes that rock lies behind, and those that a head may stand on; a crack is neither: a bolt
         goes on behind it
     size : (n,) m of the blocks
+    along : (n, 3) or (1, 3) unit vectors along the slope where blocks are a metre of it; None where planes end them all
     """
 
     outward: Floats
     offsets: Floats
+    origin: Floats
     joints: tuple[int, ...]
     free: tuple[int, ...]
     size: Floats
+    along: Floats | None = None
 
 
 def stand_off(bounds: Bounds, bolts: Sequence[Bolt]) -> Floats:
@@ -81,7 +85,7 @@ def _passage(bounds: Bounds, bolts: Sequence[Bolt]) -> tuple[Floats, Floats, Boo
 
     A bolt does where its line goes in through a free face and out through a joint, drawn on behind a tension crack.
     """
-    heads = np.array([bolt.head_m for bolt in bolts])
+    heads = np.array([bolt.head_m for bolt in bolts]) - bounds.origin
     ways = np.stack([bolt.toward.vector() for bolt in bolts])
     gap = bounds.offsets[:, None] - (bounds.outward @ heads.T).swapaxes(1, 2)  # (planes, b, n)
     slope = (bounds.outward @ ways.T).swapaxes(1, 2)
@@ -144,4 +148,4 @@ def bounds_of(
     if within is not None:
         side = np.where((outward * within).sum(axis=-1) > at, -1.0, 1.0)
         outward, at = outward * side[..., None], at * side
-    return Bounds(outward, at + outward @ origin, joints, free, np.broadcast_to(size, count))
+    return Bounds(outward, at, origin, joints, free, np.broadcast_to(size, count))

@@ -8,14 +8,15 @@ from typing import Any
 import numpy as np
 
 from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
-from slopekit.core.arrays import Floats
+from slopekit.core.arrays import Floats, cross
 from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.sheet import Section
 from slopekit.design.parts import Strength, Water
 from slopekit.evidence import WithoutBasal
 from slopekit.extents import WedgeGeometry
-from slopekit.geometry.rock.rockmass import FACE, J1, J2, UPPER
+from slopekit.geometry.polytopes import Polytopes
+from slopekit.geometry.rock.rockmass import CRACK, FACE, J1, J2, UPPER
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.single_block.closed_forms import (
     Arguments,
@@ -40,6 +41,7 @@ from slopekit.kinds.words import (
 from slopekit.result import Result, Words
 
 _NEARLY_PARALLEL_DEG = 5.0
+_ON = 1e-12  # of the size of a wedge: its crest is on the crack
 _OUTCOMES = (*OUTCOMES, "E486", "E487")  # the last two by limits of size
 _PRESSURES = ("pressure1", "pressure2", "pressure3", "pressure5")
 
@@ -161,7 +163,10 @@ def bounds(design: WedgeDesign) -> Bounds:
             trace = back - crest1
             length = np.sqrt((trace * trace).sum(axis=-1))
             at = crest1 + trace * (np.atleast_1d(design.crack.distance_m) / length)[:, None]
-            normals, offsets = [*normals, crack], [*offsets, (crack * at).sum(axis=-1)]
+            offset_m = (crack * at).sum(axis=-1)
+            behind = [(crack * crest).sum(axis=-1) / offset_m > 1.0 + _ON for crest in (crest1, crest2)]
+            # it must not cut the crest off: both parts would be free to leave the rock (E208)
+            normals, offsets = [*normals, crack], [*offsets, np.where(behind[0] | behind[1], np.nan, offset_m)]
             within = within * 1e-6  # before any crack that leaves a wedge
     size = np.sqrt((back * back).sum(axis=-1))
     return bounds_of(normals, offsets, within, np.array(design.origin_m), (J1, J2), (FACE, UPPER), size)
@@ -201,8 +206,43 @@ def _also_of_many(design: WedgeDesign, arguments: Arguments, before: Floats) -> 
     return basal.without_basal_of_many(design, arguments, before)
 
 
+def full_water(design: WedgeDesign, solids: Polytopes) -> list[tuple[int, Floats, Floats]]:
+    """Full water on the joints and the crack of wedges: Hoek & Bray's pyramids, as `cutting` has them of one."""
+    if design.basal is not None:
+        from slopekit.kinds.wedge import basal
+
+        return basal.full_water(design, solids)
+    outward, offsets = solids.outward, solids.offsets
+    line = cross(outward[:, J1], outward[:, J2])
+    end = UPPER if design.crack is None else CRACK
+    back = line * (offsets[:, end] / (outward[:, end] * line).sum(axis=1))[:, None]
+    if design.crack is None:
+        mean = design.water_unit_weight_kn_m3 * solids.height() / 6.0
+        return [solids.pyramid(joint, back / 2.0, mean) for joint in (J1, J2)]
+    upper = outward[:, UPPER]
+    depth = (offsets[:, UPPER] - (upper * back).sum(axis=1)) / upper[:, 2]
+    mean = design.water_unit_weight_kn_m3 * depth / 3.0
+    return [solids.pyramid(face, back, mean) for face in (J1, J2, CRACK)]
+
+
+def _shaken(design: WedgeDesign) -> Floats:
+    """Which way an earthquake without a trend acts on wedges: down the line of intersection, or out of the face."""
+    if design.basal is not None:
+        return _level(upward(90.0, design.face.dip_direction_deg))
+    first, second = (upward(plane.dip_deg, plane.dip_direction_deg) for plane in design.joints)
+    line = cross(first, second)
+    return _level(np.where(line[:, 2:] > 0.0, -line, line))
+
+
+def _level(ways: Floats) -> Floats:
+    """Level unit vectors (n, 3) along others."""
+    level = ways * [1.0, 1.0, 0.0]
+    return np.asarray(level / np.sqrt((level * level).sum(axis=1))[:, None])
+
+
 ON_ARRAYS = OnArrays(
-    arguments, passive_bolts, strengths_of, _of_strengths, closed_forms, bounds, _sizes, crack_reach, _also_of_many
+    arguments, passive_bolts, strengths_of, _of_strengths, closed_forms, bounds, _sizes, crack_reach, _also_of_many,
+    full_water, _shaken,
 )  # fmt: skip
 
 

@@ -15,6 +15,7 @@ from slopekit.core.sheet import counted
 from slopekit.design.parts import Bolt
 from slopekit.evidence import WithoutBasal
 from slopekit.extents import WedgeGeometry
+from slopekit.geometry.polytopes import Polytopes
 from slopekit.geometry.pressure import Pieces, even
 from slopekit.geometry.rock.basal import (
     BASAL,
@@ -93,6 +94,16 @@ def _full(rock: BasalRockMass, block: Block, unit_weight: float) -> Mapping[int,
         depths = (rock.offsets[UPPER] - block.faces[CRACK] @ upper) / upper[2]
         mean = unit_weight * float(depths.max()) / 3.0
     return {face: even(polygon, mean) for face, polygon in block.faces.items() if face in (J1, J2, BASAL, CRACK)}
+
+
+def full_water(design: WedgeDesign, solids: Polytopes) -> list[tuple[int, Floats, Floats]]:
+    """Full water of blocks whose numbers are arrays, even over each joint and the crack: as `_full` of one."""
+    depth, faces = solids.height() / 2.0, [J1, J2, BASAL]
+    if design.crack is not None:
+        upper, faces = solids.outward[:, UPPER], [*faces, CRACK]
+        below = solids.offsets[:, UPPER, None] - (solids.faces[:, CRACK] * upper[:, None]).sum(axis=2)
+        depth = below.max(axis=1) / upper[:, 2]
+    return [solids.even(face, design.water_unit_weight_kn_m3 * depth / 3.0) for face in faces]
 
 
 def bounds(design: WedgeDesign) -> Bounds:

@@ -1,11 +1,11 @@
-"""Probability of failure: samples of what scatters, the closed form of all of them, PRE-IE of some of them or of all.
+"""Probability of failure: samples of what scatters, each judged by both methods.
 
-samples -> outcome and factor of each -> PRE-IE where it matters -> shares with their confidence limits.
+samples -> outcome and factor of each -> shares with their confidence limits.
 """
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -21,10 +21,11 @@ from slopekit.design.common import Design
 from slopekit.design.fields import field_in
 from slopekit.design.reading.files import with_values
 from slopekit.evidence import WithoutBasal
-from slopekit.kinds import dilates, kind_of, likely_slips, peak_only
+from slopekit.kinds import kind_of, likely_slips, peak_only
 from slopekit.notices import new_notices, not_as_given
 from slopekit.studies.marginals import checked_limits
-from slopekit.studies.points import Point, kept_points, point_of
+from slopekit.studies.outcomes import BothMethods, ByMethod, Outcomes, agreement, compared, of_points
+from slopekit.studies.points import Point, kept_points, kept_records, point_of
 from slopekit.studies.prob.bolts import (
     as_laid_out,
     has_heads,
@@ -35,21 +36,9 @@ from slopekit.studies.prob.bolts import (
 )
 from slopekit.studies.prob.cracks import checked_alone, cracked
 from slopekit.studies.prob.estimates import Share, Summary, sample_statistics, share_of, summary_of
-from slopekit.studies.prob.judged import (
-    IMPOSSIBLE,
-    Confirmation,
-    Judged,
-    also_of,
-    chosen,
-    confirmation_of,
-    failing,
-    notices_of,
-    nowhere,
-    sensitivities,
-    with_also,
-)
+from slopekit.studies.prob.judged import IMPOSSIBLE, Judged, also_of, notices_of, nowhere, sensitivities, with_also
 from slopekit.studies.prob.sampling import METHODS, Method, Samples
-from slopekit.studies.prob.sampling import samples as drawn
+from slopekit.studies.prob.sampling import samples as drawn_samples
 from slopekit.studies.prob.vectorised import Vectorised, vectorised
 from slopekit.studies.protocol import (
     DESK,
@@ -67,9 +56,10 @@ from slopekit.studies.protocol import (
 from slopekit.studies.running import Crew, Journal, checked_crew
 
 By = Literal["closed-form", "pre-ie"]
-#: Samples where the closed form does the work, and where PRE-IE has to.
+#: Samples that are drawn where none are asked for: where all are taken at once, and where they are read one by one.
 MANY, FEW = 20_000, 1_000
 _MOST, _MOST_BY_PRE_IE = 5_000_000, 1_000_000
+_AT_ONCE = 2048  # samples that PRE-IE takes as one task
 
 
 @dataclass(frozen=True)
@@ -79,10 +69,8 @@ class ProbabilityOptions:
     Attributes
     ----------
     n : samples; seed : of all random numbers; method : of sampling
-    by : whose factors count: the closed form's, or PRE-IE's of every sample
+    by : whose factors count: PRE-IE's, beside the closed form's, or the closed form's alone
     target : what fails has a factor of safety below it
-    confirm : samples taken at random that PRE-IE looks at too
-    near : those within this part of the target are looked at besides
     confidence : of the limits; accept : largest probability that is accepted, None where none is given
     """
 
@@ -91,8 +79,6 @@ class ProbabilityOptions:
     method: Method
     by: By
     target: float
-    confirm: int
-    near: float
     confidence: float
     accept: float | None
 
@@ -105,7 +91,9 @@ class Probability(StudyOutcome):
     ----------
     samples : what was drawn; judged : the outcome of each, its factor by the method that counts, whether it fails
     all_samples, forming : the probability of failure among all possible samples, and among those that form a block
-    confirmation : what PRE-IE says, None where it was not asked apart
+    outcomes : of both methods, None where the closed form was asked alone
+    both : how far they agree; by_closed_form : the share that fails by the closed form; None as there, or where the
+        kind has none
     journals : of a run with a folder, kept until its results are written
     sizes : volume, height, width and setback of each sample (n,) by their keys, nan where none forms; empty where they
         are not known
@@ -118,7 +106,9 @@ class Probability(StudyOutcome):
     judged: Judged
     all_samples: Share
     forming: Share
-    confirmation: Confirmation | None
+    outcomes: Outcomes | None
+    both: BothMethods | None
+    by_closed_form: Share | None
     of_samples: tuple[Notice, ...]
     timing_s: Mapping[str, float]
     journals: tuple[Journal, ...] = field(default=(), compare=False)
@@ -189,52 +179,33 @@ class Probability(StudyOutcome):
 
     @property
     def methods_disagree(self) -> bool:
-        """Whether closed form and PRE-IE disagree at the means or in a sample."""
-        return bool(self.judged.disagree or (self.confirmation is not None and self.confirmation.disagree))
+        """Whether closed form and PRE-IE disagree in a sample, or PRE-IE did not converge."""
+        return self.both is not None and bool(self.both.disagree or self.both.without_answer)
 
     @property
     def doubts(self) -> list[str]:
         """Why nothing is accepted, however low the limit is."""
-        checked, doubts = self.confirmation, []
-        if self.methods_disagree:
-            doubts.append("the methods disagree")
         unjudged = int(self.judged.unjudged.sum())
+        doubts = ["the methods disagree"] if self.methods_disagree else []
         if self.forming.of == 0 and not unjudged:
             doubts.append("no sample forms a block")
         if unjudged:
             doubts.append(f"{counted(unjudged, 'sample')} not judged")
-        if checked is not None and checked.unsafe:
-            doubts.append(f"{checked.unsafe} fail by PRE-IE only")
-        if checked is not None and checked.settled < checked.samples:
-            doubts.append(f"PRE-IE answers for {checked.settled} of the {checked.samples} samples it was asked of")
         return doubts
 
     @property
     def margin(self) -> float | None:
         """The probability that it does not fail."""
-        share = self.leading["probability"]
+        share = self.all_samples.share
         return None if share is None else 1.0 - share
 
     def case_columns(self) -> list[Column[Any]]:
-        """The probability of failure to lead with, its limits."""
-        columns = (("P of failure", "probability", 14), ("from", "low", 10), ("to", "high", 10))
+        """The probability of failure, its limits."""
+        columns = (("P of failure", "share", "probability", 14), ("from", "low", "low", 10), ("to", "high", "high", 10))
         return [
-            Column(title, _leading_figure(name), name, show=".3g", width=width)
-            for title, name, width in columns
+            Column(title, _figure(name), key, show=".3g", width=width)
+            for title, name, key, width in columns
         ]  # fmt: skip
-
-    @property
-    def leading(self) -> dict[str, Any]:
-        """The probability to lead with, its limits `low` and `high`, and by whom.
-
-        That of the method that counts, PRE-IE's judgement where that is higher.
-        """
-        own, checked = self.all_samples, self.confirmation
-        by = "PRE-IE" if self.asked.by == "pre-ie" else "closed form"
-        if checked is None or checked.probability is None or own.share is None or checked.probability <= own.share:
-            return {"probability": own.share, "low": own.low, "high": own.high, "by": by}
-        low, high = max(0.0, own.low + checked.change_low), min(1.0, own.high + checked.change_high)
-        return {"probability": checked.probability, "low": low, "high": high, "by": "PRE-IE's judgement"}
 
     @property
     def exit_code(self) -> int:
@@ -254,8 +225,8 @@ class Probability(StudyOutcome):
             "sampling": asked.method, "by": asked.by, "evaluator": self.judged.evaluator, "target": asked.target,
             "probability_of_failure": {
                 "all_samples": record_of(self.all_samples), "samples_that_form_a_block": record_of(self.forming),
+                "closed_form": json_of(self.by_closed_form),
             },
-            "leading": json_of(self.leading),
             "accept": asked.accept, "accepted": self.accepted, "outcomes": self.counts,
             "fos": None if summary is None else record_of(summary) | {"beta": summary.beta(asked.target)},
             "histogram": None if summary is None else {
@@ -267,7 +238,7 @@ class Probability(StudyOutcome):
             "sensitivity": [
                 {"variable": name, "rank_correlation_with_fos": value} for name, value in self.sensitivities
             ],
-            "pre_ie": json_of(self.confirmation),
+            "methods": json_of(self.both),
             "scaled_down": self.scaled_down,
             "defaults": list(self.design.reading.defaults),
             "timing_s": dict(self.timing_s),
@@ -285,15 +256,13 @@ Accept = Annotated[float | None, Option(
 @study
 def prob(
     design: ADesign,
-    n: Annotated[int | None, Option("Samples [20000; 1000 where PRE-IE does them all].", whole_number, "-n")] = None,
+    n: Annotated[int | None, Option("Samples [20000; 1000 where each is read by itself].", whole_number, "-n")] = None,
     *,
     method: Annotated[Method, Option("monte-carlo or latin-hypercube [monte-carlo].")] = "monte-carlo",
-    by: Annotated[By | None, Option("closed-form or pre-ie: whose factors count.")] = None,
+    by: Annotated[By, Option("pre-ie, beside the closed form, or closed-form alone [pre-ie].")] = "pre-ie",
     fos: Annotated[
         float, Option("What fails has a factor of safety below this [1].", number_of, also=("--target",))
     ] = 1.0,
-    confirm: Annotated[int, Option("Samples at random that PRE-IE looks at too [200].", whole_number)] = 200,
-    near: Annotated[float | None, Option("It looks at all within this of the target [1%].", number_of)] = None,
     confidence: Annotated[float, Option("Of the confidence limits [95%].", number_of)] = 0.95,
     accept: Accept = None,
     seed: Seed = 1,
@@ -303,8 +272,8 @@ def prob(
 ) -> Probability:
     """Probability of failure: Monte Carlo or Latin hypercube on the distributions of a design.
 
-    The closed form judges every sample; PRE-IE looks at some at random and at all near the target. Ctrl-C keeps what
-    is done: the same command goes on from there. Exit codes: 0 done, 1 not accepted, 4 the methods disagree.
+    Both methods judge every sample, and PRE-IE's limit counts. Ctrl-C keeps what is done: the same command goes on from
+    there. Exit codes: 0 done, 1 not accepted, 4 the methods disagree.
 
     Raises
     ------
@@ -328,7 +297,7 @@ def prob(
     >>> design = sk.load({
     ...     "slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
     ...     "strength": {"weak": {"c": 50, "phi": {"dist": "normal", "mean": 20, "sd": 4}}}})
-    >>> found = sk.prob(design, n=1000, fos=1.2, confirm=2, near=0)
+    >>> found = sk.prob(design, n=1000, fos=1.2)
     >>> share = found.all_samples
     >>> share.count, share.of, round(share.low, 3), round(share.high, 3)
     (75, 1000, 0.059, 0.093)
@@ -338,44 +307,79 @@ def prob(
         message = "partial factors allow for the scatter that a probability draws: with both it would count twice"
         advice = "Take analysis.partial_factors out for it, or: --set analysis.partial_factors=null"
         raise DesignError([Fault("E313", message, "analysis.partial_factors", advice)])
-    asked = _asked(design, n, seed, method, by, fos, confirm, near, confidence, accept)
+    asked = _asked(design, n, seed, method, by, fos, confidence, accept)
     clock = Clock()
     with clock("draw"):
-        samples = drawn(design.variables, design.correlation, asked.n, asked.seed, asked.method)
+        drawn = _drawn(design, asked)
+        if n is None and drawn.takes_all_at_once(asked.by):
+            asked = replace(asked, n=MANY)
+            drawn = _drawn(design, asked)
+    placed, samples, fast = drawn.design, drawn.samples, drawn.fast
     with clock("factors"):
-        # a crack that is looked for is at a place of its own in each sample, as if that had been drawn
-        cracks = cracked(design, samples)
-        if cracks is None and bool(getattr(design, "crack_searched", "")):
-            checked_alone(design, asked.n)
-        placed, those = (design, samples) if cracks is None else cracks[:2]
         journals = list[Journal]()
-        ask = partial(_points, placed, asked, crew, desk, journals)
-        fast = vectorised(placed, those.values, those.settings)
-        if fast is None and cracks is None:
-            checked_alone(design, asked.n)  # no block at the mean values
-        judged = _judge(those, placed, asked, ask, fast)
-        if cracks is not None:
-            judged = nowhere(judged, cracks[2])
-        of_bolts = without_force(placed, _holding(those, placed, fast), judged.forms)
-        sizes = {} if fast is None else fast.sizes(those.values, judged.forms)
-    confirmation = None
-    if asked.by == "closed-form":
-        with clock("confirm"):
-            confirmation = _confirmed(those, judged, asked, ask)
+        judge = _Judge(drawn, asked, crew, desk, journals)
+        judged, outcomes = judge()
+        of_bolts = without_force(placed, _holding(samples, placed, fast), judged.forms)
+        sizes = {} if fast is None else fast.sizes(samples.values, judged.forms)
+    both = by_closed_form = None
+    if outcomes is not None:
+        both = compared(outcomes, fos)
+        if outcomes.closed_form is not None:
+            beside = judge.besides(Judged.by(outcomes.closed_form, fos, ""))
+            by_closed_form = share_of(beside.fails, judged.counted, samples.replicate, confidence)
     all_samples = share_of(judged.fails, judged.counted, samples.replicate, confidence)
     forming = share_of(judged.fails, judged.counted & judged.forms, samples.replicate, confidence)
+    said = () if both is None else tuple(both.notices("samples", len(samples.values)))
     probability = Probability(
-        design, asked, samples, judged, all_samples, forming, confirmation,
-        (*notices_of(asked.target, judged, samples, all_samples, confirmation), *of_bolts,
-         *not_as_given(design), *likely_slips(design)), clock.done(), tuple(journals), sizes,
+        design, asked, drawn.as_drawn, judged, all_samples, forming, outcomes, both, by_closed_form,
+        (*notices_of(fos, judged, samples, all_samples), *said, *of_bolts, *not_as_given(design),
+         *likely_slips(design)), clock.done(), tuple(journals), sizes,
     )  # fmt: skip
     if desk.folder is None:
         probability.done()
     return probability
 
 
-def _leading_figure(name: str) -> Callable[[Probability], float | None]:
-    return lambda study: study.leading[name]
+def _figure(name: str) -> Callable[[Probability], float | None]:
+    return lambda study: getattr(study.all_samples, name)
+
+
+@dataclass(frozen=True)
+class _Drawn:
+    """Samples of a design, and how they are taken.
+
+    Attributes
+    ----------
+    as_drawn : the samples; samples : these with the place of their crack, where one was looked for
+    design : the same with its crack at such a place; nowhere : (n,) samples in which none gives a factor
+    fast : takes all at once, None where they are read one by one
+    """
+
+    as_drawn: Samples
+    samples: Samples
+    design: Design
+    nowhere: Bools
+    fast: Vectorised | None
+
+    def takes_all_at_once(self, by: By) -> bool:
+        """Whether the method that counts does."""
+        if self.fast is None or any(bolt.acts == "passive" for bolt in self.design.bolts):
+            return False
+        return by == "closed-form" or self.fast.has_limits
+
+
+def _drawn(design: Design, asked: ProbabilityOptions) -> _Drawn:
+    """Draw the samples; a crack that is looked for is at a place of its own in each, as if that had been drawn."""
+    samples = drawn_samples(design.variables, design.correlation, asked.n, asked.seed, asked.method)
+    cracks = cracked(design, samples)
+    if cracks is None and bool(getattr(design, "crack_searched", "")):
+        checked_alone(design, asked.n)
+    nowhere = np.zeros(asked.n, dtype=bool)
+    placed, those, nowhere = (design, samples, nowhere) if cracks is None else cracks
+    fast = vectorised(placed, those.values, those.settings)
+    if fast is None and cracks is None:
+        checked_alone(design, asked.n)  # no block at the mean values
+    return _Drawn(samples, those, placed, nowhere, fast)
 
 
 class _Settings(Sequence[Mapping[str, object]]):
@@ -391,24 +395,9 @@ class _Settings(Sequence[Mapping[str, object]]):
         return self.samples.settings(row)
 
 
-def _points(
-    design: Design, asked: ProbabilityOptions, crew: Crew, desk: Workplace, journals: list[Journal], label: str,
-    tasks: Sequence[Mapping[str, object]], part: Sequence[object], pre_ie: bool = True,
-) -> tuple[Point, ...]:  # fmt: skip
-    """The points of some samples, kept by the name of the part in a journal, which is added to those that there are."""
-    plain = design.source.root.plain() if design.source is not None else None
-    run: list[object] = [plain, design.input_hash(), repr(design.variables), repr(design.correlation)]
-    run += ["heads on the face"] if has_heads(design) else []
-    run += [asked.n, asked.seed, asked.method, asked.by, *part]
-    work = partial(sample_record, design, pre_ie, tuple(as_laid_out(design).tolist()))
-    points, journal = kept_points(work, tasks, crew, desk, "prob", label, run)
-    journals.append(journal)
-    return points
-
-
 def _asked(
-    design: Design, n: int | None, seed: int, method: Method, by: By | None, target: float, confirm_count: int,
-    near: float | None, confidence: float, accept: float | None,
+    design: Design, n: int | None, seed: int, method: Method, by: By, target: float, confidence: float,
+    accept: float | None,
 ) -> ProbabilityOptions:  # fmt: skip
     """What was asked for, checked."""
     faults = Faults()
@@ -417,67 +406,98 @@ def _asked(
         faults.append(Fault("E302", "nothing in this design scatters: no number is a distribution", "", advice))
     if method not in METHODS:
         faults.append(Fault("E126", f"{method} is not a way to draw samples", "", f"Known: {', '.join(METHODS)}."))
-    if by not in (None, "closed-form", "pre-ie"):
+    if by not in ("closed-form", "pre-ie"):
         faults.append(Fault("E126", f"{by} is not a method", "", "Known: closed-form, pre-ie."))
-    known = kind_of(design).closed_form is not None
-    if by == "closed-form" and not known:
+    if by == "closed-form" and kind_of(design).closed_form is None:
         faults.append(Fault("E126", f"a {design.kind} has no closed form to sample", "", "Take pre-ie."))
-    may_dilate = dilates(design) or any(variable.path.endswith(".dilation") for variable in design.variables)
-    chosen: By = "pre-ie" if by == "pre-ie" or not known or (by is None and may_dilate) else "closed-form"
-    most = _MOST if chosen == "closed-form" else _MOST_BY_PRE_IE
-    n = (MANY if chosen == "closed-form" else FEW) if n is None else n
-    near = design.analysis.agree_within if near is None else near
+    n, most = FEW if n is None else n, _MOST if by == "closed-form" else _MOST_BY_PRE_IE
     for name, value, low, high in (
         ("n", n, 1, most), ("seed", seed, 0, 2**63 - 1), ("the target", target, 1e-6, 1e6),
-        ("confirm", confirm_count, 0, most), ("near", near, 0.0, 10.0), ("confidence", confidence, 0.5, 0.9999),
-        ("accept", 0.0 if accept is None else accept, 0.0, 1.0),
+        ("confidence", confidence, 0.5, 0.9999), ("accept", 0.0 if accept is None else accept, 0.0, 1.0),
     ):  # fmt: skip
         if not low <= value <= high:
             message = f"{name} is {number(value)}, it lies between {number(low)} and {number(high)}"
-            advice = "A part of all is written 0.95 or 95%." if name in ("confidence", "near") else ""
+            advice = "A part of all is written 0.95 or 95%." if name == "confidence" else ""
             advice = "It is a probability of failure, 0.05 or 5%, no factor of safety." if name == "accept" else advice
             faults.append(Fault("E307", message, "", advice))
     faults.refuse()
     checked_limits(design)
-    return ProbabilityOptions(n, seed, method, chosen, target, confirm_count, near, confidence, accept)
+    return ProbabilityOptions(n, seed, method, by, target, confidence, accept)
 
 
-def _judge(
-    samples: Samples, design: Design, asked: ProbabilityOptions, ask: Callable[..., tuple[Point, ...]],
-    fast: Vectorised | None,
-) -> Judged:  # fmt: skip
-    """Outcome and factor of every sample."""
-    # passive bolts are searched for wedge by wedge: that is for the crew
-    alone = asked.by == "pre-ie" or any(bolt.acts == "passive" for bolt in design.bolts)
-    if fast is not None and not alone:
-        closed_forms = fast(samples.values)
-        names, outcome, factor = (
-            (*closed_forms.names, IMPOSSIBLE),
-            closed_forms.outcome.astype(np.int16),
-            closed_forms.factor,
+class _Judge:
+    """Outcome and factor of every sample, by the method that counts and by the other."""
+
+    def __init__(
+        self, drawn: _Drawn, asked: ProbabilityOptions, crew: Crew, desk: Workplace, journals: list[Journal]
+    ) -> None:
+        self.drawn, self.asked, self.crew, self.desk, self.journals = drawn, asked, crew, desk, journals
+        self.besides: Callable[[Judged], Judged] = lambda judged: judged
+
+    def __call__(self) -> tuple[Judged, Outcomes | None]:
+        """Return the judgement of the method that counts, and what both say: None where the closed form is alone."""
+        drawn, asked = self.drawn, self.asked
+        alone, at_once = asked.by == "closed-form", drawn.takes_all_at_once(asked.by)
+        outcomes = self._at_once() if at_once else self._one_by_one()
+        of_kind = outcomes.closed_form is not None
+        method = outcomes.closed_form if alone and outcomes.closed_form is not None else outcomes.limit
+        whose = "closed form" if alone else "closed form and PRE-IE" if of_kind else "PRE-IE"
+        evaluator = f"{whose} of every sample{', all at once' if at_once else ''}"
+        judged = self.besides(Judged.by(method, asked.target, evaluator))
+        return nowhere(judged, drawn.nowhere), None if alone else outcomes
+
+    def _run(self) -> list[object]:
+        """What the outcomes depend on, as JSON values."""
+        design, asked = self.drawn.design, self.asked
+        plain = design.source.root.plain() if design.source is not None else None
+        run: list[object] = [plain, design.input_hash(), repr(design.variables), repr(design.correlation)]
+        run += ["heads on the face"] if has_heads(design) else []
+        return [*run, asked.n, asked.seed, asked.method, asked.by]
+
+    def _one_by_one(self) -> Outcomes:
+        design, samples = self.drawn.design, self.drawn.samples
+        work = partial(sample_record, design, self.asked.by == "pre-ie", tuple(as_laid_out(design).tolist()))
+        settings = _Settings(samples)
+        points, journal = kept_points(work, settings, self.crew, self.desk, "prob", "samples", self._run())
+        self.journals.append(journal)
+        besides = also_of(points, partial(_without_block, design, samples))
+        if besides is not None:
+            self.besides = lambda judged: with_also(judged, *besides, self.asked.target)
+        return of_points(points)
+
+    def _at_once(self) -> Outcomes:
+        """What both methods say where they take all samples at once."""
+        samples, fast = self.drawn.samples, self.drawn.fast
+        assert fast is not None
+        also, closed = fast.also(samples.values), self._closed_forms(fast)
+        if also is not None:
+            basal = WithoutBasal  # the only one that closed forms know
+            self.besides = lambda judged: with_also(judged, also, basal.NAME, basal.WHAT, self.asked.target)
+        rows = np.flatnonzero(~closed.among("E", IMPOSSIBLE))
+        parts = [] if self.asked.by == "closed-form" else [
+            samples.values[rows[at : at + _AT_ONCE]] for at in range(0, len(rows), _AT_ONCE)
+        ]  # fmt: skip
+        records, journal = kept_records(
+            fast.limits, parts, self.crew, self.desk, "prob", "PRE-IE", [*self._run(), _AT_ONCE], at_once=1
         )
-        impossible = _impossible(design, samples)
+        self.journals.append(journal)
+        words = np.array(closed.names, dtype=object)[closed.outcome]
+        factor, forces = np.full((2, len(words)), np.nan)
+        if records:
+            words[rows] = [word for record in records for word in record["status"]]
+            factor[rows], forces[rows] = (
+                np.concatenate([record[of] for record in records]) for of in ("limit", "forces")
+            )
+            closed = closed.refused(words)
+        return agreement(ByMethod.of(words.tolist(), factor), forces, closed, self.drawn.design.analysis.agree_within)
+
+    def _closed_forms(self, fast: Vectorised) -> ByMethod:
+        forms = fast(self.drawn.samples.values)
+        names, outcome, factor = (*forms.names, IMPOSSIBLE), forms.outcome.astype(np.int16), forms.factor
+        impossible = _impossible(self.drawn.design, self.drawn.samples)
         outcome[impossible], factor[impossible] = len(names) - 1, np.nan
         factor[factor == 0.0] = np.nan  # no strength at all: a status, no number (UX.md rule 2)
-        fails = failing(names, outcome, factor, asked.target)
-        at_once = Judged(names, outcome, factor, fails, "closed form, all at once")
-        also = fast.also(samples.values)
-        if also is None:
-            return at_once
-        basal = WithoutBasal  # the only one that closed forms know
-        return with_also(at_once, also, basal.NAME, basal.WHAT, asked.target)
-    by_pre_ie = asked.by == "pre-ie"
-    points = ask("samples", _Settings(samples), ["all"], by_pre_ie)
-    words = [point.code if point.factors is None else point.factors.status for point in points]
-    names = tuple(dict.fromkeys(words))
-    outcome = np.array([names.index(word) for word in words], dtype=np.int16)
-    factors = [None if p.factors is None else p.factors.limit if by_pre_ie else p.factors.closed_form for p in points]
-    factor = np.array([np.nan if value is None else value for value in factors])
-    fails = failing(names, outcome, factor, asked.target)
-    evaluator = "PRE-IE of every sample" if by_pre_ie else "closed form, sample by sample"
-    judged = Judged(names, outcome, factor, fails, evaluator, points)
-    besides = also_of(points, partial(_without_block, design, samples))
-    return judged if besides is None else with_also(judged, *besides, asked.target)
+        return ByMethod(names, outcome, factor)
 
 
 def _without_block(design: Design, samples: Samples, row: int) -> WithoutBasal | None:
@@ -506,17 +526,3 @@ def _impossible(design: Design, samples: Samples) -> Bools:
             drawn = samples.values[:, column]
             impossible |= (drawn < field.limits.least) | (drawn > field.limits.most)
     return impossible
-
-
-def _confirmed(
-    samples: Samples, judged: Judged, asked: ProbabilityOptions, ask: Callable[..., tuple[Point, ...]]
-) -> Confirmation | None:
-    own = judged if judged.alone is None else judged.alone  # PRE-IE says nothing of what else is judged
-    index = chosen(own.forms, own.factor, asked.target, asked.confirm, asked.near, asked.seed)
-    if not len(index[0]):
-        return None
-    tasks = [samples.settings(int(row)) for row in index[0]]
-    points = ask("PRE-IE", tasks, ["confirm", asked.confirm, asked.near, asked.target])
-    return confirmation_of(
-        index, points, own.forms, judged.possible, judged.fails, asked.target, asked.near, asked.confidence
-    )

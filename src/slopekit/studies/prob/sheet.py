@@ -1,6 +1,6 @@
-"""The sheet of a study of probability: the estimate, what it rests on, what PRE-IE says of it."""
+"""The sheet of a study of probability: the estimate, what it rests on, how far the methods agree."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from operator import itemgetter
 from typing import Any
 
@@ -11,9 +11,7 @@ from slopekit.design.scatter.distributions import Angles, Distribution
 from slopekit.evidence import WithoutBasal
 from slopekit.result import STATUSES
 from slopekit.studies.marginals import NEVER, tails
-from slopekit.studies.points import Point
 from slopekit.studies.prob.estimates import Share, Summary
-from slopekit.studies.prob.judged import confirmation_words
 from slopekit.studies.prob.run import Probability
 from slopekit.studies.words import head, status_words
 
@@ -38,7 +36,7 @@ _SAMPLING = {"monte-carlo": "Monte Carlo", "latin-hypercube": "Latin hypercube"}
 
 def sheet_of(study: Probability) -> Sheet:
     """The sheet of a study of probability."""
-    asked, summary, scaled, by_pre_ie = study.asked, study.summary, study.scaled_down, _pre_ie(study)
+    asked, summary, scaled = study.asked, study.summary, study.scaled_down
     samples = f"{len(study.samples.values)} by {_SAMPLING[asked.method]}, seed {asked.seed}; {study.judged.evaluator}"
     times = "  ".join(f"{name} {value:.3g} s" for name, value in study.timing_s.items())
     return Sheet(head(study.design, "prob"), (
@@ -47,11 +45,11 @@ def sheet_of(study: Probability) -> Sheet:
         ]),
         Section("SAMPLES", [samples]),
         Section("OUTCOMES", [_outcomes(study)]),
-        Section(f"P(F < {asked.target:g})", [*_leading(study), _probabilities(study)]),
+        Section(f"P(F < {asked.target:g})", [_probabilities(study)]),
         Section("FoS", [] if summary is None else [_mean(summary, asked.target)]),
         Section("SENSITIVITY", [_matters(study.sensitivities[:_FEW])]),
         Section("SIZE", [f"limits of size: {counted(scaled, 'sample')} made smaller"] if scaled else []),
-        Section("PRE-IE", by_pre_ie[:2], details=by_pre_ie[2:]),
+        Section("METHODS", _methods(study)),
         Section("ACCEPT", _accept(study)),
         Section("TIME", [times]),
         Section("NOTE", [str(notice) for notice in study.warnings]),
@@ -60,32 +58,24 @@ def sheet_of(study: Probability) -> Sheet:
 
 def line_of(study: Probability) -> str:
     """The estimate on one line, with its limits."""
-    lead = study.leading
-    counted = lead["probability"] == study.all_samples.share
+    share = study.all_samples
     parts = [f"P(F < {study.asked.target:g})"]
     if study.accepted is not None:  # the upper limit is what acceptance hangs on: it leads
-        doubt = " (in doubt)" if not study.accepted and study.all_samples.high <= (study.asked.accept or 0.0) else ""
-        parts.append(f"at most {_percent(lead['high'])}, accepted {_percent(study.asked.accept)}")
-        parts += ["met" if study.accepted else f"not met{doubt}", f"estimate {_percent(lead['probability'])}"]
+        doubt = " (in doubt)" if not study.accepted and share.high <= (study.asked.accept or 0.0) else ""
+        parts.append(f"at most {_percent(share.high)}, accepted {_percent(study.asked.accept)}")
+        parts += ["met" if study.accepted else f"not met{doubt}", f"estimate {_percent(share.share)}"]
     else:
-        parts.append(_percent(lead["probability"]))
-    if not counted:
-        parts += [f"by {lead['by']}, limits {_percent(lead['low'])} to {_percent(lead['high'])}",
-                  f"closed form {_percent(study.all_samples.share)}"]  # fmt: skip
-    elif study.accepted is None:
-        parts.append(_limits(study.all_samples))
-    checked = study.confirmation
-    if checked is not None:
-        word = "disagree" if checked.disagree else "agree" if checked.agree else "not compared"
-        some = f", PRE-IE answers for {checked.settled} of {checked.samples} samples"
-        parts.append(word + (some if checked.settled < checked.samples else ""))
+        parts += [_percent(share.share), _limits(share)]
+    if study.by_closed_form is not None and study.both is not None:
+        parts.append(f"closed form {_percent(study.by_closed_form.share)}")
+        parts.append("disagree" if study.methods_disagree else "agree" if study.both.agree else "not compared")
     parts += list(dict.fromkeys(notice.code for notice in study.warnings))
     return "  ".join(parts)
 
 
 def _every_sample(study: Probability) -> Table[int]:
-    """Every sample on a line of its own, by its number: values, outcome, factor, and what PRE-IE says of it."""
-    values, judged, checked = study.samples.values, study.judged, study.confirmation
+    """Every sample on a line of its own, by its number: values, outcome, factors."""
+    values, judged, outcomes = study.samples.values, study.judged, study.outcomes
     columns: list[Column[int]] = [Column("sample", int, "sample")]
     columns += [Column(path, _cell_of(values, column), path) for column, path in enumerate(study.samples.names)]
     columns += [
@@ -94,15 +84,12 @@ def _every_sample(study: Probability) -> Table[int]:
         Column("fails", lambda row: int(judged.fails[row]), "fails"),
     ]
     columns += [Column(key, _item_of(column), key) for key, column in study.sizes.items()]
-    if checked is not None:
-        also = dict(zip(checked.index.tolist(), checked.points, strict=True))
+    if outcomes is not None and outcomes.closed_form is not None:
+        closed, governs = outcomes.closed_form.factor, outcomes.moments_govern
         columns += [
-            Column("PRE-IE", _of(also, lambda point: point.factors.status if point.factors else point.code),
-                   "pre_ie_outcome"),
-            Column("FoS by PRE-IE", _of(also, lambda point: point.factors and point.factors.limit), "fos_limit"),
-            Column("moments govern", _of(also, lambda point: point.factors and int(point.factors.moments_govern)),
-                   "moments_govern"),
-        ]  # fmt: skip
+            Column("closed form", closed.item, "fos_closed_form"),
+            Column("moments govern", lambda row: int(governs[row]), "moments_govern"),
+        ]
     return Table(columns, range(len(values)))
 
 
@@ -112,11 +99,6 @@ def _cell_of(values: Floats, column: int) -> Callable[[int], float]:
 
 def _item_of(column: Floats) -> Callable[[int], float]:
     return lambda row: float(column[row])
-
-
-def _of(points: Mapping[int, Point], say: Callable[[Point], Any]) -> Callable[[int], Any]:
-    """What is said of the samples that PRE-IE looked at, nothing of the others."""
-    return lambda row: say(points[row]) if row in points else None
 
 
 def _inputs(study: Probability) -> list[Entry]:
@@ -156,15 +138,6 @@ def _outcomes(study: Probability) -> Table[tuple[str, int]]:
     return Table(columns, list(study.counts.items()), headless=True)
 
 
-def _leading(study: Probability) -> list[str]:
-    """The probability to judge by, where that is not the one counted."""
-    lead = study.leading
-    if lead["probability"] == study.all_samples.share:
-        return []
-    low, high = _percent(lead["low"]), _percent(lead["high"])
-    return [f"{_percent(lead['probability'])} by {lead['by']} ({low} to {high}); closed form, which is too low here:"]
-
-
 def _probabilities(study: Probability) -> Table[tuple[Share, str]]:
     def words(row: tuple[Share, str]) -> str:
         share, among = row
@@ -177,6 +150,8 @@ def _probabilities(study: Probability) -> Table[tuple[Share, str]]:
     rows = [(study.all_samples, "of all samples")]
     if study.forming.of != study.all_samples.of:
         rows.append((study.forming, "of those that form a block"))
+    if study.by_closed_form is not None:
+        rows.append((study.by_closed_form, "by the closed form, forces only"))
     return Table(columns, rows, headless=True)
 
 
@@ -206,13 +181,10 @@ def _matters(coefficients: Sequence[tuple[str, float]]) -> str:
     return " | ".join(f"{name} {value:+.2f}" for name, value in coefficients) + " (rank correlation with F)"
 
 
-def _pre_ie(study: Probability) -> list[str]:
-    checked = study.confirmation
-    if study.asked.by == "pre-ie":
-        return ["every sample is PRE-IE's own"]
-    if checked is None:
-        return ["not asked: no sample forms a block, or --confirm 0 and none near the target"]
-    return confirmation_words(checked, "samples", study.asked.target)
+def _methods(study: Probability) -> list[str]:
+    if study.both is None:
+        return ["the closed form alone: it balances no moments"]
+    return study.both.in_words() if study.by_closed_form is not None else ["there is no closed form to compare with"]
 
 
 def _accept(study: Probability) -> list[str]:

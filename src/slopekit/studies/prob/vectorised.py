@@ -16,14 +16,17 @@ from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Plane
 from slopekit.design.common import Design
 from slopekit.design.fields import field_at, fields_of, parts_of
+from slopekit.design.ground_water import SlopeDesign
 from slopekit.design.parts import Strength
 from slopekit.design.reading.files import with_values
 from slopekit.design.reading.reader import strength_of
 from slopekit.kinds import kind_of
+from slopekit.kinds.single_block.blocks_on_arrays import limits_on_arrays
 from slopekit.kinds.single_block.closed_forms import Arguments, ClosedForms, OnArrays
 from slopekit.kinds.single_block.held_bolts import held
 from slopekit.kinds.single_block.worst_crack import worst_of_many
 from slopekit.studies.prob.bolts import as_laid_out, standing
+from slopekit.studies.running import Record
 
 #: A design's values at a sample: what `with_values` takes.
 ValuesAt = Callable[[int], Mapping[str, object]]
@@ -53,6 +56,25 @@ class Vectorised:
             return None
         forms = self.on_arrays.also(self._standing(values), self.arguments(values), self.before)
         return None if forms is None else self._each(forms, len(values))
+
+    @property
+    def has_limits(self) -> bool:
+        """Whether PRE-IE takes all samples at once too: not with passive bolts or dilation."""
+        design = self.design
+        strengths = self.on_arrays.strengths(design)
+        return (
+            self.on_arrays.full is not None
+            and not any(bolt.acts == "passive" for bolt in design.bolts)
+            and not any(strength.dilation_deg for strength in strengths)
+            and not any(key.endswith(".dilation") for key in self.keys)
+        )
+
+    def limits(self, values: Floats) -> Record:
+        """What PRE-IE says of some samples that form blocks by the closed form; as `LimitsOfMany`, in JSON values."""
+        design = self._standing(values)
+        assert isinstance(design, SlopeDesign)
+        found = limits_on_arrays(design, self.on_arrays, self._strengths(values), len(values))
+        return {name: of.tolist() for name, of in vars(found).items()}
 
     def _each(self, closed_forms: ClosedForms, count: int) -> ClosedForms:
         """The closed form of each sample where nothing that scatters is an argument: all are alike."""

@@ -80,10 +80,9 @@ def _words(document: Document) -> str:
     asked, bins = document["probability_of_failure"], document["histogram"]
     every, forming = asked["all_samples"], asked["samples_that_form_a_block"]
     lines = [f"P(FoS < {number(document['target'])}) = {_percent(every)}, {every['limits_by']}"]
-    lead = document.get("leading")
-    if lead is not None and lead["probability"] != every["probability"]:
-        shown = (f"{100.0 * lead[key]:.3g}" for key in ("probability", "low", "high"))
-        lines.insert(0, "{} % ({} to {} %) by {}: judge by this; by the closed form".format(*shown, lead["by"]))
+    other = asked.get("closed_form")
+    if other is not None and other["probability"] != every["probability"]:
+        lines.append(f"by the closed form, forces only: {_percent(other)}")
     if forming["of"] != every["of"]:
         lines.append(f"of those that form a block: {_percent(forming)}")
     lines.append(f"{document['n']} samples, {document['fos']['samples']} with a factor of safety")

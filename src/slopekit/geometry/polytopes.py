@@ -1,0 +1,133 @@
+"""Convex blocks by the planes that bound them, n at once: their faces, volumes and centroids.
+
+A corner is where three planes meet and no other plane cuts it off; a face is the corners on its plane, in the order of
+their angles about the middle of them.
+"""
+
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from slopekit.core.arrays import Floats, Ints, cross
+
+_ON = 1e-10  # of the size of a block: so far beyond a plane a corner still lies on it
+_PARALLEL = 1e-14  # triple product of unit normals: the planes meet in no point
+
+
+@dataclass(frozen=True)
+class Polytopes:
+    """The blocks that p planes bound, n of them.
+
+    Attributes
+    ----------
+    outward : (n, p, 3) unit normals; offsets : (n, p) m: `outward · x <= offset` within a block
+    faces : (n, p, c, 3) m, corners of each face anticlockwise as seen from outside; the first again where there are
+        fewer than c
+    counts : (n, p) corners of each face, 0 where a plane has no face
+    volume : (n,) m³; centroid : (n, 3) m; not a number where the planes bound no block
+    """
+
+    outward: Floats
+    offsets: Floats
+    faces: Floats
+    counts: Ints
+    volume: Floats
+    centroid: Floats
+
+    def triangles(self, plane: int) -> Floats:
+        """Return a face of every block in triangles from its first corner, (n, c - 2, 3, 3)."""
+        corners = self.faces[:, plane]
+        first = np.broadcast_to(corners[:, :1], corners[:, 2:].shape)
+        return np.stack([first, corners[:, 1:-1], corners[:, 2:]], axis=2)
+
+    def about(self, plane: int, apex: Floats) -> Floats:
+        """Return a face of every block in triangles about a point (n, 3) of it, (n, c, 3, 3)."""
+        corners = self.faces[:, plane]
+        first = np.broadcast_to(apex[:, None], corners.shape)
+        return np.stack([first, corners, np.roll(corners, -1, axis=1)], axis=2)
+
+    def even(self, plane: int, pressure: Floats) -> tuple[int, Floats, Floats]:
+        """Return the plane, its faces in triangles, and a pressure (n,) at their corners."""
+        triangles = self.triangles(plane)
+        return plane, triangles, np.broadcast_to(pressure[:, None, None], triangles.shape[:3])
+
+    def pyramid(self, plane: int, apex: Floats, mean: Floats) -> tuple[int, Floats, Floats]:
+        """Return the same of a pressure that falls from a point (n, 3) to nothing on the other edges, by its mean."""
+        triangles = self.about(plane, apex)
+        pressures = np.zeros(triangles.shape[:3])
+        pressures[:, :, 0] = 3.0 * mean[:, None]
+        return plane, triangles, pressures
+
+    def height(self) -> Floats:
+        """Return how high each block is, from its lowest to its highest corner, (n,) m."""
+        heights = np.where((self.counts > 0)[:, :, None], self.faces[..., 2], np.nan)
+        return np.asarray(np.nanmax(heights, axis=(1, 2)) - np.nanmin(heights, axis=(1, 2)))
+
+
+def polytopes(outward: Floats, offsets: Floats, size: Floats) -> Polytopes:
+    """Return the blocks below planes `outward · x <= offset`.
+
+    Parameters
+    ----------
+    outward : (n, p, 3) unit normals; offsets : (n, p) m; size : (n,) m, about that of the blocks
+
+    >>> cube = np.concatenate([np.eye(3), -np.eye(3)])[None]
+    >>> block = polytopes(cube, np.array([[1.0, 1.0, 1.0, 0.0, 0.0, 0.0]]), np.ones(1))
+    >>> block.volume.round(12), block.counts, block.centroid.round(12)
+    (array([1.]), array([[4, 4, 4, 4, 4, 4]]), array([[0.5, 0.5, 0.5]]))
+    """
+    planes = offsets.shape[1]
+    triples = np.array(list(combinations(range(planes), 3)))
+    one, two, three = (outward[:, triples[:, k]] for k in range(3))
+    at = offsets[:, triples, None]
+    sides = cross(two, three), cross(three, one), cross(one, two)
+    meet = (one * sides[0]).sum(axis=2)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        points = sum(at[:, :, k] * side for k, side in enumerate(sides)) / meet[:, :, None]
+        beyond = points @ outward.transpose(0, 2, 1) - offsets[:, None]
+    rows = np.arange(len(triples))[:, None]
+    beyond[:, rows, triples] = 0.0
+    with np.errstate(invalid="ignore"):
+        inside = (beyond <= _ON * size[:, None, None]).all(axis=2) & (np.abs(meet) > _PARALLEL)
+    points = np.where(inside[:, :, None], points, 0.0)
+    on_plane = [np.flatnonzero((triples == plane).any(axis=1)) for plane in range(planes)]
+    candidates = np.stack(on_plane)  # as many triples on every plane
+    is_corner, corners = inside[:, candidates], points[:, candidates]
+    counts = is_corner.sum(axis=2)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        middle = corners.sum(axis=2) / counts[:, :, None]
+    across = _across(outward)
+    arms = corners - middle[:, :, None]
+    angles = np.arctan2(
+        (arms * cross(outward, across)[:, :, None]).sum(axis=3), (arms * across[:, :, None]).sum(axis=3)
+    )
+    order = np.argsort(np.where(is_corner, angles, np.inf), axis=2)[:, :, : max(int(counts.max(initial=0)), 3)]
+    faces = np.take_along_axis(corners, order[..., None], axis=2)
+    used = np.arange(faces.shape[2]) < counts[:, :, None]
+    faces = np.where(used[..., None], faces, faces[:, :, :1])
+    counts = np.where(counts > 2, counts, 0)
+    volume, centroid = _volumes(faces, counts)
+    return Polytopes(outward, offsets, faces, counts, volume, centroid)
+
+
+def _across(normals: Floats) -> Floats:
+    """Return unit vectors in planes with these unit normals (n, p, 3)."""
+    axis = np.eye(3)[np.abs(normals).argmin(axis=2)]
+    way = cross(normals, axis)
+    across: Floats = way / np.sqrt((way * way).sum(axis=2))[..., None]
+    return across
+
+
+def _volumes(faces: Floats, counts: Ints) -> tuple[Floats, Floats]:
+    """Return volumes (n,) and centroids (n, 3), by the pyramids from a corner of each block over its faces."""
+    is_face = counts > 0
+    first = is_face.argmax(axis=1)
+    apex = faces[np.arange(len(faces)), first, 0]
+    arms = np.where(is_face[:, :, None, None], faces - apex[:, None, None], 0.0)
+    a, b, c = np.broadcast_to(arms[:, :, :1], arms[:, :, 2:].shape), arms[:, :, 1:-1], arms[:, :, 2:]
+    parts = (a * cross(b, c)).sum(axis=3) / 6.0
+    volume = parts.sum(axis=(1, 2))
+    volume = np.where(volume > 0.0, volume, np.nan)
+    moment = (parts[..., None] * (a + b + c)).sum(axis=(1, 2)) / 4.0
+    return volume, apex + moment / volume[:, None]

@@ -1,0 +1,183 @@
+"""What both methods say of many designs: an array of each number, and what they make of a target together."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.errors import Notice
+from slopekit.preie.tolerances import SAME_LIMIT
+from slopekit.studies.points import UNSETTLED, Method, Point, status_of
+
+#: What an outcome that is no block begins with, but for bolts that do not hold it; and values no design can have.
+NO_BLOCK = ("E", "impossible")
+#: Outcomes of blocks that form and are not judged: no answer, or bolts that the block does not hold.
+UNJUDGED = ("E5", "E211", "E212", UNSETTLED)
+STANDS = "no_driving_force"
+#: The methods, and what their factors are called.
+_OF_METHODS: tuple[tuple[Method, str], ...] = (("pre_ie", "limit"), ("closed_form", "closed_form"))
+
+
+@dataclass(frozen=True)
+class ByMethod:
+    """What one method says of n designs: `names` of outcomes, `outcome` (n,) the number of each, `factor` (n,) or nan.
+
+    An outcome is a status, or the code of why there is no block.
+    """
+
+    names: tuple[str, ...]
+    outcome: Ints
+    factor: Floats
+
+    @classmethod
+    def of(cls, words: Sequence[str], factor: Any) -> "ByMethod":
+        """Return it from the outcome of each, in a word, and the factors, None where there is none."""
+        names = tuple(dict.fromkeys(words))
+        numbers = {name: number for number, name in enumerate(names)}
+        return cls(
+            names, np.array([numbers[word] for word in words], dtype=np.int16), np.array(factor, dtype=np.float64)
+        )
+
+    def among(self, *beginnings: str) -> Bools:
+        """Return which outcomes begin with one of these, (n,)."""
+        matches: Bools = np.array([name.startswith(beginnings) for name in self.names], dtype=bool)[self.outcome]
+        return matches
+
+    def refused(self, words: Any) -> "ByMethod":
+        """Return the same without blocks where another method forms none, by its outcomes in words (n,)."""
+        own = np.array(self.names, dtype=object)[self.outcome]
+        without = np.array([word.startswith("E") for word in words], dtype=bool)
+        factor = np.where(without, np.nan, self.factor)
+        return ByMethod.of(np.where(without, words, own).tolist(), factor) if without.any() else self
+
+    @property
+    def unjudged(self) -> Bools:
+        """Those without an answer."""
+        return self.among(*UNJUDGED)
+
+    @property
+    def forms(self) -> Bools:
+        """Those that form a block, as far as is known."""
+        return ~self.among(*NO_BLOCK) | self.unjudged
+
+    def falls_short(self, target: float) -> Bools:
+        """Return which fall short of a target, (n,): `points.falls_short` for arrays; without an answer they do."""
+        stays = self.among(*NO_BLOCK, STANDS) & ~self.unjudged
+        with np.errstate(invalid="ignore"):
+            return np.asarray(~stays & ~(self.factor >= target))
+
+
+@dataclass(frozen=True)
+class Outcomes:
+    """What both methods say of n designs.
+
+    Attributes
+    ----------
+    limit : by PRE-IE; closed_form : by that, None where the kind has none
+    difference : (n,) of forces with forces, not a number where they are not compared
+    agree : (n,) 1 where the methods agree, 0 where they do not, -1 where they are not compared
+    moments_govern : (n,) the limit lies below what forces alone give
+    """
+
+    limit: ByMethod
+    closed_form: ByMethod | None
+    difference: Floats
+    agree: Ints
+    moments_govern: Bools
+
+
+def of_points(points: Sequence[Point]) -> Outcomes:
+    """Return what both methods say of designs that were asked one by one."""
+    factors = [point.factors for point in points]
+    limit, closed = (
+        ByMethod.of([status_of(point, method) for point in points], [getattr(own, name, None) for own in factors])
+        for method, name in _OF_METHODS
+    )
+    known = any(own is not None and own.closed_status for own in factors)
+    return Outcomes(
+        limit,
+        closed if known else None,
+        np.array([None if own is None else own.difference for own in factors], dtype=np.float64),
+        np.array([-1 if point.agree is None else int(point.agree) for point in points], dtype=np.int8),
+        np.array([point.moments_govern for point in points], dtype=bool),
+    )
+
+
+def agreement(limit: ByMethod, forces: Floats, closed: ByMethod, within: float) -> Outcomes:
+    """Return what both methods say of designs, held against each other as `kinds.protocol.compare` has it.
+
+    Parameters
+    ----------
+    forces : (n,) PRE-IE's factors of the forces alone
+    """
+    status, other = (np.array(method.names)[method.outcome] for method in (limit, closed))
+    has_one, has_other = forces > 0.0, closed.factor > 0.0
+    with np.errstate(invalid="ignore", divide="ignore"):
+        difference = np.where(has_one & has_other, np.abs(forces / closed.factor - 1.0), np.nan)
+    alike = (status == other) | (status == "topples") | ((other == STANDS) & (status == "rotates"))
+    agree = np.where(has_one & has_other, difference <= within, ~has_one & ~has_other & alike)
+    judged = limit.forms & ~limit.unjudged
+    moves = np.isfinite(limit.factor) | (status == "topples")
+    with np.errstate(invalid="ignore"):
+        governs = judged & moves & ~(limit.factor >= forces * (1.0 - SAME_LIMIT))
+    return Outcomes(limit, closed, difference, np.where(judged, agree, -1).astype(np.int8), governs)
+
+
+@dataclass(frozen=True)
+class BothMethods:
+    """How far both methods agree on many designs, and on what they judge otherwise.
+
+    Attributes
+    ----------
+    agree, disagree, not_compared : on so many; without_answer : of PRE-IE
+    largest : the largest relative difference on the same assumptions, None where none is compared
+    governed : where moments govern, so that the closed form is too high
+    unsafe, safe : fail by PRE-IE and not by the closed form, and the other way round
+    """
+
+    agree: int
+    disagree: int
+    not_compared: int
+    without_answer: int
+    largest: float | None = field(metadata={"json": "largest_difference"})
+    governed: int = field(metadata={"json": "moments_govern"})
+    unsafe: int = field(metadata={"json": "fails_by_pre_ie_only"})
+    safe: int = field(metadata={"json": "fails_by_closed_form_only"})
+
+    def in_words(self) -> list[str]:
+        """How far they agree, and what they judge otherwise."""
+        words = [f"agree on {self.agree}", f"DISAGREE on {self.disagree}" if self.disagree else "disagree on 0"]
+        words += [f"{self.not_compared} not compared"] if self.not_compared else []
+        words += [f"{self.without_answer} WITHOUT ANSWER"] if self.without_answer else []
+        largest = "" if self.largest is None else f"; largest difference {self.largest * 100:.2g} %"
+        return [
+            f"{', '.join(words)}{largest}",
+            f"moments govern in {self.governed}; {self.unsafe} fail by PRE-IE only, {self.safe} by the closed form "
+            "only",
+        ]
+
+    def notices(self, called: str, of: int) -> Iterator[Notice]:
+        """Yield W353 where moments change the judgement; `called`: what was judged, `of` so many."""
+        if self.unsafe:
+            yield Notice("W353", f"{self.unsafe} of {of} {called} fail by PRE-IE and stand by the closed form, which "
+                         "balances no moments: judge by PRE-IE")  # fmt: skip
+
+
+def compared(outcomes: Outcomes, target: float) -> BothMethods:
+    """Return how far both methods agree, and what each judges otherwise."""
+    limit = outcomes.limit
+    by_pre_ie = by_closed = limit.falls_short(target)
+    if outcomes.closed_form is not None:
+        by_closed = outcomes.closed_form.falls_short(target)
+    forms, known, settled = limit.forms, np.isfinite(outcomes.difference), limit.forms & ~limit.unjudged
+    counts = [int((forms & (outcomes.agree == verdict)).sum()) for verdict in (1, 0, -1)]
+    return BothMethods(
+        *counts,
+        int(limit.among(UNSETTLED).sum()),
+        float(outcomes.difference[known].max()) if known.any() else None,
+        int((forms & outcomes.moments_govern).sum()),
+        int((settled & by_pre_ie & ~by_closed).sum()),
+        int((settled & by_closed & ~by_pre_ie).sum()),
+    )
