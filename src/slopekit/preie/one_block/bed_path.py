@@ -36,7 +36,8 @@ _STRAIGHT, _STRAIGHTER = 0.98, 0.9999  # where the path turns by less, the next 
 _MOST_STEPS = 150  # along one path
 # of Newton's method: steps; after so many the residual must fall; size of a step at most; damped: its shortest part
 _POINT = 12, 4, 3, 0  # to a point of the path
-_STUCK = 400, 400, math.inf, 0  # to where every point sticks: each takes a third of a pressed part that is too large
+# to where every point sticks: each takes a third of a pressed part that is too large; what wanders may land by chance
+_STUCK = 40, 12, math.inf, 0
 _REST = 100, 0, math.inf, 0.05  # to a rest at one strength
 _WEAKER = 0.97  # of λ at the first slip
 _STRONGER = 1, 8, 32  # times the strength of the first slip at which a block is looked for at rest
