@@ -190,7 +190,7 @@ def forces_slides(beds: Beds) -> tuple[Ints, Floats, Floats]:
         pushes[rows[:, None], list(carriers)] = force[fits]
         pull[rows], found[rows] = left[fits], True
     touching = pushes > 0.0
-    area, line = beds.moments()[place, 0, 0], beds.line[place]
+    area, line = beds.whole[place, 0, 0], beds.line[place]
     driving = lengths(pull)
     resisting = (touching * (line[:, :, 1] * area + line[:, :, 2] * pushes)).sum(axis=1)
     status = np.where(touching.any(axis=1), ForcesStatus.SLIDES, ForcesStatus.LIFTED)
@@ -243,5 +243,5 @@ def pressed_parts(beds: Beds, opening: Floats) -> tuple[Floats, Floats]:
     middle = (beds.rows[:, 0] * np.repeat(opening, np.diff(beds.contact), axis=0)).sum(axis=1)
     area = np.bincount(contact, double) + cross_2d(*ends)
     volume = area * middle + np.bincount(contact, double * (np.minimum(gaps, 0.0) + np.minimum(to, 0.0)))
-    per_area, whole = beds.line[:, 0] * np.sign(area), beds.moments()[:, 0, 0]
+    per_area, whole = beds.line[:, 0] * np.sign(area), beds.whole[:, 0, 0]
     return 0.5 * per_area * area / whole, -per_area * volume / 6.0

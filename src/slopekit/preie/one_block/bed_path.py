@@ -250,8 +250,8 @@ class BedPath:
         """Let blocks move slowly at one λ (n,) each; return where (n, u) they come to rest, and which of them do."""
         u, rested = start.copy(), np.zeros(len(blocks), dtype=bool)
         slow = np.ones(len(blocks))
-        stiffness, rows = self.springs.stiffness[blocks], np.arange(len(blocks))
-        far = _FLOWS * np.maximum(self.springs.first[blocks], lengths(start))
+        stiffness, rows = self.springs.beds.stiffness[blocks], np.arange(len(blocks))
+        far = _FLOWS * np.maximum(self.springs.beds.first[blocks], lengths(start))
         for _ in range(_MOST_FLOW):
             drag = slow[rows, None, None] * stiffness[rows]
             step = self.rests(blocks[rows], u[rows], reduction[rows], drag=drag)
@@ -274,7 +274,7 @@ class BedPath:
         Else at a strength that is that of `reduction` or larger. Returns displacements (n, u), and λ (n,), not a number
         where a block rests at no strength.
         """
-        stuck = self.rests(blocks, self.springs.bonded[blocks], reduction, sticks=True)
+        stuck = self.rests(blocks, self.springs.beds.bonded[blocks], reduction, sticks=True)
         u, at, rows = stuck.x[:, :-1], np.full(len(blocks), np.nan), np.arange(len(blocks))
         slips = np.clip(_WEAKER * self.springs.first_slip(blocks, u), TINY, STRONGEST * reduction)
         first = np.where(stuck.settled, slips, _STRONG * reduction)
