@@ -45,17 +45,19 @@ def random_cuts(count: int, seed: int) -> list[Cut]:
 def blocks_of(cuts: Sequence[Cut]) -> Blocks:
     """Return the blocks of single analyses as arrays."""
     most = max(len(polygon) for made in cuts for polygon in made.block.faces.values())
-    corners, counts = np.zeros((len(cuts), 2, most, 3)), np.zeros((len(cuts), 2), dtype=np.int64)
+    shape = len(cuts), max(len(made.interfaces) for made in cuts)
+    corners, counts, cohesion, tan_friction = np.zeros((*shape, most, 3)), np.zeros(shape, int), *np.zeros((2, *shape))
     for row, made in enumerate(cuts):
         for k, interface in enumerate(made.interfaces):
             polygon = made.block.faces[interface.key]
             corners[row, k, : len(polygon)], counts[row, k] = polygon - made.block.centroid, len(polygon)
-    strengths = [[interface.strength for interface in made.interfaces] for made in cuts]
+            cohesion[row, k] = interface.strength.cohesion_kpa
+            tan_friction[row, k] = np.tan(np.radians(interface.strength.friction_angle_deg))
     return Blocks(
         corners=corners,
         counts=counts,
-        cohesion=np.array([[each.cohesion_kpa for each in row] for row in strengths]),
-        tan_friction=np.tan(np.radians([[each.friction_angle_deg for each in row] for row in strengths])),
+        cohesion=cohesion,
+        tan_friction=tan_friction,
         load=np.array([np.concatenate([made.loads.force, made.loads.moment]) for made in cuts]),
     )
 

@@ -220,7 +220,7 @@ def test_the_slopes_are_those_of_the_forces(opened) -> None:
     in_section = dam(2.0, 150.0, 40.0, 1500.0, True, 17.0)
     for bed in (*(bed_on(scene) for _, scene, _ in opened[:12]), in_section):
         springs = BedSprings(bed, 2)
-        bonded, (first,) = springs.bonded[0], springs.first
+        bonded, (first,) = springs.beds.bonded[0], springs.beds.first
         count = bed.load.shape[1]
         u, slip = (bonded * (1.0 + 0.2 * rng.standard_normal(count)) for _ in range(2))
         ends = zip(bed.corner[:-1], bed.corner[1:], strict=True)
@@ -257,8 +257,8 @@ def test_no_force_jumps_where_a_corner_opens() -> None:
     """The sums on either side of the first opening of a corner differ by what the displacement does alone."""
     bed = dam(4.0 / 3.0, 150.0, 40.0, 1500.0, False)
     springs = BedSprings(bed, 1)
-    rows, (first,) = corner_motions(bed, 0), springs.first
-    slip = np.random.default_rng(3).standard_normal(6) * springs.bonded[0]
+    rows, (first,) = corner_motions(bed, 0), springs.beds.first
+    slip = np.random.default_rng(3).standard_normal(6) * springs.beds.bonded[0]
     opened = np.linalg.lstsq(rows[:, 0], np.array([0.0, -1.0, -2.0, -1.0]), rcond=None)[0] * first
     size = float(np.abs(opened).max())
     for away in (1e-6, 1e-9):

@@ -197,11 +197,11 @@ def test_a_law_that_fails_raises_its_error_and_may_be_asked_again() -> None:
 
     law = Broken(8.0, 60000.0, 30.0)
     springs = springs_on(dataclasses.replace(cut_square(), laws=(law, None), stress_scale=120.0), 1)
-    at = springs.bonded[0], springs.bonded[0], 0.5
+    at = springs.beds.bonded[0], springs.beds.bonded[0], 0.5
     with pytest.raises(ArithmeticError, match="no strength"):
         unbalanced(springs, *at)
     with pytest.raises(ArithmeticError, match="no strength"):
-        BedPath(springs).rests(np.zeros(1, dtype=np.int64), springs.bonded, np.ones(1))
+        BedPath(springs).rests(np.zeros(1, dtype=np.int64), springs.beds.bonded, np.ones(1))
     Broken.is_broken = False
     assert np.isfinite(unbalanced(springs, *at).out).all()
 

@@ -11,12 +11,13 @@ from itertools import chain, combinations
 
 import numpy as np
 
-from slopekit.core.arrays import Floats, Ints, cross
-from slopekit.preie.one_block.bed_limits import BedStatus, bed_limits
+from slopekit.core.arrays import Bools, Floats, Ints, cross
+from slopekit.preie.one_block.bed_limits import bed_limits
 from slopekit.preie.one_block.bed_path import lengths
 from slopekit.preie.one_block.polygon_bed import Beds, contact_rows, cross_2d
+from slopekit.preie.solvers.linear import bounded_least_squares
 from slopekit.preie.system.model import local_axes
-from slopekit.preie.tolerances import NO_FORCE, PARALLEL, TINY
+from slopekit.preie.tolerances import NO_FORCE, OPENS_IN_PASSES, PARALLEL, SAME_LIMIT, TINY
 
 #: Rows that are taken at a time: with fewer NumPy's calls take the time, with more memory grows (9 kB a row).
 CHUNK = 4096
@@ -27,7 +28,9 @@ class ForcesStatus(IntEnum):
 
     SLIDES = 0
     LIFTED = 1  # the load pulls it off every contact
-    NOT_DRIVEN = 2  # nothing drives it: its contacts hold it without strength, but for its moments
+    FALLS = 2  # so too, and no contact is below it
+    NOT_DRIVEN = 3  # nothing drives it, but its moments need strength
+    STANDS = 4  # pushes of its contacts balance the forces and the moments
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,11 +91,14 @@ class BlockLimits:
 
     Attributes
     ----------
-    factor : (n,) the lower of both limits, not a number where there is none
+    factor : (n,) the lower of both limits, not a number where there is none, 0 without strength
     forces : (n,) factor of safety of the forces alone; forces_status : (n,) `ForcesStatus`
     bed : (n,) that on the elastic bed; bed_status : (n,) `BedStatus`, -1 where forces settled it
     early : (n,) the largest factor reached within 30 elastic displacements, where a path was followed
     pressed : (n, k) share of each contact that is pressed at the limit on the bed
+    velocity : (n, 6) unit motion of the limit that governs, turns times the distance of the corners; 0 without one
+    opens_partly, opens_wholly : (n, k) contacts of which this motion opens a part, and all of it
+    normal : (n, k) kN that the contacts carry in that limit, not a number where a block rests at no strength
     """
 
     factor: Floats
@@ -102,13 +108,19 @@ class BlockLimits:
     bed_status: Ints
     early: Floats
     pressed: Floats
+    velocity: Floats
+    opens_partly: Bools
+    opens_wholly: Bools
+    normal: Floats
+
+    @property
+    def moments_govern(self) -> Bools:
+        """(n,) whether moments lower the limit, or leave none."""
+        return (self.bed_status >= 0) & ~(self.bed >= self.forces * (1.0 - SAME_LIMIT))
 
 
 def limits_of_blocks(blocks: Blocks) -> BlockLimits:
-    """Return the limits of single blocks by their forces and on their beds.
-
-    A block that nothing drives has no limit here: it is for `flat_limit`.
-    """
+    """Return the limits of single blocks by their forces and on their beds."""
     chunks = [_limits(blocks.of(slice(at, at + CHUNK))) for at in range(0, len(blocks.load), CHUNK)]
     names = [field.name for field in fields(BlockLimits)]
     return BlockLimits(*(np.concatenate([getattr(chunk, name) for chunk in chunks]) for name in names))
@@ -117,30 +129,43 @@ def limits_of_blocks(blocks: Blocks) -> BlockLimits:
 def _limits(blocks: Blocks) -> BlockLimits:
     """Return the limits of as many blocks as one chunk has."""
     beds, contacts = blocks.beds(), blocks.counts > 0
-    status, slides = forces_slides(beds)
+    status, slides, pushes = forces_slides(beds)
+    for row in np.flatnonzero(status == ForcesStatus.NOT_DRIVEN).tolist():
+        if stands_without_strength(beds, row):
+            status[row] = ForcesStatus.STANDS
     with np.errstate(divide="ignore"):
         forces = np.where(status == ForcesStatus.SLIDES, 1.0 / slides[:, -1], np.nan)
     slides[forces == 0.0, -1] = np.nan  # without strength no bed is looked at
-    found = bed_limits(beds, slides)
-    looked_at = slides[:, -1] > 0.0
-    rests = found.status != BedStatus.NO_REST
-    pressed = np.full(contacts.shape, np.nan)
-    pressed[contacts] = pressed_shares(beds, found.displacement)
-    pressed[~(looked_at & rests)] = np.nan
-    bed = 1.0 / found.reduction
+    slides[status == ForcesStatus.NOT_DRIVEN, -1] = 1.0  # a guess
+    found, looked_at = bed_limits(beds, slides), slides[:, -1] > 0.0
+    bed, by_forces = found.factor, ~looked_at | (found.factor > forces * (1.0 + SAME_LIMIT))
+    rests = np.isfinite(bed)
+    velocity = np.where(by_forces[:, None], slides[:, :-1], found.velocity)
+    opens_partly, opens_wholly = np.zeros((2, *contacts.shape), dtype=bool)
+    opens_partly[contacts], opens_wholly[contacts] = opened(beds, velocity)
+    pressed, normal = np.full((2, *contacts.shape), np.nan)
+    pressed[contacts], normal[contacts] = pressed_parts(beds, found.displacement)
+    pressed[~rests], normal[~rests] = np.nan, np.nan
+    normal[by_forces] = pushes[by_forces]
+    normal[~contacts] = np.nan
+    force = lengths(blocks.load[:, :3]) / lengths(beds.load[:, :3])
     return BlockLimits(
-        factor=np.where(rests | ~looked_at, np.fmin(forces, bed), np.nan),
+        factor=np.where(looked_at & ~rests, np.nan, np.fmin(forces, bed)),
         forces=forces,
         forces_status=status,
         bed=bed,
         bed_status=np.where(looked_at, found.status, -1),
         early=1.0 / found.early,
         pressed=pressed,
+        velocity=velocity,
+        opens_partly=opens_partly,
+        opens_wholly=opens_wholly,
+        normal=normal * force[:, None],
     )
 
 
-def forces_slides(beds: Beds) -> tuple[Ints, Floats]:
-    """Return what the forces alone do to blocks (n,), and how they slide, (n, u + 1) as `bed_limits` takes it.
+def forces_slides(beds: Beds) -> tuple[Ints, Floats, Floats]:
+    """Return what forces alone do to blocks (n,), how they slide (n, u + 1) as of `bed_limits`, and pushes (n, k).
 
     Contacts push with N >= 0 so as to leave the least of the load (Moreau's decomposition): of all sets of contacts
     that may carry it, it is that whose pushes are not negative and which no other contact would add to.
@@ -165,30 +190,58 @@ def forces_slides(beds: Beds) -> tuple[Ints, Floats]:
         pushes[rows[:, None], list(carriers)] = force[fits]
         pull[rows], found[rows] = left[fits], True
     touching = pushes > 0.0
-    area, line = beds.moments()[place, 0, 0], beds.line[place]
+    area, line = beds.whole[place, 0, 0], beds.line[place]
     driving = lengths(pull)
     resisting = (touching * (line[:, :, 1] * area + line[:, :, 2] * pushes)).sum(axis=1)
     status = np.where(touching.any(axis=1), ForcesStatus.SLIDES, ForcesStatus.LIFTED)
+    status = np.where(~touching.any(axis=1) & (normals[:, :, 2] <= 0.0).all(axis=1), ForcesStatus.FALLS, status)
     status = np.where(driving > NO_FORCE, status, ForcesStatus.NOT_DRIVEN)
     with np.errstate(divide="ignore"):
         reduction = np.where(status == ForcesStatus.SLIDES, driving / resisting, np.nan)
     slides = np.zeros((blocks, beds.load.shape[1] + 1))
-    slides[:, :3], slides[:, -1] = pull / np.maximum(driving, TINY)[:, None], reduction
-    return status, slides
+    slides[:, :3] = np.where(driving > NO_FORCE, 1.0 / np.maximum(driving, TINY), 0.0)[:, None] * pull
+    slides[:, -1] = reduction
+    return status, slides, pushes
 
 
-def pressed_shares(beds: Beds, opening: Floats) -> Floats:
-    """Return the share (m,) of each contact that is pressed, with openings (n, u) of the blocks."""
+def stands_without_strength(beds: Beds, block: int) -> bool:
+    """Return whether pushes at the corners of a block balance its forces and moments."""
+    corners = np.flatnonzero(
+        (beds.contact[block] <= beds.contact_of_corners) & (beds.contact_of_corners < beds.contact[block + 1])
+    )
+    across = np.concatenate([np.ones((len(corners), 1)), beds.plane[corners]], axis=1)
+    lifts = (across[:, None] @ beds.rows[beds.contact_of_corners[corners], :3])[:, 0]
+    _, rest = bounded_least_squares(lifts.T, -beds.load[block], np.full(len(lifts), np.inf))
+    return float(np.abs(rest).max()) < NO_FORCE
+
+
+def opened(beds: Beds, motion: Floats) -> tuple[Bools, Bools]:
+    """Return the contacts (m,) of which unit motions (n, u) of the blocks open a part, and those they open wholly."""
+    gap, first, second = beds.motions(motion).T
+    starts = beds.corner[:-1]
+    widest, narrowest = np.maximum.reduceat(gap, starts), np.minimum.reduceat(gap, starts)
+    slip = np.maximum.reduceat(np.sqrt(first * first + second * second), starts)
+    size = np.maximum.reduceat(np.maximum(slip, widest), beds.contact[:-1])
+    least = OPENS_IN_PASSES * np.repeat(size, np.diff(beds.contact))
+    return (widest > least) & (narrowest <= least), narrowest > least
+
+
+def pressed_parts(beds: Beds, opening: Floats) -> tuple[Floats, Floats]:
+    """Return the pressed share (m,) of each contact, and its normal force, with openings (n, u) of the blocks."""
     here, gaps, after = beds.plane, beds.motions(opening, 1)[:, 0], beds.following
     there, to = here[after], gaps[after]
     with np.errstate(divide="ignore", invalid="ignore"):
         crossing = here + (gaps / (gaps - to))[:, None] * (there - here)
     leaves, comes = (gaps < 0.0) & (to >= 0.0), (gaps >= 0.0) & (to < 0.0)
-    sides = cross_2d(np.where(comes[:, None], crossing, here), np.where(leaves[:, None], crossing, there))
+    double = cross_2d(np.where(comes[:, None], crossing, here), np.where(leaves[:, None], crossing, there))
+    double *= (gaps < 0.0) | comes
     # of the new edge: where the way round leaves the pressed part, and comes back
     ends, contact = np.zeros((2, len(beds.rows), 2)), beds.contact_of_corners
     for which, cut in enumerate((leaves, comes)):
         ends[which, contact[cut]] = crossing[cut]
-    double = np.bincount(contact, sides * ((gaps < 0.0) | comes)) + cross_2d(*ends)
-    share: Floats = 0.5 * np.abs(double) * beds.line[:, 0] / beds.moments()[:, 0, 0]
-    return share
+    # of triangles with a third corner in the middle of the contact
+    middle = (beds.rows[:, 0] * np.repeat(opening, np.diff(beds.contact), axis=0)).sum(axis=1)
+    area = np.bincount(contact, double) + cross_2d(*ends)
+    volume = area * middle + np.bincount(contact, double * (np.minimum(gaps, 0.0) + np.minimum(to, 0.0)))
+    per_area, whole = beds.line[:, 0] * np.sign(area), beds.whole[:, 0, 0]
+    return 0.5 * per_area * area / whole, -per_area * volume / 6.0

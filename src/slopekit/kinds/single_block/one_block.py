@@ -29,9 +29,9 @@ from slopekit.kinds.protocol import ClosedForm, D, Factors, Kind, compare
 from slopekit.kinds.single_block.one_block_limit import Cut, FoundLimit, Interface, find_limit
 from slopekit.kinds.single_block.one_block_notices import notices as block_notices
 from slopekit.kinds.single_block.one_block_states import (
-    ContactModel,
     arrows,
     failure_mechanism,
+    motion_statuses,
     opening_pairs,
     pair_state,
     rigid_movement,
@@ -44,7 +44,7 @@ from slopekit.notices import those_of_factors
 from slopekit.preie.motion.balance import balance, of_one_block
 from slopekit.preie.motion.equilibrium import equilibrium
 from slopekit.preie.one_block.flat_limit import lowest_factor
-from slopekit.preie.one_block.passes import Limit, Outcome
+from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.programs.bound import static_bound
 from slopekit.preie.tolerances import PASSES_SETTLED
 from slopekit.result import Result, Words
@@ -55,7 +55,6 @@ if TYPE_CHECKING:
 
 DILATES = "the closed form knows no dilation: it is printed, not compared"
 _OF_THREE = ("J1", "J2", "basal")  # of a wedge with a basal joint
-_NEARLY_NONE = 1e-6
 
 
 def left_out_of_slope(own: Sequence[str], has_crack: bool, strengths: Sequence[Strength]) -> list[str]:
@@ -296,30 +295,13 @@ def block_status(found: FoundLimit, interfaces: Sequence[int]) -> str:
         return "topples"
     velocity = limit.velocity_of(model)
     opens = opening_pairs(limit, model, velocity, by_motion=scene.bedding is not None)
-    partly = [bool(opens[scene.pairs.interface == joint].any()) for joint in interfaces]
-    wholly = [bool(opens[scene.pairs.interface == joint].all()) for joint in interfaces]
-    moving, turning = velocity[: model.translations], velocity[model.translations :]
-    if any(p and not w for p, w in zip(partly, wholly, strict=True)) or float(turning @ turning) > float(
-        moving @ moving
-    ):
-        return "rotates"
-    if moving[-1] > _NEARLY_NONE:
-        return "slides_up"
-    if len(interfaces) == 1:
-        return "slides_on_J1"
-    if len(interfaces) > 2:
-        return _slides_on(limit, scene, interfaces, wholly)
-    if any(wholly):
-        return "slides_on_J2" if wholly[0] else "slides_on_J1"
-    return "slides_on_both"
-
-
-def _slides_on(limit: Limit, scene: ContactModel, interfaces: Sequence[int], opens: Sequence[bool]) -> str:
-    """On which of three joints a block slides: on the two that carry most, where none of them opens."""
-    closed = [joint for joint, is_open in zip(interfaces, opens, strict=True) if not is_open]
-    carried = {joint: float(limit.normal_force[scene.pairs.interface == joint].sum()) for joint in closed}
-    two = sorted(carried, key=lambda joint: -carried[joint])[:2]
-    return "slides_on_" + "_and_".join(_OF_THREE[joint] for joint in closed if joint in two)
+    joints = [scene.pairs.interface == joint for joint in interfaces]
+    wholly = np.array([[opens[joint].all() for joint in joints]])
+    partly = np.array([[opens[joint].any() for joint in joints]]) & ~wholly
+    normal = np.array([[limit.normal_force[joint].sum() for joint in joints]])
+    if scene.bedding is not None:  # by the size of the block, not of a mesh on it
+        velocity[model.translations :] *= scene.bedding.size_m / model.length_scale
+    return str(motion_statuses(velocity[None], model.translations, partly, wholly, normal)[0])
 
 
 def resultant_forces(made: Cut, found: FoundLimit, water: Mapping[str, float], driven: bool = True) -> Forces:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from slopekit.block_scene import OPEN, SLIP, STICK, Arrows, NodePairState
-from slopekit.core.arrays import Bools, Floats, frozen
+from slopekit.core.arrays import Bools, Floats, NDArray, frozen
 from slopekit.evidence import Movement, ReductionStep
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.loads import Loads
@@ -22,6 +22,9 @@ from slopekit.preie.system.model import Model, local_axes
 
 CLOSED = 1e-9  # normal force below this part of the largest is none
 SLIPS = 1e-4  # slip beyond this part of the fastest motion is slip
+_RISES = 1e-6  # a unit motion
+#: Joints that a block slides on, by the sum of 1 for J1, 2 for J2, 4 for a basal joint; of two, the same but for 3.
+_JOINTS = ("J2", "J1", "J2", "J1_and_J2", "basal", "J1_and_basal", "J2_and_basal")
 
 
 @dataclass(frozen=True)
@@ -37,6 +40,12 @@ class Bedding:
     polygons: Mapping[int, Floats]
     centroid: Floats
     model_of: Callable[[NodePairs], Model]
+
+    @property
+    def size_m(self) -> float:
+        """Root mean square distance of the corners from the centroid."""
+        arms = np.concatenate(list(self.polygons.values())) - self.centroid
+        return math.sqrt(float((arms * arms).sum()) / len(arms))
 
     def scene(self, pairs: NodePairs) -> "ContactModel":
         """The scene of node pairs on these contacts."""
@@ -144,3 +153,23 @@ def failure_mechanism(limit: Limit, model: Model, axes: Floats) -> Movement | No
     rotation = rotation / model.length_scale
     size = math.sqrt(float(displacement @ displacement)) or model.length_scale * math.sqrt(float(rotation @ rotation))
     return Movement(frozen(displacement @ axes / size), frozen(rotation @ axes / size))
+
+
+def motion_statuses(
+    velocity: Floats, translations: int, partly: Bools, wholly: Bools, normal: Floats
+) -> NDArray[np.str_]:
+    """Return the statuses (n,) of blocks that slide or turn.
+
+    Parameters
+    ----------
+    velocity : (n, u) unit motions, `translations` first, turns times the size of a block
+    partly, wholly : (n, k) joints of which they open a part, and all of it; normal : (n, k) forces on them, or none
+    """
+    count, closed = len(normal[0]), ~wholly & np.isfinite(normal)
+    moving, turning = ((part * part).sum(axis=1) for part in np.split(velocity, [translations], axis=1))
+    carries = np.where(closed, normal, -np.inf).argsort(axis=1, kind="stable")[:, ::-1][:, :2]  # of three joints two
+    names = np.array(["slides_on_" + ("both" if count == 2 and k == 3 else on) for k, on in enumerate(_JOINTS)])
+    on = (2**carries * np.take_along_axis(closed, carries, axis=1)).sum(axis=1)
+    slides = names[on if count > 1 else np.ones_like(on)]
+    slides = np.where(velocity[:, translations - 1] > _RISES, "slides_up", slides)
+    return np.where(partly.any(axis=1) | (turning > moving), "rotates", slides)

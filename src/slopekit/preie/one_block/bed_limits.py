@@ -189,7 +189,7 @@ class _Limits:
         v, w, lam = _motions(some, runs.x)
         closest = self.gaps(blocks, w, np.minimum)
         good = runs.settled & (np.maximum.reduceat(closest, self.beds.contact[:-1])[blocks] < 0.0) & (lam > 0.0)
-        far = w + (_FAR_OUT * np.maximum(self.coarse.springs.first[blocks], lengths(w)))[:, None] * v
+        far = w + (_FAR_OUT * np.maximum(self.beds.first[blocks], lengths(w)))[:, None] * v
         out = self.coarse.springs.unbalanced(blocks, w, far, lam, running=True).out
         rising = good & ~(_change(runs.slopes, out) > 0.0)
         ends[blocks[rising]] = np.log(lam[rising])
@@ -208,7 +208,7 @@ class _Limits:
         count, rest = np.diff(beds.contact)[blocks], bases[1].transpose(0, 2, 1)
         number, first = np.repeat(np.arange(len(blocks)), count), np.cumsum([0, *count[:-1]])
         which = np.arange(len(number)) + (beds.contact[blocks] - first)[number]
-        rows, whole, lam = beds.rows[which].reshape(len(which), 3, 3, -1), springs.whole[which], reduction[number]
+        rows, whole, lam = beds.rows[which].reshape(len(which), 3, 3, -1), beds.whole[which], reduction[number]
         cohesion, tan_friction = lam * beds.line[which, 1], lam * beds.line[which, 2]
         speed = (rows[:, 1:] @ velocity[number][:, None, :, None])[:, :, 0, 0]  # of slip, alike all over a contact
         way = speed / np.maximum(lengths(speed), NO_FORCE)[:, None]

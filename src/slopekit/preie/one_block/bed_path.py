@@ -36,7 +36,8 @@ _STRAIGHT, _STRAIGHTER = 0.98, 0.9999  # where the path turns by less, the next 
 _MOST_STEPS = 150  # along one path
 # of Newton's method: steps; after so many the residual must fall; size of a step at most; damped: its shortest part
 _POINT = 12, 4, 3, 0  # to a point of the path
-_STUCK = 400, 400, math.inf, 0  # to where every point sticks: each takes a third of a pressed part that is too large
+# to where every point sticks: each takes a third of a pressed part that is too large; what wanders may land by chance
+_STUCK = 40, 12, math.inf, 0
 _REST = 100, 0, math.inf, 0.05  # to a rest at one strength
 _WEAKER = 0.97  # of λ at the first slip
 _STRONGER = 1, 8, 32  # times the strength of the first slip at which a block is looked for at rest
@@ -249,8 +250,8 @@ class BedPath:
         """Let blocks move slowly at one λ (n,) each; return where (n, u) they come to rest, and which of them do."""
         u, rested = start.copy(), np.zeros(len(blocks), dtype=bool)
         slow = np.ones(len(blocks))
-        stiffness, rows = self.springs.stiffness[blocks], np.arange(len(blocks))
-        far = _FLOWS * np.maximum(self.springs.first[blocks], lengths(start))
+        stiffness, rows = self.springs.beds.stiffness[blocks], np.arange(len(blocks))
+        far = _FLOWS * np.maximum(self.springs.beds.first[blocks], lengths(start))
         for _ in range(_MOST_FLOW):
             drag = slow[rows, None, None] * stiffness[rows]
             step = self.rests(blocks[rows], u[rows], reduction[rows], drag=drag)
@@ -273,7 +274,7 @@ class BedPath:
         Else at a strength that is that of `reduction` or larger. Returns displacements (n, u), and λ (n,), not a number
         where a block rests at no strength.
         """
-        stuck = self.rests(blocks, self.springs.bonded[blocks], reduction, sticks=True)
+        stuck = self.rests(blocks, self.springs.beds.bonded[blocks], reduction, sticks=True)
         u, at, rows = stuck.x[:, :-1], np.full(len(blocks), np.nan), np.arange(len(blocks))
         slips = np.clip(_WEAKER * self.springs.first_slip(blocks, u), TINY, STRONGEST * reduction)
         first = np.where(stuck.settled, slips, _STRONG * reduction)

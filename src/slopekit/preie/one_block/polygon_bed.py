@@ -96,6 +96,42 @@ class Beds:
         moments = np.add.reduceat(size[:, None, None] * each, self.corner[:-1])
         return np.asarray(moments * (np.sign(moments[:, 0, 0]) * self.line[:, 0])[:, None, None])
 
+    @cached_property
+    def whole(self) -> Floats:
+        """(m, 3, 3) moments of the whole contacts."""
+        return self.moments()
+
+    @cached_property
+    def stiffness(self) -> Floats:
+        """(n, u, u) with every point bonded."""
+        rows = self.rows.reshape(len(self.whole), 3, 3, -1)
+        springs = np.array([1.0, self.shear_ratio, self.shear_ratio])[:, None, None]
+        each = (rows.transpose(0, 1, 3, 2) @ (self.whole[:, None] @ rows) * springs).sum(axis=1)
+        stiffness: Floats = np.add.reduceat(each, self.contact[:-1])
+        return stiffness
+
+    @cached_property
+    def bonded(self) -> Floats:
+        """(n, u) displacement under the loads with every point bonded."""
+        try:
+            return np.asarray(np.linalg.solve(self.stiffness, self.load[:, :, None])[:, :, 0], dtype=np.float64)
+        except np.linalg.LinAlgError:  # a sheet a thousand million times as long as thick does not resist turning
+            each = zip(self.stiffness, self.load, strict=True)
+            return np.stack([np.linalg.lstsq(matrix, load, rcond=None)[0] for matrix, load in each])
+
+    @cached_property
+    def first(self) -> Floats:
+        """(n,) the size of that displacement."""
+        size: Floats = np.sqrt((self.bonded * self.bonded).sum(axis=1))
+        return size
+
+    @cached_property
+    def bolt_springs(self) -> Floats:
+        """(n, b) of the passive bolts."""
+        if not self.bolt_capacity.shape[1]:
+            return self.bolt_capacity
+        return self.bolt_capacity / (BOLT_GIVE * self.first)[:, None]
+
     def places(self, k: int, at: Floats) -> Floats:
         """Return where points (q, 2) in the plane of a contact of a single block lie from its centroid, (q, 3) in m."""
         return np.asarray((self.middle[k] + at @ self.axes[k, 1:]) * self.length[0])
@@ -176,42 +212,8 @@ class BedSprings:
         unknowns, templates = beds.load.shape[1], (*self.templates[2], *self.templates[3])
         shapes = beds.contact, beds.corner, beds.rows, beds.plane, beds.line
         laws = _laws_for_kernels(beds, max(len(templates[1]), len(templates[3])))
-        bolts = np.ascontiguousarray(beds.bolt_rows), np.ascontiguousarray(beds.bolt_capacity), self.bolt_springs
+        bolts = np.ascontiguousarray(beds.bolt_rows), np.ascontiguousarray(beds.bolt_capacity), beds.bolt_springs
         return self.kernels.polygons(unknowns, beds.shear_ratio, TINY, *shapes, *templates, *laws, *bolts, NO_MOTION)
-
-    @cached_property
-    def whole(self) -> Floats:
-        """(m, 3, 3) moments of the whole contacts."""
-        return self.beds.moments()
-
-    @cached_property
-    def stiffness(self) -> Floats:
-        """(n, u, u) with every point bonded."""
-        beds, rows = self.beds, self.beds.rows.reshape(len(self.whole), 3, 3, -1)
-        springs = np.array([1.0, beds.shear_ratio, beds.shear_ratio])[:, None, None]
-        each = (rows.transpose(0, 1, 3, 2) @ (self.whole[:, None] @ rows) * springs).sum(axis=1)
-        stiffness: Floats = np.add.reduceat(each, beds.contact[:-1])
-        return stiffness
-
-    @cached_property
-    def bonded(self) -> Floats:
-        """(n, u) displacement under the loads with every point bonded."""
-        try:
-            return np.asarray(np.linalg.solve(self.stiffness, self.beds.load[:, :, None])[:, :, 0], dtype=np.float64)
-        except np.linalg.LinAlgError:  # a sheet a thousand million times as long as thick does not resist turning
-            each = zip(self.stiffness, self.beds.load, strict=True)
-            return np.stack([np.linalg.lstsq(matrix, load, rcond=None)[0] for matrix, load in each])
-
-    @cached_property
-    def first(self) -> Floats:
-        """(n,) the size of that displacement."""
-        size: Floats = np.sqrt((self.bonded * self.bonded).sum(axis=1))
-        return size
-
-    @cached_property
-    def bolt_springs(self) -> Floats:
-        """(n, b) of the passive bolts."""
-        return self.beds.bolt_capacity / (BOLT_GIVE * self.first)[:, None]
 
     def unbalanced(
         self, blocks: Ints, opening: Floats, slip: Floats, reduction: Floats, running: bool = False,
@@ -256,7 +258,7 @@ class BedSprings:
         if running:
             full = drawn > NO_MOTION
             return most * full, np.zeros_like(drawn), full
-        stiff = self.bolt_springs[blocks]
+        stiff = self.beds.bolt_springs[blocks]
         full = np.zeros(drawn.shape, dtype=bool) if sticks else drawn * stiff > most
         spring = stiff * ((drawn > 0.0) & ~full)
         return np.where(full, most, spring * drawn), spring, full
@@ -266,14 +268,17 @@ class BedSprings:
         beds, every = self.beds, np.zeros_like(self.beds.load)
         every[blocks] = u
         gap, first, second = beds.motions(every).T
-        ends = zip(beds.corner[:-1], beds.corner[1:], strict=True)
-        strength = [self._resistance(k, np.maximum(-gap[at:end], 0.0)) for k, (at, end) in enumerate(ends)]
+        line, normal = beds.line[beds.contact_of_corners], np.maximum(-gap, 0.0)
+        strength = line[:, 1] + line[:, 2] * normal
+        for k in range(len(beds.laws)):
+            corners = slice(*beds.corner[k : k + 2])
+            strength[corners] = self._resistance(k, normal[corners])
         slip = np.sqrt(first * first + second * second) * (gap < 0.0)
-        called = beds.shear_ratio * slip / np.maximum(np.concatenate(strength), TINY)
+        called = beds.shear_ratio * slip / np.maximum(strength, TINY)
         most = np.maximum.reduceat(called, beds.corner[beds.contact[:-1]])[blocks]
         if beds.bolt_capacity.shape[1]:
             drawn = -(beds.bolt_rows[blocks] @ u[:, :, None])[:, :, 0].max(axis=1)
-            most = np.maximum(most, drawn / (BOLT_GIVE * self.first[blocks]))
+            most = np.maximum(most, drawn / (BOLT_GIVE * beds.first[blocks]))
         return most
 
     def carried(self, opening: Floats, slip: Floats, reduction: float, running: bool) -> PointForces:

@@ -1,0 +1,85 @@
+"""Many single blocks at once end as each of them does alone: status, factor, and whether moments govern."""
+
+from collections import Counter
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+import slopekit as sk
+from benchmarks.basal import random_design
+from benchmarks.batch import blocks_of
+from benchmarks.ordinary_cuts import ordinary_cut
+from slopekit.design.common import Design
+from slopekit.kinds import cut, factors_of
+from slopekit.kinds.single_block.batch_states import block_statuses
+from slopekit.kinds.wedge.design import wedge_design
+from slopekit.preie.batch import limits_of_blocks
+
+
+def compared(designs: list[Design]) -> Counter[str]:
+    """Compare each design with its row of the batch; return how often each status came."""
+    limits = limits_of_blocks(blocks_of([cut(design) for design in designs]))
+    single = [factors_of(design) for design in designs]
+    statuses = block_statuses(limits).tolist()
+    assert statuses == [one.status for one in single]
+    assert limits.moments_govern.tolist() == [one.moments_govern for one in single]
+    factors = np.array([np.nan if one.limit is None else one.limit for one in single])
+    assert np.where(limits.factor == 0.0, np.nan, limits.factor) == pytest.approx(factors, rel=1e-6, nan_ok=True)
+    return Counter(statuses)
+
+
+def formed(designs: Iterator[Design], count: int) -> list[Design]:
+    """The first designs that form a block."""
+    found = list[Design]()
+    for design in designs:
+        try:
+            cut(design)
+        except sk.GeometryError:
+            continue
+        found.append(design)
+        if len(found) == count:
+            break
+    return found
+
+
+def ordinary(seed: int, **others: Any) -> Iterator[Design]:
+    rng = np.random.default_rng(seed)
+    while True:
+        yield wedge_design(ordinary_cut(rng) | others)
+
+
+def basal(seed: int) -> Iterator[Design]:
+    """Random wedges on three joints, without passive bolts."""
+    rng = np.random.default_rng(seed)
+    while True:
+        design = random_design(rng)
+        if "passive" not in str(design):
+            yield sk.load(design)
+
+
+@pytest.mark.slow
+def test_three_hundred_ordinary_cuts() -> None:
+    found = compared(formed(ordinary(5), 300))
+    assert {"slides_on_both", "slides_on_J1", "slides_on_J2", "rotates", "lifted", "topples"} <= set(found)
+
+
+def test_wedges_on_three_joints() -> None:
+    """Some of them stand without strength."""
+    found = compared(formed(basal(3), 60))
+    assert found["no_driving_force"] > 0
+    assert len(found) > 6
+
+
+@pytest.mark.parametrize(
+    ("others", "status"),
+    [
+        ({"c": (0.0, 0.0), "phi": (0.0, 0.0)}, "slides_on_both"),
+        ({"forces": [{"force": "40 MN", "toward": "180/-60"}]}, "lifted"),
+        ({"forces": [{"force": "90 MN", "toward": "0/0"}]}, "slides_up"),
+    ],
+    ids=["without strength", "pulled off", "pushed up"],
+)
+def test_wedges_that_end_otherwise(others: dict[str, Any], status: str) -> None:
+    assert compared(formed(ordinary(2, **others), 12))[status] > 0
