@@ -51,7 +51,7 @@ class Blocks:
     tan_friction: Floats
     load: Floats
 
-    def of(self, rows: slice) -> "Blocks":
+    def of(self, rows: slice | Ints) -> "Blocks":
         """Return some of them."""
         return Blocks(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 

@@ -1,12 +1,12 @@
 """What both methods say of many designs: an array of each number, and what they make of a target together."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.arrays import Bools, Floats, NDArray
 from slopekit.core.errors import Notice
 from slopekit.preie.tolerances import SAME_LIMIT
 from slopekit.studies.points import UNSETTLED, Method, Point, status_of
@@ -16,6 +16,7 @@ NO_BLOCK = ("E", "impossible")
 #: Outcomes of blocks that form and are not judged: no answer, or bolts that the block does not hold.
 UNJUDGED = ("E5", "E211", "E212", UNSETTLED)
 STANDS = "no_driving_force"
+_MOST = "largest"  # of `BothMethods`: no sum
 #: The methods, and what their factors are called.
 _OF_METHODS: tuple[tuple[Method, str], ...] = (("pre_ie", "limit"), ("closed_form", "closed_form"))
 
@@ -28,7 +29,7 @@ class ByMethod:
     """
 
     names: tuple[str, ...]
-    outcome: Ints
+    outcome: NDArray[np.int16]
     factor: Floats
 
     @classmethod
@@ -84,7 +85,7 @@ class Outcomes:
     limit: ByMethod
     closed_form: ByMethod | None
     difference: Floats
-    agree: Ints
+    agree: NDArray[np.int8]
     moments_govern: Bools
 
 
@@ -146,6 +147,11 @@ class BothMethods:
     unsafe: int = field(metadata={"json": "fails_by_pre_ie_only"})
     safe: int = field(metadata={"json": "fails_by_closed_form_only"})
 
+    @property
+    def looked_at(self) -> int:
+        """How many PRE-IE was asked of."""
+        return self.agree + self.disagree + self.not_compared
+
     def in_words(self) -> list[str]:
         """How far they agree, and what they judge otherwise."""
         words = [f"agree on {self.agree}", f"DISAGREE on {self.disagree}" if self.disagree else "disagree on 0"]
@@ -161,8 +167,8 @@ class BothMethods:
     def notices(self, called: str, of: int) -> Iterator[Notice]:
         """Yield W353 where moments change the judgement; `called`: what was judged, `of` so many."""
         if self.unsafe:
-            yield Notice("W353", f"{self.unsafe} of {of} {called} fail by PRE-IE and stand by the closed form, which "
-                         "balances no moments: judge by PRE-IE")  # fmt: skip
+            message = f"{self.unsafe} of {of} {called} fail by PRE-IE alone: the closed form balances no moments"
+            yield Notice("W353", message)
 
 
 def compared(outcomes: Outcomes, target: float) -> BothMethods:
@@ -172,12 +178,22 @@ def compared(outcomes: Outcomes, target: float) -> BothMethods:
     if outcomes.closed_form is not None:
         by_closed = outcomes.closed_form.falls_short(target)
     forms, known, settled = limit.forms, np.isfinite(outcomes.difference), limit.forms & ~limit.unjudged
-    counts = [int((forms & (outcomes.agree == verdict)).sum()) for verdict in (1, 0, -1)]
+    agree, disagree, open_ = (int((forms & (outcomes.agree == verdict)).sum()) for verdict in (1, 0, -1))
     return BothMethods(
-        *counts,
+        agree,
+        disagree,
+        open_,
         int(limit.among(UNSETTLED).sum()),
         float(outcomes.difference[known].max()) if known.any() else None,
         int((forms & outcomes.moments_govern).sum()),
         int((settled & by_pre_ie & ~by_closed).sum()),
         int((settled & by_closed & ~by_pre_ie).sum()),
     )
+
+
+def total(parts: Sequence[BothMethods]) -> BothMethods:
+    """Return how far both methods agree on all of some parts together."""
+    sums = {
+        own.name: sum(getattr(part, own.name) for part in parts) for own in fields(BothMethods) if own.name != _MOST
+    }
+    return BothMethods(**sums, largest=max((part.largest for part in parts if part.largest is not None), default=None))

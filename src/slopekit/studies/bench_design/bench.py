@@ -1,11 +1,11 @@
 """One bench against all trials: what forms at each place, what of it fails, how much of crest and rock goes with it.
 
 wedge
-    Two joints whose line of intersection daylights; free where both joints run as far as its edges do. The factor of
-    safety is that of `closed_form.wedge`.
+    Two joints whose line of intersection daylights; free where both joints run as far as its edges do. It fails by
+    `closed_form.wedge`, or by PRE-IE where that lets it stand (`limits`).
 plane
     The first joint of a place, flatter than the face and within the lateral limit of its dip direction (Hoek & Bray
-    1981, ch. 7); its sides are taken as free. The factor is that of `closed_form.plane`.
+    1981, ch. 7); its sides are taken as free. It is judged likewise, by `closed_form.plane` and PRE-IE.
 toppling
     One joint steep into the slope, the other a base that dips out of it and daylights, both within the lateral limit
     of toppling: ψ_d >= (90 - ψ_f) + φ_d lets columns slip on each other (Goodman & Bray 1976; Wyllie & Mah 2004,
@@ -17,6 +17,7 @@ none. Largest: the toe is that of the bench, and a joint too short makes the blo
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
@@ -33,6 +34,7 @@ from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.studies.bench_design.given import BenchInputs
 from slopekit.studies.bench_design.trials import Trials
 from slopekit.studies.kinematic.criteria import beside_deg
+from slopekit.studies.outcomes import ByMethod
 
 MODES: Final = ("wedge", "plane", "toppling")
 WEDGE, PLANE, TOPPLING = range(3)
@@ -45,7 +47,7 @@ class Bench:
 
     Attributes
     ----------
-    forms, fails, factor : (3, n); a factor is nan where nothing slides or topples, or nothing is known
+    forms, fails, factor : (3, n); a factor is the closed form's, nan where nothing slides or topples or is known
     block_height_m : (3, n) from the toe of the block to the crest
     governs : (n,) the failing mode that takes most of the crest, -1 where none fails
     setback_m, volume_m3, spill_m : (n,) of what fails, 0 where nothing does; width_m : (n,) along the crest
@@ -64,35 +66,40 @@ class Bench:
     width_m: Floats
 
 
-def bench_of(asked: BenchInputs, trials: Trials, height_m: float, face_dip_deg: float) -> Bench:
-    """Every trial in a bench of one height and face."""
-    n = len(trials)
-    parts = [
-        part(asked, trials, height_m, face_dip_deg) for part in (_wedges, _planes, _columns)
-    ]  # fmt: skip
+def parts_of(asked: BenchInputs, trials: Trials, height_m: float, face_dip_deg: float) -> "list[Part]":
+    """Every trial in a bench of one height and face by the closed forms, in the order of `MODES`."""
+    return [part(asked, trials, height_m, face_dip_deg) for part in (_wedges, _planes, _columns)]
+
+
+def bench_of(height_m: float, face_dip_deg: float, parts: "Sequence[Part]") -> Bench:
+    """What becomes of the trials in a bench, once its modes are judged."""
     forms, fails, factor, block, setback, volume, spill, width = (
-        np.stack([part[name] for part in parts]) for name in _NAMES
+        np.stack([part[name] for part in parts]) for name in _OF_BENCH
     )
     lost = np.where(fails, setback, -1.0)
     governs = np.where(fails.any(axis=0), lost.argmax(axis=0), -1)
-    at = np.maximum(governs, 0), np.arange(n)
+    at = np.maximum(governs, 0), np.arange(len(governs))
     own = [np.where(governs < 0, 0.0, values[at]) for values in (setback, volume, spill, width)]
     return Bench(height_m, face_dip_deg, forms, fails, factor, block, governs.astype(np.int64), *own)
 
 
 #: What becomes of one mode: arrays (n,) by their names; sizes are 0 where nothing forms.
-_Part: TypeAlias = dict[str, np.ndarray]
-_NAMES: Final = ("forms", "fails", "factor", "block_height_m", "setback_m", "volume_m3", "spill_m", "width_m")
+Part: TypeAlias = dict[str, np.ndarray]
+_OF_BENCH: Final = ("forms", "fails", "factor", "block_height_m", "setback_m", "volume_m3", "spill_m", "width_m")
+_NAMES: Final = (*_OF_BENCH, "outcome")
+#: Outcomes of the closed forms that PRE-IE is asked beside, by mode.
+CLOSED_OUTCOMES: Final = (WEDGE_OUTCOMES, ("slides_on_J1", *PLANE_OUTCOMES[1:]))
 
 
-def _part(n: int) -> _Part:
+def _part(n: int) -> Part:
     """A mode in which nothing forms at any of n places."""
-    part: _Part = {name: np.zeros(n, dtype=bool if name in ("forms", "fails") else np.float64) for name in _NAMES}
+    kinds = {"forms": np.bool_, "fails": np.bool_, "outcome": np.int16}
+    part: Part = {name: np.zeros(n, dtype=kinds.get(name, np.float64)) for name in _NAMES}
     part["factor"][:] = np.nan
     return part
 
 
-def _with_blocks(part: _Part, those: Ints, **values: Floats | Bools) -> _Part:
+def _with_blocks(part: Part, those: Ints, **values: np.ndarray) -> Part:
     """A mode with what forms at some of its places."""
     part["forms"][those] = True
     for name, own in values.items():
@@ -106,7 +113,7 @@ def strengths_at(asked: BenchInputs, trials: Trials) -> tuple[Floats, Floats]:
     return asked.cohesion_kpa[joints], asked.friction_deg[joints]
 
 
-def _wedges(asked: BenchInputs, trials: Trials, height: float, face: float) -> _Part:
+def _wedges(asked: BenchInputs, trials: Trials, height: float, face: float) -> Part:
     a, b = trials.first, trials.second
     cohesion, friction = strengths_at(asked, trials)
     dips, ways = asked.joints.dips_deg, asked.joints.dip_directions_deg
@@ -132,17 +139,18 @@ def _wedges(asked: BenchInputs, trials: Trials, height: float, face: float) -> _
     )  # fmt: skip
     kept = wedges.outcome < WEDGE_OUTCOMES.index("E201")
     those, scales = those[kept], scale[those][kept]
-    factor, fails = _judged(WEDGE_OUTCOMES, wedges.outcome[kept], wedges.factor[kept], asked.number("fos"))
+    closed = ByMethod(CLOSED_OUTCOMES[WEDGE], wedges.outcome[kept].astype(np.int16), wedges.factor[kept])
     volume = whole.volume_m3[those] * scales**3
     return _with_blocks(
-        _part(len(trials)), those, fails=fails, factor=factor, block_height_m=heights[those],
+        _part(len(trials)), those, fails=closed.falls_short(asked.number("fos")), outcome=closed.outcome,
+        factor=closed.factor, block_height_m=heights[those],
         setback_m=whole.setback_m[those] * scales, volume_m3=volume,
         spill_m=cone_spill_width(volume, face, asked.number("repose"), asked.number("swell")),
         width_m=whole.face_width_m[those] * scales,
     )  # fmt: skip
 
 
-def _planes(asked: BenchInputs, trials: Trials, height: float, face: float) -> _Part:
+def _planes(asked: BenchInputs, trials: Trials, height: float, face: float) -> Part:
     a = trials.first
     dips = asked.joints.dips_deg[a]
     whole = plane_sizes(dips, face, 0.0, height)
@@ -163,17 +171,18 @@ def _planes(asked: BenchInputs, trials: Trials, height: float, face: float) -> _
     )  # fmt: skip
     kept = blocks.outcome < PLANE_OUTCOMES.index("E203")
     those, scales = those[kept], scale[those][kept]
-    factor, fails = _judged(PLANE_OUTCOMES, blocks.outcome[kept], blocks.factor[kept], asked.number("fos"))
+    closed = ByMethod(CLOSED_OUTCOMES[PLANE], blocks.outcome[kept].astype(np.int16), blocks.factor[kept])
     area = whole.area_m2[those] * scales**2
     return _with_blocks(
-        _part(len(trials)), those, fails=fails, factor=factor, block_height_m=heights[kept],
+        _part(len(trials)), those, fails=closed.falls_short(asked.number("fos")), outcome=closed.outcome,
+        factor=closed.factor, block_height_m=heights[kept],
         setback_m=whole.setback_m[those] * scales, volume_m3=area * asked.step_m(height),
         spill_m=prism_spill_width(area, face, asked.number("repose"), asked.number("swell")),
         width_m=np.full(those.size, asked.step_m(height)),
     )  # fmt: skip
 
 
-def _columns(asked: BenchInputs, trials: Trials, height: float, face: float) -> _Part:
+def _columns(asked: BenchInputs, trials: Trials, height: float, face: float) -> Part:
     """Either joint of a place may be the steep one."""
     heights, limit = height * (1.0 - trials.toe), asked.number("lateral_toppling")
     part = _part(len(trials))
@@ -207,13 +216,3 @@ def _columns(asked: BenchInputs, trials: Trials, height: float, face: float) -> 
             width_m=np.full(some.size, asked.step_m(height)),
         )  # fmt: skip
     return part
-
-
-def _judged(names: tuple[str, ...], outcome: np.ndarray, factor: Floats, target: float) -> tuple[Floats, Bools]:
-    """The factor where something slides, and what fails: below the target, or without any contact."""
-    words = [name.startswith("slides") for name in names]
-    free = [name in ("lifted", "falls") for name in names]
-    slides = np.array(words)[outcome]
-    with np.errstate(invalid="ignore"):
-        fails: Bools = (slides & ~(factor >= target)) | np.array(free)[outcome]  # no factor reaches no target
-    return np.where(slides, factor, np.nan), fails

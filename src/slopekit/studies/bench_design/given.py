@@ -33,13 +33,11 @@ _OF_WEDGE = ("c", "phi", "density", "unit_weight", "water", "seismic")
 #: Numbers by their parameter: what they measure, between which they lie, what they are, what is taken without them.
 _NUMBERS: Mapping[str, tuple[str, float, float, str, float | None]] = {
     "n": ("ratio", 100, MOST_TRIALS, "a number of trials", TRIALS),
-    "confirm": ("ratio", 0, 100_000, "a number of blocks", 200),
     "seed": ("ratio", 0, 2**63 - 1, "a seed", 1),
     "reliability": ("ratio", 0.5, 0.999, "a part of the length (0.8, 80%)", RELIABILITY),
     "accept": ("ratio", 0.0, 1.0, "a part of the length (0.8, 80%)", None),
     "confidence": ("ratio", 0.5, 0.9999, "a part (0.95, 95%)", CONFIDENCE),
     "fos": ("ratio", 1e-6, 1e6, "a factor of safety", 1.0),
-    "near": ("ratio", 0.0, 10.0, "a part of the factor (0.01, 1%)", None),
     "catch": ("length", 0.0, 1e4, "a width", None),
     "trace": ("length", 1e-3, 1e6, "a length", None),
     "spacing": ("length", 1e-3, 1e5, "a length", None),
@@ -51,7 +49,7 @@ _NUMBERS: Mapping[str, tuple[str, float, float, str, float | None]] = {
 }  # fmt: skip
 #: Of the numbers, as a sheet has them.
 UNITS = {name: {"length": " m", "angle": "°", "ratio": ""}[kind] for name, (kind, *_) in _NUMBERS.items()}
-_WHOLE = ("n", "confirm", "seed")
+_WHOLE = ("n", "seed")
 
 
 @dataclass(frozen=True)
@@ -97,12 +95,6 @@ class BenchInputs:
     def has_cohesion(self) -> bool:
         """Whether any joint has some."""
         return bool((self.cohesion_kpa > 0.0).any())
-
-    @property
-    def near(self) -> float:
-        """The part of the target that counts as near it."""
-        part = self.numbers["near"]
-        return self.slope.analysis.agree_within if part is None else part
 
     def catch_m(self, height_m: float) -> float:
         """The berm width wanted: what was given, else the modified Ritchie criterion."""

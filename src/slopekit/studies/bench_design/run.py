@@ -1,10 +1,10 @@
 """Benches from a joint survey: heights x face angles x berms, what fails in them, what berm keeps the catch width.
 
-trials -> what forms and fails in each bench -> shares, backbreak, volume, berms -> PRE-IE where it matters.
+trials -> what forms and fails in each bench -> shares, backbreak, volume, berms.
 
 >>> import slopekit as sk
 >>> found = sk.bench_design(["50/150", "55/215", "48/165", "60/200", "80/005"], height=15, face=[65, 80],
-...                         dip_direction=180, c=0, phi=30, n=400, confirm=0)
+...                         dip_direction=180, c=0, phi=30, n=400)
 >>> [round(bench.modes["any"]["fails"].share, 2) for bench in found.benches]
 [0.59, 0.66]
 """
@@ -20,12 +20,11 @@ from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import number
 from slopekit.design.joint_lists import JointList
-from slopekit.studies.bench_design.bench import bench_of
-from slopekit.studies.bench_design.confirmed import Doubted, confirmed
 from slopekit.studies.bench_design.given import BenchInputs, bench_inputs
+from slopekit.studies.bench_design.limits import judged_benches
 from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, outcome_of, without_cohesion
 from slopekit.studies.bench_design.trials import drawn_trials
-from slopekit.studies.prob.judged import Confirmation, confirmation_notices
+from slopekit.studies.outcomes import BothMethods, total
 from slopekit.studies.protocol import DESK, Argument, Jobs, Option, Scheduler, StudyOutcome, Workplace, documented
 from slopekit.studies.running import Journal, checked_crew
 from slopekit.studies.surveys import Columns, Convention, SkipBad, left_out, survey_head
@@ -33,7 +32,7 @@ from slopekit.studies.surveys import Columns, Convention, SkipBad, left_out, sur
 _FEW = 30  # joints: below it, a survey says little of its sets
 
 
-def notices_of(asked: BenchInputs, benches: Sequence[OfBench], said: Confirmation | None) -> Iterator[Notice]:
+def notices_of(asked: BenchInputs, benches: Sequence[OfBench], said: BothMethods) -> Iterator[Notice]:
     """Yield what a reader must know of the survey, of the options and of what was not counted."""
     yield from left_out(asked.joints)
     n = len(asked.joints)
@@ -85,8 +84,7 @@ def notices_of(asked: BenchInputs, benches: Sequence[OfBench], said: Confirmatio
         yield Notice(
             "W395", "toppling columns are judged by their weight alone: water and earthquake do not act on them"
         )
-    if said is not None:
-        yield from confirmation_notices(said, "blocks")
+    yield from said.notices("blocks", said.looked_at)
 
 
 def _cohesion(benches: Sequence[OfBench]) -> Iterator[Notice]:
@@ -113,16 +111,16 @@ class BenchDesigns(StudyOutcome):
     ----------
     given : the survey, the benches, what counts
     benches : what came of each height and face
-    checked : what PRE-IE says of their wedges and planes, None where it was not asked
+    both : how far both methods agree on the wedges and planes that stand by the closed form
     """
 
     name: ClassVar[str] = "bench-design"
     given: BenchInputs
     benches: tuple[OfBench, ...]
-    checked: Confirmation | None
+    both: BothMethods
     warnings: tuple[Notice, ...]
     seconds: float = field(default=0.0, compare=False)
-    journal: Journal | None = field(default=None, compare=False)
+    journals: tuple[Journal, ...] = field(default=(), compare=False)
 
     @property
     def charts(self) -> tuple[str, ...]:
@@ -131,8 +129,8 @@ class BenchDesigns(StudyOutcome):
 
     def done(self) -> None:
         """Remove what was kept for an interruption: the results are written."""
-        if self.journal is not None:
-            self.journal.remove()
+        for journal in self.journals:
+            journal.remove()
 
     @property
     def joints(self) -> JointList:
@@ -165,7 +163,7 @@ class BenchDesigns(StudyOutcome):
     @property
     def exit_code(self) -> int:
         """0 done, 1 no bench is accepted, 4 the methods disagree or PRE-IE did not converge."""
-        if self.checked is not None and self.checked.disagree:
+        if self.both.disagree or self.both.without_answer:
             return 4
         return 1 if self.accepted is False else 0
 
@@ -179,7 +177,7 @@ class BenchDesigns(StudyOutcome):
             "best": {name: getattr(best, name) for name in ("height_m", "face_dip_deg", "berm_needed_m")}
             | {"inter_ramp_deg": best.inter_ramp_deg, "reliability": self.given.number("reliability")},
             "accept": self.given.numbers["accept"], "accepted": self.accepted,
-            "pre_ie": json_of(self.checked),
+            "methods": json_of(self.both),
             "timing_s": {"total": self.seconds},
             **self.words(),
         }  # fmt: skip
@@ -213,8 +211,6 @@ def bench_design(
     repose: Annotated[Any, Option("Angle of repose of broken rock [37].")] = None,
     fos: Annotated[Any, Option("What fails has a factor of safety below this [1].")] = None,
     n: Annotated[Any, Option("Trials: places along the bench [10000].", flag="-n")] = None,
-    confirm: Annotated[Any, Option("Blocks at random that PRE-IE looks at too [200].")] = None,
-    near: Annotated[Any, Option("It looks at all within this of the target [1%].")] = None,
     confidence: Annotated[Any, Option("Of the confidence limits [95%].")] = None,
     accept: Annotated[
         Any, Option("Least reliability; exit code 1 where no bench reaches it with its lower limit.")
@@ -230,7 +226,7 @@ def bench_design(
     """Benches from a joint survey: what fails by height and face angle, the berm that is left, the inter-ramp angle.
 
     A trial is a place along the bench where two joints of the survey meet: a wedge of both, a block on the first,
-    columns of one on the other. Closed forms judge them all, PRE-IE looks at some at random and at all near the target.
+    columns of one on the other. Closed forms judge them all, PRE-IE the wedges and blocks that these let stand.
     Exit codes: 0 done, 1 no bench reaches --accept, 2 bad input, 4 the methods disagree.
 
     Raises
@@ -257,7 +253,7 @@ def bench_design(
     --------
     >>> import slopekit as sk
     >>> found = sk.bench_design(["45/115", "45/245", "80/350"], height=15, face=70, dip_direction=180, c=2, phi=32,
-    ...                         n=200, confirm=2, near=0)
+    ...                         n=200)
     >>> found.best.catch_width_m, found.best.berm_needed_m, round(found.best.inter_ramp_deg, 2)
     (7.5, 7.5, 49.17)
     """
@@ -265,29 +261,27 @@ def bench_design(
     crew = checked_crew(jobs, scheduler)
     asked = bench_inputs(given, desk.named)
     trials = drawn_trials(asked.joints, int(asked.number("n")), int(asked.number("seed")), asked.toe == "anywhere")
-    sizes = [(height, dip) for height in asked.heights_m for dip in asked.face_dips_deg]
-    benches = [bench_of(asked, trials, height, dip) for height, dip in sizes]
-    outcomes = [outcome_of(asked, trials, bench) for bench in benches]
+    benches, both, journal = judged_benches(asked, trials, crew, desk)
+    outcomes, journals = [outcome_of(asked, trials, bench) for bench in benches], [journal]
     if asked.has_cohesion:
         without = replace(asked, cohesion_kpa=np.zeros(len(asked.joints)))
-        bare = [bench_of(without, trials, height, dip) for height, dip in sizes]
+        bare, _, journal = judged_benches(without, trials, crew, desk)
+        journals.append(journal)
         outcomes = [
             replace(of, bare=without_cohesion(asked, bench, of)) for bench, of in zip(bare, outcomes, strict=True)
         ]
-    checked, doubted, journal = confirmed(asked, trials, benches, crew, desk)
-    outcomes = [accepted(asked, one, doubted) for one in outcomes]
-    notices = tuple(notices_of(asked, outcomes, checked))
-    study = BenchDesigns(asked, tuple(outcomes), checked, notices, time.perf_counter() - began, journal)
+    outcomes, said = [accepted(asked, one) for one in outcomes], total(both)
+    notices = tuple(notices_of(asked, outcomes, said))
+    study = BenchDesigns(asked, tuple(outcomes), said, notices, time.perf_counter() - began, tuple(journals))
     if desk.folder is None:
         study.done()
     return study
 
 
-def accepted(asked: BenchInputs, bench: OfBench, doubted: Doubted) -> OfBench:
-    """The bench with what is said of acceptance: the lower limit counts, and that PRE-IE doubts no block of it."""
+def accepted(asked: BenchInputs, bench: OfBench) -> OfBench:
+    """The bench with what is said of acceptance: the lower limit counts."""
     least = asked.numbers["accept"]
     if least is None:
         return bench
-    is_sure = (bench.height_m, bench.face_dip_deg) not in doubted
-    berms = (replace(berm, accepted=is_sure and berm.reliability.low >= least) for berm in bench.berms)
+    berms = (replace(berm, accepted=berm.reliability.low >= least) for berm in bench.berms)
     return replace(bench, berms=tuple(berms))

@@ -1,4 +1,4 @@
-"""The sheet of a study of benches: what fails by height and face, what berm keeps the catch width, what PRE-IE says."""
+"""The sheet of a study of benches: what fails by height and face, what berm keeps the catch width, the methods."""
 
 from collections.abc import Callable
 from typing import Any
@@ -10,7 +10,6 @@ from slopekit.studies.bench_design.given import UNITS
 from slopekit.studies.bench_design.outcomes import OfBench, OfBerm
 from slopekit.studies.bench_design.run import BenchDesigns
 from slopekit.studies.prob.estimates import Share
-from slopekit.studies.prob.judged import confirmation_words
 from slopekit.studies.surveys import codes_of, head, inputs_in_words, survey_entry
 
 
@@ -27,8 +26,7 @@ def sheet_of(study: BenchDesigns) -> Sheet:
         Section("BERMS", [_OF_BERMS, berms] if study.given.berms_m is not None else []),
         Section("NEEDED", [_needed_said(study), needed]),
         Section("BEST", _best(study)),
-        Section("PRE-IE", ["not asked, or no wedge and no plane forms"] if study.checked is None
-                else confirmation_words(study.checked, "blocks", study.given.number("fos"))),
+        Section("METHODS", study.both.in_words() if study.both.looked_at else ["no wedge and no plane stands"]),
         Section("TIME", [f"{study.seconds:.1f} s"]),
         Section("NOTE", [str(notice) for notice in study.warnings]),
     ), {"benches.csv": Table(list(every.values()), study.benches), "berms.csv": berms})  # fmt: skip
@@ -38,8 +36,8 @@ def line_of(study: BenchDesigns) -> str:
     """The best bench on one line."""
     best, wanted = study.best, study.given.number("reliability")
     said = "" if study.accepted is None else "  ACCEPTED" if study.accepted else "  NOT ACCEPTED"
-    checked = study.checked
-    agree = "" if checked is None else f"  PRE-IE agrees on {checked.agree} of {checked.samples}"
+    both = study.both
+    agree = f"  PRE-IE agrees on {both.agree} of {both.looked_at}" if both.looked_at else ""
     steepest = study.steepest_accepted
     line = (
         f"steepest accepted: {_in_words(steepest)}{agree}{said}"
