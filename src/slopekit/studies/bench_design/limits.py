@@ -16,12 +16,12 @@ from slopekit.design.common import Design
 from slopekit.design.parts import Strength, Water
 from slopekit.kinds.plane import ON_ARRAYS as PLANES
 from slopekit.kinds.plane import PlaneDesign
-from slopekit.kinds.single_block.blocks_on_arrays import limits_on_arrays
+from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany, limits_of, limits_on_arrays
 from slopekit.kinds.wedge import ON_ARRAYS as WEDGES
 from slopekit.studies.bench_design.bench import CLOSED_OUTCOMES, PLANE, WEDGE, Bench, Part, bench_of, parts_of
 from slopekit.studies.bench_design.given import BenchInputs
 from slopekit.studies.bench_design.trials import Trials
-from slopekit.studies.outcomes import BothMethods, ByMethod, Outcomes, agreement, compared
+from slopekit.studies.outcomes import BothMethods, ByMethod, agreement, compared
 from slopekit.studies.points import kept_records
 from slopekit.studies.protocol import Workplace
 from slopekit.studies.running import Crew, Journal, Record
@@ -37,7 +37,7 @@ def judged_benches(
     """Return all benches judged by both methods, how far these agree in each mode of each, and the journal."""
     sizes = [(height, dip) for height in asked.heights_m for dip in asked.face_dips_deg]
     parts = [parts_of(asked, trials, *size) for size in sizes]
-    asked_of, tasks = list[tuple[Part, int, Ints, Ints]](), list[Task]()
+    asked_of, tasks, before = list[tuple[Part, int, Ints, Ints]](), list[Task](), 0
     for (height, face), of_bench in zip(sizes, parts, strict=True):
         for mode in (WEDGE, PLANE):
             part = of_bench[mode]
@@ -45,16 +45,15 @@ def judged_benches(
             first, second = trials.first[rows], trials.second[rows] if mode == WEDGE else np.full(len(rows), -1)
             heights = np.full(len(rows), height) if _is_free_of_size(asked) else part["block_height_m"][rows]
             alike, back = np.unique(np.stack([first, second, heights], axis=1), axis=0, return_inverse=True)
-            asked_of.append((part, mode, rows, back.reshape(-1) + sum(len(task[2]) for task in tasks)))
+            asked_of.append((part, mode, rows, back.reshape(-1) + before))
+            before += len(alike)
             for at in range(0, len(alike), _AT_ONCE):
                 one, two, high = alike[at : at + _AT_ONCE].T
                 tasks.append((mode, face, one.astype(np.int64), two.astype(np.int64), high))
     run = [asked.input_hash(), asked.has_cohesion, _AT_ONCE]
     records, journal = kept_records(partial(_limits, asked), tasks, crew, desk, "bench-design", "PRE-IE", run, 1)
-    of_all = {
-        name: np.array([of for record in records for of in record[name]]) for name in ("status", "limit", "forces")
-    }
-    both = [_judge(asked, *one, of_all) for one in asked_of]
+    found = limits_of(records)
+    both = [_judge(asked, *one, found) for one in asked_of]
     return [bench_of(*size, of_bench) for size, of_bench in zip(sizes, parts, strict=True)], both, journal
 
 
@@ -63,18 +62,17 @@ def _is_free_of_size(asked: BenchInputs) -> bool:
     return not asked.has_cohesion and asked.slope.water.mode != "pressures"
 
 
-def _judge(asked: BenchInputs, part: Part, mode: int, rows: Ints, at: Ints, of_all: dict[str, Any]) -> BothMethods:
+def _judge(asked: BenchInputs, part: Part, mode: int, rows: Ints, at: Ints, found: LimitsOfMany) -> BothMethods:
     """Note what fails by PRE-IE among the blocks `rows` of a mode; return how far the methods agree on them.
 
     Parameters
     ----------
-    at : (m,) the places of these blocks in what was found of all, `of_all`
+    at : (m,) the places of these blocks in what was found of all
     """
     target = asked.number("fos")
-    limit = ByMethod.of(of_all["status"][at].tolist(), of_all["limit"][at] if len(at) else [])
+    limit = ByMethod.of(found.status[at].tolist(), found.limit[at])
     closed = ByMethod(CLOSED_OUTCOMES[mode], part["outcome"][rows], part["factor"][rows])
-    outcomes: Outcomes = agreement(limit, of_all["forces"][at] if len(at) else np.zeros(0), closed,
-                                   asked.slope.analysis.agree_within)  # fmt: skip
+    outcomes = agreement(limit, found.forces[at], closed, asked.slope.analysis.agree_within)
     part["fails"][rows] = limit.falls_short(target)
     return compared(outcomes, target)
 
@@ -84,7 +82,7 @@ def _limits(asked: BenchInputs, task: Task) -> Record:
     mode, face, first, second, height = task
     design, strengths = _design(asked, mode, first, second, height, face)
     found = limits_on_arrays(design, WEDGES if mode == WEDGE else PLANES, strengths, len(first))
-    return {name: of.tolist() for name, of in vars(found).items()}
+    return found.to_record()
 
 
 def _design(

@@ -22,6 +22,7 @@ from slopekit.design.fields import field_in
 from slopekit.design.reading.files import with_values
 from slopekit.evidence import WithoutBasal
 from slopekit.kinds import kind_of, likely_slips, peak_only
+from slopekit.kinds.single_block.blocks_on_arrays import limits_of
 from slopekit.notices import new_notices, not_as_given
 from slopekit.studies.marginals import checked_limits
 from slopekit.studies.outcomes import BothMethods, ByMethod, Outcomes, agreement, compared, of_points
@@ -484,10 +485,8 @@ class _Judge:
         words = np.array(closed.names, dtype=object)[closed.outcome]
         factor, forces = np.full((2, len(words)), np.nan)
         if records:
-            words[rows] = [word for record in records for word in record["status"]]
-            factor[rows], forces[rows] = (
-                np.concatenate([record[of] for record in records]) for of in ("limit", "forces")
-            )
+            found = limits_of(records)
+            words[rows], factor[rows], forces[rows] = found.status, found.limit, found.forces
             closed = closed.refused(words)
         return agreement(ByMethod.of(words.tolist(), factor), forces, closed, self.drawn.design.analysis.agree_within)
 
