@@ -484,7 +484,7 @@ def test_json_sheet_and_table() -> None:
     assert len(rows) == 780
     assert [row["outcome"] for row in rows].count("too_steep") == found.counts["too_steep"]
     assert rows[0]["joint1"] == found.worst[0].names[0]
-    factors = [float(row["fos_closed_form"]) for row in rows if row["fos_closed_form"]]
+    factors = [float(row["fos_limit"]) for row in rows if row["fos_limit"]]
     assert factors == sorted(factors)
     line = found.line
     assert line.startswith(f"{found.removable} of 780 pairs removable  worst ")
