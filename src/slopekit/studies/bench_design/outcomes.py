@@ -9,7 +9,7 @@ import numpy as np
 
 from slopekit.closed_form.berms import effective_face_angle, inter_ramp_angle
 from slopekit.core.arrays import Floats
-from slopekit.studies.bench_design.bench import MODES, Bench
+from slopekit.studies.bench_design.bench import MODES, Bench, bench_of, parts_of
 from slopekit.studies.bench_design.given import BenchInputs
 from slopekit.studies.bench_design.trials import Trials, bootstrapped, share_of
 from slopekit.studies.prob.estimates import Share
@@ -98,16 +98,18 @@ class OfBench:
     bare: Mapping[str, Any] | None = field(default=None, metadata={"json": "without_cohesion"})
 
 
-def without_cohesion(asked: BenchInputs, bench: Bench, of: OfBench) -> dict[str, Any]:
-    """What is said of a bench judged without cohesion: shares that fail, the berm needed, whether cohesion decides.
+def without_cohesion(asked: BenchInputs, trials: Trials, of: OfBench) -> dict[str, Any]:
+    """What the closed forms say of a bench without cohesion: shares that fail, the berm needed, whether that decides.
 
     It decides where half or more of what fails without it is held by it, and that is more than the limits of the share
     with it allow.
 
     Parameters
     ----------
-    bench : without cohesion; of : what is said of it with cohesion
+    asked : without cohesion; of : what is said of the bench with cohesion
     """
+    size = of.height_m, of.face_dip_deg
+    bench = bench_of(*size, parts_of(asked, trials, *size))
     forms, fails = ([*part, part.any(axis=0)] for part in (bench.forms, bench.fails))
     shares = {name: float(part.mean()) for name, part in zip(_CALLED, fails, strict=True)}
     among = {

@@ -120,7 +120,7 @@ class BenchDesigns(StudyOutcome):
     both: BothMethods
     warnings: tuple[Notice, ...]
     seconds: float = field(default=0.0, compare=False)
-    journals: tuple[Journal, ...] = field(default=(), compare=False)
+    journal: Journal | None = field(default=None, compare=False)
 
     @property
     def charts(self) -> tuple[str, ...]:
@@ -129,8 +129,8 @@ class BenchDesigns(StudyOutcome):
 
     def done(self) -> None:
         """Remove what was kept for an interruption: the results are written."""
-        for journal in self.journals:
-            journal.remove()
+        if self.journal is not None:
+            self.journal.remove()
 
     @property
     def joints(self) -> JointList:
@@ -262,17 +262,13 @@ def bench_design(
     asked = bench_inputs(given, desk.named)
     trials = drawn_trials(asked.joints, int(asked.number("n")), int(asked.number("seed")), asked.toe == "anywhere")
     benches, both, journal = judged_benches(asked, trials, crew, desk)
-    outcomes, journals = [outcome_of(asked, trials, bench) for bench in benches], [journal]
+    outcomes = [outcome_of(asked, trials, bench) for bench in benches]
     if asked.has_cohesion:
-        without = replace(asked, cohesion_kpa=np.zeros(len(asked.joints)))
-        bare, _, journal = judged_benches(without, trials, crew, desk)
-        journals.append(journal)
-        outcomes = [
-            replace(of, bare=without_cohesion(asked, bench, of)) for bench, of in zip(bare, outcomes, strict=True)
-        ]
+        bare = replace(asked, cohesion_kpa=np.zeros(len(asked.joints)))
+        outcomes = [replace(of, bare=without_cohesion(bare, trials, of)) for of in outcomes]
     outcomes, said = [accepted(asked, one) for one in outcomes], total(both)
     notices = tuple(notices_of(asked, outcomes, said))
-    study = BenchDesigns(asked, tuple(outcomes), said, notices, time.perf_counter() - began, tuple(journals))
+    study = BenchDesigns(asked, tuple(outcomes), said, notices, time.perf_counter() - began, journal)
     if desk.folder is None:
         study.done()
     return study
