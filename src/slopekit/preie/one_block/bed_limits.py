@@ -21,7 +21,7 @@ from math import inf
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.arrays import Bools, Floats, Ints, cross
 from slopekit.preie.one_block.bed_path import (
     COARSE,
     FAR,
@@ -161,16 +161,25 @@ class _Limits:
         if not len(blocks):
             return
         first, unknowns = self.beds.contact, self.beds.rows.shape[2]
-        opening = self.beds.rows[:, :3] * closed[:, None, None]
-        each = first[blocks, None] + np.arange(max(int(np.diff(first).max()), unknowns // 3))
+        each = first[blocks, None] + np.arange(max(int(np.diff(first).max()), 2))
         inside = each < first[blocks + 1, None]
-        stacked = (opening[np.where(inside, each, 0)] * inside[:, :, None, None]).reshape(len(blocks), -1, unknowns)
-        _, sizes, basis = np.linalg.svd(stacked, full_matrices=False)
+        each[~inside] = 0
+        inside &= closed[each]
+        normals = self.beds.rows[np.take_along_axis(each, (~inside).argsort(axis=1)[:, :2], axis=1), 0, :3]
+        line = cross(normals[:, 0], normals[:, 1])
+        slides = (inside.sum(axis=1) == 2) & (lengths(line) > PARALLEL) & (unknowns == 6)
+        rows = np.flatnonzero(slides)
+        if len(rows):
+            yield rows, _along_lines(line[rows], normals[rows, 0])
+        rest = np.flatnonzero(~slides)
+        opening = self.beds.rows[each[rest], :3] * inside[rest, :, None, None]
+        _, sizes, basis = np.linalg.svd(opening.reshape(len(rest), 3 * each.shape[1], unknowns), full_matrices=False)
         rank = (sizes > PARALLEL * sizes[:, :1]).sum(axis=1)
         for size in range(1, unknowns):
             rows = np.flatnonzero(rank == size)
             if len(rows):
-                yield rows, (basis[rows, size:].transpose(0, 2, 1), basis[rows, :size].transpose(0, 2, 1))
+                some = basis[rows].transpose(0, 2, 1)
+                yield rest[rows], (some[:, :, size:], some[:, :, :size])
 
     def slide(self, blocks: Ints, bases: Bases, slides: Floats, ends: Floats) -> None:
         """Settle the blocks that slide on all of their contacts, and those whose path ends at a running state.
@@ -333,6 +342,14 @@ class _Limits:
             settled[good] = True
             self.found.put(blocks[good], BedStatus.RUNS, _points(w, lam)[runs.settled], v[runs.settled])
         return settled
+
+
+def _along_lines(line: Floats, normal: Floats) -> Bases:
+    """Return the motions along lines (n, 3) of intersection of two planes, one with normal (n, 3), and all others."""
+    bases, along = np.zeros((len(line), 6, 6)), units(line)
+    bases[:, :3, 0], bases[:, :3, 1], bases[:, :3, 2] = along, normal, cross(along, normal)
+    bases[:, 3:, 3:] = np.eye(3)
+    return bases[:, :, :1], bases[:, :, 1:]
 
 
 def _motions(bases: Bases, x: Floats) -> tuple[Floats, Floats, Floats]:

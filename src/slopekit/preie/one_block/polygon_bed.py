@@ -209,7 +209,7 @@ class BedSprings:
     def polygons(self) -> Any:
         """The beds as the compiled kernels take them."""
         beds = self.beds
-        unknowns, templates = beds.load.shape[1], (*self.templates[2], *self.templates[3])
+        unknowns, templates = beds.load.shape[1], [part.T.copy() for size in (2, 3) for part in self.templates[size]]
         shapes = beds.contact, beds.corner, beds.rows, beds.plane, beds.line
         laws = _laws_for_kernels(beds, max(len(templates[1]), len(templates[3])))
         bolts = np.ascontiguousarray(beds.bolt_rows), np.ascontiguousarray(beds.bolt_capacity), beds.bolt_springs
