@@ -74,7 +74,7 @@ SLOPES = [
 def test_every_pair_is_what_one_wedge_says(slope) -> None:
     """Outcome, factor, volume and line of 780 pairs: rock mass and scalar closed form at the height of the pair."""
     joints = survey(2, 40)
-    found = sk.combos(joints, **slope, height=12, c=8, phi=31, top=0)
+    found = sk.combos(joints, **slope, height=12, c=8, phi=31, closed_form=True)
     pairs, base = found.pairs, found.given.slope
     assert len(pairs) == 780
     assert sum(found.counts.values()) == 780
@@ -117,7 +117,7 @@ def test_every_pair_is_what_one_wedge_says(slope) -> None:
 def test_the_order_of_the_list_does_not_matter() -> None:
     """On a crest that is not level the heights of the two traces differ; the wedge of a pair stays the same."""
     joints = {f"J{k}": plane for k, plane in enumerate(survey(9, 30))}
-    slope = {"face": "70/200", "upper": "15/240", "height": 9, "c": 5, "phi": 28, "top": 0}
+    slope = {"face": "70/200", "upper": "15/240", "height": 9, "c": 5, "phi": 28, "closed_form": True}
     forth, back = sk.combos(joints, **slope), sk.combos(dict(reversed(joints.items())), **slope)
 
     def by_names(found: Combos) -> dict:
@@ -202,7 +202,10 @@ def longest_trace(corners: dict[str, np.ndarray]) -> float:
 )  # fmt: skip
 def test_limits_scale_wedges_down_to_them(limit, value, size, upper) -> None:
     """Sizes from the corners of the rock mass; similar wedges, so volumes go with the cube of the scale."""
-    joints, slope = survey(5, 30), {"face": "65/180", "upper": upper, "height": 12, "c": 6, "phi": 30, "top": 0}
+    joints, slope = (
+        survey(5, 30),
+        {"face": "65/180", "upper": upper, "height": 12, "c": 6, "phi": 30, "closed_form": True},
+    )
     full, less = sk.combos(joints, **slope), sk.combos(joints, **slope, **{limit: value})
     removable = np.flatnonzero(full.pairs.is_removable)
     assert (less.pairs.is_removable == full.pairs.is_removable).all()
@@ -242,12 +245,12 @@ def test_sizes_in_the_table_are_those_of_the_wedge_alone() -> None:
     found = sk.combos(survey(5, 30), face="65/180", upper="12/225", c=6, phi=30, top=4, trace_length=9)
     for pair in found.worst:
         alone = sk.wedge(dips=pair.planes, face="65/180", upper="12/225", height=pair.height_m, c=6, phi=30)
-        assert pair.setback_m == pytest.approx(alone.geometry.setback_m, rel=1e-7)
-        assert pair.face_width_m == pytest.approx(alone.geometry.face_width_m, rel=1e-7)
+        assert pair.extent_m["setback_m"] == pytest.approx(alone.geometry.setback_m, rel=1e-7)
+        assert pair.extent_m["face_width_m"] == pytest.approx(alone.geometry.face_width_m, rel=1e-7)
 
 
 def test_without_cohesion_size_does_not_matter() -> None:
-    joints, slope = survey(5, 30), {"face": "65/180", "c": 0, "phi": 30, "water": "30%", "top": 0}
+    joints, slope = survey(5, 30), {"face": "65/180", "c": 0, "phi": 30, "water": "30%", "closed_form": True}
     full = sk.combos(joints, **slope).pairs
     less = sk.combos(joints, **slope, persistence=2, bench_width=0.5, max_volume="1 m3").pairs
     assert less.factor == pytest.approx(full.factor, rel=1e-9, nan_ok=True)
@@ -255,7 +258,7 @@ def test_without_cohesion_size_does_not_matter() -> None:
 
 
 def test_wedges_below_the_least_volume_are_counted_apart() -> None:
-    joints, slope = survey(5, 30), {"face": "65/180", "height": 6, "c": 5, "phi": 30, "top": 0}
+    joints, slope = survey(5, 30), {"face": "65/180", "height": 6, "c": 5, "phi": 30, "closed_form": True}
     all_, large = sk.combos(joints, **slope), sk.combos(joints, **slope, min_volume=10)
     small = all_.pairs.is_removable & (all_.pairs.volume_m3 < 10)
     assert large.counts["below_min_volume"] == small.sum() > 0
@@ -306,7 +309,7 @@ def test_pre_ie_on_the_worst() -> None:
         one = sk.wedge(dips=pair.planes, face="70/180", upper="0/180", height=pair.height_m, c=10, phi=33, density=2600)
         assert (one.status, one.fos.limit) == (pair.status, pytest.approx(pair.limit, rel=1e-7))
         assert one.geometry.volume_m3 == pytest.approx(pair.volume_m3, rel=1e-9)
-    assert sk.combos(joints, face="70/180", c=10, phi=33, top=0).worst == ()
+    assert sk.combos(joints, face="70/180", c=10, phi=33, closed_form=True).worst == ()
 
 
 def test_moments_may_bring_a_pair_below_the_target() -> None:
@@ -499,7 +502,7 @@ def test_json_sheet_and_table() -> None:
 
 def test_three_hundred_joints() -> None:
     """44,850 pairs take the closed form well below a second (0.1 s on an idle core)."""
-    found = sk.combos(survey(1, 300), face="65/180", c=5, phi=30, persistence=10, top=0)
+    found = sk.combos(survey(1, 300), face="65/180", c=5, phi=30, persistence=10, closed_form=True)
     assert sum(found.counts.values()) == 44850
     assert found.removable > 3000
     assert found.timing_s["closed_form"] < 3.0  # loaded machines

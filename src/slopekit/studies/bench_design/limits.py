@@ -3,10 +3,9 @@
 A limit is never above the factor of the forces, so that what fails by the closed form fails.
 """
 
-from collections.abc import Sequence
 from dataclasses import fields, replace
 from functools import partial
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 
@@ -17,10 +16,10 @@ from slopekit.design.parts import Strength, Water
 from slopekit.kinds.plane import ON_ARRAYS as PLANES
 from slopekit.kinds.plane import PlaneDesign
 from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany, limits_of, limits_on_arrays
-from slopekit.kinds.wedge import ON_ARRAYS as WEDGES
 from slopekit.studies.bench_design.bench import CLOSED_OUTCOMES, PLANE, WEDGE, Bench, Part, bench_of, parts_of
 from slopekit.studies.bench_design.given import BenchInputs
 from slopekit.studies.bench_design.trials import Trials
+from slopekit.studies.joint_wedges import limits_of_wedges
 from slopekit.studies.outcomes import BothMethods, ByMethod, agreement, compared
 from slopekit.studies.points import kept_records
 from slopekit.studies.protocol import Workplace
@@ -79,26 +78,19 @@ def _judge(asked: BenchInputs, part: Part, mode: int, rows: Ints, at: Ints, foun
 
 def _limits(asked: BenchInputs, task: Task) -> Record:
     """What PRE-IE says of the blocks of a task, in JSON values."""
-    mode, face, first, second, height = task
-    design, strengths = _design(asked, mode, first, second, height, face)
-    found = limits_on_arrays(design, WEDGES if mode == WEDGE else PLANES, strengths, len(first))
-    return found.to_record()
-
-
-def _design(
-    asked: BenchInputs, mode: int, first: Ints, second: Ints, height: Any, face_dip: float
-) -> tuple[Any, Sequence[Strength]]:
-    """The blocks as one design whose numbers are arrays, per metre where they are planes, and their strengths."""
-    slope, toward = asked.slope, asked.toward_deg
-    dips, ways = asked.joints.dips_deg, asked.joints.dip_directions_deg
-    own: list[Any] = [(asked.cohesion_kpa[joint], asked.friction_deg[joint]) for joint in (first, second)]
-    strengths = [Strength(*one) for one in own]
-    common: dict[str, Any] = {"face": Plane(face_dip, toward), "upper": Plane(0.0, toward), "height_m": height}
+    mode, face_dip, first, second, height = task
+    toward, strengths = asked.toward_deg, (asked.cohesion_kpa, asked.friction_deg)
+    face, upper = Plane(face_dip, toward), Plane(0.0, toward)
+    slope = replace(asked.slope, face=face, upper=upper)
     if mode == WEDGE:
-        joints: list[Any] = [(dips[joint], ways[joint]) for joint in (first, second)]
-        return replace(slope, **common, joints=(Plane(*joints[0]), Plane(*joints[1]))), strengths
-    common |= {field.name: getattr(slope, field.name) for field in fields(Design)}
+        return limits_of_wedges(slope, asked.joints, strengths, first, second, height)
+    common = {field.name: getattr(slope, field.name) for field in fields(Design)}
     if slope.water.mode == "pressures":
         common["water"] = Water("pressures", 0.0, slope.water.pressures_kpa[:1])
-    dip: Any = dips[first]  # in the section, as the closed form has it
-    return PlaneDesign(**common, joint=Plane(dip, toward), joint_name="J1", strength=strengths[0]), strengths[:1]
+    dip: Any = asked.joints.dips_deg[first]  # in the section, as the closed form has it
+    own: list[Any] = [of[first] for of in strengths]
+    strength, high = Strength(*own), cast(Any, height)
+    plane = PlaneDesign(
+        **common, joint=Plane(dip, toward), joint_name="J1", face=face, upper=upper, height_m=high, strength=strength
+    )
+    return limits_on_arrays(plane, PLANES, [strength], len(first)).to_record()

@@ -10,7 +10,7 @@
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import Annotated, Any, ClassVar
 
@@ -19,13 +19,12 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.codec import json_of
 from slopekit.core.errors import Notice
-from slopekit.core.orientation import Plane
+from slopekit.core.orientation import Line, Plane
 from slopekit.design.joint_lists import JointList
-from slopekit.design.parts import Strength
-from slopekit.kinds.single_block.blocks_on_arrays import limits_of, limits_on_arrays
-from slopekit.kinds.wedge import ON_ARRAYS
+from slopekit.kinds.single_block.blocks_on_arrays import limits_of
 from slopekit.kinds.wedge.limits import LIMITED_BY
 from slopekit.studies.combos.pairs import NEVER, PAIR_OUTCOMES, JointPairs, PairInputs, evaluated, pair_inputs
+from slopekit.studies.joint_wedges import limits_of_wedges
 from slopekit.studies.outcomes import STANDS, BothMethods, ByMethod, Outcomes, agreement, compared
 from slopekit.studies.points import kept_records
 from slopekit.studies.protocol import (
@@ -52,7 +51,8 @@ class PairCheck:
     ----------
     index : among all pairs; names, planes : of its joints
     status, limit : of PRE-IE, those of the closed form where that was asked alone; None where there is no factor
-    height_m : at the trace of the first joint; volume_m3 to plunge_deg : of the wedge
+    height_m : at the trace of the first joint; volume_m3 : of the wedge, `scale` of its lengths within limits of size
+    extent_m : how wide it is on the face and how far it reaches behind the crest; line : of intersection
     """
 
     index: int
@@ -67,12 +67,10 @@ class PairCheck:
     moments_govern: bool
     height_m: float
     volume_m3: float
-    face_width_m: float
-    setback_m: float
     scale: float
     limited_by: str
-    trend_deg: float
-    plunge_deg: float
+    extent_m: Mapping[str, float]
+    line: Line
 
     def to_dict(self) -> dict[str, Any]:
         """The pair as JSON values."""
@@ -81,8 +79,7 @@ class PairCheck:
             "fos": {"limit": self.limit, "closed_form": self.closed_form}, "closed_form_status": self.closed_status,
             "difference": self.difference, "agree": self.agree, "moments_govern": self.moments_govern,
             "volume_m3": self.volume_m3, "height_m": self.height_m, "scale": self.scale,
-            "face_width_m": self.face_width_m, "setback_m": self.setback_m,
-            "limited_by": self.limited_by or None, "line": {"trend_deg": self.trend_deg, "plunge_deg": self.plunge_deg},
+            **self.extent_m, "limited_by": self.limited_by or None, "line": json_of(self.line),
         }  # fmt: skip
 
 
@@ -125,10 +122,9 @@ class Combos(StudyOutcome):
         return PairCheck(
             index=k, names=(joints[0].name, joints[1].name), planes=(joints[0].plane, joints[1].plane),
             closed_status=status, closed_form=closed, **both, height_m=float(pairs.height_m[k]),
-            volume_m3=float(pairs.volume_m3[k]), face_width_m=float(pairs.sizes.face_width_m[k]),
-            setback_m=float(pairs.sizes.setback_m[k]), scale=float(pairs.scale[k]),
-            limited_by=LIMITED_BY[pairs.by[k]], trend_deg=float(pairs.trend_deg[k]),
-            plunge_deg=float(pairs.plunge_deg[k]),
+            volume_m3=float(pairs.volume_m3[k]), scale=float(pairs.scale[k]), limited_by=LIMITED_BY[pairs.by[k]],
+            extent_m={name: float(getattr(pairs.sizes, name)[k]) for name in ("face_width_m", "setback_m")},
+            line=Line(float(pairs.trend_deg[k]), float(pairs.plunge_deg[k])),
         )  # fmt: skip
 
     @cached_property
@@ -334,11 +330,4 @@ def _looked_at(asked: PairInputs, pairs: JointPairs, rows: Ints, crew: Crew, des
 
 def _limits(asked: PairInputs, task: tuple[Ints, Ints, Floats]) -> Record:
     """What PRE-IE says of some pairs, in JSON values."""
-    first, second, height = task
-    dips, ways = asked.joints.dips_deg, asked.joints.dip_directions_deg
-    joints: list[Any] = [(dips[joint], ways[joint]) for joint in (first, second)]
-    high: Any = height
-    design = replace(asked.slope, joints=(Plane(*joints[0]), Plane(*joints[1])), height_m=high)
-    own: list[Any] = [(asked.cohesion_kpa[joint], asked.friction_deg[joint]) for joint in (first, second)]
-    found = limits_on_arrays(design, ON_ARRAYS, [Strength(*one) for one in own], len(first))
-    return found.to_record()
+    return limits_of_wedges(asked.slope, asked.joints, (asked.cohesion_kpa, asked.friction_deg), *task)
