@@ -70,20 +70,22 @@ _PREFACE = """# Speed against error
 
 Made by `python -m benchmarks`; every row, with all efforts, is in [speed.json](speed.json).
 
-All solvers of a table were timed in the same run on the same model, in turns: median seconds without cutting and meshing, and how
-many times those of the closed form and of slopekit. The tables have each solver at its most effort, the charts all
-efforts. `e`: estimated from a part of the work. In charts of many blocks labels are numbers of blocks; the closed form, the
-reference, is left out.
+All solvers of a table were timed in the same run on the same model, in turns: median seconds without cutting and
+meshing, and how many times those of the closed form and of slopekit. The tables have each solver at its most effort,
+the charts all efforts. `e`: estimated from a part of the work. In charts of many blocks labels are numbers of blocks;
+the closed form, the reference, is left out.
 
 - **closed form**: the book's formula.
-- **slopekit limit**: the limit with its upper bound; of many blocks that of the elastic path, the note says on what it rests.
-- **slopekit with range**: with the range of its mechanism under other locked-in forces. Nothing else here answers that.
+- **slopekit limit**: the limit with its upper bound; of many blocks that of the elastic path, the note says on what
+  it rests.
+- **slopekit with range**: with the range of its mechanism under other locked-in forces. Nothing else here answers
+  that.
 - **plain passes**: friction frozen at the normal forces of the last pass, stopped early.
 - **conic sequence**: such passes put to Clarabel, a generic conic solver, until three factors agree.
-- **conic bisection**: limit analysis by Clarabel. It answers another question, the upper bound: joints dilate with their friction
-  angle. What error is left is the price of normality, always on the unsafe side.
-- **Siconos**: does one implicit time step from rest leave the blocks at rest? Bisection on F, or one check on either side of the
-  answer where that takes too long. At rest or moving is not always unique with friction. {siconos}
+- **conic bisection**: limit analysis by Clarabel. It answers another question, the upper bound: joints dilate with
+  their friction angle. What error is left is the price of normality, always on the unsafe side.
+- **Siconos**: does one implicit time step from rest leave the blocks at rest? Bisection on F, or one check on either
+  side of the answer where that takes too long. At rest or moving is not always unique with friction. {siconos}
 
 Conic bisection and Siconos start from a bracket of 0.5 to 1.9 times the answer.
 """
