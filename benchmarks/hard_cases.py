@@ -180,8 +180,8 @@ def page(walks: Sequence[Walked], jumps: Sequence[tuple[Jump, Located]]) -> str:
     lines = [
         "# Hard cases", "",
         f"Sweeps of one input to the edge of what is possible, slopekit {__version__} against closed forms in 50 "
-        "digits (`tests/hard_cases/exact.py`). Made by `python -m benchmarks.hard_cases`; every point, with its status, is "
-        "in [hard-cases.json](hard-cases.json).", "",
+        "digits (`tests/hard_cases/exact.py`). Made by `python -m benchmarks.hard_cases`; every point, with its "
+        "status, is in [hard-cases.json](hard-cases.json).", "",
         f"{len(points)} points:", "",
         f"- {verdicts['agrees']} agree with the closed form within the tolerance of their sweep "
         f"({in_short(sizes[0])} to {in_short(sizes[-1])}, causes below): {numbers} factors of safety, {shapes} volumes "
