@@ -71,9 +71,9 @@ _PREFACE = """# Speed against error
 Made by `python -m benchmarks`; every row, with all efforts, is in [speed.json](speed.json).
 
 All solvers of a table were timed in the same run on the same model, in turns: median seconds without cutting and
-meshing, and how many times those of the closed form and of slopekit. The tables have each solver at its most effort,
-the charts all efforts. `e`: estimated from a part of the work. In charts of many blocks labels are numbers of blocks;
-the closed form, the reference, is left out.
+meshing, and how many times those of the closed form and of slopekit. The tables have the smallest and the largest
+model and each solver at its most effort, the charts and the file all of them. `e`: estimated from a part of the work.
+In charts of many blocks labels are numbers of blocks; the closed form, the reference, is left out.
 
 - **closed form**: the book's formula.
 - **slopekit limit**: the limit with its upper bound; of many blocks that of the elastic path, the note says on what
@@ -131,8 +131,24 @@ def write(charts: Sequence[str] = tuple(SCENES)) -> None:
             chart(name, rows)
         made = f"`{held['scenes'][name]['command']}` on {held['scenes'][name]['machine']}."
         picture = f"![{scene.title}](images/speed-{name}.png)"
-        parts.append(f"## {scene.title}\n\n{scene.words}\n\n{picture}\n\n{made}\n\n{table(most_effort(rows))}\n")
+        parts.append(
+            f"## {scene.title}\n\n{scene.words}\n\n{picture}\n\n{made}\n\n{table(most_effort(ends_of(rows)))}\n"
+        )
     (_DOCS / "speed.md").write_text("\n".join(parts))
+
+
+def ends_of(rows: Sequence[Row]) -> list[Row]:
+    """The rows of the smallest and the largest model on which solvers meet, of true and of facet normals each."""
+    solvers: dict[str, set[str]] = {}
+    for row in rows:
+        solvers.setdefault(row.model, set()).add(row.solver)
+    sizes: dict[str, dict[str, int]] = {}
+    for row in rows:
+        if len(solvers[row.model]) > 1:
+            normals = row.model.partition(" normals")[0] if " normals" in row.model else ""
+            sizes.setdefault(normals, {})[row.model] = row.node_pairs
+    ends = {end(of, key=of.__getitem__) for of in sizes.values() for end in (min, max)}
+    return [row for row in rows if row.model in ends]
 
 
 def most_effort(rows: Sequence[Row]) -> list[Row]:
