@@ -98,22 +98,6 @@ class Walked:
         """Whether the error of a point is that of the forces alone, because moments govern its limit."""
         return self.sweep.quantity == "factor" and found.below is not None
 
-    def row(self) -> str:
-        """The sweep as a line of the table."""
-        sweep = self.sweep
-        low, high = min(sweep.values), max(sweep.values)
-        largest, alone = self.worst(), self.worst(governed=True)
-        governed = sum(self.governed(found) for found in self.points)
-        cells = (
-            f"[{sweep.name}](images/hard-{sweep.picture}.png)",
-            sweep.kind,
-            f"{sweep.label}, {low:.4g} to {high:.4g}",
-            "none" if largest is None else f"{largest[0]:.1e}",
-            in_short(sweep.tolerance[0]),
-            governed if alone is None else f"{governed}: {alone[0]:.1e}",
-        )
-        return f"| {' | '.join(str(cell) for cell in cells)} |"
-
 
 def draw(picture: str, walks: Sequence[Walked], jumps: Sequence[tuple[Jump, Located]]) -> None:
     """One chart: the errors along all sweeps that share a parameter."""
@@ -193,10 +177,8 @@ def page(walks: Sequence[Walked], jumps: Sequence[tuple[Jump, Located]]) -> str:
         f"- {verdicts['wrong']} wrong.", "",
         "Errors are relative. In the pictures a cross is the error of the forces alone where moments govern, an open "
         "marker at the bottom is no error to 16 digits, dashed lines are tolerances, dotted lines jumps.", "",
-        "Compared is the limit, or what the name of the sweep says. Last column: at how many points moments govern, "
-        "and the largest error of the forces alone there.", "",
-        "| sweep | kind | from, to | largest error | tolerance | moments govern |",
-        "|---|---|---|---|---|---|", *(one.row() for one in walks), "",
+        "Compared is the limit, or what the name of the sweep says. Below each picture stands what was swept, the largest "
+        "error beside the tolerance, and where moments govern the largest error of the forces alone.", "",
         "## Causes of the tolerances", "",
         *(f"- {in_short(size)}: {cause}" for size, cause in sorted({one.sweep.tolerance for one in walks})), "",
         f"- `no_driving_force` instead of a number above {in_short(NO_DRIVE)}: what drives is less than a millionth of "
@@ -212,11 +194,31 @@ def page(walks: Sequence[Walked], jumps: Sequence[tuple[Jump, Located]]) -> str:
     ]  # fmt: skip
     for picture in dict.fromkeys(one.sweep.picture for one in walks):
         lines += [f"## {TITLES[picture]}", "", f"![{TITLES[picture]}](images/hard-{picture}.png)", ""]
+        lines += [*_sweeps_of([one for one in walks if one.sweep.picture == picture]), ""]
         if picture in WORDS:
             lines += [WORDS[picture]]
         if picture == "seismic":
             lines += [_toppling([one for one in walks if one.sweep.picture == picture])]
     return "\n".join(lines)
+
+
+def _sweeps_of(walks: Sequence[Walked]) -> list[str]:
+    """The sweeps of a picture, those of one parameter and tolerance on a line."""
+    groups: dict[tuple[str, float], list[Walked]] = {}
+    for one in walks:
+        groups.setdefault((one.sweep.label, one.sweep.tolerance[0]), []).append(one)
+    lines = []
+    for (label, tolerance), members in groups.items():
+        values = [value for one in members for value in one.sweep.values]
+        names = "; ".join(one.sweep.name for one in members)
+        errors = [worst[0] for one in members if (worst := one.worst()) is not None]
+        alone = [worst[0] for one in members if (worst := one.worst(governed=True)) is not None]
+        governed = sum(one.governed(found) for one in members for found in one.points)
+        told = f"largest error {max(errors):.1e}, tolerance {in_short(tolerance)}" if errors else "no error compared"
+        if governed:
+            told += f"; moments govern at {governed} points (forces alone {max(alone):.1e})"
+        lines.append(f"- {label}, {min(values):.4g} to {max(values):.4g}: {told}. Sweeps: {names}.")
+    return lines
 
 
 def _toppling(walks: Sequence[Walked]) -> str:
