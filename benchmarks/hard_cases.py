@@ -177,8 +177,8 @@ def page(walks: Sequence[Walked], jumps: Sequence[tuple[Jump, Located]]) -> str:
         f"- {verdicts['wrong']} wrong.", "",
         "Errors are relative. In the pictures a cross is the error of the forces alone where moments govern, an open "
         "marker at the bottom is no error to 16 digits, dashed lines are tolerances, dotted lines jumps.", "",
-        "Compared is the limit, or what the name of the sweep says. Below each picture stands what was swept, the largest "
-        "error beside the tolerance, and where moments govern the largest error of the forces alone.", "",
+        "Compared is the limit, or what the name of the sweep says. Below each picture stands what was swept, the "
+        "largest error beside the tolerance, and where moments govern the largest error of the forces alone.", "",
         "## Causes of the tolerances", "",
         *(f"- {in_short(size)}: {cause}" for size, cause in sorted({one.sweep.tolerance for one in walks})), "",
         f"- `no_driving_force` instead of a number above {in_short(NO_DRIVE)}: what drives is less than a millionth of "
