@@ -43,7 +43,9 @@ for pair in pairs.worst:
     closed, limit = ("none" if value is None else f"{value:.4f}" for value in (pair.closed_form, pair.limit))
     print(f"{' x '.join(pair.names):14s}{pair.status:16s}{closed:>12s}{limit:>9s}{pair.volume_m3:8.2f}")
 agree, governed = sum(bool(pair.agree) for pair in pairs.worst), sum(pair.moments_govern for pair in pairs.worst)
-print(f"the methods agree on {agree} of {len(pairs.worst)}; moments govern {governed}: the closed form is too high there")
+print(
+    f"the methods agree on {agree} of {len(pairs.worst)}; moments govern {governed}: the closed form is too high there"
+)
 
 # What the length of the joints is worth: the same slope where they reach from toe to crest.
 full = sk.combos(JOINTS, **SLOPE).target

@@ -295,14 +295,14 @@ def combos(
     read = time.perf_counter()
     pairs = evaluated(asked.joints, asked.slope, asked.limits, asked.cohesion_kpa, asked.friction_deg)
     closed = time.perf_counter()
-    ranked = pairs.ranked()
-    outcomes = None if closed_form else _looked_at(asked, pairs, ranked, crew, desk)
-    if outcomes is not None:
-        order = _order(outcomes.limit, pairs.volume_m3[ranked])
-        ranked, outcomes = ranked[order], outcomes.of(order)
+    removable = np.flatnonzero(pairs.is_removable)
+    by_forces = ByMethod(PAIR_OUTCOMES, pairs.outcome[removable].astype(np.int16), pairs.factor[removable])
+    outcomes = None if closed_form else _looked_at(asked, pairs, removable, by_forces, crew, desk)
+    order = _order(by_forces if outcomes is None else outcomes.limit, pairs.volume_m3[removable])
+    outcomes = None if outcomes is None else outcomes.of(order)
     end = time.perf_counter()
     times = {"read": read - began, "closed_form": closed - read, "pre_ie": end - closed, "total": end - began}
-    return Combos(asked, pairs, ranked, outcomes, times)
+    return Combos(asked, pairs, removable[order], outcomes, times)
 
 
 def _known(value: float) -> float | None:
@@ -315,7 +315,9 @@ def _order(limit: ByMethod, volume_m3: Floats) -> Ints:
     return np.lexsort((-volume_m3, np.nan_to_num(limit.factor), rank))
 
 
-def _looked_at(asked: PairInputs, pairs: JointPairs, rows: Ints, crew: Crew, desk: Workplace) -> Outcomes:
+def _looked_at(
+    asked: PairInputs, pairs: JointPairs, rows: Ints, closed: ByMethod, crew: Crew, desk: Workplace
+) -> Outcomes:
     """What both methods say of some pairs (r,); what is done is kept in a journal until all are."""
     parts = [rows[at : at + _AT_ONCE] for at in range(0, len(rows), _AT_ONCE)]
     tasks = [(pairs.first[part], pairs.second[part], pairs.height_m[part]) for part in parts]
@@ -323,7 +325,6 @@ def _looked_at(asked: PairInputs, pairs: JointPairs, rows: Ints, crew: Crew, des
     records, journal = kept_records(partial(_limits, asked), tasks, crew, desk, "combos", "PRE-IE", run, 1)
     journal.remove()
     found = limits_of(records)
-    closed = ByMethod(PAIR_OUTCOMES, pairs.outcome[rows].astype(np.int16), pairs.factor[rows])
     limit = ByMethod.of(found.status.tolist(), found.limit)
     return agreement(limit, found.forces, closed, asked.slope.analysis.agree_within)
 
