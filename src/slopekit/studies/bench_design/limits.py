@@ -31,63 +31,65 @@ _AT_ONCE = 2048  # blocks of a task
 
 
 def judged_benches(
-    asked: BenchInputs, trials: Trials, crew: Crew, desk: Workplace
+    inputs: BenchInputs, trials: Trials, crew: Crew, desk: Workplace
 ) -> tuple[list[Bench], list[BothMethods], Journal]:
     """Return all benches judged by both methods, how far these agree in each mode of each, and the journal."""
-    sizes = [(height, dip) for height in asked.heights_m for dip in asked.face_dips_deg]
-    parts = [parts_of(asked, trials, *size) for size in sizes]
-    asked_of, tasks, before = list[tuple[Part, int, Ints, Ints]](), list[Task](), 0
+    sizes = [(height, dip) for height in inputs.heights_m for dip in inputs.face_dips_deg]
+    parts = [parts_of(inputs, trials, *size) for size in sizes]
+    jobs, tasks, before = list[tuple[Part, int, Ints, Ints]](), list[Task](), 0
     for (height, face), of_bench in zip(sizes, parts, strict=True):
         for mode in (WEDGE, PLANE):
-            part = of_bench[mode]
-            rows = np.flatnonzero(part["forms"] & ~part["fails"])
+            blocks = of_bench[mode]
+            rows = np.flatnonzero(blocks["forms"] & ~blocks["fails"])
             first, second = trials.first[rows], trials.second[rows] if mode == WEDGE else np.full(len(rows), -1)
-            heights = np.full(len(rows), height) if _is_free_of_size(asked) else part["block_height_m"][rows]
-            alike, back = np.unique(np.stack([first, second, heights], axis=1), axis=0, return_inverse=True)
-            asked_of.append((part, mode, rows, back.reshape(-1) + before))
-            before += len(alike)
-            for at in range(0, len(alike), _AT_ONCE):
-                one, two, high = alike[at : at + _AT_ONCE].T
+            heights = np.full(len(rows), height) if _is_free_of_size(inputs) else blocks["block_height_m"][rows]
+            different, back = np.unique(np.stack([first, second, heights], axis=1), axis=0, return_inverse=True)
+            jobs.append((blocks, mode, rows, back.reshape(-1) + before))
+            before += len(different)
+            for where_in in range(0, len(different), _AT_ONCE):
+                one, two, high = different[where_in : where_in + _AT_ONCE].T
                 tasks.append((mode, face, one.astype(np.int64), two.astype(np.int64), high))
-    run = [asked.input_hash(), asked.has_cohesion, _AT_ONCE]
-    records, journal = kept_records(partial(_limits, asked), tasks, crew, desk, "bench-design", "PRE-IE", run, 1)
-    found = limits_of(records)
-    both = [_judge(asked, *one, found) for one in asked_of]
+    run = [inputs.input_hash(), inputs.has_cohesion, _AT_ONCE]
+    records, journal = kept_records(partial(_limits, inputs), tasks, crew, desk, "bench-design", "PRE-IE", run, 1)
+    limits = limits_of(records)
+    both = [_judge(inputs, *one, limits) for one in jobs]
     return [bench_of(*size, of_bench) for size, of_bench in zip(sizes, parts, strict=True)], both, journal
 
 
-def _is_free_of_size(asked: BenchInputs) -> bool:
+def _is_free_of_size(inputs: BenchInputs) -> bool:
     """Whether blocks of all sizes have the same factor: there is neither cohesion nor a pressure given in kPa."""
-    return not asked.has_cohesion and asked.slope.water.mode != "pressures"
+    return not inputs.has_cohesion and inputs.slope.water.mode != "pressures"
 
 
-def _judge(asked: BenchInputs, part: Part, mode: int, rows: Ints, at: Ints, found: LimitsOfMany) -> BothMethods:
+def _judge(
+    inputs: BenchInputs, blocks: Part, mode: int, rows: Ints, where_in: Ints, limits: LimitsOfMany
+) -> BothMethods:
     """Note what fails by PRE-IE among the blocks `rows` of a mode; return how far the methods agree on them.
 
     Parameters
     ----------
-    at : (m,) the places of these blocks in what was found of all
+    where_in : (m,) the places of these blocks in what was found of all
     """
-    target = asked.number("fos")
-    limit = ByMethod.of(found.status[at].tolist(), found.limit[at])
-    closed = ByMethod(CLOSED_OUTCOMES[mode], part["outcome"][rows], part["factor"][rows])
-    outcomes = agreement(limit, found.forces[at], closed, asked.slope.analysis.agree_within)
-    part["fails"][rows] = limit.falls_short(target)
+    target = inputs.number("fos")
+    limit = ByMethod.of(limits.status[where_in].tolist(), limits.limit[where_in])
+    closed = ByMethod(CLOSED_OUTCOMES[mode], blocks["outcome"][rows], blocks["factor"][rows])
+    outcomes = agreement(limit, limits.forces[where_in], closed, inputs.slope.analysis.agree_within)
+    blocks["fails"][rows] = limit.falls_short(target)
     return compared(outcomes, target)
 
 
-def _limits(asked: BenchInputs, task: Task) -> Record:
+def _limits(inputs: BenchInputs, task: Task) -> Record:
     """What PRE-IE says of the blocks of a task, in JSON values."""
     mode, face_dip, first, second, height = task
-    toward, strengths = asked.toward_deg, (asked.cohesion_kpa, asked.friction_deg)
+    toward, strengths = inputs.toward_deg, (inputs.cohesion_kpa, inputs.friction_deg)
     face, upper = Plane(face_dip, toward), Plane(0.0, toward)
-    slope = replace(asked.slope, face=face, upper=upper)
+    slope = replace(inputs.slope, face=face, upper=upper)
     if mode == WEDGE:
-        return limits_of_wedges(slope, asked.joints, strengths, first, second, height)
+        return limits_of_wedges(slope, inputs.joints, strengths, first, second, height)
     common = {field.name: getattr(slope, field.name) for field in fields(Design)}
     if slope.water.mode == "pressures":
         common["water"] = Water("pressures", 0.0, slope.water.pressures_kpa[:1])
-    dip: Any = asked.joints.dips_deg[first]  # in the section, as the closed form has it
+    dip: Any = inputs.joints.dips_deg[first]  # in the section, as the closed form has it
     own: list[Any] = [of[first] for of in strengths]
     strength, high = Strength(*own), cast(Any, height)
     plane = PlaneDesign(

@@ -108,16 +108,17 @@ class Combos(StudyOutcome):
 
     def _shown(self, place: int) -> PairCheck:
         pairs, k = self.pairs, int(self.ranked[place])
-        joints, found = [self.joints.joints[int(of[k])] for of in (pairs.first, pairs.second)], self.outcomes
+        joints, outcomes = [self.joints.joints[int(of[k])] for of in (pairs.first, pairs.second)], self.outcomes
         closed, status = _known(pairs.factor[k]), PAIR_OUTCOMES[pairs.outcome[k]]
         both: dict[str, Any] = {"status": status, "limit": closed, "difference": None, "agree": None}
         both["moments_govern"] = False
-        if found is not None:
-            verdict = int(found.agree[place])
+        if outcomes is not None:
+            verdict = int(outcomes.agree[place])
             both = {
-                "status": found.limit.names[found.limit.outcome[place]], "limit": _known(found.limit.factor[place]),
-                "difference": _known(found.difference[place]), "agree": None if verdict < 0 else bool(verdict),
-                "moments_govern": bool(found.moments_govern[place]),
+                "status": outcomes.limit.names[outcomes.limit.outcome[place]],
+                "limit": _known(outcomes.limit.factor[place]),
+                "difference": _known(outcomes.difference[place]), "agree": None if verdict < 0 else bool(verdict),
+                "moments_govern": bool(outcomes.moments_govern[place]),
             }  # fmt: skip
         return PairCheck(
             index=k, names=(joints[0].name, joints[1].name), planes=(joints[0].plane, joints[1].plane),
@@ -163,10 +164,10 @@ class Combos(StudyOutcome):
 
     def below(self, fos: float) -> Bools:
         """Which of all pairs lie below: by PRE-IE; by either method where they disagree."""
-        is_below, found = self.pairs.fails(fos), self.outcomes
-        if found is not None:
-            doubted = (found.agree == 0) & is_below[self.ranked]
-            is_below[self.ranked] = found.limit.falls_short(fos) | doubted
+        is_below, outcomes = self.pairs.fails(fos), self.outcomes
+        if outcomes is not None:
+            doubted = (outcomes.agree == 0) & is_below[self.ranked]
+            is_below[self.ranked] = outcomes.limit.falls_short(fos) | doubted
         return is_below
 
     @property
@@ -194,12 +195,12 @@ class Combos(StudyOutcome):
             whole = f"{len(self.joints)} joints, {self.joints.quantities.sum():.6g} by quantity"
             message = f"quantities of {self.joints.name} ({whole}) count nothing here: each pair of joints stands once"
             own.append(Notice("W373", message))
-        found = self.outcomes
-        if found is None or not found.moments_govern.any():
+        outcomes = self.outcomes
+        if outcomes is None or not outcomes.moments_govern.any():
             return tuple(own)
-        governed, limit, closed = found.moments_govern, found.limit.factor, self.pairs.factor[self.ranked]
+        governed, limit, closed = outcomes.moments_govern, outcomes.limit.factor, self.pairs.factor[self.ranked]
         lowered = 1.0 - limit[governed] / closed[governed]
-        topple = int((governed & found.limit.among("topples")).sum())
+        topple = int((governed & outcomes.limit.among("topples")).sum())
         by = [f"by up to {np.nanmax(lowered) * 100:.1f} %"] if np.isfinite(lowered).any() else []
         by += [f"{topple} of them topple"] if topple else []
         message = f"moments govern {int(governed.sum())} of {self.removable} removable pairs"
@@ -291,18 +292,18 @@ def combos(
     """
     given, began = dict(locals()), time.perf_counter()
     crew = checked_crew(jobs, scheduler)
-    asked = pair_inputs(given, desk.named)
+    inputs = pair_inputs(given, desk.named)
     read = time.perf_counter()
-    pairs = evaluated(asked.joints, asked.slope, asked.limits, asked.cohesion_kpa, asked.friction_deg)
+    pairs = evaluated(inputs.joints, inputs.slope, inputs.limits, inputs.cohesion_kpa, inputs.friction_deg)
     closed = time.perf_counter()
     removable = np.flatnonzero(pairs.is_removable)
     by_forces = ByMethod(PAIR_OUTCOMES, pairs.outcome[removable].astype(np.int16), pairs.factor[removable])
-    outcomes = None if closed_form else _looked_at(asked, pairs, removable, by_forces, crew, desk)
+    outcomes = None if closed_form else _looked_at(inputs, pairs, removable, by_forces, crew, desk)
     order = _order(by_forces if outcomes is None else outcomes.limit, pairs.volume_m3[removable])
     outcomes = None if outcomes is None else outcomes.of(order)
     end = time.perf_counter()
     times = {"read": read - began, "closed_form": closed - read, "pre_ie": end - closed, "total": end - began}
-    return Combos(asked, pairs, removable[order], outcomes, times)
+    return Combos(inputs, pairs, removable[order], outcomes, times)
 
 
 def _known(value: float) -> float | None:
@@ -316,19 +317,19 @@ def _order(limit: ByMethod, volume_m3: Floats) -> Ints:
 
 
 def _looked_at(
-    asked: PairInputs, pairs: JointPairs, rows: Ints, closed: ByMethod, crew: Crew, desk: Workplace
+    inputs: PairInputs, pairs: JointPairs, rows: Ints, closed: ByMethod, crew: Crew, desk: Workplace
 ) -> Outcomes:
     """What both methods say of some pairs (r,); what is done is kept in a journal until all are."""
     parts = [rows[at : at + _AT_ONCE] for at in range(0, len(rows), _AT_ONCE)]
     tasks = [(pairs.first[part], pairs.second[part], pairs.height_m[part]) for part in parts]
-    run = [asked.input_hash(), _AT_ONCE]
-    records, journal = kept_records(partial(_limits, asked), tasks, crew, desk, "combos", "PRE-IE", run, 1)
+    run = [inputs.input_hash(), _AT_ONCE]
+    records, journal = kept_records(partial(_limits, inputs), tasks, crew, desk, "combos", "PRE-IE", run, 1)
     journal.remove()
-    found = limits_of(records)
-    limit = ByMethod.of(found.status.tolist(), found.limit)
-    return agreement(limit, found.forces, closed, asked.slope.analysis.agree_within)
+    outcomes = limits_of(records)
+    limit = ByMethod.of(outcomes.status.tolist(), outcomes.limit)
+    return agreement(limit, outcomes.forces, closed, inputs.slope.analysis.agree_within)
 
 
-def _limits(asked: PairInputs, task: tuple[Ints, Ints, Floats]) -> Record:
+def _limits(inputs: PairInputs, task: tuple[Ints, Ints, Floats]) -> Record:
     """What PRE-IE says of some pairs, in JSON values."""
-    return limits_of_wedges(asked.slope, asked.joints, (asked.cohesion_kpa, asked.friction_deg), *task)
+    return limits_of_wedges(inputs.slope, inputs.joints, (inputs.cohesion_kpa, inputs.friction_deg), *task)
