@@ -426,10 +426,18 @@ class _Judge:
         """Return the judgement of the method that counts, and what both say: None where the closed form is alone."""
         drawn, asked = self.drawn, self.asked
         alone, at_once = asked.by == "closed-form", drawn.takes_all_at_once(asked.by)
-        outcomes = self._at_once() if at_once else self._one_by_one()
-        of_kind = outcomes.closed_form is not None
-        method = outcomes.closed_form if alone and outcomes.closed_form is not None else outcomes.limit
-        whose = "closed form" if alone else "closed form and PRE-IE" if of_kind else "PRE-IE"
+        outcomes = None
+        if at_once:
+            assert drawn.fast is not None
+            method = self._closed_forms(drawn.fast)
+            if not alone:
+                outcomes = self._at_once(drawn.fast, method)
+                method = outcomes.limit
+        else:
+            outcomes = self._one_by_one()
+            method = outcomes.closed_form if alone and outcomes.closed_form is not None else outcomes.limit
+        has_closed_form = alone or (outcomes is not None and outcomes.closed_form is not None)
+        whose = "closed form" if alone else "closed form and PRE-IE" if has_closed_form else "PRE-IE"
         evaluator = f"{whose} of every sample{', all at once' if at_once else ''}"
         judged = self.besides(Judged.by(method, asked.target, evaluator))
         return nowhere(judged, drawn.nowhere), None if alone else outcomes
@@ -453,32 +461,26 @@ class _Judge:
             self.besides = lambda judged: with_also(judged, *besides, self.asked.target)
         return of_points(points)
 
-    def _at_once(self) -> Outcomes:
+    def _at_once(self, fast: Vectorised, closed: ByMethod) -> Outcomes:
         """What both methods say where they take all samples at once."""
-        samples, fast = self.drawn.samples, self.drawn.fast
-        assert fast is not None
-        also, closed = fast.also(samples.values), self._closed_forms(fast)
-        if also is not None:
-            basal = WithoutBasal  # the only one that closed forms know
-            self.besides = lambda judged: with_also(judged, also, basal.NAME, basal.WHAT, self.asked.target)
+        values = self.drawn.samples.values
         rows = np.flatnonzero(~closed.among("E", IMPOSSIBLE))
-        parts = [] if self.asked.by == "closed-form" else [
-            samples.values[rows[at : at + _AT_ONCE]] for at in range(0, len(rows), _AT_ONCE)
-        ]  # fmt: skip
-        records, journal = kept_records(
-            fast.limits, parts, self.crew, self.desk, "prob", "PRE-IE", [*self._run(), _AT_ONCE], at_once=1
-        )
+        parts = [values[rows[at : at + _AT_ONCE]] for at in range(0, len(rows), _AT_ONCE)]
+        run = [*self._run(), _AT_ONCE]
+        records, journal = kept_records(fast.limits, parts, self.crew, self.desk, "prob", "PRE-IE", run, at_once=1)
         self.journals.append(journal)
-        words = np.array(closed.names, dtype=object)[closed.outcome]
+        limits, words = limits_of(records), np.array(closed.names, dtype=object)[closed.outcome]
         factor, forces = np.full((2, len(words)), np.nan)
-        if records:
-            found = limits_of(records)
-            words[rows], factor[rows], forces[rows] = found.status, found.limit, found.forces
-            closed = closed.refused(words)
-        return agreement(ByMethod.of(words.tolist(), factor), forces, closed, self.drawn.design.analysis.agree_within)
+        words[rows], factor[rows], forces[rows] = limits.status, limits.limit, limits.forces
+        limit, closed = ByMethod.of(words.tolist(), factor), closed.refused(words)
+        return agreement(limit, forces, closed, self.drawn.design.analysis.agree_within)
 
     def _closed_forms(self, fast: Vectorised) -> ByMethod:
-        forms = fast(self.drawn.samples.values)
+        """What the closed form says of all samples, and what else acceptance is held against."""
+        values, basal = self.drawn.samples.values, WithoutBasal  # the only one that closed forms know
+        forms, also = fast(values), fast.also(values)
+        if also is not None:
+            self.besides = lambda judged: with_also(judged, also, basal.NAME, basal.WHAT, self.asked.target)
         names, outcome, factor = (*forms.names, IMPOSSIBLE), forms.outcome.astype(np.int16), forms.factor
         impossible = _impossible(self.drawn.design, self.drawn.samples)
         outcome[impossible], factor[impossible] = len(names) - 1, np.nan
