@@ -169,7 +169,9 @@ def test_a_key_of_two_laws_has_the_limits_and_the_unit_of_the_law_that_is_named(
     with pytest.raises(DesignError, match="E127"):
         sk.load(power, set={"strength.joint.b": 2})
     with pytest.raises(DesignError, match="E281"):
-        sk.prob(sk.load(power, set={"strength.joint.b": {"dist": "normal", "mean": 0.9, "sd": 0.3}}), 20, by="closed-form")
+        sk.prob(
+            sk.load(power, set={"strength.joint.b": {"dist": "normal", "mean": 0.9, "sd": 0.3}}), 20, by="closed-form"
+        )
     merged = keys_of_laws([PowerCurve, Rooted])
     assert (merged["b"].limits.least, merged["b"].limits.most, merged["b"].texts.axis) == (0.0, 1000.0, "")
     assert keys_of_laws([Rooted, PowerCurve])["b"].limits.most == 1000.0

@@ -145,9 +145,7 @@ def test_samples_one_by_one_are_held_as_all_at_once(given) -> None:
 
 def test_a_bolt_that_holds_no_sample_counts_in_neither_method() -> None:
     short = {"bolts": [bolt(0.0, 5.0, 0.5)]}
-    with_it, without = (
-        prob(load(WEDGE | {"support": one}), 400) for one in (short, {"bolts": []})
-    )
+    with_it, without = (prob(load(WEDGE | {"support": one}), 400) for one in (short, {"bolts": []}))
     assert with_it.judged.factor == pytest.approx(without.judged.factor, rel=1e-12, nan_ok=True)
     assert with_it.both.agree == with_it.forming.of > 300
     assert with_it.means.code == "E212"
