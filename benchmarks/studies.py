@@ -208,7 +208,7 @@ def bench_rows(count: int = 300) -> list[str]:
         "spacing": 2, "trace": 15,
     }  # fmt: skip
     rows = [
-        "| both methods | trials in 21 benches | PRE-IE of blocks | where moments govern | seconds of processor | seconds |",
+        "| both methods | trials in 21 benches | blocks by PRE-IE | moments govern | seconds of processor | seconds |",
         "|---|---|---|---|---|---|",
     ]
     for words, jobs in (("one process", 1), ("two processes (their start included)", 2)):
