@@ -156,8 +156,8 @@ def test_solve_gives_the_value_of_each_case() -> None:
 def test_prob_answers_case_by_case() -> None:
     scatter = {**DESIGN, "strength": {"bedding": {"c": 20, "phi": {"dist": "normal", "mean": 37, "sd": 4}}}}
     cases = {"dry": {"set": {"water.fill": 0}}, "fixed": {"set": {"strength.bedding.phi": 30, "strength.bedding.c": 1}}}
-    found = sk.prob(sk.load({**scatter, "cases": {"dry": cases["dry"]}}), n=200, confirm=0, near=0.0)
-    alone = sk.prob(sk.load(scatter, {"water.fill": 0}), n=200, confirm=0, near=0.0)
+    found = sk.prob(sk.load({**scatter, "cases": {"dry": cases["dry"]}}), n=200, by="closed-form")
+    alone = sk.prob(sk.load(scatter, {"water.fill": 0}), n=200, by="closed-form")
     assert found.cases["dry"].all_samples == alone.all_samples
     with pytest.raises(sk.DesignError, match="fixed"):
         sk.prob(sk.load({**scatter, "cases": cases}), n=200)

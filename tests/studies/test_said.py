@@ -75,7 +75,7 @@ def test_a_point_of_many_names_its_place() -> None:
 
 def test_a_probability_says_what_the_run_says_of_the_means() -> None:
     scattered = {"strength.bedding.phi": {"dist": "normal", "mean": 24, "sd": 2}}
-    found = sk.prob(sk.load(BASAL, set=scattered), n=200, confirm=2, near=0.0)
+    found = sk.prob(sk.load(BASAL, set=scattered), n=200)
     (of_whole,) = (notice for notice in found.warnings if notice.code == "W410")
     assert of_whole.message.startswith("of the design at its means: the basal joint cuts the toe off")
 

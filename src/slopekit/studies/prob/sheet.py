@@ -9,6 +9,7 @@ from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted
 from slopekit.design.scatter.distributions import Angles, Distribution
 from slopekit.evidence import WithoutBasal
+from slopekit.kinds import kind_of
 from slopekit.result import STATUSES
 from slopekit.studies.marginals import NEVER, tails
 from slopekit.studies.prob.estimates import Share, Summary
@@ -66,8 +67,9 @@ def line_of(study: Probability) -> str:
         parts += ["met" if study.accepted else f"not met{doubt}", f"estimate {_percent(share.share)}"]
     else:
         parts += [_percent(share.share), _limits(share)]
-    if study.by_closed_form is not None and study.both is not None:
+    if study.by_closed_form is not None:
         parts.append(f"closed form {_percent(study.by_closed_form.share)}")
+    if study.both is not None and kind_of(study.design).closed_form is not None:
         parts.append("disagree" if study.methods_disagree else "agree" if study.both.agree else "not compared")
     parts += list(dict.fromkeys(notice.code for notice in study.warnings))
     return "  ".join(parts)
@@ -184,7 +186,8 @@ def _matters(coefficients: Sequence[tuple[str, float]]) -> str:
 def _methods(study: Probability) -> list[str]:
     if study.both is None:
         return ["the closed form alone: it balances no moments"]
-    return study.both.in_words() if study.by_closed_form is not None else ["there is no closed form to compare with"]
+    compares = kind_of(study.design).closed_form is not None
+    return study.both.in_words() if compares else ["there is no closed form to compare with"]
 
 
 def _accept(study: Probability) -> list[str]:
