@@ -83,3 +83,31 @@ def test_wedges_on_three_joints() -> None:
 )
 def test_wedges_that_end_otherwise(others: dict[str, Any], status: str) -> None:
     assert compared(formed(ordinary(2, **others), 12))[status] > 0
+
+
+def planes(seed: int) -> Iterator[Design]:
+    """Random plane failures per metre: some level or rising into the slope, some with water or forces."""
+    rng = np.random.default_rng(seed)
+    while True:
+        u, height = rng.uniform, float(rng.uniform(5, 30))
+        dip = float(rng.choice([0.0, u(-10, 10), u(20, 50)], p=[0.1, 0.2, 0.7]))
+        design: dict[str, Any] = {
+            "slopekit": 1,
+            "kind": "plane",
+            "slope": {"face": f"{u(55, 85)}/180", "height": height, "upper": "0/180"},
+            "joints": {"J1": {"plane": f"{abs(dip)}/{180 if dip >= 0 else 0}", "strength": "s"}},
+            "crack": {"depth": float(height * u(0.05, 0.4) if dip > 10 else u(0.8, 0.99) * height)},
+            "strength": {"s": {"c": float(rng.choice([0.0, u(0, 60)])), "phi": float(rng.choice([0.0, u(5, 45)]))}},
+            "rock": {"unit_weight": 26},
+        }
+        if rng.integers(0, 2):
+            design["water"] = {"fill": float(u(0.0, 1.0))}
+        if rng.integers(0, 2):
+            force = {"force": float(height**2 * u(0, 40)), "toward": f"{rng.choice([0, 180])}/{u(-60, 60)}"}
+            design["loads"] = {"forces": [force]}
+        yield sk.load(design)
+
+
+def test_planes_in_their_sections() -> None:
+    found = compared(formed(planes(4), 100))
+    assert {"slides_on_J1", "slides_up", "lifted", "topples"} == set(found)

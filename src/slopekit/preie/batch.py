@@ -37,6 +37,9 @@ class ForcesStatus(IntEnum):
 class Blocks:
     """Single blocks on up to k flat contacts of up to c corners each, without passive bolts.
 
+    In a section, metre by metre, contacts are lines: c = 2, with the block on the left of the way from the first end to
+    the second where x is to the right and z up; nothing moves along y or turns about x and z.
+
     Attributes
     ----------
     corners : (n, k, c, 3) m from the centroid of each block, anticlockwise as seen from outside the block
@@ -51,24 +54,32 @@ class Blocks:
     tan_friction: Floats
     load: Floats
 
+    @property
+    def unknowns(self) -> Ints:
+        """Which of the six motions the blocks have."""
+        return np.array([0, 2, 4]) if self.corners.shape[2] == 2 else np.arange(6)
+
     def of(self, rows: slice) -> "Blocks":
         """Return some of them."""
         return Blocks(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 
     def beds(self) -> Beds:
         """Return their elastic beds, each in parts of its load, its area, and the distance of its corners."""
-        corners, counts = self.corners, self.counts
+        corners, counts, columns = self.corners, self.counts, self.unknowns
         used, contacts = np.arange(corners.shape[2]) < counts[:, :, None], counts > 0
         block = np.repeat(np.arange(len(counts)), used.sum(axis=(1, 2)))
         arms, corner = corners[used], np.concatenate([[0], np.cumsum(counts[contacts])])
         length = np.sqrt(np.bincount(block, (arms * arms).sum(axis=1)) / np.bincount(block))
         force = lengths(self.load[:, :3]) + lengths(self.load[:, 3:]) / length
         sides = np.where(used[:, :, 1:, None], corners[:, :, 1:] - corners[:, :, :1], 0.0)
-        double = cross(sides[:, :, :-1], sides[:, :, 1:]).sum(axis=2)  # twice the vector area, out of the block
-        area = 0.5 * np.sqrt((double * double).sum(axis=2))
-        axes, whole = local_axes(-double[contacts] / (2.0 * area[contacts])[:, None]), area.sum(axis=1)
-        middle, rows, plane = contact_rows(arms / length[block, None], corner, axes, np.arange(6))
-        scale = np.broadcast_to((length * length / whole)[:, None], counts.shape)
+        if len(columns) == 3:  # out of the block
+            outward = cross(sides[:, :, 0], np.array([0.0, -1.0, 0.0]))
+        else:
+            outward = 0.5 * cross(sides[:, :, :-1], sides[:, :, 1:]).sum(axis=2)
+        area = np.sqrt((outward * outward).sum(axis=2))
+        axes, whole = local_axes(-outward[contacts] / area[contacts][:, None]), area.sum(axis=1)
+        middle, rows, plane = contact_rows(arms / length[block, None], corner, axes, columns)
+        scale = np.broadcast_to((length ** (len(columns) // 3) / whole)[:, None], counts.shape)
         line = np.stack([scale, self.cohesion * (whole / force)[:, None], self.tan_friction], axis=2)[contacts]
         return Beds(
             contact=np.concatenate([[0], np.cumsum(contacts.sum(axis=1))]),
@@ -78,8 +89,8 @@ class Blocks:
             rows=rows,
             plane=plane,
             line=line,
-            load=self.load / np.stack([force] * 3 + [force * length] * 3, axis=1),
-            bolt_rows=np.zeros((len(counts), 0, 6)),
+            load=np.ascontiguousarray((self.load / np.stack([force] * 3 + [force * length] * 3, axis=1))[:, columns]),
+            bolt_rows=np.zeros((len(counts), 0, len(columns))),
             bolt_capacity=np.zeros((len(counts), 0)),
             length=length,
         )
@@ -148,7 +159,9 @@ def _limits(blocks: Blocks) -> BlockLimits:
     pressed[~rests], normal[~rests] = np.nan, np.nan
     normal[by_forces] = pushes[by_forces]
     normal[~contacts] = np.nan
-    force = lengths(blocks.load[:, :3]) / lengths(beds.load[:, :3])
+    motion, moves = np.zeros_like(blocks.load), beds.translations
+    motion[:, blocks.unknowns] = velocity
+    force = lengths(blocks.load[:, blocks.unknowns[:moves]]) / lengths(beds.load[:, :moves])
     return BlockLimits(
         factor=np.where(looked_at & ~rests, np.nan, np.fmin(forces, bed)),
         forces=forces,
@@ -157,7 +170,7 @@ def _limits(blocks: Blocks) -> BlockLimits:
         bed_status=np.where(looked_at, found.status, -1),
         early=1.0 / found.early,
         pressed=pressed,
-        velocity=velocity,
+        velocity=motion,
         opens_partly=opens_partly,
         opens_wholly=opens_wholly,
         normal=normal * force[:, None],
@@ -171,13 +184,13 @@ def forces_slides(beds: Beds) -> tuple[Ints, Floats, Floats]:
     that may carry it, it is that whose pushes are not negative and which no other contact would add to.
     """
     first, count = beds.contact[:-1], np.diff(beds.contact)
-    most, blocks = int(count.max()), len(count)
+    most, blocks, moves = int(count.max()), len(count), beds.translations
     inside = np.arange(most) < count[:, None]
     place = np.where(inside, first[:, None] + np.arange(most), 0)
-    normals = beds.rows[place, 0, :3] * inside[:, :, None]
-    load = beds.load[:, :3]
+    normals = beds.rows[place, 0, :moves] * inside[:, :, None]
+    load = beds.load[:, :moves]
     pushes, pull, found = np.zeros((blocks, most)), load.copy(), np.zeros(blocks, dtype=bool)
-    for carriers in chain.from_iterable(combinations(range(most), size) for size in range(min(most, 3) + 1)):
+    for carriers in chain.from_iterable(combinations(range(most), size) for size in range(min(most, moves) + 1)):
         some = normals[:, carriers]
         gram = some @ some.transpose(0, 2, 1)
         good = ~found & inside[:, carriers].all(axis=1) & (np.linalg.det(gram) > PARALLEL)
@@ -194,12 +207,12 @@ def forces_slides(beds: Beds) -> tuple[Ints, Floats, Floats]:
     driving = lengths(pull)
     resisting = (touching * (line[:, :, 1] * area + line[:, :, 2] * pushes)).sum(axis=1)
     status = np.where(touching.any(axis=1), ForcesStatus.SLIDES, ForcesStatus.LIFTED)
-    status = np.where(~touching.any(axis=1) & (normals[:, :, 2] <= 0.0).all(axis=1), ForcesStatus.FALLS, status)
+    status = np.where(~touching.any(axis=1) & (normals[:, :, -1] <= 0.0).all(axis=1), ForcesStatus.FALLS, status)
     status = np.where(driving > NO_FORCE, status, ForcesStatus.NOT_DRIVEN)
     with np.errstate(divide="ignore"):
         reduction = np.where(status == ForcesStatus.SLIDES, driving / resisting, np.nan)
     slides = np.zeros((blocks, beds.load.shape[1] + 1))
-    slides[:, :3] = np.where(driving > NO_FORCE, 1.0 / np.maximum(driving, TINY), 0.0)[:, None] * pull
+    slides[:, :moves] = np.where(driving > NO_FORCE, 1.0 / np.maximum(driving, TINY), 0.0)[:, None] * pull
     slides[:, -1] = reduction
     return status, slides, pushes
 
@@ -244,4 +257,8 @@ def pressed_parts(beds: Beds, opening: Floats) -> tuple[Floats, Floats]:
     area = np.bincount(contact, double) + cross_2d(*ends)
     volume = area * middle + np.bincount(contact, double * (np.minimum(gaps, 0.0) + np.minimum(to, 0.0)))
     per_area, whole = beds.line[:, 0] * np.sign(area), beds.whole[:, 0, 0]
-    return 0.5 * per_area * area / whole, -per_area * volume / 6.0
+    # of lines
+    push = np.bincount(contact, np.maximum(-gaps, 0.0))
+    share, is_line = push / np.maximum(np.bincount(contact, np.abs(gaps)), TINY), np.diff(beds.corner) == 2
+    share = np.where(is_line, share, 0.5 * per_area * area / whole)
+    return share, np.where(is_line, 0.5 * share * push * whole, -per_area * volume / 6.0)
