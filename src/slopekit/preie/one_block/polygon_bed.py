@@ -65,6 +65,11 @@ class Beds:
     stress_scale: float = 1.0
 
     @property
+    def translations(self) -> int:
+        """How many of the unknowns are: the first ones."""
+        return 2 if self.rows.shape[2] == 3 else 3
+
+    @property
     def following(self) -> Ints:
         """The corner (q,) that follows each corner on its contact."""
         after = np.arange(1, len(self.plane) + 1)
