@@ -87,7 +87,7 @@ def _every_sample(study: Probability) -> Table[int]:
     """Every sample on a line of its own, by its number: values, outcome, factor, and what PRE-IE says of it."""
     values, judged, checked = study.samples.values, study.judged, study.confirmation
     columns: list[Column[int]] = [Column("sample", int, "sample")]
-    columns += [Column(path, _cell_of(values, column), path) for column, path in enumerate(study.samples.names)]
+    columns += [Column(path, _item_of(values[:, column]), path) for column, path in enumerate(study.samples.names)]
     columns += [
         Column("outcome", lambda row: judged.names[judged.outcome[row]], "outcome"),
         Column("FoS", judged.factor.item, "fos_closed_form" if study.asked.by == "closed-form" else "fos_limit"),
@@ -104,10 +104,6 @@ def _every_sample(study: Probability) -> Table[int]:
                    "moments_govern"),
         ]  # fmt: skip
     return Table(columns, range(len(values)))
-
-
-def _cell_of(values: Floats, column: int) -> Callable[[int], float]:
-    return lambda row: values.item(row, column)
 
 
 def _item_of(column: Floats) -> Callable[[int], float]:
