@@ -83,7 +83,7 @@ def _words(document: Document) -> str:
     lead = document.get("leading")
     if lead is not None and lead["probability"] != every["probability"]:
         shown = (f"{100.0 * lead[key]:.3g}" for key in ("probability", "low", "high"))
-        lines.insert(0, "{} % ({} to {} %) by {}: judge by this; by the closed form".format(*shown, lead["by"]))
+        lines.insert(0, "{} % ({} to {} %), {}; by the closed form".format(*shown, lead["by"]))
     if forming["of"] != every["of"]:
         lines.append(f"of those that form a block: {_percent(forming)}")
     lines.append(f"{document['n']} samples, {document['fos']['samples']} with a factor of safety")
