@@ -91,10 +91,14 @@ def read_options(
 
 
 def _acts(value: object, where: str) -> tuple[Acts, ...]:
-    choices: dict[str, tuple[Acts, ...]] = {"active": ("active",), "passive": ("passive",)}
+    choices: dict[str, tuple[Acts, ...]] = {
+        "active": ("active",),
+        "passive": ("passive",),
+        "both": ("active", "passive"),
+    }
     if value is not None and str(value) not in choices:
         raise DesignError([Fault("E307", f"bolts are active or passive, not {value}", where, "Leave it out for both.")])
-    return choices.get(str(value), ("active", "passive"))
+    return choices.get(str(value), choices["both"])
 
 
 def _plunges(value: object, option: str) -> tuple[float, float]:
