@@ -56,6 +56,11 @@ def _sweeps(document: Document, keys: int) -> bool:
     return document.get("study") == "sweep" and isinstance(swept, list) and len(swept) == keys
 
 
+def _has_bolts(document: Document) -> bool:
+    scene = document.get("scene")
+    return isinstance(scene, Mapping) and scene.get("bolts") is not None
+
+
 def _oriented(document: Document) -> bool:
     from slopekit.views.charts.orientation_charts import orientations_of
 
@@ -77,6 +82,11 @@ CHARTS: Mapping[str, Chart] = {
         "planes, poles, lines, cones on the lower hemisphere",
         "a file with joints: slopekit kinematic, sets, run, wedge, combos or prob with -o DIR",
         "orientation_charts.draw_orientations", lambda of: _is_survey(of) or _oriented(of),
+    ),
+    "elevation": Chart(
+        "the face with its bolts by number",
+        "result.json of a design with bolts that have a head: slopekit run design.yaml -o DIR",
+        "elevation.draw_elevation", _has_bolts,
     ),
     "histogram": Chart(
         "factors of safety, the probability of failure", "prob.json: slopekit prob design.yaml -o DIR",
@@ -137,7 +147,12 @@ def _chart(what: str, document: Document) -> Chart:
 
 def offers(document: Document) -> dict[str, str]:
     """What a document can give: the words, and what each picture shows."""
-    pictures = {what: one.shows for what, one in SCENES.items() if one.is_given_by(document)}
+    scene = document.get("scene")
+    pictures = dict[str, str]()
+    if isinstance(scene, Mapping):
+        lacks = {"displacement"} if scene.get("displacement") is None else set()
+        pictures |= {what: one.shows for what, one in SCENES.items()
+                     if what not in lacks and all(document.get(key) is not None for key in one.needs)}  # fmt: skip
     return pictures | {what: one.shows for what, one in CHARTS.items() if one.given_by(document)}
 
 

@@ -5,7 +5,7 @@ Made of the JSON of a result (`scene` and what stands beside it), drawn by `soli
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,6 @@ from slopekit.core.orientation import parse_plane
 from slopekit.core.sheet import factor_text
 from slopekit.findings import MOTIONS
 from slopekit.kinds import status_text
-from slopekit.kinds.sheets.bolts import FILE, per_slice, schedule, without_head
 from slopekit.views.solid.layers import (
     BLOCK,
     DARK,
@@ -151,21 +150,14 @@ _NO_LIMIT = "no limit state was found: what the joints carry is not known"
 
 @dataclass(frozen=True)
 class Scene:
-    """A picture of a result: what it shows, who puts it together, keys that the result must have, and its scene.
+    """A picture of a result: what it shows, who puts it together, keys that the result must have.
 
-    `compose` takes the stage and the mechanism (1 is the first).
+    `compose` takes the stage and the mechanism (1 is the first); a displacement must stand in the scene itself.
     """
 
     shows: str
     compose: Callable[[Stage, int], Picture]
     needs: tuple[str, ...] = ()
-    in_scene: tuple[str, ...] = ()
-
-    def is_given_by(self, document: Mapping[str, Any]) -> bool:
-        """Whether a document has all that the picture needs."""
-        scene = document.get("scene")
-        of_document = all(document.get(key) is not None for key in self.needs)
-        return isinstance(scene, Mapping) and of_document and all(scene.get(key) is not None for key in self.in_scene)
 
 
 def draw(document: Mapping[str, Any], what: str, path: Path, step: int = 1) -> None:
@@ -247,22 +239,6 @@ def _exploded(stage: Stage, _: int) -> Picture:
     seen.notes += [note, seen.measures()]
     seen.bolts(moved)
     return seen.picture("exploded", labels=seen.names(moved))
-
-
-def _elevation(stage: Stage, _: int) -> Picture:
-    """The face as one stands before it: the projection is parallel, so that elevations are true."""
-    bolts, seen, listed = stage.scene.bolts, Scenery(stage), schedule(stage.document)
-    if bolts is None:
-        why = without_head(listed) or "the design has no bolts"
-        raise DesignError([Fault("E273", f"there is nothing to draw: {why}", "elevation")])
-    if not stage.alone:
-        seen.rock()
-    seen.legend += seen.block_legend(bool(seen.layers))
-    seen.blocks("blocks", stage.free)
-    seen.bolts()
-    seen.notes += [said for said in (f"bolts by their numbers in {FILE}", per_slice(listed)) if said]
-    numbers = [(head, str(number)) for head, number in zip(bolts.heads_m, bolts.number.tolist(), strict=True)]
-    return replace(seen.picture("elevation", labels=numbers), eye=stage.out, beside=False)
 
 
 def _tractions(stage: Stage, _: int) -> Picture:
@@ -496,10 +472,9 @@ def _by_value(
 SCENES: Mapping[str, Scene] = {
     "scene": Scene("the slope with its blocks and joints", _scene),
     "exploded": Scene("the blocks apart, their joints coloured", _exploded),
-    "elevation": Scene("the face with its bolts by number", _elevation, in_scene=("bolts",)),
     "tractions": Scene("node pairs by contact mode, and the tractions that they carry at the limit", _tractions),
     "forces": Scene("the loads, and the resultants on the joints, to scale", _forces),
-    "displacement": Scene("the displacement at full strength, magnified", _displacement, in_scene=("displacement",)),
+    "displacement": Scene("the displacement at full strength, magnified", _displacement),
     "mechanism": Scene("how the blocks move as they fail", _mechanism, ("mechanism",)),
     "factors": Scene("blocks coloured by the factor of safety at which they fail", _factors, ("assembly",)),
     "ravelling": Scene("blocks coloured by the order in which they fail", _ravelling, ("assembly", "mechanism")),
