@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, cross
-from slopekit.preie.one_block.bed_limits import bed_limits
+from slopekit.preie.one_block.bed_limits import SPLITS, BedLimits, follow_paths, running_limits
 from slopekit.preie.one_block.bed_path import lengths
 from slopekit.preie.one_block.limit import forces_only_limit
 from slopekit.preie.one_block.passes import Outcome
@@ -148,26 +148,52 @@ class BlockLimits:
 
 
 def limits_of_blocks(blocks: Blocks) -> BlockLimits:
-    """Return the limits of single blocks by their forces and on their beds."""
-    chunks = [_limits(blocks.of(slice(at, at + CHUNK))) for at in range(0, len(blocks.load), CHUNK)]
-    names = [field.name for field in fields(BlockLimits)]
-    return BlockLimits(*(np.concatenate([getattr(chunk, name) for chunk in chunks]) for name in names))
+    """Return the limits of single blocks by their forces and on their beds.
+
+    Blocks whose paths have to be followed are gathered first: all take each step together.
+    """
+    slides, ends, chunks = list[tuple[Ints, Floats, Floats]](), list[Floats](), list[BlockLimits]()
+    for at in range(0, len(blocks.load), CHUNK):
+        some = blocks.of(slice(at, at + CHUNK))
+        beds = some.beds()
+        slides.append(_slides(beds))
+        found, rising = running_limits(beds, slides[-1][1])
+        chunks.append(_limits(some, beds, slides[-1], found))
+        ends.append(rising)
+    status, slide, pushes = (np.concatenate(part) for part in zip(*slides, strict=True))
+    names, every = [field.name for field in fields(BlockLimits)], np.concatenate(ends)
+    limits = BlockLimits(*(np.concatenate([getattr(chunk, name) for chunk in chunks]) for name in names))
+    left = np.flatnonzero(~np.isnan(every))
+    for at in range(0, len(left), CHUNK):
+        rows = left[at : at + CHUNK]
+        some = blocks.of(rows)
+        beds = some.beds()
+        found = BedLimits.none(beds, SPLITS[0])
+        follow_paths(beds, found, slide[rows, -1], every[rows])
+        onward = _limits(some, beds, (status[rows], slide[rows], pushes[rows]), found)
+        for name in names:
+            getattr(limits, name)[rows] = getattr(onward, name)
+    return limits
 
 
-def _limits(blocks: Blocks) -> BlockLimits:
-    """Return the limits of as many blocks as one chunk has."""
-    beds, contacts = blocks.beds(), blocks.counts > 0
+def _slides(beds: Beds) -> tuple[Ints, Floats, Floats]:
+    """Return what forces alone do to blocks, as of `forces_slides`; λ is not a number where no bed is looked at."""
     status, slides, pushes = forces_slides(beds)
     for row in np.flatnonzero(beds.bolt_capacity.any(axis=1)).tolist():
         status[row], slides[row] = bolted_slide(beds, row, pushes[row])
     for row in np.flatnonzero(status == ForcesStatus.NOT_DRIVEN).tolist():
         if stands_without_strength(beds, row):
             status[row] = ForcesStatus.STANDS
-    with np.errstate(divide="ignore"):
-        forces = np.where(status == ForcesStatus.SLIDES, 1.0 / slides[:, -1], np.nan)
-    slides[forces == 0.0, -1] = np.nan  # without strength no bed is looked at
     slides[status == ForcesStatus.NOT_DRIVEN, -1] = 1.0  # a guess
-    found, looked_at = bed_limits(beds, slides), slides[:, -1] > 0.0
+    slides[~np.isfinite(slides[:, -1]), -1] = np.nan  # nor of blocks without strength
+    return status, slides, pushes
+
+
+def _limits(blocks: Blocks, beds: Beds, by_forces_alone: tuple[Ints, Floats, Floats], found: BedLimits) -> BlockLimits:
+    """Return the limits of as many blocks as one chunk has, by what their forces do and what their beds do."""
+    (status, slides, pushes), contacts = by_forces_alone, blocks.counts > 0
+    looked_at = slides[:, -1] > 0.0
+    forces = np.where(status == ForcesStatus.SLIDES, np.where(looked_at, 1.0 / slides[:, -1], 0.0), np.nan)
     bed, by_forces = found.factor, ~looked_at | (found.factor > forces * (1.0 + SAME_LIMIT))
     rests = np.isfinite(bed)
     velocity = np.where(by_forces[:, None], slides[:, :-1], found.velocity)

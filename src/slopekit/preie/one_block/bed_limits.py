@@ -90,6 +90,21 @@ class BedLimits:
         """(n,) F, not a number where a block rests at no strength."""
         return 1.0 / self.reduction
 
+    @classmethod
+    def none(cls, beds: Beds, split: int) -> "BedLimits":
+        """Return those of blocks that rest at no strength, for what is found of some of them."""
+        count = len(beds.load)
+        return cls(
+            status=np.full(count, BedStatus.NO_REST, dtype=np.int64),
+            reduction=np.full(count, np.nan),
+            displacement=np.zeros_like(beds.load),
+            velocity=np.zeros_like(beds.load),
+            early=np.full(count, np.nan),
+            change=np.zeros(count),
+            split=np.full(count, split),
+            steps=np.zeros(count, dtype=np.int64),
+        )
+
     def carried(self, beds: Beds) -> PointForces:
         """Return what the points of its bed carry at the limit of a single block."""
         slides, opening = self.status[0] in (BedStatus.PRESSED, BedStatus.RUNS), self.displacement[0]
@@ -111,29 +126,45 @@ def bed_limits(beds: Beds, slides: Floats, splits: tuple[int, ...] = SPLITS) -> 
         λ = 1/F, or a guess of about the right size; a block is left alone where that is not a number
     splits : of the triangles on which limits are settled; the next where it changes one by more than `FINER_PRESSED`
     """
-    count = len(beds.load)
-    found = BedLimits(
-        status=np.full(count, BedStatus.NO_REST, dtype=np.int64),
-        reduction=np.full(count, np.nan),
-        displacement=np.zeros_like(beds.load),
-        velocity=np.zeros_like(beds.load),
-        early=np.full(count, np.nan),
-        change=np.zeros(count),
-        split=np.full(count, splits[0]),
-        steps=np.zeros(count, dtype=np.int64),
-    )
+    found, ends = running_limits(beds, slides, splits)
+    follow_paths(beds, found, slides[:, -1], ends, splits)
+    return found
+
+
+def running_limits(beds: Beds, slides: Floats, splits: tuple[int, ...] = SPLITS) -> tuple[BedLimits, Floats]:
+    """Return the limits of blocks that need no path (stages 1 and 2), and where the paths of the others end.
+
+    Parameters
+    ----------
+    slides : (n, u + 1) as of `bed_limits`
+
+    Returns
+    -------
+    limits, and ln λ (n,) to which paths rise in the end: infinite where it is not known, not a number without a path
+    """
+    found, ends = BedLimits.none(beds, splits[0]), np.full(len(beds.load), np.inf)
     limits = _Limits(beds, splits, found)
-    ends = np.full(count, np.inf)
     if not beds.laws:
         moves = beds.rows[:, 0] * np.repeat(slides[:, :-1], np.diff(beds.contact), axis=0)
         apart = np.add.reduceat(np.abs(moves.sum(axis=1)), beds.contact[:-1])
         blocks = np.flatnonzero((apart < PARALLEL) & slides[:, :-1].any(axis=1) & (slides[:, -1] > 0.0))
         for rows, bases in limits.alike(blocks, np.ones(len(beds.rows), dtype=bool)):
             limits.slide(blocks[rows], bases, slides[blocks[rows]], ends)
-    left = np.flatnonzero((found.status == BedStatus.NO_REST) & (slides[:, -1] > 0.0))
-    if len(left):
-        limits.along_paths(left, slides[left, -1], ends[left])
-    return found
+    ends[(found.status != BedStatus.NO_REST) | ~(slides[:, -1] > 0.0)] = np.nan
+    return found, ends
+
+
+def follow_paths(beds: Beds, found: BedLimits, guess: Floats, ends: Floats, splits: tuple[int, ...] = SPLITS) -> None:
+    """Note the limits that blocks have on their paths (stages 3 and 4).
+
+    Parameters
+    ----------
+    found : where they are noted
+    guess : (n,) λ of about the right size; ends : (n,) as of `running_limits`
+    """
+    blocks = np.flatnonzero(~np.isnan(ends))
+    if len(blocks):
+        _Limits(beds, splits, found).along_paths(blocks, guess[blocks], ends[blocks])
 
 
 class _Limits:
