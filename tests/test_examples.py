@@ -32,8 +32,8 @@ def kinds_stored(cell) -> list[str]:
 def test_notebook(path, tmp_path, monkeypatch) -> None:
     """Run as a kernel runs it, in this process: no cell fails, and each shows what is stored of its kind.
 
-    With a kernel of its own, and stored: `python -m benchmarks.notebooks`. Pictures are drawn in one notebook: tests/views
-    draws the others.
+    With a kernel of its own, and stored: `python -m benchmarks.notebooks`. Pictures are drawn in one notebook:
+    tests/views draws the others.
     """
     shell = pytest.importorskip("IPython.core.interactiveshell").InteractiveShell()
     monkeypatch.setitem(sys.modules, "pandas", None)  # no extra of slopekit brings it
