@@ -2,8 +2,8 @@
 
 That the page shows what the program prints is held by `tests/test_docs.py`; here its numbers are computed from survey
 and design by other means: eigenvectors, vectors on the wedge's own corners, counting. The places along the bench are
-drawn as slopekit draws them (the same stream of random numbers), what becomes of them is not, by forces: whether moments
-turn a wedge or a plane that the forces leave less than 5 % is asked of a run of each by itself. Tolerances are those of
+drawn as slopekit draws them (the same stream of random numbers), what becomes of them is not, by forces; whether
+moments turn what forces leave less than 5 % is asked of a run of each block by itself. Tolerances are those of
 the digits that are printed. Left out: limits by redrawing the survey, the width of spilt rock, t limits of mean
 spacings, wedges that friction alone does not hold.
 """
