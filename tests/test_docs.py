@@ -48,7 +48,7 @@ NOT_RUN = (
 )  # fmt: skip
 #: Commands that are run with less work than they are shown with, and not compared; "": run by a test of its own.
 LESS = {
-    "slopekit prob templates/wedge-scatter.yaml -n 20000": "-n 100 --confirm 1 --near 0.1%",
+    "slopekit prob templates/wedge-scatter.yaml -n 20000": "-n 100",
     "slopekit run my-cut.yaml -o my-cut": "--no-pictures",  # tests/views draws them
     "slopekit report my-cut/result.json -o cut.html": "--no-pictures",
     "slopekit check my-cut.yaml -o checked": "",  # the how-to of check runs one
