@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from slopekit.app import answers
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.orientation import Plane, normals
 from slopekit.design.common import Design
 from slopekit.design.joint_lists import JointList
@@ -34,6 +34,11 @@ from slopekit.studies.combos import Combos, combos
 
 _MOST_PAIRS = 200  # that the page is sent
 _BY_BOTH = 100  # joints: pairs of more are ranked by the closed form, while somebody waits
+_BY_FORCES = Notice(
+    "W353",
+    f"pairs of more than {_BY_BOTH} joints are ranked by the closed form here, which balances no moments: slopekit "
+    "combos judges them by both methods",
+)
 _NAME = re.compile(r"[^\W_][\w-]{0,39}")
 
 
@@ -143,7 +148,8 @@ def dropped(
         return Dropped(joints, None, said)
     said["pairs"] = list(_pairs(combinations))
     said["counts"] = combinations.counts
-    said["notices"] += [answers.notice_of(one) for one in combinations.warnings]
+    by_forces = [] if combinations.outcomes is not None else [_BY_FORCES]
+    said["notices"] += [answers.notice_of(one) for one in (*combinations.warnings, *by_forces)]
     return Dropped(joints, combinations, said)
 
 

@@ -250,14 +250,15 @@ def forces_slides(beds: Beds) -> tuple[Ints, Floats, Floats]:
     touching = pushes > 0.0
     area, line = beds.whole[place, 0, 0], beds.line[place]
     driving = lengths(pull)
+    least = NO_FORCE * np.maximum(1.0, pushes.sum(axis=1))  # what wedges a block in may push far more than its load
     resisting = (touching * (line[:, :, 1] * area + line[:, :, 2] * pushes)).sum(axis=1)
     status = np.where(touching.any(axis=1), ForcesStatus.SLIDES, ForcesStatus.LIFTED)
     status = np.where(~touching.any(axis=1) & (normals[:, :, -1] <= 0.0).all(axis=1), ForcesStatus.FALLS, status)
-    status = np.where(driving > NO_FORCE, status, ForcesStatus.NOT_DRIVEN)
+    status = np.where(driving > least, status, ForcesStatus.NOT_DRIVEN)
     with np.errstate(divide="ignore"):
         reduction = np.where(status == ForcesStatus.SLIDES, driving / resisting, np.nan)
     slides = np.zeros((blocks, beds.load.shape[1] + 1))
-    slides[:, :moves] = np.where(driving > NO_FORCE, 1.0 / np.maximum(driving, TINY), 0.0)[:, None] * pull
+    slides[:, :moves] = np.where(driving > least, 1.0 / np.maximum(driving, TINY), 0.0)[:, None] * pull
     slides[:, -1] = reduction
     return status, slides, pushes
 

@@ -9,12 +9,12 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats, Ints, NDArray
 from slopekit.core.errors import Notice
 from slopekit.preie.tolerances import SAME_LIMIT
-from slopekit.studies.points import UNSETTLED, Method, Point, status_of
+from slopekit.studies.points import SAME_FACTOR, UNSETTLED, Method, Point, status_of
 
 #: What an outcome that is no block begins with, but for bolts that do not hold it; and values no design can have.
 NO_BLOCK = ("E", "impossible")
-#: Outcomes of blocks that form and are not judged: no answer, or bolts that the block does not hold.
-UNJUDGED = ("E5", "E211", "E212", UNSETTLED)
+#: Outcomes that are not judged: no answer, bolts that the block does not hold, a crack that leaves two blocks.
+UNJUDGED = ("E5", "E208", "E211", "E212", UNSETTLED)
 STANDS = "no_driving_force"
 _MOST = "largest"  # of `BothMethods`: no sum
 #: The methods, and what their factors are called.
@@ -67,7 +67,7 @@ class ByMethod:
         """Return which fall short of a target, (n,): `points.falls_short` for arrays; without an answer they do."""
         stays = self.among(*NO_BLOCK, STANDS) & ~self.unjudged
         with np.errstate(invalid="ignore"):
-            return np.asarray(~stays & ~(self.factor >= target))
+            return np.asarray(~stays & ~(self.factor >= target * (1.0 - SAME_FACTOR)))
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,9 @@ def of_points(points: Sequence[Point]) -> Outcomes:
     """Return what both methods say of designs that were asked one by one."""
     factors = [point.factors for point in points]
     limit, closed = (
-        ByMethod.of([status_of(point, method) for point in points], [getattr(own, name, None) for own in factors])
+        ByMethod.of(
+            [status_of(point, method) or UNSETTLED for point in points], [getattr(own, name, None) for own in factors]
+        )
         for method, name in _OF_METHODS
     )
     known = any(own is not None and own.closed_status for own in factors)
@@ -110,7 +112,7 @@ def of_points(points: Sequence[Point]) -> Outcomes:
         limit,
         closed if known else None,
         np.array([None if own is None else own.difference for own in factors], dtype=np.float64),
-        np.array([-1 if point.agree is None else int(point.agree) for point in points], dtype=np.int8),
+        np.where(limit.unjudged, -1, [-1 if point.agree is None else point.agree for point in points]).astype(np.int8),
         np.array([point.moments_govern for point in points], dtype=bool),
     )
 
@@ -180,12 +182,14 @@ class BothMethods:
             yield Notice("W353", message)
 
 
-def compared(outcomes: Outcomes, target: float) -> BothMethods:
-    """Return how far both methods agree, and what each judges otherwise."""
+def compared(outcomes: Outcomes, fails: Bools, fails_by_closed_form: Bools) -> BothMethods:
+    """Return how far both methods agree, and what each judges otherwise.
+
+    Parameters
+    ----------
+    fails : (n,) by PRE-IE
+    """
     limit = outcomes.limit
-    by_pre_ie = by_closed = limit.falls_short(target)
-    if outcomes.closed_form is not None:
-        by_closed = outcomes.closed_form.falls_short(target)
     forms, known, settled = limit.forms, np.isfinite(outcomes.difference), limit.forms & ~limit.unjudged
     agree, disagree, open_ = (int((forms & (outcomes.agree == verdict)).sum()) for verdict in (1, 0, -1))
     return BothMethods(
@@ -195,8 +199,8 @@ def compared(outcomes: Outcomes, target: float) -> BothMethods:
         int(limit.among(UNSETTLED).sum()),
         float(outcomes.difference[known].max()) if known.any() else None,
         int((forms & outcomes.moments_govern).sum()),
-        int((settled & by_pre_ie & ~by_closed).sum()),
-        int((settled & by_closed & ~by_pre_ie).sum()),
+        int((settled & fails & ~fails_by_closed_form).sum()),
+        int((settled & fails_by_closed_form & ~fails).sum()),
     )
 
 

@@ -28,6 +28,7 @@ _OF_BOLTS = ("E211", "E212")  # a bolt misses the block, or ends within it
 _WITHOUT_FORCE = "bolts that miss the block, or end within it, give no force there"
 _BROKEN = (ArithmeticError, ValueError, IndexError, np.linalg.LinAlgError)
 _OF_FACTORS = tuple(one.name for one in fields(Factors) if one.name not in ("notes", "also"))
+SAME_FACTOR = 1e-9  # of a target: a factor this near below it reaches it
 #: The status where PRE-IE ended without a number that it would vouch for.
 UNSETTLED = "not_converged"
 
@@ -319,4 +320,4 @@ def falls_short(status: str, factor: float | None, target: float) -> bool:
     """
     if status == "no_driving_force":
         return False
-    return factor is None or factor < target
+    return factor is None or factor < target * (1.0 - SAME_FACTOR)

@@ -75,7 +75,7 @@ def _judge(
     closed = ByMethod(CLOSED_OUTCOMES[mode], blocks["outcome"][rows], blocks["factor"][rows])
     outcomes = agreement(limit, limits.forces[where_in], closed, inputs.slope.analysis.agree_within)
     blocks["fails"][rows] = limit.falls_short(target)
-    return compared(outcomes, target)
+    return compared(outcomes, blocks["fails"][rows], closed.falls_short(target))
 
 
 def _limits(inputs: BenchInputs, task: Task) -> Record:

@@ -9,7 +9,7 @@ import numpy as np
 
 from slopekit.closed_form.berms import effective_face_angle, inter_ramp_angle
 from slopekit.core.arrays import Floats
-from slopekit.studies.bench_design.bench import MODES, Bench, bench_of, parts_of
+from slopekit.studies.bench_design.bench import MODES, Bench
 from slopekit.studies.bench_design.given import BenchInputs
 from slopekit.studies.bench_design.trials import Trials, bootstrapped, share_of
 from slopekit.studies.prob.estimates import Share
@@ -98,18 +98,16 @@ class OfBench:
     bare: Mapping[str, Any] | None = field(default=None, metadata={"json": "without_cohesion"})
 
 
-def without_cohesion(inputs: BenchInputs, trials: Trials, outcome: OfBench) -> dict[str, Any]:
-    """What the closed forms say of a bench without cohesion: shares that fail, the berm needed, whether that decides.
+def without_cohesion(inputs: BenchInputs, bench: Bench, outcome: OfBench) -> dict[str, Any]:
+    """What is said of a bench without cohesion: shares that fail, the berm needed, whether cohesion decides.
 
     It decides where half or more of what fails without it is held by it, and that is more than the limits of the share
     with it allow.
 
     Parameters
     ----------
-    inputs : without cohesion; of : what is said of the bench with cohesion
+    bench : without cohesion; outcome : what is said of it with cohesion
     """
-    size = outcome.height_m, outcome.face_dip_deg
-    bench = bench_of(*size, parts_of(inputs, trials, *size))
     forms, fails = ([*part, part.any(axis=0)] for part in (bench.forms, bench.fails))
     shares = {name: float(part.mean()) for name, part in zip(_CALLED, fails, strict=True)}
     among = {

@@ -120,7 +120,7 @@ class BenchDesigns(StudyOutcome):
     both: BothMethods
     warnings: tuple[Notice, ...]
     seconds: float = field(default=0.0, compare=False)
-    journal: Journal | None = field(default=None, compare=False)
+    journals: tuple[Journal, ...] = field(default=(), compare=False)
 
     @property
     def charts(self) -> tuple[str, ...]:
@@ -129,8 +129,8 @@ class BenchDesigns(StudyOutcome):
 
     def done(self) -> None:
         """Remove what was kept for an interruption: the results are written."""
-        if self.journal is not None:
-            self.journal.remove()
+        for journal in self.journals:
+            journal.remove()
 
     @property
     def joints(self) -> JointList:
@@ -263,21 +263,27 @@ def bench_design(
     trials = drawn_trials(inputs.joints, int(inputs.number("n")), int(inputs.number("seed")), inputs.toe == "anywhere")
     benches, both, journal = judged_benches(inputs, trials, crew, desk)
     outcomes = [outcome_of(inputs, trials, bench) for bench in benches]
+    journals, said = [journal], total(both)
     if inputs.has_cohesion:
         bare = replace(inputs, cohesion_kpa=np.zeros(len(inputs.joints)))
-        outcomes = [replace(of, bare=without_cohesion(bare, trials, of)) for of in outcomes]
-    outcomes, said = [accepted(inputs, one) for one in outcomes], total(both)
+        without, _, journal = judged_benches(bare, trials, crew, desk)
+        journals.append(journal)
+        outcomes = [
+            replace(of, bare=without_cohesion(bare, bench, of)) for bench, of in zip(without, outcomes, strict=True)
+        ]
+    is_sure = not (said.disagree or said.without_answer)
+    outcomes = [accepted(inputs, outcome, is_sure) for outcome in outcomes]
     notices = tuple(notices_of(inputs, outcomes, said))
-    study = BenchDesigns(inputs, tuple(outcomes), said, notices, time.perf_counter() - began, journal)
+    study = BenchDesigns(inputs, tuple(outcomes), said, notices, time.perf_counter() - began, tuple(journals))
     if desk.folder is None:
         study.done()
     return study
 
 
-def accepted(inputs: BenchInputs, bench: OfBench) -> OfBench:
-    """The bench with what is said of acceptance: the lower limit counts."""
+def accepted(inputs: BenchInputs, bench: OfBench, is_sure: bool) -> OfBench:
+    """The bench with what is said of acceptance: the lower limit counts, and the methods agree."""
     least = inputs.numbers["accept"]
     if least is None:
         return bench
-    berms = (replace(berm, accepted=berm.reliability.low >= least) for berm in bench.berms)
+    berms = (replace(berm, accepted=is_sure and berm.reliability.low >= least) for berm in bench.berms)
     return replace(bench, berms=tuple(berms))

@@ -26,7 +26,7 @@ def sheet_of(study: BenchDesigns) -> Sheet:
         Section("BERMS", [_OF_BERMS, berms] if study.given.berms_m is not None else []),
         Section("NEEDED", [_needed_said(study), needed]),
         Section("BEST", _best(study)),
-        Section("METHODS", study.both.in_words() if study.both.looked_at else ["no wedge and no plane stands"]),
+        Section("METHODS", _methods(study)),
         Section("TIME", [f"{study.seconds:.1f} s"]),
         Section("NOTE", [str(notice) for notice in study.warnings]),
     ), {"benches.csv": Table(list(every.values()), study.benches), "berms.csv": berms})  # fmt: skip
@@ -37,7 +37,7 @@ def line_of(study: BenchDesigns) -> str:
     best, wanted = study.best, study.given.number("reliability")
     said = "" if study.accepted is None else "  ACCEPTED" if study.accepted else "  NOT ACCEPTED"
     both = study.both
-    agree = f"  PRE-IE agrees on {both.agree} of {both.looked_at}" if both.looked_at else ""
+    agree = f"  PRE-IE agrees on {both.agree} of {both.looked_at} that stand" if both.looked_at else ""
     steepest = study.steepest_accepted
     line = (
         f"steepest accepted: {_in_words(steepest)}{agree}{said}"
@@ -138,6 +138,13 @@ def _needed(study: BenchDesigns) -> Table[OfBench]:
     ], study.benches)  # fmt: skip
 
 
+def _methods(study: BenchDesigns) -> list[str]:
+    both = study.both
+    if not both.looked_at:
+        return ["by the closed form no wedge and no plane stands"]
+    return [f"{both.looked_at} blocks of all benches stand by the closed form: of these", *both.in_words()]
+
+
 def _between(share: Share) -> str:
     return f"{100.0 * share.low:.1f} to {100.0 * share.high:.1f}"
 
@@ -154,8 +161,8 @@ def _best(study: BenchDesigns) -> list[str]:
     if least is not None:
         met, steepest = [berm for berm in study.berms if berm.accepted], study.steepest_accepted
         verdict = (
-            f"{len(met)} of {len(study.berms)} reach {number(100.0 * least)} % with the lower limit, PRE-IE agreeing"
-            if met else f"none reaches {number(100.0 * least)} % with the lower limit, PRE-IE agreeing"
+            f"{len(met)} of {len(study.berms)} reach {number(100.0 * least)} % with the lower limit"
+            if met else f"none reaches {number(100.0 * least)} % with the lower limit"
         )  # fmt: skip
         entries.append(f"{'ACCEPTED' if met else 'NOT ACCEPTED'}: {verdict}")
         if steepest is not None:

@@ -28,6 +28,7 @@ from slopekit.geometry.rock.rockmass import no_crest
 from slopekit.geometry.tolerances import SAME_DIRECTION
 from slopekit.kinds.wedge.design import SizeLimits, WedgeDesign
 from slopekit.kinds.wedge.limits import Fitted, within
+from slopekit.studies.points import SAME_FACTOR
 from slopekit.studies.surveys import range_of, slope_of, strengths_of_joints
 
 HEIGHT_M = 15.0
@@ -258,7 +259,8 @@ class JointPairs(Fitted):
     def fails(self, target: float) -> Bools:
         """Which of all pairs lie below a factor of safety by the closed form; what nothing holds is among them."""
         with np.errstate(invalid="ignore"):
-            reaches = np.isin(self.outcome, _SLIDES) & (self.factor >= target)  # what has no factor does not
+            reaches = self.factor >= target * (1.0 - SAME_FACTOR)  # what has no factor does not
+            reaches &= np.isin(self.outcome, _SLIDES)
         failing: Bools = self.is_removable & ~reaches & (self.outcome != _STANDS)
         return failing
 

@@ -50,7 +50,7 @@ class PairCheck:
     Attributes
     ----------
     index : among all pairs; names, planes : of its joints
-    status, limit : of PRE-IE, those of the closed form where that was asked alone; None where there is no factor
+    status, limit : of PRE-IE; the closed form's status and no limit where that was asked alone
     height_m : at the trace of the first joint; volume_m3 : of the wedge, `scale` of its lengths within limits of size
     extent_m : how wide it is on the face and how far it reaches behind the crest; line : of intersection
     """
@@ -110,7 +110,7 @@ class Combos(StudyOutcome):
         pairs, k = self.pairs, int(self.ranked[place])
         joints, outcomes = [self.joints.joints[int(of[k])] for of in (pairs.first, pairs.second)], self.outcomes
         closed, status = _known(pairs.factor[k]), PAIR_OUTCOMES[pairs.outcome[k]]
-        both: dict[str, Any] = {"status": status, "limit": closed, "difference": None, "agree": None}
+        both: dict[str, Any] = {"status": status, "limit": None, "difference": None, "agree": None}
         both["moments_govern"] = False
         if outcomes is not None:
             verdict = int(outcomes.agree[place])
@@ -131,7 +131,10 @@ class Combos(StudyOutcome):
     @cached_property
     def both(self) -> BothMethods | None:
         """How far the methods agree, and what they judge otherwise; None where the closed form was asked alone."""
-        return None if self.outcomes is None else compared(self.outcomes, self.given.target or 1.0)
+        target, outcomes = self.given.target or 1.0, self.outcomes
+        if outcomes is None or outcomes.closed_form is None:
+            return None
+        return compared(outcomes, outcomes.limit.falls_short(target), outcomes.closed_form.falls_short(target))
 
     @property
     def charts(self) -> tuple[str, ...]:
@@ -195,16 +198,8 @@ class Combos(StudyOutcome):
             whole = f"{len(self.joints)} joints, {self.joints.quantities.sum():.6g} by quantity"
             message = f"quantities of {self.joints.name} ({whole}) count nothing here: each pair of joints stands once"
             own.append(Notice("W373", message))
-        outcomes = self.outcomes
-        if outcomes is None or not outcomes.moments_govern.any():
-            return tuple(own)
-        governed, limit, closed = outcomes.moments_govern, outcomes.limit.factor, self.pairs.factor[self.ranked]
-        lowered = 1.0 - limit[governed] / closed[governed]
-        topple = int((governed & outcomes.limit.among("topples")).sum())
-        by = [f"by up to {np.nanmax(lowered) * 100:.1f} %"] if np.isfinite(lowered).any() else []
-        by += [f"{topple} of them topple"] if topple else []
-        message = f"moments govern {int(governed.sum())} of {self.removable} removable pairs"
-        return (Notice("W353", ", ".join([message, *by])), *own)
+        short = self.both if self.target is not None else None
+        return (*(() if short is None else short.notices("removable pairs", self.removable)), *own)
 
     def to_dict(self) -> dict[str, Any]:
         """The result as JSON values; times stand in a block of their own."""
@@ -299,6 +294,9 @@ def combos(
     removable = np.flatnonzero(pairs.is_removable)
     by_forces = ByMethod(PAIR_OUTCOMES, pairs.outcome[removable].astype(np.int16), pairs.factor[removable])
     outcomes = None if closed_form else _looked_at(inputs, pairs, removable, by_forces, crew, desk)
+    if outcomes is not None and (lost := outcomes.limit.among("E")).any():  # planes so nearly parallel cut none
+        pairs.outcome[removable[lost]], pairs.factor[removable[lost]] = PAIR_OUTCOMES.index("no_wedge"), np.nan
+        removable, outcomes = removable[~lost], outcomes.of(np.flatnonzero(~lost))
     order = _order(by_forces if outcomes is None else outcomes.limit, pairs.volume_m3[removable])
     outcomes = None if outcomes is None else outcomes.of(order)
     end = time.perf_counter()

@@ -53,7 +53,8 @@ def line_of(combos: Combos) -> str:
     parts = [f"{combos.removable} of {len(combos.pairs)} pairs removable"]
     if combos.worst:
         first = combos.worst[0]
-        parts.append(f"worst {' x '.join(first.names)} {first.status} {factor_text(first.limit).strip()}")
+        fos = first.closed_form if combos.outcomes is None else first.limit
+        parts.append(f"worst {' x '.join(first.names)} {first.status} {factor_text(fos).strip()}")
     if combos.target is not None:
         parts.append(f"{combos.target['below']} below {combos.target['fos']:g} by {_judges(combos)}")
     if combos.both is not None and combos.worst:
@@ -67,9 +68,6 @@ def _every_pair(combos: Combos) -> Table[int]:
     looked = {pair.index: pair for pair in combos.worst}
     is_wedge, ranked = pairs.volume_m3 > 0.0, combos.ranked.tolist()
     shown, left = list(looked)[:_MOST_ROWS], len(looked) - _MOST_ROWS
-    limit = np.full(len(pairs), np.nan)
-    if combos.outcomes is not None:
-        limit[combos.ranked] = combos.outcomes.limit.factor
 
     def of_joint(which: Any) -> Callable[[int], str]:
         return lambda k: joints[which[k]].name
@@ -80,6 +78,11 @@ def _every_pair(combos: Combos) -> Table[int]:
     def factor(of: Any) -> Callable[[int], float | None]:
         return lambda k: None if np.isnan(of[k]) else of[k]
 
+    by_pre_ie = list[Column[int]]()
+    if combos.outcomes is not None:
+        limit = np.full(len(pairs), np.nan)
+        limit[combos.ranked] = combos.outcomes.limit.factor
+        by_pre_ie.append(Column("PRE-IE", factor(limit), "fos_limit", show=factor_text, width=9, exact=".9g"))
     return Table([
         Column("joints", lambda k: looked[k].names, show=_names, width=-2 * _NAME - 3),
         Column("first joint", of_joint(pairs.first), "joint1"),
@@ -87,8 +90,7 @@ def _every_pair(combos: Combos) -> Table[int]:
         Column("slides on", lambda k: looked[k].status, show=lambda status: _SHORT.get(status, status), width=-11),
         Column("outcome", lambda k: PAIR_OUTCOMES[pairs.outcome[k]], "outcome"),
         Column("closed form", factor(pairs.factor), "fos_closed_form", show=factor_text, width=11, exact=".9g"),
-        Column("PRE-IE", factor(limit), "fos_limit", show=factor_text, width=9,
-               exact=".9g"),
+        *by_pre_ie,
         Column("", lambda k: _mark(looked[k]), width=3),
         Column("m³", of_wedge(pairs.volume_m3), "volume_m3", "m³", ".4g", 9, ".6g"),
         Column("H1 m", of_wedge(pairs.height_m), "height_m", "m", ".4g", 10, ".6g"),

@@ -18,7 +18,7 @@ from slopekit.studies.prob.sampling import Samples
 from slopekit.studies.prob.vectorised import vectorised
 
 PLACE = "crack.distance"
-_MOST_ALONE = 200  # samples: a second or more each
+MOST_ALONE = 200  # samples: a second or more each
 
 
 def cracked(design: Design, samples: Samples) -> tuple[Design, Samples, Bools] | None:
@@ -57,11 +57,11 @@ def checked_alone(design: Design, count: int) -> None:
     """
     plain = None if design.source is None else design.source.root.plain()
     written = plain.get("crack") if isinstance(plain, dict) else None
-    if count <= _MOST_ALONE or WORST not in str(written):
+    if count <= MOST_ALONE or WORST not in str(written):
         return
-    message = f"worst cracks of this design are found sample by sample: at most {_MOST_ALONE}, here {count}"
+    message = f"worst cracks of this design are found sample by sample: at most {MOST_ALONE}, here {count}"
     advice = (
         "Passive bolts, curved strength, a basal joint, crack water in metres, table, pond and surcharge ask for it. "
-        f"Give the distance that slopekit run finds, or fewer samples: -n {_MOST_ALONE}."
+        f"Give the distance that slopekit run finds, or fewer samples: -n {MOST_ALONE}."
     )
     raise DesignError([Fault("E125", message, PLACE, advice)])

@@ -139,8 +139,8 @@ def notices_of(target: float, judged: Judged, samples: Samples, share: Share) ->
     unsolved = int(judged.unjudged.sum())
     if unsolved:
         said = "counted as failures, but may be none" if judged.counted.any() else "there is no probability"
-        yield Notice("W350", f"{unsolved} of {len(samples.values)} samples gave no answer (not_converged, an error, "
-                     f"or a bolt that misses the block or is too short): {said}")  # fmt: skip
+        yield Notice("W350", f"{unsolved} of {len(samples.values)} samples gave no answer (not_converged, an error, a "
+                     f"crack that cuts the block in two, a bolt that misses it or is too short): {said}")  # fmt: skip
     what, only = judged.also
     if only:
         yield Notice("W507", f"in {only} of {len(samples.values)} samples {what} falls short of {target:g}, and what "

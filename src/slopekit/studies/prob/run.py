@@ -35,7 +35,7 @@ from slopekit.studies.prob.bolts import (
     standing,
     without_force,
 )
-from slopekit.studies.prob.cracks import checked_alone, cracked
+from slopekit.studies.prob.cracks import MOST_ALONE, checked_alone, cracked
 from slopekit.studies.prob.estimates import Share, Summary, sample_statistics, share_of, summary_of
 from slopekit.studies.prob.judged import IMPOSSIBLE, Judged, also_of, notices_of, nowhere, sensitivities, with_also
 from slopekit.studies.prob.sampling import METHODS, Method, Samples, samples
@@ -91,9 +91,8 @@ class Probability(StudyOutcome):
     ----------
     samples : what was drawn; judged : the outcome of each, its factor by the method that counts, whether it fails
     all_samples, forming : the probability of failure among all possible samples, and among those that form a block
-    outcomes : of both methods, None where the closed form was asked alone
-    both : how far they agree; by_closed_form : the share that fails by the closed form; None as there, or where the
-        kind has none
+    outcomes, both : of both methods, and how far they agree; None where the closed form was asked alone
+    closed_form : what that says beside PRE-IE, None as there, or where the kind has none
     journals : of a run with a folder, kept until its results are written
     sizes : volume, height, width and setback of each sample (n,) by their keys, nan where none forms; empty where they
         are not known
@@ -108,7 +107,7 @@ class Probability(StudyOutcome):
     forming: Share
     outcomes: Outcomes | None
     both: BothMethods | None
-    by_closed_form: Share | None
+    closed_form: Judged | None
     of_samples: tuple[Notice, ...]
     timing_s: Mapping[str, float]
     journals: tuple[Journal, ...] = field(default=(), compare=False)
@@ -176,6 +175,14 @@ class Probability(StudyOutcome):
         if self.asked.accept is None:
             return None
         return not self.doubts and self.all_samples.high <= self.asked.accept
+
+    @cached_property
+    def by_closed_form(self) -> Share | None:
+        """The share that fails by the closed form, where that stands beside PRE-IE."""
+        own, samples = self.closed_form, self.samples
+        if own is None:
+            return None
+        return share_of(own.fails, self.judged.counted, samples.replicate, self.asked.confidence)
 
     @property
     def methods_disagree(self) -> bool:
@@ -321,17 +328,16 @@ def prob(
         judged, outcomes = judge()
         of_bolts = without_force(placed, _holding(those, placed, fast), judged.forms)
         sizes = {} if fast is None else fast.sizes(those.values, judged.forms)
-    both = by_closed_form = None
+    both = beside = None
     if outcomes is not None:
-        both = compared(outcomes, fos)
         if outcomes.closed_form is not None:
             beside = judge.besides(Judged.by(outcomes.closed_form, fos, ""))
-            by_closed_form = share_of(beside.fails, judged.counted, those.replicate, confidence)
+        both = compared(outcomes, judged.fails, (beside or judged).fails)
     all_samples = share_of(judged.fails, judged.counted, those.replicate, confidence)
     forming = share_of(judged.fails, judged.counted & judged.forms, those.replicate, confidence)
     said = () if both is None else tuple(both.notices("samples", len(those.values)))
     probability = Probability(
-        design, asked, drawn.as_drawn, judged, all_samples, forming, outcomes, both, by_closed_form,
+        design, asked, drawn.as_drawn, judged, all_samples, forming, outcomes, both, beside,
         (*notices_of(fos, judged, those, all_samples), *said, *of_bolts, *not_as_given(design),
          *likely_slips(design)), clock.done(), tuple(journals), sizes,
     )  # fmt: skip
@@ -398,7 +404,8 @@ def _asked(
         faults.append(Fault("E126", f"{by} is not a method", "", "Known: closed-form, pre-ie."))
     if by == "closed-form" and kind_of(design).closed_form is None:
         faults.append(Fault("E126", f"a {design.kind} has no closed form to sample", "", "Take pre-ie."))
-    n, most = FEW if n is None else n, _MOST if by == "closed-form" else _MOST_BY_PRE_IE
+    few = MOST_ALONE if getattr(design, "crack_searched", "") else FEW
+    n, most = few if n is None else n, _MOST if by == "closed-form" else _MOST_BY_PRE_IE
     for name, value, low, high in (
         ("n", n, 1, most), ("seed", seed, 0, 2**63 - 1), ("the target", target, 1e-6, 1e6),
         ("confidence", confidence, 0.5, 0.9999), ("accept", 0.0 if accept is None else accept, 0.0, 1.0),
@@ -406,6 +413,7 @@ def _asked(
         if not low <= value <= high:
             message = f"{name} is {number(value)}, it lies between {number(low)} and {number(high)}"
             advice = "A part of all is written 0.95 or 95%." if name == "confidence" else ""
+            advice = f"--by closed-form takes up to {_MOST}." if name == "n" and most < value <= _MOST else advice
             advice = "It is a probability of failure, 0.05 or 5%, no factor of safety." if name == "accept" else advice
             faults.append(Fault("E307", message, "", advice))
     faults.refuse()

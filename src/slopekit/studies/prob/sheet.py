@@ -25,7 +25,8 @@ NO_BLOCK = {
     "E440": "a joint does not bound the block", "E441": "no rock above the basal joint",
     "E442": "basal joint does not daylight", "E443": "basal joint closes no block",
     "E232": "held by its shape: it cannot leave",
-    "E206": "a joint parallel to the face", "E207": "crack outside the block", "E208": "no volume",
+    "E206": "a joint parallel to the face", "E207": "crack outside the block",
+    "E208": "the crack cuts the block in two, or it has no volume",
     "E209": "face and upper slope make no crest", "E211": "a bolt misses the block", "E212": "a bolt is too short",
     "E486": "larger than its limits of size", "E487": "smaller than the least volume",
     "E213": "strikes across the slope", "impossible": "a value that no design can have",
@@ -86,8 +87,8 @@ def _every_sample(study: Probability) -> Table[int]:
         Column("fails", lambda row: int(judged.fails[row]), "fails"),
     ]
     columns += [Column(key, _item_of(column), key) for key, column in study.sizes.items()]
-    if outcomes is not None and outcomes.closed_form is not None:
-        closed, governs = outcomes.closed_form.factor, outcomes.moments_govern
+    if outcomes is not None and study.closed_form is not None:
+        closed, governs = study.closed_form.factor, outcomes.moments_govern
         columns += [
             Column("closed form", closed.item, "fos_closed_form"),
             Column("moments govern", lambda row: int(governs[row]), "moments_govern"),
@@ -182,8 +183,10 @@ def _matters(coefficients: Sequence[tuple[str, float]]) -> str:
 def _methods(study: Probability) -> list[str]:
     if study.both is None:
         return ["the closed form alone: it balances no moments"]
-    compares = kind_of(study.design).closed_form is not None
-    return study.both.in_words() if compares else ["there is no closed form to compare with"]
+    if study.closed_form is not None:
+        return study.both.in_words()
+    lost = study.both.without_answer
+    return [f"there is no closed form to compare with{f'; {lost} WITHOUT ANSWER' if lost else ''}"]
 
 
 def _accept(study: Probability) -> list[str]:
