@@ -153,24 +153,24 @@ def limits_of_blocks(blocks: Blocks) -> BlockLimits:
     Blocks whose paths have to be followed are gathered first: all take each step together.
     """
     slides, ends, chunks = list[tuple[Ints, Floats, Floats]](), list[Floats](), list[BlockLimits]()
-    for at in range(0, len(blocks.load), CHUNK):
-        some = blocks.of(slice(at, at + CHUNK))
-        beds = some.beds()
+    for first in range(0, len(blocks.load), CHUNK):
+        chunk = blocks.of(slice(first, first + CHUNK))
+        beds = chunk.beds()
         slides.append(_slides(beds))
-        found, rising = running_limits(beds, slides[-1][1])
-        chunks.append(_limits(some, beds, slides[-1], found))
-        ends.append(rising)
-    status, slide, pushes = (np.concatenate(part) for part in zip(*slides, strict=True))
-    names, every = [field.name for field in fields(BlockLimits)], np.concatenate(ends)
+        found, rise = running_limits(beds, slides[-1][1])
+        chunks.append(_limits(chunk, beds, slides[-1], found))
+        ends.append(rise)
+    slide, end = [np.concatenate(part) for part in zip(*slides, strict=True)], np.concatenate(ends)
+    names = [field.name for field in fields(BlockLimits)]
     limits = BlockLimits(*(np.concatenate([getattr(chunk, name) for chunk in chunks]) for name in names))
-    left = np.flatnonzero(~np.isnan(every))
-    for at in range(0, len(left), CHUNK):
-        rows = left[at : at + CHUNK]
-        some = blocks.of(rows)
-        beds = some.beds()
+    paths = np.flatnonzero(~np.isnan(end))
+    for rows in np.split(paths, range(CHUNK, len(paths), CHUNK)) if len(paths) else ():
+        status, velocity, pushes = (part[rows] for part in slide)
+        chunk = blocks.of(rows)
+        beds = chunk.beds()
         found = BedLimits.none(beds, SPLITS[0])
-        follow_paths(beds, found, slide[rows, -1], every[rows])
-        onward = _limits(some, beds, (status[rows], slide[rows], pushes[rows]), found)
+        follow_paths(beds, found, velocity[:, -1], end[rows])
+        onward = _limits(chunk, beds, (status, velocity, pushes), found)
         for name in names:
             getattr(limits, name)[rows] = getattr(onward, name)
     return limits
@@ -189,30 +189,30 @@ def _slides(beds: Beds) -> tuple[Ints, Floats, Floats]:
     return status, slides, pushes
 
 
-def _limits(blocks: Blocks, beds: Beds, by_forces_alone: tuple[Ints, Floats, Floats], found: BedLimits) -> BlockLimits:
+def _limits(blocks: Blocks, beds: Beds, slide: tuple[Ints, Floats, Floats], found: BedLimits) -> BlockLimits:
     """Return the limits of as many blocks as one chunk has, by what their forces do and what their beds do."""
-    (status, slides, pushes), contacts = by_forces_alone, blocks.counts > 0
-    looked_at = slides[:, -1] > 0.0
-    forces = np.where(status == ForcesStatus.SLIDES, np.where(looked_at, 1.0 / slides[:, -1], 0.0), np.nan)
-    bed, by_forces = found.factor, ~looked_at | (found.factor > forces * (1.0 + SAME_LIMIT))
+    (status, slides, pushes), contacts = slide, blocks.counts > 0
+    has_bed = slides[:, -1] > 0.0
+    forces = np.where(status == ForcesStatus.SLIDES, np.where(has_bed, 1.0 / slides[:, -1], 0.0), np.nan)
+    bed, forces_govern = found.factor, ~has_bed | (found.factor > forces * (1.0 + SAME_LIMIT))
     rests = np.isfinite(bed)
-    velocity = np.where(by_forces[:, None], slides[:, :-1], found.velocity)
+    velocity = np.where(forces_govern[:, None], slides[:, :-1], found.velocity)
     opens_partly, opens_wholly = np.zeros((2, *contacts.shape), dtype=bool)
     opens_partly[contacts], opens_wholly[contacts] = opened(beds, velocity)
     pressed, normal = np.full((2, *contacts.shape), np.nan)
     pressed[contacts], normal[contacts] = pressed_parts(beds, found.displacement)
     pressed[~rests], normal[~rests] = np.nan, np.nan
-    normal[by_forces] = pushes[by_forces]
+    normal[forces_govern] = pushes[forces_govern]
     normal[~contacts] = np.nan
     motion, moves = np.zeros_like(blocks.load), beds.translations
     motion[:, blocks.unknowns] = velocity
     force = lengths(blocks.load[:, blocks.unknowns[:moves]]) / lengths(beds.load[:, :moves])
     return BlockLimits(
-        factor=np.where(looked_at & ~rests, np.nan, np.fmin(forces, bed)),
+        factor=np.where(has_bed & ~rests, np.nan, np.fmin(forces, bed)),
         forces=forces,
         forces_status=status,
         bed=bed,
-        bed_status=np.where(looked_at, found.status, -1),
+        bed_status=np.where(has_bed, found.status, -1),
         early=1.0 / found.early,
         pressed=pressed,
         velocity=motion,
