@@ -16,6 +16,7 @@ NO_BLOCK = ("E", "impossible")
 #: Outcomes of blocks that form and are not judged: no answer, or bolts that the block does not hold.
 UNJUDGED = ("E5", "E211", "E212", UNSETTLED)
 STANDS = "no_driving_force"
+_ROUNDING = 1e-12  # of a factor
 _MOST = "largest"  # of `BothMethods`: no sum
 #: The methods, and what their factors are called.
 _OF_METHODS: tuple[tuple[Method, str], ...] = (("pre_ie", "limit"), ("closed_form", "closed_form"))
@@ -64,10 +65,13 @@ class ByMethod:
         return ~self.among(*NO_BLOCK) | self.unjudged
 
     def falls_short(self, target: float) -> Bools:
-        """Return which fall short of a target, (n,): `points.falls_short` for arrays; without an answer they do."""
+        """Return which fall short of a target, (n,): `points.falls_short` for arrays; without an answer they do.
+
+        A factor that is the target but for rounding reaches it, by either method: a dip that is the friction angle.
+        """
         stays = self.among(*NO_BLOCK, STANDS) & ~self.unjudged
         with np.errstate(invalid="ignore"):
-            return np.asarray(~stays & ~(self.factor >= target))
+            return np.asarray(~stays & ~(self.factor >= target * (1.0 - _ROUNDING)))
 
 
 @dataclass(frozen=True)
