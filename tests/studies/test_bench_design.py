@@ -21,6 +21,7 @@ from slopekit.design.joint_lists import joint_list
 from slopekit.geometry.rock.cutting import cut_wedge
 from slopekit.geometry.rock.rockmass import wedge_rock_mass
 from slopekit.kinds import factors_of
+from slopekit.studies import joint_wedges
 from slopekit.studies.bench_design import limits
 from slopekit.studies.bench_design.bench import PLANE, WEDGE, Bench, bench_of, parts_of
 from slopekit.studies.bench_design.given import BenchInputs
@@ -474,7 +475,8 @@ def test_pre_ie_takes_the_pressure_that_was_given(monkeypatch: pytest.MonkeyPatc
         taken.add((design.kind, design.water.mode, design.water.pressures_kpa))
         return solved(design, *rest)
 
-    monkeypatch.setattr(limits, "limits_on_arrays", limits_on_arrays)
+    for module in (limits, joint_wedges):
+        monkeypatch.setattr(module, "limits_on_arrays", limits_on_arrays)
     found = sk.bench_design(
         ["45/180", "70/120", "65/250"], height=10, face=75, dip_direction=180, c=15, phi=32, water="u=8kPa", n=200,
     )  # fmt: skip

@@ -74,7 +74,7 @@ SLOPES = [
 def test_every_pair_is_what_one_wedge_says(slope) -> None:
     """Outcome, factor, volume and line of 780 pairs: rock mass and scalar closed form at the height of the pair."""
     joints = survey(2, 40)
-    found = sk.combos(joints, **slope, height=12, c=8, phi=31, top=0)
+    found = sk.combos(joints, **slope, height=12, c=8, phi=31, closed_form=True)
     pairs, base = found.pairs, found.given.slope
     assert len(pairs) == 780
     assert sum(found.counts.values()) == 780
@@ -117,7 +117,7 @@ def test_every_pair_is_what_one_wedge_says(slope) -> None:
 def test_the_order_of_the_list_does_not_matter() -> None:
     """On a crest that is not level the heights of the two traces differ; the wedge of a pair stays the same."""
     joints = {f"J{k}": plane for k, plane in enumerate(survey(9, 30))}
-    slope = {"face": "70/200", "upper": "15/240", "height": 9, "c": 5, "phi": 28, "top": 0}
+    slope = {"face": "70/200", "upper": "15/240", "height": 9, "c": 5, "phi": 28, "closed_form": True}
     forth, back = sk.combos(joints, **slope), sk.combos(dict(reversed(joints.items())), **slope)
 
     def by_names(found: Combos) -> dict:
@@ -164,7 +164,7 @@ def test_a_joint_whose_trace_is_level_still_meets_a_crest_that_falls() -> None:
     ],
 )  # fmt: skip
 def test_outcomes(outcome, joints, inputs) -> None:
-    found = sk.combos(joints, face="65/180", height=10, c=5, phi=30, top=0, **inputs)
+    found = sk.combos(joints, face="65/180", height=10, c=5, phi=30, closed_form=True, **inputs)
     assert {name: count for name, count in found.counts.items() if count} == {outcome: 1}
     assert found.removable == (outcome in found.counts and outcome not in (*NOT_REMOVABLE.values(), "below_min_volume"))
 
@@ -202,7 +202,10 @@ def longest_trace(corners: dict[str, np.ndarray]) -> float:
 )  # fmt: skip
 def test_limits_scale_wedges_down_to_them(limit, value, size, upper) -> None:
     """Sizes from the corners of the rock mass; similar wedges, so volumes go with the cube of the scale."""
-    joints, slope = survey(5, 30), {"face": "65/180", "upper": upper, "height": 12, "c": 6, "phi": 30, "top": 0}
+    joints, slope = (
+        survey(5, 30),
+        {"face": "65/180", "upper": upper, "height": 12, "c": 6, "phi": 30, "closed_form": True},
+    )
     full, less = sk.combos(joints, **slope), sk.combos(joints, **slope, **{limit: value})
     removable = np.flatnonzero(full.pairs.is_removable)
     assert (less.pairs.is_removable == full.pairs.is_removable).all()
@@ -242,12 +245,12 @@ def test_sizes_in_the_table_are_those_of_the_wedge_alone() -> None:
     found = sk.combos(survey(5, 30), face="65/180", upper="12/225", c=6, phi=30, top=4, trace_length=9)
     for pair in found.worst:
         alone = sk.wedge(dips=pair.planes, face="65/180", upper="12/225", height=pair.height_m, c=6, phi=30)
-        assert pair.setback_m == pytest.approx(alone.geometry.setback_m, rel=1e-7)
-        assert pair.face_width_m == pytest.approx(alone.geometry.face_width_m, rel=1e-7)
+        assert pair.extent_m["setback_m"] == pytest.approx(alone.geometry.setback_m, rel=1e-7)
+        assert pair.extent_m["face_width_m"] == pytest.approx(alone.geometry.face_width_m, rel=1e-7)
 
 
 def test_without_cohesion_size_does_not_matter() -> None:
-    joints, slope = survey(5, 30), {"face": "65/180", "c": 0, "phi": 30, "water": "30%", "top": 0}
+    joints, slope = survey(5, 30), {"face": "65/180", "c": 0, "phi": 30, "water": "30%", "closed_form": True}
     full = sk.combos(joints, **slope).pairs
     less = sk.combos(joints, **slope, persistence=2, bench_width=0.5, max_volume="1 m3").pairs
     assert less.factor == pytest.approx(full.factor, rel=1e-9, nan_ok=True)
@@ -255,7 +258,7 @@ def test_without_cohesion_size_does_not_matter() -> None:
 
 
 def test_wedges_below_the_least_volume_are_counted_apart() -> None:
-    joints, slope = survey(5, 30), {"face": "65/180", "height": 6, "c": 5, "phi": 30, "top": 0}
+    joints, slope = survey(5, 30), {"face": "65/180", "height": 6, "c": 5, "phi": 30, "closed_form": True}
     all_, large = sk.combos(joints, **slope), sk.combos(joints, **slope, min_volume=10)
     small = all_.pairs.is_removable & (all_.pairs.volume_m3 < 10)
     assert large.counts["below_min_volume"] == small.sum() > 0
@@ -271,20 +274,25 @@ def test_wedges_below_the_least_volume_are_counted_apart() -> None:
 
 def test_ranking_and_the_target() -> None:
     joints = survey(21, 40)
-    found = sk.combos(joints, face="75/180", height=10, c=5, phi=30, water="50%", fos=1.3, top=5)
-    order, pairs = found.pairs.ranked(), found.pairs
-    assert sorted(order) == np.flatnonzero(pairs.is_removable).tolist()
-    lifted = [outcomes(found)[k] == "lifted" for k in order]
-    assert 0 < sum(lifted) == lifted.index(False)
-    factors = pairs.factor[order][sum(lifted) :]
-    assert (np.diff(factors) >= 0.0).all()
-    assert (np.diff(pairs.volume_m3[order][: sum(lifted)]) <= 0.0).all()
-    assert found.target is not None
-    assert found.target["below"] == sum(lifted) + (factors < 1.3).sum()
-    assert found.target["largest_volume_m3"] == pairs.volume_m3[order][: found.target["below"]].max()
-    assert [pair.index for pair in found.worst] == order[:5].tolist()
-    assert found.exit_code == 1
-    easy = sk.combos(joints, face="75/180", height=10, c=500, phi=60, fos=1.3, top=0)
+    slope = {"face": "75/180", "height": 10, "c": 5, "phi": 30, "water": "50%", "fos": 1.3, "top": 5}
+    found, bare = sk.combos(joints, **slope), sk.combos(joints, **slope, closed_form=True)
+    for study, factor, outcome in (
+        (bare, bare.pairs.factor[bare.ranked], [outcomes(bare)[k] for k in bare.ranked]),
+        (found, found.outcomes.limit.factor, [found.outcomes.limit.names[k] for k in found.outcomes.limit.outcome]),
+    ):
+        order, pairs = study.ranked, study.pairs
+        assert sorted(order) == np.flatnonzero(pairs.is_removable).tolist()
+        free = [name in ("lifted", "topples") for name in outcome]
+        assert 0 < sum(free) == free.index(False)
+        factors = factor[sum(free) :]
+        assert (np.diff(factors) >= 0.0).all()
+        assert (np.diff(pairs.volume_m3[order][: sum(free)]) <= 0.0).all()
+        assert study.target["below"] == sum(free) + (factors < 1.3).sum()
+        assert study.target["largest_volume_m3"] == pairs.volume_m3[order][: study.target["below"]].max()
+        assert [pair.index for pair in study.worst] == order[:5].tolist()
+        assert study.exit_code == 1
+    assert found.target["by_pre_ie_only"] == found.target["below"] - bare.target["below"] > 0
+    easy = sk.combos(joints, face="75/180", height=10, c=500, phi=60, fos=1.3, closed_form=True)
     assert (easy.target["below"], easy.exit_code) == (0, 0)
 
 
@@ -293,13 +301,13 @@ def test_pre_ie_on_the_worst() -> None:
     joints = np.random.default_rng(4).normal([[50.0, 130.0], [50.0, 230.0]], [5.0, 10.0], (8, 2, 2)).reshape(-1, 2)
     found = sk.combos(joints, face="70/180", height=8, c=10, phi=33, top=5)
     assert len(found.worst) == 5
-    assert all(pair.agree and pair.settled for pair in found.worst)
+    assert all(pair.agree for pair in found.worst)
     for pair in found.worst:
         assert pair.limit is None or pair.limit <= pair.closed_form * (1 + 1e-6)
         assert pair.difference is None or pair.difference < 1e-6
         assert pair.closed_form == pytest.approx(found.pairs.factor[pair.index], rel=1e-9)
         one = sk.wedge(dips=pair.planes, face="70/180", upper="0/180", height=pair.height_m, c=10, phi=33, density=2600)
-        assert (one.status, one.fos.limit) == (pair.status, pytest.approx(pair.limit, rel=1e-9))
+        assert (one.status, one.fos.limit) == (pair.status, pytest.approx(pair.limit, rel=1e-7))
         assert one.geometry.volume_m3 == pytest.approx(pair.volume_m3, rel=1e-9)
     assert sk.combos(joints, face="70/180", c=10, phi=33, top=0).worst == ()
 
@@ -309,20 +317,19 @@ def test_moments_may_bring_a_pair_below_the_target() -> None:
     assert found.worst[0].moments_govern
     assert found.worst[0].limit == pytest.approx(1.578, abs=5e-4)
     assert found.to_dict()["target"] | {"largest_volume_m3": 0, "median_volume_m3": 0} == {
-        "fos": 1.6, "below": 1, "judged_by_pre_ie": 1, "by_pre_ie_only": 1,
-        "largest_volume_m3": 0, "median_volume_m3": 0,
+        "fos": 1.6, "below": 1, "by_pre_ie_only": 1, "largest_volume_m3": 0, "median_volume_m3": 0,
     }  # fmt: skip
     assert found.exit_code == 1
-    assert sk.combos(**ONE_PLANE, fos=1.6, top=0).exit_code == 0  # the closed form alone does not see it
+    assert sk.combos(**ONE_PLANE, fos=1.6, closed_form=True).exit_code == 0  # the closed form alone does not see it
     said = {notice.code: notice.message for notice in found.warnings}
-    assert said["W353"] == "moments govern 1 of the 1 pairs that PRE-IE looked at, by up to 5.9 %"
+    assert said["W353"] == "moments govern 1 of 1 removable pairs, by up to 5.9 %"
     sheet = " ".join(str(found).split())
     assert "NOT MET, 1 of 1 removable pairs lie below (100.0 %; 100.0 % of all, 1 by PRE-IE only)" in sheet
     assert " M " in sheet
 
 
-def test_all_pairs_are_judged_by_pre_ie(tmp_path) -> None:
-    """Moments take 06 x 39 from above the target, 1.343, to below it, 1.217."""
+def test_all_pairs_are_judged_by_both_methods(tmp_path) -> None:
+    """Moments take 06 x 39 from above the target, 1.343, to below it, 1.217; each limit is that of its own wedge."""
     bars: list[tuple[str, int, list[int]]] = []
 
     @contextmanager
@@ -331,50 +338,43 @@ def test_all_pairs_are_judged_by_pre_ie(tmp_path) -> None:
         yield bars[-1][2].append
 
     slope = {"face": "65/180", "c": 10, "phi": 30, "fos": 1.3}
-    some = combos(TURNS, **slope, top=1)
     every = combos(TURNS, **slope, top="all", desk=Workplace(tmp_path, bar))
     assert every.removable == len(every.worst) > 3
-    assert bars == [("PRE-IE", every.removable, [0] + [1] * every.removable)]
+    assert bars == [("PRE-IE", 1, [0, 1])]
     assert list(tmp_path.iterdir()) == []  # the journal goes when all is done
     limits = [pair.limit for pair in every.worst]
     assert limits == sorted(limits)
     turns = every.worst[4]
     assert turns.names == ("N06", "N39")
     assert turns.closed_form > 1.34 > 1.3 > 1.22 > turns.limit
+    for pair in every.worst:
+        one = sk.wedge(dips=pair.planes, face="65/180", upper="0/180", height=pair.height_m, c=10, phi=30, density=2600)
+        assert (one.status, one.moments_govern) == (pair.status, pair.moments_govern)
+        assert one.fos.limit == pytest.approx(pair.limit, rel=1e-6)
     rows = list(csv.DictReader(io.StringIO(every.sheet.tables["pairs.csv"].csv())))
     assert [row["fos_limit"] for row in rows[: len(limits)]] == [f"{limit:.9g}" for limit in limits]
 
-    assert (some.target["below"], some.target["judged_by_pre_ie"]) == ((some.pairs.factor < 1.3).sum(), 1)
+    none = combos(TURNS, **slope, closed_form=True)
+    assert none.target["below"] == (none.pairs.factor < 1.3).sum()
     assert every.target["below"] == sum(limit < 1.3 for limit in limits)
-    assert every.target["judged_by_pre_ie"] == len(limits)
-    assert every.target["by_pre_ie_only"] == every.target["below"] - some.target["below"] == 1
-    other = some.removable - 1
-    assert f"counted by PRE-IE for 1 of them, the closed form for the other {other}, which" in str(some)
-    assert "by PRE-IE and the closed form  1 of 1" in some.line
+    assert every.target["by_pre_ie_only"] == every.target["below"] - none.target["below"] == 1
     assert "counted by PRE-IE\n" in str(every)
-    assert f"{every.target['below']} below 1.3 by PRE-IE  " in every.line
-    none = combos(TURNS, **slope, top=0)
-    assert "counted by the closed form alone, which knows no moments: --top all asks" in " ".join(str(none).split())
+    assert f"{every.target['below']} below 1.3 by PRE-IE  agree on {len(limits)}" in every.line
+    assert "counted by the closed form alone, which balances no moments" in " ".join(str(none).split())
     assert none.line.endswith("below 1.3 by the closed form")
-    assert (every.to_dict()["inputs"]["top"], none.charts, every.charts) == ("all", (), ("stereonet",))
+    assert (every.to_dict()["inputs"]["top"], every.charts) == ("all", ("stereonet",))
 
 
 def test_what_is_in_doubt_counts_by_either_method() -> None:
     found = combos(TURNS, face="65/180", c=10, phi=30, fos=1.3, top="all")
-    disputed = replace(found, worst=tuple(replace(pair, agree=False, limit=9.9) for pair in found.worst))
-    assert disputed.target["judged_by_pre_ie"] == 0
+    high = replace(found.outcomes.limit, factor=np.full(found.removable, 9.9))
+    disputed = replace(found, outcomes=replace(found.outcomes, limit=high, agree=0 * found.outcomes.agree))
     assert disputed.target["below"] == (found.pairs.factor < 1.3).sum()
-    trusted = replace(found, worst=tuple(replace(pair, limit=9.9, status="rotates") for pair in found.worst))
+    assert disputed.exit_code == 4
+    assert "DISAGREE" in str(disputed)
+    trusted = replace(found, outcomes=replace(found.outcomes, limit=high))
     assert trusted.target["below"] == 0
-
-
-def test_methods_that_disagree_are_exit_code_4() -> None:
-    found = sk.combos(**ONE_PLANE)
-    assert found.exit_code == 0
-    for wrong in ({"agree": False}, {"settled": False}):
-        disputed = replace(found, worst=(replace(found.worst[0], **wrong),))
-        assert disputed.exit_code == 4
-        assert "DISAGREE" in str(disputed)
+    assert (found.exit_code, trusted.exit_code) == (1, 0)
 
 
 def test_other_workers_and_smaller_parts_give_the_same_numbers(monkeypatch) -> None:
@@ -473,7 +473,7 @@ def test_json_sheet_and_table() -> None:
     document = json.loads(json.dumps(found.to_dict(), allow_nan=False))
     assert document.keys() == {
         "slopekit", "format", "study", "kind", "survey", "input_sha256", "inputs", "defaults", "pairs", "counts",
-        "removable", "scaled_down", "target", "worst", "pre_ie", "warnings", "timing_s",
+        "removable", "scaled_down", "target", "worst", "methods", "warnings", "timing_s",
         "line", "sheet",
     }  # fmt: skip
     assert document["defaults"] == ["upper", "height", "density"]
@@ -487,7 +487,7 @@ def test_json_sheet_and_table() -> None:
     assert len(rows) == 780
     assert [row["outcome"] for row in rows].count("too_steep") == found.counts["too_steep"]
     assert rows[0]["joint1"] == found.worst[0].names[0]
-    factors = [float(row["fos_closed_form"]) for row in rows if row["fos_closed_form"]]
+    factors = [float(row["fos_limit"]) for row in rows if row["fos_limit"]]
     assert factors == sorted(factors)
     line = found.line
     assert line.startswith(f"{found.removable} of 780 pairs removable  worst ")
@@ -502,7 +502,7 @@ def test_json_sheet_and_table() -> None:
 
 def test_three_hundred_joints() -> None:
     """44,850 pairs take the closed form well below a second (0.1 s on an idle core)."""
-    found = sk.combos(survey(1, 300), face="65/180", c=5, phi=30, persistence=10, top=0)
+    found = sk.combos(survey(1, 300), face="65/180", c=5, phi=30, persistence=10, closed_form=True)
     assert sum(found.counts.values()) == 44850
     assert found.removable > 3000
     assert found.timing_s["closed_form"] < 3.0  # loaded machines

@@ -12,12 +12,11 @@ from slopekit.design.templates import path_of
 from slopekit.kinds.protocol import Factors
 from slopekit.kinds.single_block.ladders import Rung
 from slopekit.studies import points
-from slopekit.studies.bench_design import bench
 from slopekit.studies.check import run as checking
 from slopekit.studies.combos import pairs
-from slopekit.studies.combos.run import PairCheck
+from slopekit.studies.combos import run as combos
+from slopekit.studies.outcomes import ByMethod
 from slopekit.studies.points import Point
-from slopekit.studies.prob.judged import failing
 from slopekit.studies.quake import yielding
 from slopekit.studies.running import ALONE
 from slopekit.studies.solve import by_factor, factor_request
@@ -124,8 +123,7 @@ def test_a_block_that_slides_without_a_factor_fails() -> None:
     """Closed forms over many samples: not a number reaches no target, whichever way it is compared."""
     factor, outcome = np.array([1.5, 1.4, np.nan, np.nan]), np.array([0, 0, 0, 1])
     names = ("slides_on_both", "no_driving_force")
-    assert bench._judged(names, outcome, factor, 1.5)[1].tolist() == [False, True, True, False]
-    assert failing(names, outcome, factor, 1.5).tolist() == [False, True, True, False]
+    assert ByMethod(names, outcome, factor).falls_short(1.5).tolist() == [False, True, True, False]
     outcome = np.array([pairs._SLIDES[0], pairs._SLIDES[0], pairs._SLIDES[0], pairs._STANDS])
     some = namespace(outcome=outcome, factor=factor, is_removable=np.ones(4, dtype=bool))
     assert pairs.JointPairs.fails(some, 1.5).tolist() == [False, True, True, False]
@@ -133,12 +131,8 @@ def test_a_block_that_slides_without_a_factor_fails() -> None:
 
 def test_a_pair_without_convergence_is_not_among_those_that_stand() -> None:
     """The worst come first: what has no factor before what slides at 3, and that before what stands."""
-    severity = PairCheck.severity
-    stands, open_, slides = (
-        namespace(status=status, factor=factor, volume_m3=1.0)
-        for status, factor in (("no_driving_force", None), ("not_converged", None), ("slides_on_both", 3.0))
-    )
-    assert sorted((stands, open_, slides), key=severity) == [open_, slides, stands]
+    limit = ByMethod.of(("no_driving_force", "not_converged", "slides_on_both"), [None, None, 3.0])
+    assert combos._order(limit, np.ones(3)).tolist() == [1, 2, 0]
 
 
 def test_a_mesh_without_a_factor_is_no_convergence() -> None:

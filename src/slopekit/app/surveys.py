@@ -31,10 +31,9 @@ from slopekit.design.reading.nodes import as_text
 from slopekit.design.survey import MeasuredJoint, read_joints_text
 from slopekit.kinds import kind_of, status_text
 from slopekit.studies.combos import Combos, combos
-from slopekit.studies.combos.pairs import PAIR_OUTCOMES
 
 _MOST_PAIRS = 200  # that the page is sent
-_TOP = 10  # of these, that PRE-IE looks at
+_BY_BOTH = 100  # joints: pairs of more are ranked by the closed form, while somebody waits
 _NAME = re.compile(r"[^\W_][\w-]{0,39}")
 
 
@@ -136,7 +135,8 @@ def dropped(
         combinations = combos(
             list(joints.joints), face=face, upper=upper if isinstance(upper, Plane) else None, height=height,
             c=own[0] if c is None else c, phi=own[1] if phi is None else phi,
-            unit_weight=design.rock.unit_weight_kn_m3 or None, top=_TOP,
+            unit_weight=design.rock.unit_weight_kn_m3 or None, top=_MOST_PAIRS,
+            closed_form=len(joints) > _BY_BOTH,
         )  # fmt: skip
     except DesignError as error:
         said["faults"] = [answers.fault_of(fault) for fault in error.faults]
@@ -190,17 +190,15 @@ def _sets(joints: JointList) -> Iterator[dict[str, Any]]:
 
 
 def _pairs(combinations: Combos) -> Iterator[dict[str, Any]]:
-    """The pairs that form a wedge, the worst first; those that PRE-IE has looked at by its factor."""
-    looked = {pair.index: pair for pair in combinations.worst}
-    pairs, joints = combinations.pairs, combinations.joints.joints
-    for number in pairs.ranked()[:_MOST_PAIRS].tolist():
-        one, two = (joints[int(of[number])] for of in (pairs.first, pairs.second))
-        status, factor = PAIR_OUTCOMES[int(pairs.outcome[number])], float(pairs.factor[number])
-        by, fos = "closed form", factor if np.isfinite(factor) else None
-        if number in looked:
-            by, fos, status = "PRE-IE", looked[number].limit, looked[number].status
+    """The pairs that form a wedge, the worst first."""
+    pairs = combinations.pairs
+    for pair in combinations.worst:
+        number = pair.index
+        one, two = (combinations.joints.joints[int(of[number])] for of in (pairs.first, pairs.second))
+        status, fos = pair.status, pair.limit
+        by = "closed form" if combinations.outcomes is None else "PRE-IE"
         yield {
             "n": number, "names": [one.name, two.name], "planes": [str(one.plane), str(two.plane)], "fos": fos,
             "status": status, "words": status_text("wedge", status), "by": by,
-            "agree": looked[number].agree if number in looked else None, "volume_m3": float(pairs.volume_m3[number]),
+            "agree": pair.agree, "volume_m3": pair.volume_m3,
         }  # fmt: skip

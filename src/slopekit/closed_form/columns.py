@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.closed_form.rotation import GroundSurface, panels
+from slopekit.closed_form.rotation import changes, crossings, ground_surface, height_of_ground, panels
 from slopekit.closed_form.tolerances import LEAST_GRIP, SMALL
 from slopekit.core.array_types import ArrayLike, Floats
 from slopekit.core.errors import Fault, GeometryError
@@ -68,7 +68,7 @@ def ellipsoid_columns(
     >>> round(float(ball.weights.sum()) / 20, 4), ball.overhung_share  # half a sphere
     (2094.3951, 0.0)
     """
-    ground = GroundSurface.of(profile, (centre[0], centre[2]), (radii[0], radii[2]))
+    ground = ground_surface(profile, (centre[0], centre[2]), (radii[0], radii[2]))
     t, share = panels(np.arccos(_changes(ground)), count)
     t, share = np.concatenate([t, -t]), np.concatenate([share, share])
     return _columns(ground, centre, radii, np.cos(t), np.sin(t), share * np.cos(t), unit_weight_kn_m3, count)
@@ -97,7 +97,7 @@ def cylinder_columns(
     >>> round(float(tube.weights.sum()) / 20, 6)  # half of π r² l
     628.318531
     """
-    ground = GroundSurface.of(profile, centre, (radius, radius))
+    ground = ground_surface(profile, centre, (radius, radius))
     s, share = np.polynomial.legendre.leggauss(4)
     middle, radii = (centre[0], 0.0, centre[1]), (radius, length / 2.0, radius)
     return _columns(ground, middle, radii, np.ones(4), s, share, unit_weight_kn_m3, count, bulges=False)
@@ -220,24 +220,24 @@ def _vertical_balance(
     return None
 
 
-def _changes(ground: GroundSurface) -> Floats:
+def _changes(ground: Floats) -> Floats:
     """Radii at which the columns of a slice change their kind: as for the circle, at its width, at its mid-height."""
-    start, end = ground.points[:-1], ground.points[1:]
+    start, end = ground[:-1], ground[1:]
     through = start[:, 1] * end[:, 1] < 0.0
     (x, z), (right, top) = start[through].T, end[through].T
-    wide = np.abs(np.concatenate([ground.points[:, 0], x - z * (right - x) / (top - z)]))
-    return np.unique(np.concatenate([ground.changes(), wide[wide <= 1.0]]))
+    wide = np.abs(np.concatenate([ground[:, 0], x - z * (right - x) / (top - z)]))
+    return np.unique(np.concatenate([changes(ground), wide[wide <= 1.0]]))
 
 
 def _columns(
-    ground: GroundSurface, centre: Sequence[float], radii: Sequence[float], r: Floats, s: Floats, share: Floats,
+    ground: Floats, centre: Sequence[float], radii: Sequence[float], r: Floats, s: Floats, share: Floats,
     unit_weight: float, count: int, bulges: bool = True,
 ) -> Columns:  # fmt: skip
     """Columns on slices of radius r (n,) at s (n,), as parts of the radii; `bulges`: the surface narrows along y."""
-    meet = ground.crossings(r)
-    start, way = ground.points[:-1, 0], np.diff(ground.points[:, 0])
+    meet = crossings(ground, r)
+    start, way = ground[:-1, 0], np.diff(ground[:, 0])
     x = (start[:, None] + meet * way[:, None]).reshape(len(r), -1)
-    x = np.concatenate([x, np.tile(ground.points[:, 0], (len(r), 1))], axis=1) / r[:, None]
+    x = np.concatenate([x, np.tile(ground[:, 0], (len(r), 1))], axis=1) / r[:, None]
     ends = np.sort(np.concatenate([np.arcsin(np.clip(x, -1.0, 1.0)), np.full((len(r), 1), math.pi / 2)], axis=1))
     ends = np.concatenate([np.full((len(r), 1), -math.pi / 2), ends], axis=1)
     node, weight = np.polynomial.legendre.leggauss(count)
@@ -245,7 +245,7 @@ def _columns(
     theta = ends[:, :-1, None] + width * 0.5 * (node + 1.0)
     plan = share[:, None, None] * width * 0.5 * weight * r[:, None, None] * np.cos(theta)
     x, half = r[:, None, None] * np.sin(theta), r[:, None, None] * np.cos(theta)
-    roof = np.minimum(ground.height(x), half)
+    roof = np.minimum(height_of_ground(ground, x), half)
     keep = (roof > -half) & (plan > 0.0)
     height, x, z = (roof + half)[keep], x[keep], -half[keep]
     y = np.broadcast_to(s[:, None, None], half.shape)[keep]
@@ -257,7 +257,7 @@ def _columns(
     points = np.asarray(centre, dtype=np.float64) + np.stack([x, y, z], axis=1) * np.asarray(radii, dtype=np.float64)
     heights = height * radii[2]
     weights = unit_weight * heights * plan_areas
-    under = ground.height(x) > -z
+    under = height_of_ground(ground, x) > -z
     return Columns(
         points, normals, plan_areas, weights, np.zeros_like(weights), heights,
         float(weights[under].sum() / weights.sum()),

@@ -74,11 +74,11 @@ def rotational_failure(
     >>> ball.status, round(ball.factor, 4)
     ('rotates', 1.405)
     """
-    ground = GroundSurface.of(profile, (centre[0], centre[2]), (radius, radius))
+    ground = ground_surface(profile, (centre[0], centre[2]), (radius, radius))
     if shape == "cylinder":
         nodes, along, across = np.zeros(1), np.array([half_width]), np.array([half_width])
     else:
-        nodes, weights = panels(np.arccos(ground.changes()), _COUNT)
+        nodes, weights = panels(np.arccos(changes(ground)), _COUNT)
         along = half_width * np.cos(nodes) * weights
         across = np.hypot(radius * np.sin(nodes), half_width * np.cos(nodes)) * weights
     r = np.cos(nodes)
@@ -94,59 +94,52 @@ def rotational_failure(
     return ClosedFormRotation(resisting / abs(driving), "rotates", volume, surface, driving, resisting)
 
 
-@dataclass(frozen=True)
-class GroundSurface:
-    """The ground surface z(x) seen from the middle of an ellipse that it makes a circle of radius 1.
+def ground_surface(profile: ArrayLike, centre: Sequence[float], radii: Sequence[float]) -> Floats:
+    """The ground surface z(x) as points (k, 2), seen from the middle of an ellipse that it makes a circle of radius 1.
 
-    Attributes
-    ----------
-    points : (k, 2), from left to right, level beyond the circle
+    They run from left to right, level beyond the circle; the profile (k, 2) in m is listed in either direction.
+
+    Raises
+    ------
+    GeometryError
+        E218 the profile turns back: it gives no height of the ground at each x.
     """
+    points = np.array(profile, dtype=np.float64).reshape(-1, 2)
+    steps = np.diff(points[:, 0])
+    if (steps < 0.0).any() and (steps > 0.0).any():
+        advice = "Closed forms of slip surfaces need one height of the ground at each x."
+        raise GeometryError([Fault("E218", "the slope profile turns back on itself", "", advice)])
+    points = (points[::-1] if (steps < 0.0).any() else points) - np.asarray(centre, dtype=np.float64)
+    points = points / np.asarray(radii, dtype=np.float64)
+    points = points[np.append(True, (np.diff(points, axis=0) != 0.0).any(axis=1))]
+    left, right = (min(points[0, 0], -1.0) - 1.0, points[0, 1]), (max(points[-1, 0], 1.0) + 1.0, points[-1, 1])
+    return np.vstack([left, points, right])
 
-    points: Floats
 
-    @staticmethod
-    def of(profile: ArrayLike, centre: Sequence[float], radii: Sequence[float]) -> "GroundSurface":
-        """From a profile (k, 2) in m, listed in either direction.
+def height_of_ground(ground: Floats, x: Floats) -> Floats:
+    """Height of the ground at x (any shape)."""
+    return np.interp(x, ground[:, 0], ground[:, 1])
 
-        Raises
-        ------
-        GeometryError
-            E218 the profile turns back: it gives no height of the ground at each x.
-        """
-        points = np.array(profile, dtype=np.float64).reshape(-1, 2)
-        steps = np.diff(points[:, 0])
-        if (steps < 0.0).any() and (steps > 0.0).any():
-            advice = "Closed forms of slip surfaces need one height of the ground at each x."
-            raise GeometryError([Fault("E218", "the slope profile turns back on itself", "", advice)])
-        points = (points[::-1] if (steps < 0.0).any() else points) - np.asarray(centre, dtype=np.float64)
-        points = points / np.asarray(radii, dtype=np.float64)
-        points = points[np.append(True, (np.diff(points, axis=0) != 0.0).any(axis=1))]
-        left, right = (min(points[0, 0], -1.0) - 1.0, points[0, 1]), (max(points[-1, 0], 1.0) + 1.0, points[-1, 1])
-        return GroundSurface(np.vstack([left, points, right]))
 
-    def height(self, x: Floats) -> Floats:
-        """Height of the ground at x (any shape)."""
-        return np.interp(x, self.points[:, 0], self.points[:, 1])
+def changes(ground: Floats) -> Floats:
+    """Radii at which a circle meets a corner or touches the ground, and 0 and 1: slices change their kind there."""
+    start, way = ground[:-1], np.diff(ground, axis=0)
+    square = (way * way).sum(axis=1)
+    nearest = np.clip(-(start * way).sum(axis=1) / square, 0.0, 1.0)
+    feet = start + nearest[:, None] * way
+    radii = np.concatenate([[0.0, 1.0], np.hypot(*feet.T), np.hypot(*ground.T)])
+    return np.unique(radii[radii <= 1.0])
 
-    def changes(self) -> Floats:
-        """Radii at which a circle meets a corner or touches the ground, and 0 and 1: slices change their kind there."""
-        start, way = self.points[:-1], np.diff(self.points, axis=0)
-        square = (way * way).sum(axis=1)
-        nearest = np.clip(-(start * way).sum(axis=1) / square, 0.0, 1.0)
-        feet = start + nearest[:, None] * way
-        radii = np.concatenate([[0.0, 1.0], np.hypot(*feet.T), np.hypot(*self.points.T)])
-        return np.unique(radii[radii <= 1.0])
 
-    def crossings(self, r: Floats) -> Floats:
-        """Where circles of radius r (n,) meet the segments: (n, k - 1, 2) shares of a segment, within 0 and 1."""
-        start, way = self.points[:-1], np.diff(self.points, axis=0)
-        square = (way * way).sum(axis=1)
-        foot = -(start * way).sum(axis=1) / square
-        away = ((start + foot[:, None] * way) ** 2).sum(axis=1)
-        half = np.sqrt(np.maximum(r[:, None] ** 2 - away, 0.0) / square)
-        shares: Floats = np.clip(np.stack([foot - half, foot + half], axis=-1), 0.0, 1.0)
-        return shares
+def crossings(ground: Floats, r: Floats) -> Floats:
+    """Where circles of radius r (n,) meet the segments: (n, k - 1, 2) shares of a segment, within 0 and 1."""
+    start, way = ground[:-1], np.diff(ground, axis=0)
+    square = (way * way).sum(axis=1)
+    foot = -(start * way).sum(axis=1) / square
+    away = ((start + foot[:, None] * way) ** 2).sum(axis=1)
+    half = np.sqrt(np.maximum(r[:, None] ** 2 - away, 0.0) / square)
+    shares: Floats = np.clip(np.stack([foot - half, foot + half], axis=-1), 0.0, 1.0)
+    return shares
 
 
 def panels(ends: Floats, count: int) -> tuple[Floats, Floats]:
@@ -164,10 +157,10 @@ def panels(ends: Floats, count: int) -> tuple[Floats, Floats]:
     return (ends[:-1, None] + width * drawn).ravel(), (width * slope).ravel()
 
 
-def _slices(ground: GroundSurface, r: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+def _slices(ground: Floats, r: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     """Angle below the ground, area and first moments (x, z) of the part below it, of circles of radius r (n,)."""
-    meet = ground.crossings(r)
-    start, way = ground.points[:-1], np.diff(ground.points, axis=0)
+    meet = crossings(ground, r)
+    start, way = ground[:-1], np.diff(ground, axis=0)
     ends = start[:, None, :] + meet[..., None] * way[:, None, :]
     x, z = ends[..., 0], ends[..., 1]
     # the ground within the circle, from right to left, then the arcs below the ground: counterclockwise
@@ -178,7 +171,7 @@ def _slices(ground: GroundSurface, r: Floats) -> tuple[Floats, Floats, Floats, F
     at = np.where(on_circle, np.arctan2(z, x), math.pi).reshape(len(r), -1)
     at = np.concatenate([np.full((len(r), 1), -math.pi), np.sort(at, axis=1), np.full((len(r), 1), math.pi)], axis=1)
     middle = 0.5 * (at[:, 1:] + at[:, :-1])
-    below = r[:, None] * np.sin(middle) < ground.height(r[:, None] * np.cos(middle))
+    below = r[:, None] * np.sin(middle) < height_of_ground(ground, r[:, None] * np.cos(middle))
     angle = (below * np.diff(at, axis=1)).sum(axis=1)
     arc_x = np.sin(at) - np.sin(at) ** 3 / 3.0
     arc_z = np.cos(at) ** 3 / 3.0 - np.cos(at)

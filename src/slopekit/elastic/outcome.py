@@ -1,7 +1,7 @@
 """What elastic blocks come to, beside the rigid ones: the records of a result and its JSON."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from slopekit.core.arrays import Floats
@@ -15,19 +15,6 @@ class OnElasticJoint:
     elastic_kpa: tuple[float, float]
     rigid_kpa: tuple[float, float]
     opened_share: float
-
-
-@dataclass(frozen=True)
-class ElasticPairs:
-    """Node pairs of elastic blocks: places (n, 3) in the user's coordinates, m² and kPa, and which were pulled open."""
-
-    points_m: Floats
-    joint: tuple[str, ...]
-    normals: Floats
-    control_areas_m2: Floats
-    elastic_kpa: Floats
-    rigid_kpa: Floats
-    opened: tuple[bool, ...]
 
 
 @dataclass(frozen=True)
@@ -81,7 +68,6 @@ class ElasticBlocks:
     poisson: float
     steps: int
     mesh: ElasticMesh
-    pairs: ElasticPairs = field(repr=False)
 
     def to_dict(self) -> dict[str, Any]:
         """The record as JSON values, its mesh with the rest."""

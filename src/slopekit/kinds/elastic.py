@@ -30,7 +30,7 @@ from slopekit.elastic.meshing import (
     split_evenly,
 )
 from slopekit.elastic.model import ElasticModel
-from slopekit.elastic.outcome import ElasticBlocks, ElasticMesh, ElasticPairs, OnElasticJoint
+from slopekit.elastic.outcome import ElasticBlocks, ElasticMesh, OnElasticJoint
 from slopekit.elastic.rest import Rest, RestSearch
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, least_counted_weight, scene_loads
@@ -58,7 +58,7 @@ class ElasticScene:
     Attributes
     ----------
     limit_without : the rigid limit without the cohesion of pairs (n,), and whether there is none for want of work
-    points, normals : (n, 3) in the user's axes; joint : (n,) names; axes : rows are the local axes
+    joint : (n,) names; axes : rows are the local axes
     names : of the blocks, empty of one; edge : m, the longest of the finite elements
     """
 
@@ -66,8 +66,6 @@ class ElasticScene:
     stiffness: JointStiffness
     rigid_limit: float | None
     limit_without: Callable[[Bools], tuple[float | None, bool]]
-    points: Floats
-    normals: Floats
     joint: Sequence[str]
     axes: Floats
     names: Sequence[str]
@@ -158,7 +156,6 @@ def scene_of_one(design: Design, made: Cut) -> ElasticScene:
     called = {interface.key: interface.name for interface in made.interfaces}
     return ElasticScene(
         whole, elastic_stiffness(design, False), rigid.governing.factor or None, limit_without,
-        scene.pairs.points @ turn + made.origin, scene.pairs.normals @ turn,
         [called[key] for key in scene.pairs.interface.tolist()], turn, (), edge,
     )  # fmt: skip
 
@@ -263,7 +260,6 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
     names = [scene.names[block] for block in whole.moving.tolist()]
     return ElasticScene(
         model, elastic_stiffness(design, True), result.fos.limit, limit_without,
-        whole.points[:pairs] + scene.origin, normals,
         [scene.joints[joint] for joint in patches.joint[patch].tolist()], np.eye(3), names, edge,
     )  # fmt: skip
 
@@ -449,10 +445,6 @@ def _answer(
         limits[0], limits[1], rest.factor, opened, rigid_opened, lost, rigid_lost, joints,
         frozen(moved[most]), frozen(rigid_moved[most]),
         scene.names[most] if scene.names else None, modulus, poisson, steps, mesh,
-        ElasticPairs(
-            frozen(scene.points), tuple(scene.joint), frozen(scene.normals), frozen(area), frozen(elastic),
-            frozen(stiff), tuple(rest.opened(model).tolist()),
-        ),
     )  # fmt: skip
 
 

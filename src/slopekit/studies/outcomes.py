@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats, NDArray
+from slopekit.core.arrays import Bools, Floats, Ints, NDArray
 from slopekit.core.errors import Notice
 from slopekit.preie.tolerances import SAME_LIMIT
 from slopekit.studies.points import UNSETTLED, Method, Point, status_of
@@ -91,6 +91,15 @@ class Outcomes:
     difference: Floats
     agree: NDArray[np.int8]
     moments_govern: Bools
+
+    def of(self, rows: Ints) -> "Outcomes":
+        """Return what is said of some of them, in the order of `rows`."""
+        limit, closed = (
+            None if method is None else ByMethod(method.names, method.outcome[rows], method.factor[rows])
+            for method in (self.limit, self.closed_form)
+        )
+        assert limit is not None
+        return Outcomes(limit, closed, self.difference[rows], self.agree[rows], self.moments_govern[rows])
 
 
 def of_points(points: Sequence[Point]) -> Outcomes:

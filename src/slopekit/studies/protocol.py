@@ -145,6 +145,7 @@ def whole_number(text: str, option: str) -> int:
 
 
 ADesign = Annotated[Design, DESIGN]
+ClosedFormAlone = Annotated[bool, Option("The closed form alone: quick.")]
 Jobs = Annotated[Any, Option("Processes that work at once [1].")]
 Scheduler = Annotated[
     str | None,

@@ -95,7 +95,7 @@ class PairInputs:
     ----------
     slope : face, upper slope, height and loads as a wedge design whose joints mean nothing
     cohesion_kpa, friction_deg : (n,) of the joints; own : how many have their own c and phi
-    target : factor of safety, None without; top : how many of the worst PRE-IE looks at, None: all
+    target : factor of safety, None without; top : how many of the worst are listed, None: all
     defaults : names of the inputs that were left out
     """
 
@@ -218,7 +218,7 @@ def _top(value: object, option: str) -> int | None:
         return None
     top = quantity(value, "ratio", "top", f"{option} {value}")
     if top != int(top) or top < 0:
-        advice = "It is how many of the worst pairs PRE-IE looks at; 0 leaves it out, all takes every removable one."
+        advice = "It is how many of the worst pairs are listed, or all."
         raise DesignError(
             [Fault("E126", f"top is {number(top)}, a whole number is needed", f"{option} {value}", advice)]
         )
@@ -254,14 +254,6 @@ class JointPairs(Fitted):
         """Which pairs form a wedge that could leave the slope, and is large enough to count."""
         removable: Bools = self.outcome < _STATUSES
         return removable
-
-    def ranked(self) -> Ints:
-        """The removable pairs: what nothing holds, then by factor, ties by volume (larger first), then what stands."""
-        removable = np.flatnonzero(self.is_removable)
-        outcome, factor = self.outcome[removable], self.factor[removable]
-        rank = np.where(np.isin(outcome, _SLIDES), 1, np.where(outcome == _STANDS, 2, 0))
-        order = np.lexsort((-self.volume_m3[removable], np.nan_to_num(factor), rank))
-        return removable[order]
 
     def fails(self, target: float) -> Bools:
         """Which of all pairs lie below a factor of safety by the closed form; what nothing holds is among them."""

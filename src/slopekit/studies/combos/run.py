@@ -1,4 +1,4 @@
-"""Every pair of a joint survey as a wedge in a slope: removable or not and why, ranked, PRE-IE on the worst.
+"""Every pair of a joint survey as a wedge in a slope: removable or not and why, judged by both methods, ranked.
 
 >>> import slopekit as sk
 >>> found = sk.combos(["45/115", "45/245", "50/240", "80/350"], face="65/180", height=15, c=10, phi=30)
@@ -10,63 +10,67 @@
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field
+from functools import cached_property, partial
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from slopekit.core.arrays import Bools
+from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.codec import json_of
 from slopekit.core.errors import Notice
-from slopekit.core.orientation import Plane
+from slopekit.core.orientation import Line, Plane
 from slopekit.design.joint_lists import JointList
-from slopekit.kinds.protocol import Factors
+from slopekit.kinds.single_block.blocks_on_arrays import limits_of
 from slopekit.kinds.wedge.limits import LIMITED_BY
 from slopekit.studies.combos.pairs import NEVER, PAIR_OUTCOMES, JointPairs, PairInputs, evaluated, pair_inputs
-from slopekit.studies.points import UNSETTLED, Point, both_methods, kept_points
-from slopekit.studies.protocol import DESK, Jobs, Option, Scheduler, StudyOutcome, Workplace, documented
-from slopekit.studies.running import Crew, checked_crew
+from slopekit.studies.joint_wedges import limits_of_wedges
+from slopekit.studies.outcomes import STANDS, BothMethods, ByMethod, Outcomes, agreement, compared
+from slopekit.studies.points import kept_records
+from slopekit.studies.protocol import (
+    DESK,
+    ClosedFormAlone,
+    Jobs,
+    Option,
+    Scheduler,
+    StudyOutcome,
+    Workplace,
+    documented,
+)
+from slopekit.studies.running import Crew, Record, checked_crew
 from slopekit.studies.surveys import AFace, AJointList, Columns, Convention, SkipBad, left_out, survey_head
 
-_NOTHING_HOLDS = ("lifted", "falls", "topples")
+_AT_ONCE = 2048  # pairs that PRE-IE takes as one task
 
 
 @dataclass(frozen=True)
-class PairCheck(Factors):
-    """A pair that PRE-IE has looked at: what both methods say of it.
+class PairCheck:
+    """A pair that is shown: what both methods say of it.
 
     Attributes
     ----------
     index : among all pairs; names, planes : of its joints
-    height_m : at the trace of the first joint; volume_m3 to plunge_deg : of the wedge
+    status, limit : of PRE-IE, those of the closed form where that was asked alone; None where there is no factor
+    height_m : at the trace of the first joint; volume_m3 : of the wedge, `scale` of its lengths within limits of size
+    extent_m : how wide it is on the face and how far it reaches behind the crest; line : of intersection
     """
 
     index: int
     names: tuple[str, str]
     planes: tuple[Plane, Plane]
+    status: str
+    limit: float | None
+    closed_status: str
+    closed_form: float | None
+    difference: float | None
+    agree: bool | None
+    moments_govern: bool
     height_m: float
     volume_m3: float
-    face_width_m: float
-    setback_m: float
     scale: float
     limited_by: str
-    trend_deg: float
-    plunge_deg: float
-
-    @property
-    def is_in_doubt(self) -> bool:
-        """Whether the methods disagree, or PRE-IE did not settle."""
-        return self.agree is False or not self.settled
-
-    def falls_short(self, target: float) -> bool:
-        """Whether PRE-IE finds it below a factor of safety, or that nothing holds it."""
-        return self.status in _NOTHING_HOLDS or (self.limit is not None and self.limit < target)
-
-    def severity(self) -> tuple[int, float, float]:
-        """Where it stands among others by PRE-IE: what has no factor, then by factor, then what stands."""
-        if self.status == "no_driving_force":
-            return 2, 0.0, -self.volume_m3
-        return (0, 0.0, -self.volume_m3) if self.factor is None else (1, self.factor, -self.volume_m3)
+    extent_m: Mapping[str, float]
+    line: Line
 
     def to_dict(self) -> dict[str, Any]:
         """The pair as JSON values."""
@@ -74,9 +78,8 @@ class PairCheck(Factors):
             "joints": list(self.names), "planes": [str(plane) for plane in self.planes], "status": self.status,
             "fos": {"limit": self.limit, "closed_form": self.closed_form}, "closed_form_status": self.closed_status,
             "difference": self.difference, "agree": self.agree, "moments_govern": self.moments_govern,
-            "settled": self.settled, "volume_m3": self.volume_m3, "height_m": self.height_m, "scale": self.scale,
-            "face_width_m": self.face_width_m, "setback_m": self.setback_m,
-            "limited_by": self.limited_by or None, "line": {"trend_deg": self.trend_deg, "plunge_deg": self.plunge_deg},
+            "volume_m3": self.volume_m3, "height_m": self.height_m, "scale": self.scale,
+            **self.extent_m, "limited_by": self.limited_by or None, "line": json_of(self.line),
         }  # fmt: skip
 
 
@@ -87,14 +90,48 @@ class Combos(StudyOutcome):
     Attributes
     ----------
     given : the joints with their strengths, the slope, the limits of size
-    worst : the pairs that PRE-IE has looked at, worst first by the closed form; by PRE-IE where it looked at all
+    pairs : of all, by the closed form; ranked : (r,) the removable ones, worst first by the method that counts
+    outcomes : what both methods say of the ranked, None where the closed form was asked alone
     """
 
     name: ClassVar[str] = "combos"
     given: PairInputs
     pairs: JointPairs
-    worst: tuple[PairCheck, ...]
+    ranked: Ints
+    outcomes: Outcomes | None
     timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
+
+    @cached_property
+    def worst(self) -> tuple[PairCheck, ...]:
+        """The worst, as many as are listed."""
+        return tuple(self._shown(place) for place in range(len(self.ranked[: self.given.top])))
+
+    def _shown(self, place: int) -> PairCheck:
+        pairs, k = self.pairs, int(self.ranked[place])
+        joints, outcomes = [self.joints.joints[int(of[k])] for of in (pairs.first, pairs.second)], self.outcomes
+        closed, status = _known(pairs.factor[k]), PAIR_OUTCOMES[pairs.outcome[k]]
+        both: dict[str, Any] = {"status": status, "limit": closed, "difference": None, "agree": None}
+        both["moments_govern"] = False
+        if outcomes is not None:
+            verdict = int(outcomes.agree[place])
+            both = {
+                "status": outcomes.limit.names[outcomes.limit.outcome[place]],
+                "limit": _known(outcomes.limit.factor[place]),
+                "difference": _known(outcomes.difference[place]), "agree": None if verdict < 0 else bool(verdict),
+                "moments_govern": bool(outcomes.moments_govern[place]),
+            }  # fmt: skip
+        return PairCheck(
+            index=k, names=(joints[0].name, joints[1].name), planes=(joints[0].plane, joints[1].plane),
+            closed_status=status, closed_form=closed, **both, height_m=float(pairs.height_m[k]),
+            volume_m3=float(pairs.volume_m3[k]), scale=float(pairs.scale[k]), limited_by=LIMITED_BY[pairs.by[k]],
+            extent_m={name: float(getattr(pairs.sizes, name)[k]) for name in ("face_width_m", "setback_m")},
+            line=Line(float(pairs.trend_deg[k]), float(pairs.plunge_deg[k])),
+        )  # fmt: skip
+
+    @cached_property
+    def both(self) -> BothMethods | None:
+        """How far the methods agree, and what they judge otherwise; None where the closed form was asked alone."""
+        return None if self.outcomes is None else compared(self.outcomes, self.given.target or 1.0)
 
     @property
     def charts(self) -> tuple[str, ...]:
@@ -104,7 +141,7 @@ class Combos(StudyOutcome):
     @property
     def exit_code(self) -> int:
         """0 done, 1 pairs below the target, 4 the methods disagree or PRE-IE did not converge."""
-        if any(pair.is_in_doubt for pair in self.worst):
+        if self.both is not None and (self.both.disagree or self.both.without_answer):
             return 4
         return 1 if self.target is not None and self.target["below"] else 0
 
@@ -126,17 +163,17 @@ class Combos(StudyOutcome):
         return int(self.pairs.is_removable.sum())
 
     def below(self, fos: float) -> Bools:
-        """Which of all pairs lie below: by PRE-IE where it looked; by either method where they are in doubt of it."""
-        is_below = self.pairs.fails(fos)
-        for pair in self.worst:
-            is_below[pair.index] = pair.falls_short(fos) or (pair.is_in_doubt and is_below[pair.index])
+        """Which of all pairs lie below: by PRE-IE; by either method where they disagree."""
+        is_below, outcomes = self.pairs.fails(fos), self.outcomes
+        if outcomes is not None:
+            doubted = (outcomes.agree == 0) & is_below[self.ranked]
+            is_below[self.ranked] = outcomes.limit.falls_short(fos) | doubted
         return is_below
 
     @property
     def target(self) -> dict[str, Any] | None:
         """What lies `below` the target `fos`, None without one; volumes are None where nothing does.
 
-        `judged_by_pre_ie`: of the removable pairs, those for which PRE-IE counts: of the others the closed form does;
         `by_pre_ie_only`: below by PRE-IE, not by the closed form.
         """
         fos = self.given.target
@@ -145,8 +182,7 @@ class Combos(StudyOutcome):
         below = self.below(fos)
         volumes = self.pairs.volume_m3[below]
         return {
-            "fos": fos, "below": int(below.sum()), "judged_by_pre_ie": sum(not one.is_in_doubt for one in self.worst),
-            "by_pre_ie_only": int((below & ~self.pairs.fails(fos)).sum()),
+            "fos": fos, "below": int(below.sum()), "by_pre_ie_only": int((below & ~self.pairs.fails(fos)).sum()),
             "largest_volume_m3": float(volumes.max()) if len(volumes) else None,
             "median_volume_m3": float(np.median(volumes)) if len(volumes) else None,
         }  # fmt: skip
@@ -159,17 +195,16 @@ class Combos(StudyOutcome):
             whole = f"{len(self.joints)} joints, {self.joints.quantities.sum():.6g} by quantity"
             message = f"quantities of {self.joints.name} ({whole}) count nothing here: each pair of joints stands once"
             own.append(Notice("W373", message))
-        governed = [pair for pair in self.worst if pair.moments_govern]
-        if not governed:
+        outcomes = self.outcomes
+        if outcomes is None or not outcomes.moments_govern.any():
             return tuple(own)
-        lowered = [1.0 - pair.limit / pair.closed_form for pair in governed if pair.limit and pair.closed_form]
-        topple = sum(pair.status == "topples" for pair in governed)
-        by = [f"by up to {max(lowered) * 100:.1f} %"] if lowered else []
+        governed, limit, closed = outcomes.moments_govern, outcomes.limit.factor, self.pairs.factor[self.ranked]
+        lowered = 1.0 - limit[governed] / closed[governed]
+        topple = int((governed & outcomes.limit.among("topples")).sum())
+        by = [f"by up to {np.nanmax(lowered) * 100:.1f} %"] if np.isfinite(lowered).any() else []
         by += [f"{topple} of them topple"] if topple else []
-        rest = self.removable - len(self.worst)
-        last = f"; the other {rest} removable pairs have the closed form alone, which knows no moments" if rest else ""
-        message = f"moments govern {len(governed)} of the {len(self.worst)} pairs that PRE-IE looked at"
-        return (Notice("W353", ", ".join([message, *by]) + last), *own)
+        message = f"moments govern {int(governed.sum())} of {self.removable} removable pairs"
+        return (Notice("W353", ", ".join([message, *by])), *own)
 
     def to_dict(self) -> dict[str, Any]:
         """The result as JSON values; times stand in a block of their own."""
@@ -186,16 +221,7 @@ class Combos(StudyOutcome):
             },
             "target": self.target,
             "worst": json_of(self.worst),
-            "pre_ie": {
-                "pairs": len(self.worst), "agree": sum(pair.agree is True for pair in self.worst),
-                "disagree": sum(pair.agree is False for pair in self.worst),
-                "not_compared": sum(pair.agree is None for pair in self.worst),
-                "moments_govern": sum(pair.moments_govern for pair in self.worst),
-                "not_settled": sum(not pair.settled for pair in self.worst),
-                "largest_difference": max(
-                    (pair.difference for pair in self.worst if pair.difference is not None), default=None
-                ),
-            },
+            "methods": json_of(self.both),
             "timing_s": dict(self.timing_s),
             **self.words(),
         }  # fmt: skip
@@ -215,7 +241,7 @@ def combos(
     water: Annotated[Any, Option("dry, full, 50% or u=9.8kPa [dry].")] = None,
     seismic: Annotated[Any, Option("Pseudo-static coefficient, K or K@TREND.")] = None,
     fos: Annotated[Any, Option("Target: exit code 1 where a removable pair lies below.")] = None,
-    top: Annotated[float | str | None, Option("How many of the worst PRE-IE looks at, or all [10].")] = None,
+    top: Annotated[float | str | None, Option("How many of the worst are listed, or all [10].")] = None,
     slope_length: Annotated[Any, Option("Longest stretch of the crest that a wedge takes, m.")] = None,
     trace_length: Annotated[Any, Option("Longest trace of a joint, on face or upper slope, m.")] = None,
     persistence: Annotated[Any, Option("Longest edge of a joint in a wedge, m.")] = None,
@@ -223,6 +249,7 @@ def combos(
     max_volume: Annotated[Any, Option("Wedges are scaled down to it, m3.")] = None,
     min_volume: Annotated[Any, Option("Smaller wedges are left out, and counted, m3.")] = None,
     limit_by: Annotated[Any, Option("scale or filter: larger wedges are made smaller, or left out [scale].")] = None,
+    closed_form: ClosedFormAlone = False,
     convention: Convention = None,
     columns: Columns = None,
     skip_bad: SkipBad = False,
@@ -230,7 +257,7 @@ def combos(
     scheduler: Scheduler = None,
     desk: Workplace = DESK,
 ) -> Combos:
-    """Every pair of a joint list as a wedge: removable or not and why, ranked; PRE-IE on the worst.
+    """Every pair of a joint list as a wedge: removable or not and why, by both methods, ranked.
 
     Columns c and phi of the list count before --c and --phi. Exit codes: 0 done, 1 pairs below --fos, 2 bad input, 4
     the methods disagree.
@@ -248,7 +275,7 @@ def combos(
     In Python `joints` are the path of a CSV file, planes ("45/115", (45, 115)), an (n, 2) array of dip and dip
     direction, or {name: plane}; what the slope takes is written as for `slopekit.wedge`.
 
-    n joints have n (n - 1) / 2 pairs; the closed form of the wedge judges all at once. A pair is removable where its
+    n joints have n (n - 1) / 2 pairs; both methods judge all that are removable at once. A pair is removable where its
     line of intersection daylights: steeper than the upper slope and flatter than the face along its own trend. Where it
     is, joints are taken to meet in the slope.
 
@@ -265,46 +292,44 @@ def combos(
     """
     given, began = dict(locals()), time.perf_counter()
     crew = checked_crew(jobs, scheduler)
-    asked = pair_inputs(given, desk.named)
+    inputs = pair_inputs(given, desk.named)
     read = time.perf_counter()
-    pairs = evaluated(asked.joints, asked.slope, asked.limits, asked.cohesion_kpa, asked.friction_deg)
+    pairs = evaluated(inputs.joints, inputs.slope, inputs.limits, inputs.cohesion_kpa, inputs.friction_deg)
     closed = time.perf_counter()
-    worst = _looked_at(asked, pairs, crew, desk)
+    removable = np.flatnonzero(pairs.is_removable)
+    by_forces = ByMethod(PAIR_OUTCOMES, pairs.outcome[removable].astype(np.int16), pairs.factor[removable])
+    outcomes = None if closed_form else _looked_at(inputs, pairs, removable, by_forces, crew, desk)
+    order = _order(by_forces if outcomes is None else outcomes.limit, pairs.volume_m3[removable])
+    outcomes = None if outcomes is None else outcomes.of(order)
     end = time.perf_counter()
     times = {"read": read - began, "closed_form": closed - read, "pre_ie": end - closed, "total": end - began}
-    return Combos(asked, pairs, worst, times)
+    return Combos(inputs, pairs, removable[order], outcomes, times)
 
 
-def _looked_at(asked: PairInputs, pairs: JointPairs, crew: Crew, desk: Workplace) -> tuple[PairCheck, ...]:
-    """PRE-IE on the worst, or on all; what is done is kept in a journal until all are."""
-    chosen = pairs.ranked()[: asked.top]
-    joints, cohesion, friction = asked.joints.joints, asked.cohesion_kpa, asked.friction_deg
-    one, two = pairs.first, pairs.second
-    designs = [
-        replace(
-            asked.slope, joints=(joints[a].plane, joints[b].plane), joint_names=(joints[a].name, joints[b].name),
-            height_m=float(pairs.height_m[k]),
-            strengths=asked.slope.with_c_and_phi(cohesion[[a, b]].tolist(), friction[[a, b]].tolist()),
-        )
-        for k, a, b in zip(chosen, one[chosen], two[chosen], strict=True)
-    ]  # fmt: skip
-    points, journal = kept_points(both_methods, designs, crew, desk, "combos", "PRE-IE", asked.input_hash())
+def _known(value: float) -> float | None:
+    return None if np.isnan(value) else float(value)
+
+
+def _order(limit: ByMethod, volume_m3: Floats) -> Ints:
+    """The order of wedges by a method: what nothing holds, by factor, what stands; the larger first."""
+    rank = np.where(limit.among(STANDS), 2, np.where(np.isnan(limit.factor), 0, 1))
+    return np.lexsort((-volume_m3, np.nan_to_num(limit.factor), rank))
+
+
+def _looked_at(
+    inputs: PairInputs, pairs: JointPairs, rows: Ints, closed: ByMethod, crew: Crew, desk: Workplace
+) -> Outcomes:
+    """What both methods say of some pairs (r,); what is done is kept in a journal until all are."""
+    parts = [rows[at : at + _AT_ONCE] for at in range(0, len(rows), _AT_ONCE)]
+    tasks = [(pairs.first[part], pairs.second[part], pairs.height_m[part]) for part in parts]
+    run = [inputs.input_hash(), _AT_ONCE]
+    records, journal = kept_records(partial(_limits, inputs), tasks, crew, desk, "combos", "PRE-IE", run, 1)
     journal.remove()
-    checks = tuple(
-        PairCheck(
-            **_said_of(point), index=int(k), names=design.joint_names, planes=design.joints, height_m=design.height_m,
-            volume_m3=float(pairs.volume_m3[k]), face_width_m=float(pairs.sizes.face_width_m[k]),
-            setback_m=float(pairs.sizes.setback_m[k]), scale=float(pairs.scale[k]),
-            limited_by=LIMITED_BY[pairs.by[k]], trend_deg=float(pairs.trend_deg[k]),
-            plunge_deg=float(pairs.plunge_deg[k]),
-        )
-        for k, design, point in zip(chosen, designs, points, strict=True)
-    )  # fmt: skip
-    return tuple(sorted(checks, key=PairCheck.severity)) if asked.top is None else checks
+    outcomes = limits_of(records)
+    limit = ByMethod.of(outcomes.status.tolist(), outcomes.limit)
+    return agreement(limit, outcomes.forces, closed, inputs.slope.analysis.agree_within)
 
 
-def _said_of(point: Point) -> dict[str, Any]:
-    """What both methods say of a pair; one that broke is not settled."""
-    factors = point.factors or Factors(UNSETTLED, None, "", None, None, None, False, False)
-    settled = factors.settled and factors.status != UNSETTLED
-    return {each.name: getattr(factors, each.name) for each in fields(Factors)} | {"settled": settled}
+def _limits(inputs: PairInputs, task: tuple[Ints, Ints, Floats]) -> Record:
+    """What PRE-IE says of some pairs, in JSON values."""
+    return limits_of_wedges(inputs.slope, inputs.joints, (inputs.cohesion_kpa, inputs.friction_deg), *task)

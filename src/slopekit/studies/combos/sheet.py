@@ -41,7 +41,7 @@ def sheet_of(combos: Combos) -> Sheet:
         Section("PAIRS", [_outcomes(combos)], hang=4),
         Section("TARGET", _target(combos)),
         Section("WORST", [_no_worst(combos) if not combos.worst else pairs]),
-        Section("PRE-IE", _checked(combos)),
+        Section("METHODS", _methods(combos)),
         Section("AGAIN", _again(combos), hang=2),
         Section("TIME", [f"{combos.timing_s['total']:.2f} s"]),
         Section("NOTE", [str(notice) for notice in combos.warnings]),
@@ -53,11 +53,11 @@ def line_of(combos: Combos) -> str:
     parts = [f"{combos.removable} of {len(combos.pairs)} pairs removable"]
     if combos.worst:
         first = combos.worst[0]
-        parts.append(f"worst {' x '.join(first.names)} {first.status} {factor_text(first.factor).strip()}")
+        parts.append(f"worst {' x '.join(first.names)} {first.status} {factor_text(first.limit).strip()}")
     if combos.target is not None:
         parts.append(f"{combos.target['below']} below {combos.target['fos']:g} by {_judges(combos)}")
-    if combos.worst:
-        parts.append(_agreement(combos).split(";")[0])
+    if combos.both is not None and combos.worst:
+        parts.append(combos.both.in_words()[0].split(";")[0])
     return "  ".join([*parts, *codes_of(combos.warnings)])
 
 
@@ -65,9 +65,11 @@ def _every_pair(combos: Combos) -> Table[int]:
     """Every pair, the removable ones first and ranked; the worst are shown."""
     pairs, joints = combos.pairs, combos.joints.joints
     looked = {pair.index: pair for pair in combos.worst}
-    is_wedge = pairs.volume_m3 > 0.0
-    ranked = [*looked, *(k for k in pairs.ranked().tolist() if k not in looked)]
+    is_wedge, ranked = pairs.volume_m3 > 0.0, combos.ranked.tolist()
     shown, left = list(looked)[:_MOST_ROWS], len(looked) - _MOST_ROWS
+    limit = np.full(len(pairs), np.nan)
+    if combos.outcomes is not None:
+        limit[combos.ranked] = combos.outcomes.limit.factor
 
     def of_joint(which: Any) -> Callable[[int], str]:
         return lambda k: joints[which[k]].name
@@ -75,8 +77,8 @@ def _every_pair(combos: Combos) -> Table[int]:
     def of_wedge(values: Any) -> Callable[[int], float | None]:
         return lambda k: values[k] if is_wedge[k] else None
 
-    def factor(k: int) -> float | None:
-        return None if np.isnan(pairs.factor[k]) else pairs.factor[k]
+    def factor(of: Any) -> Callable[[int], float | None]:
+        return lambda k: None if np.isnan(of[k]) else of[k]
 
     return Table([
         Column("joints", lambda k: looked[k].names, show=_names, width=-2 * _NAME - 3),
@@ -84,8 +86,8 @@ def _every_pair(combos: Combos) -> Table[int]:
         Column("second joint", of_joint(pairs.second), "joint2"),
         Column("slides on", lambda k: looked[k].status, show=lambda status: _SHORT.get(status, status), width=-11),
         Column("outcome", lambda k: PAIR_OUTCOMES[pairs.outcome[k]], "outcome"),
-        Column("closed form", factor, "fos_closed_form", show=factor_text, width=11, exact=".9g"),
-        Column("PRE-IE", lambda k: looked[k].limit if k in looked else None, "fos_limit", show=factor_text, width=9,
+        Column("closed form", factor(pairs.factor), "fos_closed_form", show=factor_text, width=11, exact=".9g"),
+        Column("PRE-IE", factor(limit), "fos_limit", show=factor_text, width=9,
                exact=".9g"),
         Column("", lambda k: _mark(looked[k]), width=3),
         Column("m³", of_wedge(pairs.volume_m3), "volume_m3", "m³", ".4g", 9, ".6g"),
@@ -106,7 +108,7 @@ def _names(names: tuple[str, str]) -> str:
 
 
 def _mark(pair: PairCheck) -> str:
-    mark = "M" if pair.moments_govern else "!" if pair.is_in_doubt else ""
+    mark = "!" if pair.agree is False else "M" if pair.moments_govern else ""
     return mark + ("*" if pair.limited_by else "")
 
 
@@ -129,7 +131,7 @@ def _outcomes(combos: Combos) -> Table[tuple[str, int]]:
 
 
 _PLURAL = {
-    "slides_up": "slide up: the loads drive them", "lifted": "are pushed off both joints", "falls": "fall",
+    "slides_up": "slide up: the loads drive them", "lifted": "contact lost on both joints (uplift)", "falls": "fall",
     "no_driving_force": "stand: nothing drives them",
 }  # fmt: skip
 
@@ -139,12 +141,10 @@ def _target(combos: Combos) -> list[str]:
     target, removable = combos.target, combos.removable
     if target is None:
         return []
-    fos, below, by_pre_ie = target["fos"], target["below"], target["judged_by_pre_ie"]
+    fos, below = target["fos"], target["below"]
     whose = f"counted by {_judges(combos)}"
-    if by_pre_ie < removable:
-        some = f"PRE-IE for {by_pre_ie} of them, the closed form for the other {removable - by_pre_ie}, which"
-        whose = f"counted by {some if by_pre_ie else 'the closed form alone, which'} knows no moments: "
-        whose += "--top all asks PRE-IE of every removable pair"
+    if combos.outcomes is None:
+        whose += " alone, which balances no moments"
     if not below:
         return [f"FoS {fos:g}: MET, none of {removable} removable pairs lies below", whose]
     head = f"FoS {fos:g}: NOT MET, {below} of {removable} removable pairs lie below"
@@ -156,10 +156,7 @@ def _target(combos: Combos) -> list[str]:
 
 def _judges(combos: Combos) -> str:
     """Whose count it is."""
-    by_pre_ie = sum(not one.is_in_doubt for one in combos.worst)
-    if not by_pre_ie:
-        return "the closed form"
-    return "PRE-IE" if by_pre_ie == combos.removable else "PRE-IE and the closed form"
+    return "the closed form" if combos.outcomes is None else "PRE-IE"
 
 
 def _no_worst(combos: Combos) -> Entry:
@@ -167,33 +164,20 @@ def _no_worst(combos: Combos) -> Entry:
         small = combos.counts.get("below_min_volume", 0)
         those = f"{counted(small, 'pair')} can leave the slope, but smaller than the least volume asked for"
         return those if small else "no pair can leave the slope"
-    return f"PRE-IE was not asked; {combos.removable} pairs are ranked by the closed form in pairs.csv"
+    return f"{combos.removable} pairs are ranked in pairs.csv"
 
 
-def _checked(combos: Combos) -> list[str]:
-    if not combos.worst:
+def _methods(combos: Combos) -> list[str]:
+    if combos.both is None:
         return []
-    entries = [_agreement(combos)]
+    entries = combos.both.in_words()
     if any(pair.moments_govern for pair in combos.worst):
-        entries.append("M  moments govern: the PRE-IE limit is the number to use, the closed form knows no moments")
+        entries.append("M  moments govern: the closed form is too high")
     if any(pair.limited_by for pair in combos.worst):
         entries.append("*  made smaller by a limit of size")
-    if any(pair.is_in_doubt for pair in combos.worst):
-        entries.append("!  the methods disagree, or PRE-IE did not settle: no number to judge by")
+    if combos.both.disagree:
+        entries.append("!  the methods disagree: no number to judge by")
     return entries
-
-
-def _agreement(combos: Combos) -> str:
-    worst = combos.worst
-    agree, compared = sum(pair.agree is True for pair in worst), sum(pair.agree is not None for pair in worst)
-    most = max((pair.difference for pair in worst if pair.difference is not None), default=0.0)
-    word = "AGREE" if agree == compared and all(pair.settled for pair in worst) else "DISAGREE"
-    governed = sum(pair.moments_govern for pair in worst)
-    within = combos.given.slope.analysis.agree_within * 100
-    return (
-        f"{agree} of {len(worst)} {word} within {within:g} %; largest difference "
-        f"{most * 100:.2g} %; moments govern {governed}"
-    )
 
 
 def _again(combos: Combos) -> list[str]:

@@ -79,7 +79,7 @@ def _every_sample(study: Probability) -> Table[int]:
     """Every sample on a line of its own, by its number: values, outcome, factors."""
     values, judged, outcomes = study.samples.values, study.judged, study.outcomes
     columns: list[Column[int]] = [Column("sample", int, "sample")]
-    columns += [Column(path, _cell_of(values, column), path) for column, path in enumerate(study.samples.names)]
+    columns += [Column(path, _item_of(values[:, column]), path) for column, path in enumerate(study.samples.names)]
     columns += [
         Column("outcome", lambda row: judged.names[judged.outcome[row]], "outcome"),
         Column("FoS", judged.factor.item, "fos_closed_form" if study.asked.by == "closed-form" else "fos_limit"),
@@ -93,10 +93,6 @@ def _every_sample(study: Probability) -> Table[int]:
             Column("moments govern", lambda row: int(governs[row]), "moments_govern"),
         ]
     return Table(columns, range(len(values)))
-
-
-def _cell_of(values: Floats, column: int) -> Callable[[int], float]:
-    return lambda row: values.item(row, column)
 
 
 def _item_of(column: Floats) -> Callable[[int], float]:

@@ -73,8 +73,7 @@ class Vectorised:
         """What PRE-IE says of some samples that form blocks by the closed form; as `LimitsOfMany`, in JSON values."""
         design = self._standing(values)
         assert isinstance(design, SlopeDesign)
-        found = limits_on_arrays(design, self.on_arrays, self._strengths(values), len(values))
-        return {name: of.tolist() for name, of in vars(found).items()}
+        return limits_on_arrays(design, self.on_arrays, self._strengths(values), len(values)).to_record()
 
     def _each(self, closed_forms: ClosedForms, count: int) -> ClosedForms:
         """The closed form of each sample where nothing that scatters is an argument: all are alike."""

@@ -45,6 +45,7 @@ from slopekit.studies.protocol import (
     DESK,
     ADesign,
     Argument,
+    ClosedFormAlone,
     Jobs,
     Option,
     Scheduler,
@@ -250,7 +251,6 @@ def given_keys(texts: Sequence[str], _argument: str) -> dict[str, str]:
 #: `KEY=VALUES ...` of a command.
 KEYS = Argument("KEY=from:to:how many, KEY=from:to:+step, KEY=a,b,c; one key or two. With --tornado KEY=lo:hi.",
                 "KEY=VALUES", given_keys, many=True, called="keys")  # fmt: skip
-ClosedFormAlone = Annotated[bool, Option("The closed form alone: quick.")]
 
 
 @study

@@ -31,10 +31,10 @@ from slopekit.studies.points import (
     said_at,
     status_of,
 )
-from slopekit.studies.protocol import DESK, ADesign, Jobs, Scheduler, StudyOutcome, Workplace, study
+from slopekit.studies.protocol import DESK, ADesign, ClosedFormAlone, Jobs, Scheduler, StudyOutcome, Workplace, study
 from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.running import checked_crew
-from slopekit.studies.sweep.run import KEYS, ClosedFormAlone, evaluated, methods_of
+from slopekit.studies.sweep.run import KEYS, evaluated, methods_of
 
 ANGLE, PART, FILL, TAIL = 2.0, 0.10, 0.1, 0.05
 RULE = (
