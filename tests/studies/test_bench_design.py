@@ -453,6 +453,20 @@ def test_blocks_fail_as_single_designs_of_them_do() -> None:
     assert {(WEDGE, False, True), (WEDGE, False, False), (PLANE, False, False), (PLANE, True, True)} <= seen
 
 
+def test_planes_as_steep_as_their_friction_stand_by_both_methods() -> None:
+    """F = tan φ / tan ψ = 1 without cohesion, at whole degrees: rounding makes none of them fail."""
+    dips = range(20, 45)
+    asked = ground([f"{dip}/180" for dip in dips])
+    asked = replace(asked, cohesion_kpa=np.zeros(25), friction_deg=np.array(dips, dtype=float))
+    first = np.arange(25)
+    trials = Trials(first, np.roll(first, 1), np.zeros(25))
+    (bench,), both, _ = limits.judged_benches(asked, trials, checked_crew(1, None), DESK)
+    assert bench.factor[PLANE] == pytest.approx(np.ones(25), rel=1e-12)
+    assert bench.forms[PLANE].all()
+    assert not bench.fails[PLANE].any()
+    assert (both[PLANE].agree, both[PLANE].unsafe) == (25, 0)
+
+
 def test_pre_ie_takes_the_pressure_that_was_given(monkeypatch: pytest.MonkeyPatch) -> None:
     """One mean pressure in place of a fill: on both joints of a wedge, on the one of a plane; both methods agree."""
     taken, solved = set(), limits.limits_on_arrays

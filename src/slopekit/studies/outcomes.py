@@ -64,7 +64,10 @@ class ByMethod:
         return ~self.among(*NO_BLOCK) | self.unjudged
 
     def falls_short(self, target: float) -> Bools:
-        """Return which fall short of a target, (n,): `points.falls_short` for arrays; without an answer they do."""
+        """Return which fall short of a target, (n,): `points.falls_short` for arrays; without an answer they do.
+
+        A factor that is the target but for rounding reaches it, by either method: a dip that is the friction angle.
+        """
         stays = self.among(*NO_BLOCK, STANDS) & ~self.unjudged
         with np.errstate(invalid="ignore"):
             return np.asarray(~stays & ~(self.factor >= target * (1.0 - SAME_FACTOR)))

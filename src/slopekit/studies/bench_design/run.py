@@ -6,7 +6,7 @@ trials -> what forms and fails in each bench -> shares, backbreak, volume, berms
 >>> found = sk.bench_design(["50/150", "55/215", "48/165", "60/200", "80/005"], height=15, face=[65, 80],
 ...                         dip_direction=180, c=0, phi=30, n=400)
 >>> [round(bench.modes["any"]["fails"].share, 2) for bench in found.benches]
-[0.59, 0.66]
+[0.59, 0.72]
 """
 
 import time
