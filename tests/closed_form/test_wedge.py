@@ -42,6 +42,14 @@ def test_symmetric_wedge_of_friction_alone(dip, half) -> None:
     assert hoek_bray_wedges(arrays(planes, 10.0, 0.0, 30.0)).factor[0] == pytest.approx(exact, rel=1e-12)
 
 
+def test_sea_water_presses_by_its_own_unit_weight() -> None:
+    """Full water of 10.1 kN/m³: 10.1 H/6 on both joints, given as pressures."""
+    wedge = sk.wedge(dips=DIPS, water="full", water_unit_weight=10.1)
+    given = sk.wedge(dips=DIPS, water=(10.1 * wedge.geometry.total_height_m / 6.0,) * 2)
+    assert wedge.fos.closed_form == pytest.approx(given.fos.closed_form, rel=1e-12)
+    assert wedge.fos.limit < sk.wedge(dips=DIPS, water="full").fos.limit
+
+
 def test_full_water_is_the_classic_pyramid() -> None:
     """Mean pressure γ_w H/6 with H the total height (Hoek & Bray 1981, eq. 8.6)."""
     wedge = sk.wedge(dips=DIPS, water="full")
