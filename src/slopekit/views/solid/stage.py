@@ -2,18 +2,16 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from slopekit.block_scene import BlockScene
 from slopekit.bolts import nearest
 from slopekit.core.arrays import Bools, Floats, Ints, cross
-from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Line, parse_plane
 from slopekit.core.sheet import factor_text
+from slopekit.exchange.source import ExportSource, export_source
 from slopekit.kinds import known_kind
 from slopekit.result import JUDGED
 from slopekit.views.solid.layers import (
@@ -35,12 +33,8 @@ _PLATE = 0.024  # of the size: width of plates of bolts that stand far enough ap
 _CROWDED = 0.4  # of the distance to the nearest head: the most that a plate takes
 
 
-@dataclass(frozen=True)
-class Stage:
+class Stage(ExportSource):
     """The document of a result with its scene."""
-
-    document: Mapping[str, Any]
-    scene: BlockScene
 
     @classmethod
     def of(cls, document: Mapping[str, Any]) -> "Stage":
@@ -51,10 +45,7 @@ class Stage:
         DesignError
             E350 where it holds no scene.
         """
-        if not isinstance(document.get("scene"), Mapping):
-            advice = "Scenes are drawn from a result: slopekit run DESIGN -o DIR, then DIR/result.json."
-            raise DesignError([Fault("E350", "the file holds no scene: there are no blocks to draw", "", advice)])
-        return cls(document, BlockScene.from_dict(document["scene"]))
+        return cls(document, export_source(document, "the file").scene)
 
     @property
     def kind(self) -> str:
@@ -100,11 +91,6 @@ class Stage:
             return False
         y = self.scene.shapes.centroids[self.free, 1]
         return not np.ptp(y) > 1e-9 * self.size  # columns may stand in several rows
-
-    @property
-    def is_curved(self) -> bool:
-        """Whether the block lies on a curved slip surface."""
-        return self._given("inputs", "slip") is not None
 
     def _given(self, part: str, key: str) -> Any:
         section = self.document.get(part)
