@@ -435,7 +435,7 @@ def serve(opened: Opened, port: int, ready: Callable[[str], None]) -> None:
     desk.port = sock.getsockname()[1]
     config = uvicorn.Config(
         application(desk), log_level="error", access_log=False, server_header=False, ws_max_size=LARGEST_SURVEY * 4,
-        ws="websockets-sansio" if _has_sansio() else "websockets", ws_per_message_deflate=False, lifespan="on",
+        ws="websockets-sansio", ws_per_message_deflate=False, lifespan="on",
         ws_ping_interval=None, ws_ping_timeout=None,  # nothing lies between: a page that sleeps is no page that is gone
         timeout_graceful_shutdown=1,
     )  # fmt: skip
@@ -456,9 +456,3 @@ def serve(opened: Opened, port: int, ready: Callable[[str], None]) -> None:
         pass
     finally:
         desk.close()
-
-
-def _has_sansio() -> bool:
-    from importlib.util import find_spec
-
-    return find_spec("uvicorn.protocols.websockets.websockets_sansio_impl") is not None

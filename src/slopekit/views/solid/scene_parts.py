@@ -223,19 +223,10 @@ def middles(corners: Floats, first: Ints) -> tuple[Floats, Floats]:
     return middle, normal / np.maximum(np.sqrt((normal * normal).sum(axis=1)), 1e-300)[:, None]
 
 
-def spread(points: Floats, size: Floats) -> Ints:
-    """Those of the points (n, 3) with a size that may be drawn: all, or some hundreds spread evenly."""
-    own = np.flatnonzero(size > 0.0)
-    if len(own) <= _MOST_ARROWS:
-        return own
-    extent = np.ptp(points[own], axis=0)
-    edge = float(extent.max()) / math.sqrt(_MOST_ARROWS)
-    while True:
-        cells = np.floor((points[own] - points[own].min(axis=0)) / edge).astype(np.int64)
-        _, first = np.unique(cells, axis=0, return_index=True)
-        if len(first) <= _MOST_ARROWS:
-            return own[np.sort(first)]
-        edge *= 1.1
+def largest(size: Floats) -> Ints:
+    """Those of the arrows (n,) with a size that may be drawn: all, or the largest hundreds."""
+    order = np.argsort(-size, kind="stable")[:_MOST_ARROWS]
+    return np.sort(order[size[order] > 0.0])
 
 
 def spacing(areas: Floats) -> float:
