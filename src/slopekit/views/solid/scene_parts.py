@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -27,7 +26,8 @@ from slopekit.views.solid.layers import (
 )
 from slopekit.views.solid.stage import Stage
 
-Legend = list[tuple[str, Colour, float]]
+LegendEntry = tuple[str, Colour, float]
+Legend = list[LegendEntry]
 _MOST_ARROWS = 400
 _MOST_LABELS, _FEW_LABELS = 60, 12
 _RIBBON, _BEFORE = 8e-3, 0.2  # of the size: how wide contacts of a section are drawn; of that: how far before it
@@ -35,14 +35,14 @@ _LIFTED = 2e-3  # of the size: how far the coloured joints lie before the blocks
 _ROD = 4e-3 / 0.024  # radius of rods, of the width of their plates
 
 
-@dataclass
 class Scenery:
     """A picture as it is put together: what is drawn and what the legend says of it, in one call."""
 
-    stage: Stage
-    layers: list[Layer] = field(default_factory=list)
-    legend: Legend = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
+    def __init__(self, stage: Stage, legend: Sequence[LegendEntry] = (), notes: Sequence[str] = ()) -> None:
+        self.stage = stage
+        self.layers: list[Layer] = []
+        self.legend: Legend = list(legend)
+        self.notes = list(notes)
 
     def rock(self, opacity: float = 1.0) -> None:
         """The bedrock, or the rock about one block."""

@@ -227,15 +227,11 @@ def _scene(stage: Stage, _: int) -> Picture:
 
 def _exploded(stage: Stage, _: int) -> Picture:
     shapes, seen = stage.scene.shapes, Scenery(stage)
+    moved = _EXPLODED * stage.apart
     if stage.alone:
-        moved = _EXPLODED * stage.size * free_normal(shapes)[None, :]
         seen.rock()
         note = f"the block moved out of the slope by {_EXPLODED:g} of its size"
     else:
-        own = shapes.fixed if shapes.fixed.any() else stage.free
-        moved = _EXPLODED * (shapes.centroids - shapes.centroids[own].mean(axis=0))
-        if stage.in_section:
-            moved[shapes.fixed] = 0.0
         middle = "the middle of the bedrock" if shapes.fixed.any() else "the middle"
         note = f"blocks moved apart by {_EXPLODED:g} of their distance from {middle}"
     seen.legend += seen.block_legend(bool(seen.layers))
@@ -486,7 +482,7 @@ def _by_value(
         colours[known] = bar.colours(values[known])
     colours[stage.without_strength & ~known] = FALLS
     colours[stage.unsettled & ~known] = UNSETTLED
-    seen = Scenery(stage, legend=list(legend), notes=list(notes))
+    seen = Scenery(stage, legend, notes)
     seen.rock()
     seen.blocks("blocks", stage.free, colours=colours)
     return seen.picture(what, bar=bar if scale else None)

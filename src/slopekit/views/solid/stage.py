@@ -22,6 +22,7 @@ from slopekit.views.solid.layers import (
     Layer,
     block_of_vertex,
     blocks_layer,
+    free_normal,
     ground_below,
     layer,
     rock_around,
@@ -133,6 +134,18 @@ class Stage(ExportSource):
             return 0.0
         size = min(self.size, self.neighbourhood(self.free))
         return min(_PLATE * size, _CROWDED * nearest(self.scene.known_bolts.heads_m))
+
+    @cached_property
+    def apart(self) -> Floats:
+        """Which way and how far each block is from the others, (n, 3) m: a lone one out of the slope by its size."""
+        shapes = self.scene.shapes
+        if self.alone:
+            return np.array([self.size * free_normal(shapes)])
+        own = shapes.fixed if shapes.fixed.any() else self.free
+        away: Floats = shapes.centroids - shapes.centroids[own].mean(axis=0)
+        if self.in_section:
+            away[shapes.fixed] = 0.0
+        return away
 
     # -- how the blocks fail ------------------------------------------------------------------------------------------
 
