@@ -383,8 +383,6 @@ def application(desk: Desk) -> Guard:
 
 
 def _page() -> str:
-    if not (_PAGE / "index.html.j2").is_file():
-        return f"<!doctype html><title>slopekit {__version__}</title><p>The page is missing from this installation."
     from jinja2 import Environment, FileSystemLoader
 
     made = Environment(loader=FileSystemLoader(_PAGE), autoescape=True)
@@ -395,7 +393,7 @@ def _asset(name: str) -> Path | None:
     """A file of the page, none but those: names have no folders."""
     if name == "viewer.js":
         return _VIEWER
-    known = {path.name: path for path in _PAGE.iterdir() if path.suffix in _TYPES} if _PAGE.is_dir() else {}
+    known = {path.name: path for path in _PAGE.iterdir() if path.suffix in _TYPES}
     return known.get(name)
 
 

@@ -85,15 +85,15 @@ class Scenery:
             width = self.stage.plate_width
             away = np.zeros((1, 3)) if moved is None else np.append(moved, np.zeros((1, 3)), axis=0)[bolts.block]
             heads, ends = bolts.heads_m + away, bolts.ends_m + away
-            for acts, colour, own in (
+            for acts, colour, chosen in (
                 ("active", ACTIVE_BOLT, ~bolts.passive), ("passive", PASSIVE_BOLT, bolts.passive),
             ):  # fmt: skip
-                if own.any():
-                    count = int(own.sum())
-                    said = f"{count} {acts} bolt{'s' * (count > 1)}, {forces_in_words(bolts.force_kn[own].tolist())}"
-                    body = rods(heads[own], ends[own], _ROD * width)
+                if chosen.any():
+                    count = int(chosen.sum())
+                    said = f"{count} {acts} bolt{'s' * (count > 1)}, {forces_in_words(bolts.force_kn[chosen].tolist())}"
+                    body = rods(heads[chosen], ends[chosen], _ROD * width)
                     self.add(f"bolts, {acts}: rods", body, colour, front=1)
-                    body = plates(heads[own], bolts.plates[own], width)
+                    body = plates(heads[chosen], bolts.plates[chosen], width)
                     self.add(f"bolts, {acts}: plates", body, colour, "" if rods_said else said, front=1)
         open_ended = bolts is not None and bool(np.isnan(bolts.length_m).any())
         self.notes += [rods_said] if rods_said and bolts is not None and len(bolts) else []
