@@ -5,7 +5,7 @@ Made of the JSON of a result (`scene` and what stands beside it), drawn by `soli
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -149,25 +149,6 @@ _Group = tuple[str, str, Floats, Floats, Colour, bool]
 _NO_LIMIT = "no limit state was found: what the joints carry is not known"
 
 
-@dataclass(frozen=True)
-class Scene:
-    """A picture of a result: what it shows, who puts it together, keys that the result must have, and its scene.
-
-    `compose` takes the stage and the mechanism (1 is the first).
-    """
-
-    shows: str
-    compose: Callable[[Stage, int], Picture]
-    needs: tuple[str, ...] = ()
-    in_scene: tuple[str, ...] = ()
-
-    def is_given_by(self, document: Mapping[str, Any]) -> bool:
-        """Whether a document has all that the picture needs."""
-        scene = document.get("scene")
-        of_document = all(document.get(key) is not None for key in self.needs)
-        return isinstance(scene, Mapping) and of_document and all(scene.get(key) is not None for key in self.in_scene)
-
-
 def draw(document: Mapping[str, Any], what: str, path: Path, step: int = 1) -> None:
     """Draw a scene of a result to PNG, GLB or glTF.
 
@@ -194,7 +175,7 @@ def compose(document: Mapping[str, Any], what: str, step: int = 1) -> Picture:
     DesignError
         E350 no scene, E273 no displacement, mechanism or step.
     """
-    return SCENES[what].compose(Stage.of(document), step)
+    return SCENES[what](Stage.of(document), step)
 
 
 # -- the pictures -----------------------------------------------------------------------------------------------------
@@ -488,15 +469,15 @@ def _by_value(
     return seen.picture(what, bar=bar if scale else None)
 
 
-#: What can be drawn of a result, by its word.
-SCENES: Mapping[str, Scene] = {
-    "scene": Scene("the slope with its blocks and joints", _scene),
-    "exploded": Scene("the blocks apart, their joints coloured", _exploded),
-    "elevation": Scene("the face with its bolts by number", _elevation, in_scene=("bolts",)),
-    "tractions": Scene("node pairs by contact mode, and the tractions that they carry at the limit", _tractions),
-    "forces": Scene("the loads, and the resultants on the joints, to scale", _forces),
-    "displacement": Scene("the displacement at full strength, magnified", _displacement, in_scene=("displacement",)),
-    "mechanism": Scene("how the blocks move as they fail", _mechanism, ("mechanism",)),
-    "factors": Scene("blocks coloured by the factor of safety at which they fail", _factors, ("assembly",)),
-    "ravelling": Scene("blocks coloured by the order in which they fail", _ravelling, ("assembly", "mechanism")),
+#: Who puts a scene together, by its word: of the stage and the mechanism, 1 the first.
+SCENES: Mapping[str, Callable[[Stage, int], Picture]] = {
+    "scene": _scene,
+    "exploded": _exploded,
+    "elevation": _elevation,
+    "tractions": _tractions,
+    "forces": _forces,
+    "displacement": _displacement,
+    "mechanism": _mechanism,
+    "factors": _factors,
+    "ravelling": _ravelling,
 }
