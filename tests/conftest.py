@@ -37,12 +37,10 @@ gc.disable()
 
 @pytest.fixture(autouse=True, scope="session")
 def _times_are_not_compared() -> None:
-    """How long a rung of a check takes is shown and never compared, and no line says that a machine is slow."""
-    from slopekit.cli import progress
+    """How long a rung of a check takes is shown and never compared."""
     from slopekit.kinds.single_block import ladders
 
     ladders._REPEATS, ladders._ONCE_S = 1, 0.0
-    progress._LINE_S = 3600.0
 
 
 @pytest.hookimpl(wrapper=True)

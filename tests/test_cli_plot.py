@@ -102,9 +102,9 @@ def test_wrong_use(arguments, code, says, run, folder) -> None:
     [
         ("", "E340", "x.json is empty"),
         ("\n ", "E340", "x.json is empty"),
-        ('{"slopekit": "0.1.0", "kin', "E340", "x.json ends in the middle: was it written to the end?"),
-        ('{"slopekit": "0.1.0",\n', "E340", "x.json ends in the middle: was it written to the end?"),
-        ("name,dip,dip_direction\na,40,175\n", "E340", "x.json is a table (CSV), not JSON"),
+        ('{"slopekit": "0.1.0", "kin', "E340", "x.json is not JSON"),
+        ('{"slopekit": "0.1.0",\n', "E340", "x.json is not JSON"),
+        ("name,dip,dip_direction\na,40,175\n", "E340", "x.json is not JSON"),
         ("slopekit: 1\nkind: wedge\n", "E340", "is not JSON"),
         ('{"slopekit": "0.1.0", "kind": "wedge", "fos": NaN}', "E340", "NaN is no number of JSON"),
         ('{"slopekit": "0.1.0", "kind": "wedge", "fos": 1e999}', "E340", "1e999 is no number of JSON"),

@@ -135,7 +135,7 @@ def test_a_fault_of_the_program_is_no_damage(monkeypatch) -> None:
     def broken(*_):
         raise ValueError("a bug")
 
-    for module, name in ((room, "_rendered"), (room, "_verification"), (viewer, "_edges"), (viewer, "_explode")):
+    for module, name in ((room, "_rendered"), (room, "_verification"), (viewer, "_edges"), (viewer, "_surfaces")):
         with monkeypatch.context() as patch:
             patch.setattr(module, name, broken)
             with pytest.raises(ValueError, match="a bug"):

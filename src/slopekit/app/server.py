@@ -383,8 +383,6 @@ def application(desk: Desk) -> Guard:
 
 
 def _page() -> str:
-    if not (_PAGE / "index.html.j2").is_file():
-        return f"<!doctype html><title>slopekit {__version__}</title><p>The page is missing from this installation."
     from jinja2 import Environment, FileSystemLoader
 
     made = Environment(loader=FileSystemLoader(_PAGE), autoescape=True)
@@ -395,7 +393,7 @@ def _asset(name: str) -> Path | None:
     """A file of the page, none but those: names have no folders."""
     if name == "viewer.js":
         return _VIEWER
-    known = {path.name: path for path in _PAGE.iterdir() if path.suffix in _TYPES} if _PAGE.is_dir() else {}
+    known = {path.name: path for path in _PAGE.iterdir() if path.suffix in _TYPES}
     return known.get(name)
 
 
@@ -435,7 +433,7 @@ def serve(opened: Opened, port: int, ready: Callable[[str], None]) -> None:
     desk.port = sock.getsockname()[1]
     config = uvicorn.Config(
         application(desk), log_level="error", access_log=False, server_header=False, ws_max_size=LARGEST_SURVEY * 4,
-        ws="websockets-sansio" if _has_sansio() else "websockets", ws_per_message_deflate=False, lifespan="on",
+        ws="websockets-sansio", ws_per_message_deflate=False, lifespan="on",
         ws_ping_interval=None, ws_ping_timeout=None,  # nothing lies between: a page that sleeps is no page that is gone
         timeout_graceful_shutdown=1,
     )  # fmt: skip
@@ -456,9 +454,3 @@ def serve(opened: Opened, port: int, ready: Callable[[str], None]) -> None:
         pass
     finally:
         desk.close()
-
-
-def _has_sansio() -> bool:
-    from importlib.util import find_spec
-
-    return find_spec("uvicorn.protocols.websockets.websockets_sansio_impl") is not None

@@ -1,4 +1,4 @@
-"""Progress on stderr, not with --json or --quiet: on a terminal one line that is written anew, else a line at times."""
+"""Progress on stderr, on a terminal, not with --json or --quiet: one line that is written anew."""
 
 import os
 import sys
@@ -13,7 +13,6 @@ from slopekit.core.onlooker import onlooker
 Advance = Callable[[int], None]
 _SILENT = ("--json", "--quiet")
 _FIRST_S, _EVERY_S = 1.0, 0.2  # what is shorter shows nothing; how often the time is written anew
-_LINE_S, _RARELY_S = 5.0, 60.0  # no terminal: the first line, and twice the time to each, to
 _GUESSED = ("evaluations", "probabilities")  # what begins so has a total that is guessed: it is not said
 _LINES: list["_Line"] = []  # the last is the one that writes
 _COUNTS: list[tuple[str, int, list[int]]] = []  # label, total and steps of what is counted now
@@ -33,9 +32,9 @@ def progress(label: str, total: int) -> Iterator[Advance]:
 def watched(stage: str = "") -> Iterator[None]:
     """A line with the time, the count and the stage of what runs within, from its second second on.
 
-    It is wiped at the end. Where stderr is no terminal, whole lines say it, from five seconds on and ever more rarely.
+    It is wiped at the end. Where stderr is no terminal, nothing is said.
     """
-    if sys.stderr is None or any(word in sys.argv[1:] for word in _SILENT):
+    if sys.stderr is None or not sys.stderr.isatty() or any(word in sys.argv[1:] for word in _SILENT):
         yield
         return
     line = _Line(sys.stderr, stage)
@@ -86,22 +85,19 @@ class _Line:
         return "  ".join(said).rstrip()
 
     def run(self) -> None:
-        """Write until it is over: a line anew and wiped at the end, or lines with twice the time to each."""
-        is_terminal = self.to.isatty()
-        pause = _FIRST_S if is_terminal else _LINE_S
+        """Write the line anew until it is over, then wipe it."""
+        pause = _FIRST_S
         while not self.over.wait(pause):
             with self.lock:
-                self.write(self.text(), is_terminal)
-            pause = _EVERY_S if is_terminal else min(2.0 * pause, _RARELY_S)
+                self.write(self.text())
+            pause = _EVERY_S
         with self.lock:
             self.write("")
 
-    def write(self, text: str, is_terminal: bool = True) -> None:
+    def write(self, text: str) -> None:
         """Put a text in the place of the one before, as far as the terminal goes; nothing leaves an empty line."""
         try:
-            if not is_terminal:
-                self.to.write(f"{text.strip()}\n")
-            elif text or self.written:
+            if text or self.written:
                 text = text[: _columns(self.to) - 1]
                 self.to.write("\r" + text.ljust(self.written) + ("" if text else "\r"))
                 self.written = len(text)

@@ -61,10 +61,10 @@ class WedgeSizes:
 
     def scaled(self, by: ArrayLike) -> "WedgeSizes":
         """The same wedges with all lengths times a factor, one or (n,), the volumes by its cube."""
-        one = np.asarray(by, dtype=np.float64)
+        factor = np.asarray(by, dtype=np.float64)
         return WedgeSizes(
             *(
-                getattr(self, field.name) * one ** (3 if field.name.endswith("_m3") else 1)
+                getattr(self, field.name) * factor ** (3 if field.name.endswith("_m3") else 1)
                 for field in fields(WedgeSizes)
             )
         )

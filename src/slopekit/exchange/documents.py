@@ -60,22 +60,14 @@ def read_document(path: Path) -> Document:
 
 def _no_json(path: Path, content: bytes, error: Exception) -> Fault:
     """E340, with what the file is in place of JSON."""
-    text, ending = content.decode("utf-8-sig", "replace").strip(), path.suffix.lower()
-    said = f"{path.name} is not JSON: {error}"
+    said = f"{path.name} is not JSON: {error}" if content.strip() else f"{path.name} is empty"
     advice = "slopekit run design.yaml -o DIR writes result.json; --json > file.json will do too."
-    if not text:
-        said = f"{path.name} is empty"
-    elif isinstance(error, UnicodeDecodeError):
-        said = f"{path.name} is not JSON: it is no text"
-    elif ending in (".yaml", ".yml"):
+    if path.suffix.lower() in (".yaml", ".yml"):
         advice = f"It looks like a design: slopekit run {path} -o DIR writes result.json, which can be drawn."
-    elif text[0] in "{[":
-        pos, why = getattr(error, "pos", None), str(error)
-        if pos is not None and (pos >= len(text) or why.startswith("Unterminated string")):
-            said, advice = f"{path.name} ends in the middle: was it written to the end?", "Make it again."
-    elif ending == ".csv" or "," in text.split("\n", 1)[0]:
-        said = f"{path.name} is a table (CSV), not JSON"
-        advice = f"Give the JSON that was written beside it. {advice}"
+    elif content.lstrip()[:1] in (b"{", b"["):
+        advice = "Was it written to the end? Make it again."
+    elif path.suffix.lower() == ".csv":
+        advice = f"It is a table: give the JSON that was written beside it. {advice}"
     return Fault("E340", said, str(path), advice)
 
 

@@ -30,18 +30,14 @@ Files = tuple[list[Path], str]
 
 def write_stl(path: Path, source: ExportSource) -> Files:
     """ASCII STL: one `solid` a block."""
-    lines: list[str] = []
-    for body in block_bodies(source.scene):
-        words = _words(body.vertices)
-        normals = [f"{x:.6g} {y:.6g} {z:.6g}" for x, y, z in _normals(body.vertices[body.triangles]).tolist()]
-        lines.append(f"solid {stl_name(body.name)}")
-        for (a, b, c), normal in zip(body.triangles.tolist(), normals, strict=True):
-            lines.append(
-                f"facet normal {normal}\n outer loop\n  vertex {words[a]}\n  vertex {words[b]}\n  vertex {words[c]}\n"
-                " endloop\nendfacet"
-            )
-        lines.append(f"endsolid {stl_name(body.name)}")
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    from trimesh import Trimesh
+    from trimesh.exchange.stl import export_stl_ascii
+
+    bodies = [
+        Trimesh(body.vertices, body.triangles, process=False, metadata={"name": stl_name(body.name)[:80]})
+        for body in block_bodies(source.scene)
+    ]
+    path.write_text("".join(map(export_stl_ascii, bodies)), encoding="utf-8")
     return [path], _DIGITS
 
 
@@ -84,13 +80,6 @@ def _words(vertices: Floats) -> list[str]:
 
 def _token(name: str) -> str:
     return "_".join(name.split())
-
-
-def _normals(corners: Floats) -> Any:
-    a, b, c = (corners[:, k] for k in range(3))
-    normal = np.cross(b - a, c - a)
-    length = np.sqrt((normal * normal).sum(axis=1))[:, None]
-    return np.divide(normal, length, out=np.zeros_like(normal), where=length > 0.0)
 
 
 def write_glb(path: Path, source: ExportSource) -> Files:

@@ -5,6 +5,7 @@ import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
+from functools import partial
 from importlib import import_module
 from numbers import Real
 from pathlib import Path
@@ -20,20 +21,20 @@ SCENE_FORMATS = (".png", ".glb", ".gltf")
 
 
 @dataclass(frozen=True)
-class Chart:
-    """A picture that matplotlib draws, all that is known of it.
+class Offer:
+    """A picture, all that is known of it.
 
     Attributes
     ----------
     shows : what is seen; wants : which file has the data
-    drawn_by : module and function of `views.charts`, of a figure and a document
     given_by : whether a document has the data
+    drawn_by : of a chart the module and function of `views.charts`, of a figure and a document
     """
 
     shows: str
     wants: str
-    drawn_by: str
     given_by: Callable[[Document], bool]
+    drawn_by: str = ""
 
     @property
     def draw(self) -> Callable[..., None]:
@@ -56,9 +57,8 @@ def _sweeps(document: Document, keys: int) -> bool:
     return document.get("study") == "sweep" and isinstance(swept, list) and len(swept) == keys
 
 
-def _has_bolts(document: Document) -> bool:
-    scene = document.get("scene")
-    return isinstance(scene, Mapping) and scene.get("bolts") is not None
+def _shakes(motion: str, document: Document) -> bool:
+    return document.get("study") == "quake" and document.get(motion) is not None
 
 
 def _oriented(document: Document) -> bool:
@@ -76,84 +76,112 @@ def _oriented(document: Document) -> bool:
         raise
 
 
+def _has_scene(document: Document) -> bool:
+    return isinstance(document.get("scene"), Mapping)
+
+
+def _has_in_scene(key: str, document: Document) -> bool:
+    return _has_scene(document) and document["scene"].get(key) is not None
+
+
+def _has_mechanism(document: Document) -> bool:
+    return _has_scene(document) and document.get("mechanism") is not None
+
+
+def _is_of_many(document: Document) -> bool:
+    return _has_scene(document) and document.get("assembly") is not None
+
+
+_RESULT = "result.json: slopekit run design.yaml -o DIR"
+_OF_MANY = "result.json of many blocks: bench, blocks, topple"
+#: Scenes of a result, by their word.
+_SCENES: Mapping[str, Offer] = {
+    "scene": Offer("the slope with its blocks and joints", _RESULT, _has_scene),
+    "exploded": Offer("the blocks apart, their joints coloured", _RESULT, _has_scene),
+    "tractions": Offer("node pairs by contact mode, and the tractions that they carry at the limit", _RESULT,
+                       _has_scene),
+    "forces": Offer("the loads, and the resultants on the joints, to scale", _RESULT, _has_scene),
+    "displacement": Offer("the displacement at full strength, magnified", _RESULT,
+                          partial(_has_in_scene, "displacement")),
+    "mechanism": Offer("how the blocks move as they fail", _RESULT, _has_mechanism),
+    "factors": Offer("blocks coloured by the factor of safety at which they fail", _OF_MANY, _is_of_many),
+    "ravelling": Offer("blocks coloured by the order in which they fail", _OF_MANY,
+                       lambda of: _is_of_many(of) and _has_mechanism(of)),
+}  # fmt: skip
 #: Drawn by matplotlib, by their word.
-CHARTS: Mapping[str, Chart] = {
-    "stereonet": Chart(
+CHARTS: Mapping[str, Offer] = {
+    "stereonet": Offer(
         "planes, poles, lines, cones on the lower hemisphere",
         "a file with joints: slopekit kinematic, sets, run, wedge, combos or prob with -o DIR",
-        "orientation_charts.draw_orientations", lambda of: _is_survey(of) or _oriented(of),
+        lambda of: _is_survey(of) or _oriented(of), "orientation_charts.draw_orientations",
     ),
-    "elevation": Chart(
+    "elevation": Offer(
         "the face with its bolts by number",
         "result.json of a design with bolts that have a head: slopekit run design.yaml -o DIR",
-        "elevation.draw_elevation", _has_bolts,
+        partial(_has_in_scene, "bolts"), "elevation.draw_elevation",
     ),
-    "histogram": Chart(
+    "histogram": Offer(
         "factors of safety, the probability of failure", "prob.json: slopekit prob design.yaml -o DIR",
-        "probability_charts.draw_histogram", lambda of: of.get("study") == "prob",
+        lambda of: of.get("study") == "prob", "probability_charts.draw_histogram",
     ),
-    "curve": Chart(
+    "curve": Offer(
         "the factor over one number", "sweep.json of one key: slopekit sweep design.yaml KEY=a:b:n -o DIR",
-        "sweep_charts.draw_curve", lambda of: _sweeps(of, 1),
+        lambda of: _sweeps(of, 1), "sweep_charts.draw_curve",
     ),
-    "contour": Chart(
+    "contour": Offer(
         "the factor over two numbers", "sweep.json of two keys: slopekit sweep design.yaml KEY=a:b:n KEY=a:b:n -o DIR",
-        "sweep_charts.draw_contour", lambda of: _sweeps(of, 2),
+        lambda of: _sweeps(of, 2), "sweep_charts.draw_contour",
     ),
-    "backbreak": Chart(
+    "backbreak": Offer(
         "how much of the crest is lost along the bench, by height and face angle",
-        "bench-design.json: slopekit bench-design survey.csv -o DIR", "bench_charts.draw_backbreak",
-        lambda document: document.get("study") == "bench-design",
+        "bench-design.json: slopekit bench-design survey.csv -o DIR",
+        lambda of: of.get("study") == "bench-design",
+        "bench_charts.draw_backbreak",
     ),
-    "tornado": Chart(
+    "tornado": Offer(
         "what each number does to the factor", "tornado.json: slopekit sweep design.yaml --tornado -o DIR",
-        "sweep_charts.draw_tornado", lambda of: of.get("study") == "tornado",
+        lambda of: of.get("study") == "tornado", "sweep_charts.draw_tornado",
     ),
-    "motion": Chart(
+    "motion": Offer(
         "acceleration, velocity and displacement in the record that moves the block most",
-        "quake.json: slopekit quake design.yaml RECORD... -o DIR", "quake_charts.draw_motion",
-        lambda of: of.get("study") == "quake" and of.get("motion") is not None,
+        "quake.json: slopekit quake design.yaml RECORD... -o DIR", partial(_shakes, "motion"),
+        "quake_charts.draw_motion",
     ),
-    "six": Chart(
+    "six": Offer(
         "displacement and turning in six degrees of freedom",
-        "quake.json: slopekit quake design.yaml RECORD... --six -o DIR", "quake_charts.draw_six",
-        lambda of: of.get("study") == "quake" and of.get("six_motion") is not None,
+        "quake.json: slopekit quake design.yaml RECORD... --six -o DIR", partial(_shakes, "six_motion"),
+        "quake_charts.draw_six",
     ),
-    "speed-error": Chart(
+    "speed-error": Offer(
         "time against error of the solver", "check.json: slopekit check design.yaml -o DIR",
-        "charts.draw_speed_errors", lambda of: "ladder" in of,
+        lambda of: "ladder" in of, "charts.draw_speed_errors",
     ),
-    "reduction": Chart(
+    "reduction": Offer(
         "failed node pairs and displacement over the strength reduction factor",
         "result.json of a design with analysis.factors, or with analysis.criterion: all-pairs, "
         "by slopekit run design.yaml -o DIR",
-        "charts.draw_reduction", lambda of: bool(of.get("series") or of.get("all_pairs")),
+        lambda of: bool(of.get("series") or of.get("all_pairs")), "charts.draw_reduction",
     ),
 }  # fmt: skip
 #: The stereonets of studies of surveys, which have no result behind them, by kind.
-_OF_SURVEYS: Mapping[str, Chart] = {
+_OF_SURVEYS: Mapping[str, Offer] = {
     kind: replace(CHARTS["stereonet"], drawn_by=drawn_by)
     for kind, drawn_by in (
         ("kinematic", "kinematic_charts.draw_kinematic"),
         ("sets", "set_charts.draw_sets"),
     )
 }
-EVERY = (*SCENES, *CHARTS)
+_OFFERS = {**_SCENES, **CHARTS}
+EVERY = tuple(_OFFERS)
 
 
-def _chart(what: str, document: Document) -> Chart:
+def _chart(what: str, document: Document) -> Offer:
     return _OF_SURVEYS[document["kind"]] if what == "stereonet" and _is_survey(document) else CHARTS[what]
 
 
 def offers(document: Document) -> dict[str, str]:
     """What a document can give: the words, and what each picture shows."""
-    scene = document.get("scene")
-    pictures = dict[str, str]()
-    if isinstance(scene, Mapping):
-        lacks = {"displacement"} if scene.get("displacement") is None else set()
-        pictures |= {what: one.shows for what, one in SCENES.items()
-                     if what not in lacks and all(document.get(key) is not None for key in one.needs)}  # fmt: skip
-    return pictures | {what: one.shows for what, one in CHARTS.items() if one.given_by(document)}
+    return {what: one.shows for what, one in _OFFERS.items() if one.given_by(document)}
 
 
 def draw(document: Document, what: str, path: Path, *, test: str | None = None, step: int = 1, name: str = "") -> None:
@@ -206,12 +234,10 @@ def check(document: Document, what: str, path: Path, name: str, test: str | None
         near = get_close_matches(what.lower(), EVERY, n=1, cutoff=0.7)
         advice = (f"Did you mean {near[0]}? " if near else "") + can
         raise DesignError([Fault("E197", f"{what} is not a picture", what, advice)])
-    scene = SCENES.get(what)
-    many = scene is not None and "assembly" in scene.needs and document.get("assembly") is None
-    if what not in given and (many or scene is None or not isinstance(document.get("scene"), Mapping)):
-        wants = CHARTS[what].wants if scene is None else "result.json: slopekit run design.yaml -o DIR"
-        if many:
-            wants = "result.json of many blocks: bench, blocks, topple"
+    wants = _OFFERS[what].wants
+    # a scene itself says why it lacks what it draws
+    is_scene = what in SCENES and _has_scene(document) and (wants != _OF_MANY or _is_of_many(document))
+    if what not in given and not is_scene:
         raise DesignError([Fault("E273", f"{name} has no data for {what}", "", f"{can} {what} wants {wants}")])
     formats = SCENE_FORMATS if what in SCENES else FORMATS
     if path.suffix.lower() not in formats:

@@ -207,8 +207,8 @@ class Stereonet:
 def arrange(figure: Any, panels: Sequence[Any], across: int, title: str) -> None:
     """Give the figure the size of its nets (in rows of `across`) with a legend beneath each, and its title."""
     labels = [axes.get_legend_handles_labels()[1] for axes in panels]
-    columns = [2 if max(map(len, own), default=0) <= _SHORT else 1 for own in labels]
-    lines = max(-(-len(own) // count) for own, count in zip(labels, columns, strict=True))
+    columns = [2 if max(map(len, entries), default=0) <= _SHORT else 1 for entries in labels]
+    lines = max(-(-len(entries) // count) for entries, count in zip(labels, columns, strict=True))
     title = "\n".join(textwrap.fill(line, across * _WIDE) for line in title.split("\n"))
     height = len(panels) // across * (_NET + _ENTRY * (lines + 1)) + _ENTRY * (title.count("\n") + 1)
     figure.set_size_inches(across * _NET, height)

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, TypeAlias
 
 from slopekit.core.orientation import millimetre
+from slopekit.core.sheet import is_number
 from slopekit.design.fields import words_of
 from slopekit.design.registry import KINDS, record_of
 from slopekit.studies.points import Line, Method, Point, asked_of, factor_at, lines_of, lower_of
@@ -96,10 +97,9 @@ def draw_curve(figure: Any, document: Document) -> None:
     if passes:
         axes.plot([], [], color=DARK, marker="D", markerfacecolor="white", linestyle="none",
                   label="passes the level (interpolated)")  # fmt: skip
-    own = _at(key["now"], drawn[asked[0]])
-    if own is not None:
-        here = "" if any(value == key["now"] for value, _ in points) else " (interpolated)"
-        axes.plot([key["now"]], [own], **_NOW | {"label": f"{_NOW['label']}{here}"})
+    own = dict(drawn[asked[0]]).get(key["now"])
+    if own is not None and is_number(own):
+        axes.plot([key["now"]], [own], **_NOW)
     axes.set_xlabel(_name(document, key))
     axes.set_ylabel("factor of safety")
     _finish(figure, axes, document, f"factor of safety over {_words(document, key)}")
@@ -210,17 +210,6 @@ def draw_tornado(figure: Any, document: Document) -> None:
 
 
 # -- parts ------------------------------------------------------------------------------------------------------------
-
-
-def _at(value: float | None, line: Sequence[tuple[float, float | None]]) -> float | None:
-    """The factor of the design as it is: that of its own point, or between its neighbours; None beyond them."""
-    if value is None:
-        return None
-    for (low, one), (high, other) in zip(line, line[1:] or line, strict=False):
-        if low <= value <= high and one is not None and other is not None and 0.0 < one < math.inf > other > 0.0:
-            share = (value - low) / (high - low) if high > low else 0.0
-            return one + share * (other - one)
-    return next((factor for at, factor in line if at == value and factor and math.isfinite(factor)), None)
 
 
 def _axes(figure: Any, factors: Sequence[float | None]) -> Any:

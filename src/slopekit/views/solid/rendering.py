@@ -235,7 +235,7 @@ def _write_labels(axes: Any, picture: Picture, camera: Camera, wide: float, high
         box = (x - half, y + lift - tall, x + half, y + lift + tall)
         if max(map(abs, box[::2])) > wide or max(map(abs, box[1::2])) > high:
             continue
-        if any(_overlap(box, other) for other in taken):
+        if any(_overlap(box, earlier) for earlier in taken):
             continue
         taken.append(box)
         if picture.beside:
@@ -245,8 +245,8 @@ def _write_labels(axes: Any, picture: Picture, camera: Camera, wide: float, high
         axes.text(wide, -1.03 * high, f"{left} names left out: no room", fontsize=7.5, ha="right", color=_QUIET)
 
 
-def _overlap(one: _Box, other: _Box) -> bool:
-    return one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3]
+def _overlap(first: _Box, second: _Box) -> bool:
+    return first[0] < second[2] and second[0] < first[2] and first[1] < second[3] and second[1] < first[3]
 
 
 # -- GLB and glTF -----------------------------------------------------------------------------------------------------

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -27,7 +26,8 @@ from slopekit.views.solid.layers import (
 )
 from slopekit.views.solid.stage import Stage
 
-Legend = list[tuple[str, Colour, float]]
+LegendEntry = tuple[str, Colour, float]
+Legend = list[LegendEntry]
 _MOST_ARROWS = 400
 _MOST_LABELS, _FEW_LABELS = 60, 12
 _RIBBON, _BEFORE = 8e-3, 0.2  # of the size: how wide contacts of a section are drawn; of that: how far before it
@@ -35,14 +35,14 @@ _LIFTED = 2e-3  # of the size: how far the coloured joints lie before the blocks
 _ROD = 4e-3 / 0.024  # radius of rods, of the width of their plates
 
 
-@dataclass
 class Scenery:
     """A picture as it is put together: what is drawn and what the legend says of it, in one call."""
 
-    stage: Stage
-    layers: list[Layer] = field(default_factory=list)
-    legend: Legend = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
+    def __init__(self, stage: Stage, legend: Sequence[LegendEntry] = (), notes: Sequence[str] = ()) -> None:
+        self.stage = stage
+        self.layers: list[Layer] = []
+        self.legend: Legend = list(legend)
+        self.notes = list(notes)
 
     def rock(self, opacity: float = 1.0) -> None:
         """The bedrock, or the rock about one block."""
@@ -85,15 +85,15 @@ class Scenery:
             width = self.stage.plate_width
             away = np.zeros((1, 3)) if moved is None else np.append(moved, np.zeros((1, 3)), axis=0)[bolts.block]
             heads, ends = bolts.heads_m + away, bolts.ends_m + away
-            for acts, colour, own in (
+            for acts, colour, chosen in (
                 ("active", ACTIVE_BOLT, ~bolts.passive), ("passive", PASSIVE_BOLT, bolts.passive),
             ):  # fmt: skip
-                if own.any():
-                    count = int(own.sum())
-                    said = f"{count} {acts} bolt{'s' * (count > 1)}, {forces_in_words(bolts.force_kn[own].tolist())}"
-                    body = rods(heads[own], ends[own], _ROD * width)
+                if chosen.any():
+                    count = int(chosen.sum())
+                    said = f"{count} {acts} bolt{'s' * (count > 1)}, {forces_in_words(bolts.force_kn[chosen].tolist())}"
+                    body = rods(heads[chosen], ends[chosen], _ROD * width)
                     self.add(f"bolts, {acts}: rods", body, colour, front=1)
-                    body = plates(heads[own], bolts.plates[own], width)
+                    body = plates(heads[chosen], bolts.plates[chosen], width)
                     self.add(f"bolts, {acts}: plates", body, colour, "" if rods_said else said, front=1)
         open_ended = bolts is not None and bool(np.isnan(bolts.length_m).any())
         self.notes += [rods_said] if rods_said and bolts is not None and len(bolts) else []
@@ -223,19 +223,10 @@ def middles(corners: Floats, first: Ints) -> tuple[Floats, Floats]:
     return middle, normal / np.maximum(np.sqrt((normal * normal).sum(axis=1)), 1e-300)[:, None]
 
 
-def spread(points: Floats, size: Floats) -> Ints:
-    """Those of the points (n, 3) with a size that may be drawn: all, or some hundreds spread evenly."""
-    own = np.flatnonzero(size > 0.0)
-    if len(own) <= _MOST_ARROWS:
-        return own
-    extent = np.ptp(points[own], axis=0)
-    edge = float(extent.max()) / math.sqrt(_MOST_ARROWS)
-    while True:
-        cells = np.floor((points[own] - points[own].min(axis=0)) / edge).astype(np.int64)
-        _, first = np.unique(cells, axis=0, return_index=True)
-        if len(first) <= _MOST_ARROWS:
-            return own[np.sort(first)]
-        edge *= 1.1
+def largest(size: Floats) -> Ints:
+    """Those of the arrows (n,) with a size that may be drawn: all, or the largest hundreds."""
+    order = np.argsort(-size, kind="stable")[:_MOST_ARROWS]
+    return np.sort(order[size[order] > 0.0])
 
 
 def spacing(areas: Floats) -> float:

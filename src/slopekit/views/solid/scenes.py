@@ -5,7 +5,6 @@ Made of the JSON of a result (`scene` and what stands beside it), drawn by `soli
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -50,11 +49,11 @@ from slopekit.views.solid.scene_parts import (
     joint_faces,
     kilonewtons,
     kinds_of_loads,
+    largest,
     millimetres,
     nice,
     resultants,
     spacing,
-    spread,
     widened,
 )
 from slopekit.views.solid.stage import Stage, joint_colour
@@ -148,18 +147,6 @@ _Group = tuple[str, str, Floats, Floats, Colour, bool]
 _NO_LIMIT = "no limit state was found: what the joints carry is not known"
 
 
-@dataclass(frozen=True)
-class Scene:
-    """A picture of a result: what it shows, who puts it together, keys that the result must have.
-
-    `compose` takes the stage and the mechanism (1 is the first); a displacement must stand in the scene itself.
-    """
-
-    shows: str
-    compose: Callable[[Stage, int], Picture]
-    needs: tuple[str, ...] = ()
-
-
 def draw(document: Mapping[str, Any], what: str, path: Path, step: int = 1) -> None:
     """Draw a scene of a result to PNG, GLB or glTF.
 
@@ -186,7 +173,7 @@ def compose(document: Mapping[str, Any], what: str, step: int = 1) -> Picture:
     DesignError
         E350 no scene, E273 no displacement, mechanism or step.
     """
-    return SCENES[what].compose(Stage.of(document), step)
+    return SCENES[what](Stage.of(document), step)
 
 
 # -- the pictures -----------------------------------------------------------------------------------------------------
@@ -219,15 +206,11 @@ def _scene(stage: Stage, _: int) -> Picture:
 
 def _exploded(stage: Stage, _: int) -> Picture:
     shapes, seen = stage.scene.shapes, Scenery(stage)
+    moved = _EXPLODED * stage.apart
     if stage.alone:
-        moved = _EXPLODED * stage.size * free_normal(shapes)[None, :]
         seen.rock()
         note = f"the block moved out of the slope by {_EXPLODED:g} of its size"
     else:
-        own = shapes.fixed if shapes.fixed.any() else stage.free
-        moved = _EXPLODED * (shapes.centroids - shapes.centroids[own].mean(axis=0))
-        if stage.in_section:
-            moved[shapes.fixed] = 0.0
         middle = "the middle of the bedrock" if shapes.fixed.any() else "the middle"
         note = f"blocks moved apart by {_EXPLODED:g} of their distance from {middle}"
     seen.legend += seen.block_legend(bool(seen.layers))
@@ -263,14 +246,14 @@ def _tractions(stage: Stage, _: int) -> Picture:
     if not size.any():
         seen.notes.append(_NO_LIMIT if len(pairs) else "no node pairs: nothing was solved")
         return seen.picture("tractions", labels=seen.names(only=shown))
-    drawn = spread(pairs.points_m, size)
+    drawn = largest(size)
     longest = float(size.max())
     body = arrows(pairs.points_m[drawn], 0.25 * scale * traction[drawn] / longest, min(0.014 * scale, 0.15 * apart))
     on = " on the block" if stage.alone else " on one of the two blocks, the other has its opposite"
     seen.add("tractions", body, DARK, f"traction{on}, longest {longest:.4g} kPa", front=0 if stage.alone else 3)
     every = int((size > 0.0).sum())
     if len(drawn) < every:
-        seen.notes.append(f"{len(drawn)} of {every} tractions are drawn, spread evenly")
+        seen.notes.append(f"{len(drawn)} of {every} tractions are drawn, the largest")
     seen.notes.append("tractions at the limit: normal and shear of each pair by the area that it controls")
     return seen.picture("tractions", labels=seen.names(only=shown))
 
@@ -383,7 +366,7 @@ def _mechanism(stage: Stage, step: int) -> Picture:
     seen.blocks("moving", moving, offset=moved, colours=colours)
     own = np.flatnonzero(moving)
     speed = np.sqrt((scene.velocity[own, :3] ** 2).sum(axis=1))
-    kept = spread(shapes.centroids[own], speed)
+    kept = largest(speed)
     own, speed = own[kept], speed[kept]
     length = 0.3 * stage.size if stage.alone else 0.8 * float(stage.sizes[moving].mean())
     starts = shapes.centroids[own] + scene.velocity[own, :3] * times
@@ -462,20 +445,20 @@ def _by_value(
         colours[known] = bar.colours(values[known])
     colours[stage.without_strength & ~known] = FALLS
     colours[stage.unsettled & ~known] = UNSETTLED
-    seen = Scenery(stage, legend=list(legend), notes=list(notes))
+    seen = Scenery(stage, legend, notes)
     seen.rock()
     seen.blocks("blocks", stage.free, colours=colours)
     return seen.picture(what, bar=bar if scale else None)
 
 
-#: What can be drawn of a result, by its word.
-SCENES: Mapping[str, Scene] = {
-    "scene": Scene("the slope with its blocks and joints", _scene),
-    "exploded": Scene("the blocks apart, their joints coloured", _exploded),
-    "tractions": Scene("node pairs by contact mode, and the tractions that they carry at the limit", _tractions),
-    "forces": Scene("the loads, and the resultants on the joints, to scale", _forces),
-    "displacement": Scene("the displacement at full strength, magnified", _displacement),
-    "mechanism": Scene("how the blocks move as they fail", _mechanism, ("mechanism",)),
-    "factors": Scene("blocks coloured by the factor of safety at which they fail", _factors, ("assembly",)),
-    "ravelling": Scene("blocks coloured by the order in which they fail", _ravelling, ("assembly", "mechanism")),
+#: Who puts a scene together, by its word: of the stage and the mechanism, 1 the first.
+SCENES: Mapping[str, Callable[[Stage, int], Picture]] = {
+    "scene": _scene,
+    "exploded": _exploded,
+    "tractions": _tractions,
+    "forces": _forces,
+    "displacement": _displacement,
+    "mechanism": _mechanism,
+    "factors": _factors,
+    "ravelling": _ravelling,
 }

@@ -2,18 +2,16 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from slopekit.block_scene import BlockScene
 from slopekit.bolts import nearest
 from slopekit.core.arrays import Bools, Floats, Ints, cross
-from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Line, parse_plane
 from slopekit.core.sheet import factor_text
+from slopekit.exchange.source import ExportSource, export_source
 from slopekit.kinds import known_kind
 from slopekit.result import JUDGED
 from slopekit.views.solid.layers import (
@@ -24,6 +22,7 @@ from slopekit.views.solid.layers import (
     Layer,
     block_of_vertex,
     blocks_layer,
+    free_normal,
     ground_below,
     layer,
     rock_around,
@@ -35,12 +34,8 @@ _PLATE = 0.024  # of the size: width of plates of bolts that stand far enough ap
 _CROWDED = 0.4  # of the distance to the nearest head: the most that a plate takes
 
 
-@dataclass(frozen=True)
-class Stage:
+class Stage(ExportSource):
     """The document of a result with its scene."""
-
-    document: Mapping[str, Any]
-    scene: BlockScene
 
     @classmethod
     def of(cls, document: Mapping[str, Any]) -> "Stage":
@@ -51,10 +46,7 @@ class Stage:
         DesignError
             E350 where it holds no scene.
         """
-        if not isinstance(document.get("scene"), Mapping):
-            advice = "Scenes are drawn from a result: slopekit run DESIGN -o DIR, then DIR/result.json."
-            raise DesignError([Fault("E350", "the file holds no scene: there are no blocks to draw", "", advice)])
-        return cls(document, BlockScene.from_dict(document["scene"]))
+        return cls(document, export_source(document, "the file").scene)
 
     @property
     def kind(self) -> str:
@@ -101,11 +93,6 @@ class Stage:
         y = self.scene.shapes.centroids[self.free, 1]
         return not np.ptp(y) > 1e-9 * self.size  # columns may stand in several rows
 
-    @property
-    def is_curved(self) -> bool:
-        """Whether the block lies on a curved slip surface."""
-        return self._given("inputs", "slip") is not None
-
     def _given(self, part: str, key: str) -> Any:
         section = self.document.get(part)
         return section.get(key) if isinstance(section, Mapping) else None
@@ -147,6 +134,18 @@ class Stage:
             return 0.0
         size = min(self.size, self.neighbourhood(self.free))
         return min(_PLATE * size, _CROWDED * nearest(self.scene.known_bolts.heads_m))
+
+    @cached_property
+    def apart(self) -> Floats:
+        """Which way and how far each block is from the others, (n, 3) m: a lone one out of the slope by its size."""
+        shapes = self.scene.shapes
+        if self.alone:
+            return np.array([self.size * free_normal(shapes)])
+        own = shapes.fixed if shapes.fixed.any() else self.free
+        away: Floats = shapes.centroids - shapes.centroids[own].mean(axis=0)
+        if self.in_section:
+            away[shapes.fixed] = 0.0
+        return away
 
     # -- how the blocks fail ------------------------------------------------------------------------------------------
 

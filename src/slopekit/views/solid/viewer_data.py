@@ -30,7 +30,7 @@ from slopekit.views.solid.stage import Stage
 _SMOOTH = np.cos(np.radians(30.0))  # triangles of one face that bend by less have no edge between them
 _FLAT = np.cos(np.radians(1.0))
 _FARTHEST = 0.25  # of the scene's size: the most that the mechanism's slider moves a block
-_AWAY = 0.7  # of its distance from the middle: how far the exploded view moves a block
+_AWAY = 0.7  # of its distance from the others: how far the exploded view moves a block
 
 
 def viewer_data(document: Mapping[str, Any]) -> dict[str, Any]:
@@ -77,7 +77,7 @@ def data_of(stage: Stage) -> dict[str, Any]:
         "fixed": shapes.fixed.astype(int).tolist(), "order": scene.order.astype(int).tolist(),
         "factor": [float(value) if np.isfinite(value) else None for value in scene.factor],
         "centroids": _single(shapes.centroids - middle),
-        "explode": _single(_explode(scene, middle, size)),
+        "explode": _single(np.append(_AWAY * stage.apart, np.zeros((rock, 3)), axis=0)),
         "velocity": _single(scene.velocity * scale),
         "vertices": _single(vertices - middle), "triangles": _whole(triangles),
         "triangle_block": _whole(shapes.solids.block), "triangle_face": _whole(shapes.solids.face),
@@ -210,21 +210,6 @@ def _at(points: Floats, centroids: Floats, velocity: Floats, block: Ints) -> Flo
         return np.zeros((0, 3))
     moved: Floats = velocity[block, :3] + np.cross(velocity[block, 3:], points - centroids[block])
     return moved
-
-
-def _explode(scene: BlockScene, middle: Floats, size: float) -> Floats:
-    """How far each block (n, 3) goes in the exploded view: away from the middle, a lone one off its joints."""
-    shapes = scene.shapes
-    free = ~shapes.fixed
-    away = np.zeros_like(shapes.centroids)
-    if int(free.sum()) > 1:
-        away[free] = _AWAY * (shapes.centroids[free] - shapes.centroids[free].mean(axis=0))
-    elif len(scene.pairs):
-        own = scene.pairs.normals * scene.pairs.control_area_m2[:, None]
-        lift = np.where(scene.pairs.plus[:, None] >= 0, own, -own).sum(axis=0)
-        if (length := float(np.linalg.norm(lift))) > 0.0:
-            away[free] = 0.3 * size * lift / length
-    return away
 
 
 def _edges(vertices: Floats, triangles: Ints, block: Ints, face: Ints) -> Ints:
