@@ -67,11 +67,8 @@ class Blocks:
 
     def of(self, rows: slice | Ints) -> "Blocks":
         """Return some of them."""
-        some: dict[str, Any] = {}
-        for name in (field.name for field in fields(self)):
-            values = getattr(self, name)
-            some[name] = None if values is None else values[rows]
-        return Blocks(**some)
+        each: dict[str, Any] = {field.name: getattr(self, field.name) for field in fields(self)}
+        return Blocks(**{name: value if value is None else value[rows] for name, value in each.items()})
 
     def beds(self) -> Beds:
         """Return their elastic beds, each in parts of its load, its area, and the distance of its corners."""
