@@ -58,16 +58,7 @@ def blocks_of(cuts: Sequence[Cut]) -> Blocks:
             corners[row, k, : len(outline)], counts[row, k] = outline - made.block.centroid, len(outline)
             cohesion[row, k] = interface.strength.cohesion_kpa
             tan_friction[row, k] = np.tan(np.radians(interface.strength.friction_angle_deg))
-    most_bolts = max(len(made.loads.passive_forces) for made in cuts)
-    bolts, capacity = np.zeros((len(cuts), most_bolts, 6)), np.zeros((len(cuts), most_bolts))
-    for row, made in enumerate(cuts):
-        pulls, arms = made.loads.passive_forces, made.loads.passive_points - made.block.centroid
-        number = np.sqrt((pulls * pulls).sum(axis=1))
-        capacity[row, : len(pulls)] = number
-        bolts[row, : len(pulls)] = np.concatenate([pulls, cross(arms, pulls)], axis=1) / number[:, None]
     return Blocks(
-        bolts=bolts,
-        capacity=capacity,
         corners=corners[:, :, ::-1] if most == 2 else corners,  # ends from the toe
         counts=counts,
         cohesion=cohesion,

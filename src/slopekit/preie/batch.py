@@ -8,18 +8,15 @@ as `one_block.flat_limit` has it for one block; rows are taken in chunks, so tha
 from dataclasses import dataclass, fields
 from enum import IntEnum
 from itertools import chain, combinations
-from typing import Any
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, cross
 from slopekit.preie.one_block.bed_limits import SPLITS, BedLimits, follow_paths, running_limits
 from slopekit.preie.one_block.bed_path import lengths
-from slopekit.preie.one_block.limit import forces_only_limit
-from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.one_block.polygon_bed import Beds, contact_rows, cross_2d
 from slopekit.preie.solvers.linear import bounded_least_squares
-from slopekit.preie.system.model import Model, local_axes
+from slopekit.preie.system.model import local_axes
 from slopekit.preie.tolerances import NO_FORCE, OPENS_IN_PASSES, PARALLEL, SAME_LIMIT, TINY
 
 #: Rows that are taken at a time: with fewer NumPy's calls take the time, with more memory grows (9 kB a row).
@@ -38,7 +35,7 @@ class ForcesStatus(IntEnum):
 
 @dataclass(frozen=True, kw_only=True)
 class Blocks:
-    """Single blocks on up to k flat contacts of up to c corners each, with up to b passive bolts.
+    """Single blocks on up to k flat contacts of up to c corners each, without passive bolts.
 
     In a section, metre by metre, contacts are lines: c = 2, with the block on the left of the way from the first end to
     the second where x is to the right and z up; nothing moves along y or turns about x and z.
@@ -49,7 +46,6 @@ class Blocks:
     counts : (n, k) corners of each contact; 0: a block has fewer contacts
     cohesion : (n, k) kPa; tan_friction : (n, k)
     load : (n, 6) kN and kN m about the centroid
-    bolts : (n, b, 6) what passive bolts do to the block by a pull of one; capacity : (n, b) kN; None without
     """
 
     corners: Floats
@@ -57,8 +53,6 @@ class Blocks:
     cohesion: Floats
     tan_friction: Floats
     load: Floats
-    bolts: Floats | None = None
-    capacity: Floats | None = None
 
     @property
     def unknowns(self) -> Ints:
@@ -67,8 +61,7 @@ class Blocks:
 
     def of(self, rows: slice | Ints) -> "Blocks":
         """Return some of them."""
-        each: dict[str, Any] = {field.name: getattr(self, field.name) for field in fields(self)}
-        return Blocks(**{name: value if value is None else value[rows] for name, value in each.items()})
+        return Blocks(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 
     def beds(self) -> Beds:
         """Return their elastic beds, each in parts of its load, its area, and the distance of its corners."""
@@ -88,13 +81,6 @@ class Blocks:
         middle, rows, plane = contact_rows(arms / length[block, None], corner, axes, columns)
         scale = np.broadcast_to((length ** (len(columns) // 3) / whole)[:, None], counts.shape)
         line = np.stack([scale, self.cohesion * (whole / force)[:, None], self.tan_friction], axis=2)[contacts]
-        scales = np.stack([force] * 3 + [force * length] * 3, axis=1)
-        bolts, capacity = np.zeros((len(counts), 0, len(columns))), np.zeros((len(counts), 0))
-        if self.bolts is not None and self.capacity is not None:
-            bolts, capacity = (
-                (self.bolts * (force[:, None] / scales)[:, None])[..., columns],
-                self.capacity / force[:, None],
-            )
         return Beds(
             contact=np.concatenate([[0], np.cumsum(contacts.sum(axis=1))]),
             corner=corner,
@@ -103,9 +89,9 @@ class Blocks:
             rows=rows,
             plane=plane,
             line=line,
-            load=np.ascontiguousarray((self.load / scales)[:, columns]),
-            bolt_rows=bolts,
-            bolt_capacity=capacity,
+            load=np.ascontiguousarray((self.load / np.stack([force] * 3 + [force * length] * 3, axis=1))[:, columns]),
+            bolt_rows=np.zeros((len(counts), 0, len(columns))),
+            bolt_capacity=np.zeros((len(counts), 0)),
             length=length,
         )
 
@@ -176,8 +162,6 @@ def limits_of_blocks(blocks: Blocks) -> BlockLimits:
 def _slides(beds: Beds) -> tuple[Ints, Floats, Floats]:
     """Return what forces alone do to blocks, as of `forces_slides`; λ is not a number where no bed is looked at."""
     status, slides, pushes = forces_slides(beds)
-    for row in np.flatnonzero(beds.bolt_capacity.any(axis=1)).tolist():
-        status[row], slides[row] = bolted_slide(beds, row, pushes[row])
     for row in np.flatnonzero(status == ForcesStatus.NOT_DRIVEN).tolist():
         if stands_without_strength(beds, row):
             status[row] = ForcesStatus.STANDS
@@ -258,38 +242,6 @@ def forces_slides(beds: Beds) -> tuple[Ints, Floats, Floats]:
     slides[:, :moves] = np.where(driving > least, 1.0 / np.maximum(driving, TINY), 0.0)[:, None] * pull
     slides[:, -1] = reduction
     return status, slides, pushes
-
-
-def bolted_slide(beds: Beds, block: int, pushes: Floats) -> tuple[ForcesStatus, Floats]:
-    """Return the same of one block with passive bolts, its status and (u + 1,) its slide, and note its pushes (k,)."""
-    contacts, bolts = slice(*beds.contact[block : block + 2]), beds.bolt_capacity[block] > 0.0
-    rows, area, line = beds.rows[contacts, ::3], beds.whole[contacts, 0, 0], beds.line[contacts]
-    limit = forces_only_limit(
-        Model(
-            rows=rows,
-            control_area=area,
-            cohesion=line[:, 1] * area,
-            tension=0.0 * area,
-            tan_friction=line[:, 2],
-            tan_dilation=0.0 * area,
-            interface=np.arange(len(rows)),
-            load=beds.load[block],
-            bolt_rows=beds.bolt_rows[block, bolts],
-            bolt_capacity=beds.bolt_capacity[block, bolts],
-            length_scale=1.0,
-            force_scale=1.0,
-            area_scale=1.0,
-            translations=beds.translations,
-        )
-    )
-    pushes[: len(rows)] = limit.normal_force
-    velocity = np.append(limit.velocity, np.zeros(beds.load.shape[1] - len(limit.velocity)))
-    if limit.factor is not None:
-        return ForcesStatus.SLIDES, np.append(velocity, 1.0 / limit.factor if limit.factor else np.inf)
-    if limit.outcome is Outcome.NO_DRIVING_FORCE:
-        return ForcesStatus.NOT_DRIVEN, np.append(0.0 * velocity, np.nan)
-    falls = (rows[:, 0, beds.translations - 1] <= 0.0).all()
-    return ForcesStatus.FALLS if falls else ForcesStatus.LIFTED, np.append(velocity, np.nan)
 
 
 def stands_without_strength(beds: Beds, block: int) -> bool:
