@@ -9,16 +9,15 @@ from dataclasses import replace
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError
 from slopekit.design.common import Design
-from slopekit.design.ground_water import WORST
 from slopekit.design.reading.files import with_values
 from slopekit.design.scatter.distributions import Distribution, Variable
 from slopekit.studies.prob.sampling import Samples
 from slopekit.studies.prob.vectorised import vectorised
 
 PLACE = "crack.distance"
-MOST_ALONE = 200  # samples: a second or more each
+FEW_ALONE = 200  # samples that are drawn where each takes a second or more
 
 
 def cracked(design: Design, samples: Samples) -> tuple[Design, Samples, Bools] | None:
@@ -48,20 +47,3 @@ def cracked(design: Design, samples: Samples) -> tuple[Design, Samples, Bools] |
     values.setflags(write=False)
     placed = Samples((*samples.variables, variable), (*samples.names, PLACE), values, samples.replicate)
     return replace(fixed, variables=(*fixed.variables, variable)), placed, blocks & ~known
-
-
-def checked_alone(design: Design, count: int) -> None:
-    """Refuse many samples whose crack is looked for in each by itself: E125.
-
-    Where the mean values cut no block the design has no such crack to show: its file says that one is looked for.
-    """
-    plain = None if design.source is None else design.source.root.plain()
-    written = plain.get("crack") if isinstance(plain, dict) else None
-    if count <= MOST_ALONE or WORST not in str(written):
-        return
-    message = f"worst cracks of this design are found sample by sample: at most {MOST_ALONE}, here {count}"
-    advice = (
-        "Passive bolts, curved strength, a basal joint, crack water in metres, table, pond and surcharge ask for it. "
-        f"Give the distance that slopekit run finds, or fewer samples: -n {MOST_ALONE}."
-    )
-    raise DesignError([Fault("E125", message, PLACE, advice)])

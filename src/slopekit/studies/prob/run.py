@@ -35,7 +35,7 @@ from slopekit.studies.prob.bolts import (
     standing,
     without_force,
 )
-from slopekit.studies.prob.cracks import MOST_ALONE, checked_alone, cracked
+from slopekit.studies.prob.cracks import FEW_ALONE, cracked
 from slopekit.studies.prob.estimates import Share, Summary, sample_statistics, share_of, summary_of
 from slopekit.studies.prob.judged import IMPOSSIBLE, Judged, also_of, notices_of, nowhere, sensitivities, with_also
 from slopekit.studies.prob.sampling import METHODS, Method, Samples, samples
@@ -285,8 +285,8 @@ def prob(
     Raises
     ------
     DesignError
-        E302 nothing scatters, E307 a number out of range, E126 a word that is none of those known, E125 a worst
-        crack of many samples that is looked for in each by itself, and those of `run_all`.
+        E302 nothing scatters, E307 a number out of range, E126 a word that is none of those known, and those of
+        `run_all`.
 
     Notes
     -----
@@ -366,8 +366,6 @@ class _Drawn:
         none: Bools = np.zeros(asked.n, dtype=bool)
         self.design, self.samples, self.nowhere = (design, self.as_drawn, none) if cracks is None else cracks
         self.fast = vectorised(self.design, self.samples.values, self.samples.settings)
-        if cracks is None and (self.fast is None or bool(getattr(design, "crack_searched", ""))):
-            checked_alone(design, asked.n)  # its crack is looked for in each, or it has no block at the mean values
 
     def takes_all_at_once(self, by: By) -> bool:
         """Whether the method that counts does."""
@@ -404,7 +402,7 @@ def _asked(
         faults.append(Fault("E126", f"{by} is not a method", "", "Known: closed-form, pre-ie."))
     if by == "closed-form" and kind_of(design).closed_form is None:
         faults.append(Fault("E126", f"a {design.kind} has no closed form to sample", "", "Take pre-ie."))
-    few = MOST_ALONE if getattr(design, "crack_searched", "") else FEW
+    few = FEW_ALONE if getattr(design, "crack_searched", "") else FEW
     n, most = few if n is None else n, _MOST if by == "closed-form" else _MOST_BY_PRE_IE
     for name, value, low, high in (
         ("n", n, 1, most), ("seed", seed, 0, 2**63 - 1), ("the target", target, 1e-6, 1e6),
