@@ -43,7 +43,7 @@ class Blocks:
     Attributes
     ----------
     corners : (n, k, c, 3) m from the centroid of each block, anticlockwise as seen from outside the block
-    counts : (n, k) corners of each contact; 0: a block has fewer contacts
+    counts : (n, k) corners of each contact; 0: a block has fewer contacts, but one at least
     cohesion : (n, k) kPa; tan_friction : (n, k)
     load : (n, 6) kN and kN m about the centroid
     """
