@@ -73,7 +73,8 @@ def _compiled(source: Path, target: Path) -> str:
     compiler = os.environ.get("CC") or sysconfig.get_config_var("CC") or "cc"
     number = zlib.crc32(source.read_bytes()) & 0x7FFFFFFF  # kernels.py takes no others
     command = [
-        *shlex.split(compiler), "-O3", *shlex.split(os.environ.get("CFLAGS", "")), "-fPIC", "-shared",
+        *shlex.split(compiler), "-O3", "-fno-math-errno", "-fno-trapping-math",
+        *shlex.split(os.environ.get("CFLAGS", "")), "-fPIC", "-shared",
         *(["-undefined", "dynamic_lookup"] if sys.platform == "darwin" else []),
         f"-DSOURCE={number}", f"-I{sysconfig.get_path('include')}", str(source), "-o", str(target), "-lm",
     ]  # fmt: skip

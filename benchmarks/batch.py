@@ -44,17 +44,31 @@ def random_cuts(count: int, seed: int) -> list[Cut]:
 
 def blocks_of(cuts: Sequence[Cut]) -> Blocks:
     """Return the blocks of single analyses as arrays."""
-    most = max(len(polygon) for made in cuts for polygon in made.block.faces.values())
+    beddings = [made.scene_at(0).bedding for made in cuts]
+    outlines = [
+        [bedding.polygons[interface.key] for interface in made.interfaces]
+        for made, bedding in zip(cuts, beddings, strict=True)
+        if bedding is not None
+    ]
+    most = max(len(outline) for each in outlines for outline in each)
     shape = len(cuts), max(len(made.interfaces) for made in cuts)
     corners, counts, cohesion, tan_friction = np.zeros((*shape, most, 3)), np.zeros(shape, int), *np.zeros((2, *shape))
-    for row, made in enumerate(cuts):
-        for k, interface in enumerate(made.interfaces):
-            polygon = made.block.faces[interface.key]
-            corners[row, k, : len(polygon)], counts[row, k] = polygon - made.block.centroid, len(polygon)
+    for row, (made, each) in enumerate(zip(cuts, outlines, strict=True)):
+        for k, (interface, outline) in enumerate(zip(made.interfaces, each, strict=True)):
+            corners[row, k, : len(outline)], counts[row, k] = outline - made.block.centroid, len(outline)
             cohesion[row, k] = interface.strength.cohesion_kpa
             tan_friction[row, k] = np.tan(np.radians(interface.strength.friction_angle_deg))
+    most_bolts = max(len(made.loads.passive_forces) for made in cuts)
+    bolts, capacity = np.zeros((len(cuts), most_bolts, 6)), np.zeros((len(cuts), most_bolts))
+    for row, made in enumerate(cuts):
+        pulls, arms = made.loads.passive_forces, made.loads.passive_points - made.block.centroid
+        number = np.sqrt((pulls * pulls).sum(axis=1))
+        capacity[row, : len(pulls)] = number
+        bolts[row, : len(pulls)] = np.concatenate([pulls, cross(arms, pulls)], axis=1) / number[:, None]
     return Blocks(
-        corners=corners,
+        bolts=bolts,
+        capacity=capacity,
+        corners=corners[:, :, ::-1] if most == 2 else corners,  # ends from the toe
         counts=counts,
         cohesion=cohesion,
         tan_friction=tan_friction,

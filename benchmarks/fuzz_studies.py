@@ -50,7 +50,7 @@ OPTIONS: dict[str, dict[str, tuple[object, ...]]] = {
         "unit_weight": ("26", "2650", "0"), "water": ("dry", "full", "50%", "u=9.8kPa", "101%", "u=-1"),
         "seismic": ("0.1", "0", "2", "3", "0.1@180", "0.1@90"), "swell": ("1.4", "1", "3", "0.9"),
         "repose": ("37", "10", "60", "61"), "fos": ("1", "1e-6", "1.5", "1e6", "0"),
-        "n": ("100", "500", "99", "1e9", "150.5"), "confirm": ("0", "3", "-1", "2.5"), "near": ("1%", "0", "11"),
+        "n": ("100", "500", "99", "1e9", "150.5"),
         "confidence": ("95%", "0.5", "1"), "accept": ("0.8", "0", "1", "1.1"),
         "seed": ("1", "-1", "2.5", "9e18"),
         "convention": ("dip-direction", "right-hand-rule", "strike", "left-hand-rule"), "skip_bad": (True, False),
@@ -64,8 +64,7 @@ OPTIONS: dict[str, dict[str, tuple[object, ...]]] = {
     },
 }  # fmt: skip
 _NEEDED = {
-    "bench-design": {"height": "10", "face": "65", "dip_direction": "180", "c": "5", "phi": "30", "n": "200",
-                     "confirm": "3"},
+    "bench-design": {"height": "10", "face": "65", "dip_direction": "180", "c": "5", "phi": "30", "n": "200"},
     "sets": {},
 }  # fmt: skip
 

@@ -43,10 +43,10 @@ _BENCH = "slopekit run templates/bench.yaml --set analysis.mechanisms=4 -o bench
 _COLUMNS = "slopekit run templates/goodman-bray.yaml -o columns --no-pictures --quiet"
 _MASS = "slopekit run templates/paper-ellipsoid.yaml -o mass --no-pictures --quiet"
 _BOLTED = "slopekit run bolted.yaml --case static -o bolted --no-pictures --quiet"
-_PROB = "slopekit prob templates/wedge-scatter.yaml -n 5000 --confirm 20 --near 0 -o scatter --quiet"
+_PROB = "slopekit prob templates/wedge-scatter.yaml -n 5000 -o scatter --quiet"
 _BENCHES = (
     "slopekit bench-design examples/bench-survey.csv --height 10,15 --face 60:80:3 --dip-direction 180 --c 2 --phi 32 "
-    "-n 2000 --confirm 5 --near 0 -o benches --quiet"
+    "-n 2000 -o benches --quiet"
 )
 
 

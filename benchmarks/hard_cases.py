@@ -45,7 +45,6 @@ SHOWN = {
 }  # fmt: skip
 #: Jumps whose parameter is not that of their picture, by the beginning of their names: what to multiply it with.
 IN_PICTURE = {"plane pulled uphill": 1.0 / 1835.0}
-COMPARED = {"factor": "limit", "volume": "volume", "coordinates": "corners"}
 #: What the errors of a picture are errors of, and what is written below it.
 ERRORS = {"factor": "factor of safety", "volume": "volume", "coordinates": "corners"}
 ALONE = "forces alone; moments govern the limit"
@@ -98,24 +97,6 @@ class Walked:
     def governed(self, found: Point) -> bool:
         """Whether the error of a point is that of the forces alone, because moments govern its limit."""
         return self.sweep.quantity == "factor" and found.below is not None
-
-    def row(self) -> str:
-        """The sweep as a line of the table."""
-        sweep = self.sweep
-        low, high = min(sweep.values), max(sweep.values)
-        largest, alone = self.worst(), self.worst(governed=True)
-        statuses = Counter(found.status or found.refused for found in self.points)
-        lost = [found.value for found in self.points if found.status == "not_converged"]
-        said = f"{len(lost)}" + (": " + ", ".join(f"{value:.4g}" for value in lost) if lost else "")
-        met = ", ".join(f"{name} {count}" for name, count in statuses.most_common())
-        name = f"[{sweep.name}](images/hard-{sweep.picture}.png)"
-        cells = (
-            name, sweep.kind, sweep.label, f"{low:.4g} to {high:.4g}", COMPARED[sweep.quantity],
-            *(("none", "") if largest is None else (f"{largest[0]:.1e}", f"{largest[1]:.4g}")),
-            in_short(sweep.tolerance[0]), met, sum(self.governed(found) for found in self.points),
-            "" if alone is None else f"{alone[0]:.1e}", said,
-        )  # fmt: skip
-        return f"| {' | '.join(str(cell) for cell in cells)} |"
 
 
 def draw(picture: str, walks: Sequence[Walked], jumps: Sequence[tuple[Jump, Located]]) -> None:
@@ -182,48 +163,62 @@ def page(walks: Sequence[Walked], jumps: Sequence[tuple[Jump, Located]]) -> str:
     sizes = sorted({one.sweep.tolerance[0] for one in walks})
     lines = [
         "# Hard cases", "",
-        f"slopekit {__version__} against closed forms in 50 digits (`tests/hard_cases/exact.py`), made by "
-        "`python -m benchmarks.hard_cases`; the points are in [hard-cases.json](hard-cases.json).", "",
+        f"Sweeps of one input to the edge of what is possible, slopekit {__version__} against closed forms in 50 "
+        "digits (`tests/hard_cases/exact.py`). Made by `python -m benchmarks.hard_cases`; every point, with its "
+        "status, is in [hard-cases.json](hard-cases.json).", "",
         f"{len(points)} points:", "",
         f"- {verdicts['agrees']} agree with the closed form within the tolerance of their sweep "
         f"({in_short(sizes[0])} to {in_short(sizes[-1])}, causes below): {numbers} factors of safety, {shapes} volumes "
         f"and places of corners, {len(agreed) - numbers - shapes} without a number on either side.",
-        f"- {verdicts['moments govern']} where moments govern. There the answer, the limit, has no reference: the "
-        "closed form knows forces only. What is checked is slopekit's number of the forces alone, which agrees within "
-        f"the same tolerances, and that the limit does not lie above it (in {none} of them no limit is left: the block "
-        "topples or turns).",
+        f"- {verdicts['moments govern']} where moments govern. The closed form knows forces only, so the limit has no "
+        "reference: checked are slopekit's forces alone, within the same tolerances, and that the limit does not lie "
+        f"above them (in {none} the block topples or turns and has no limit).",
         f"- {verdicts['said']} without an answer that say so.",
         f"- {verdicts['wrong']} wrong.", "",
-        "Errors are relative. Largest error: of what is compared, at the points where moments do not govern; beside it "
-        "that of the forces alone at the points where they do. Pictures: a cross is the error of the forces alone "
-        "where moments govern the limit; an open marker, at the bottom, is no error to 16 digits; dashed lines are the "
-        "tolerances, dotted ones the jumps.", "",
-        "| sweep | kind | parameter | range | compared | largest error | where | tolerance | statuses met "
-        "| moments govern | forces alone there, largest error | not converged |",
-        "|---|---|---|---|---|---|---|---|---|---|---|---|", *(one.row() for one in walks), "",
+        "Errors are relative. In the pictures a cross is the error of the forces alone where moments govern, an open "
+        "marker at the bottom is no error to 16 digits, dashed lines are tolerances, dotted lines jumps.", "",
+        "Compared is the limit, or what the name of the sweep says. Below each picture stands what was swept, the "
+        "largest error beside the tolerance, and where moments govern the largest error of the forces alone.", "",
         "## Causes of the tolerances", "",
         *(f"- {in_short(size)}: {cause}" for size, cause in sorted({one.sweep.tolerance for one in walks})), "",
         f"- `no_driving_force` instead of a number above {in_short(NO_DRIVE)}: what drives is less than a millionth of "
         "the strength.", "",
         "## Jumps", "",
-        "Places by bisection, in slopekit to a thousandth of the tolerance. Values: what the reference and the "
-        "forces alone (many blocks: the limit) of slopekit have, as far beside the jump as the tolerance. Where the "
-        "status is that of a block that rotates or topples, moments govern: the limit has no reference.", "",
-        "| jump | parameter | place, 50 digits | place, slopekit | apart | tolerance | below: exact, slopekit, limit, "
-        "status | above: exact, slopekit, limit, status |",
+        "Where the status changes, by bisection. Values on either side are in hard-cases.json.", "",
+        "| jump | parameter | place, 50 digits | slopekit | apart | tolerance | status below | above |",
         "|---|---|---|---|---|---|---|---|",
         *(f"| {jump.name} | {jump.label} | {found.exact_place:.13g} | {found.place:.13g} | {found.off:.1e} "
-          f"| {in_short(jump.tolerance[0])} | {_side(found.below)} | {_side(found.above)} |" for jump, found in jumps),
+          f"| {in_short(jump.tolerance[0])} | {found.below.status} | {found.above.status} |" for jump, found in jumps),
         "",
         *(f"- {in_short(size)}: {cause}" for size, cause in sorted({jump.tolerance for jump, _ in jumps})), "",
     ]  # fmt: skip
     for picture in dict.fromkeys(one.sweep.picture for one in walks):
         lines += [f"## {TITLES[picture]}", "", f"![{TITLES[picture]}](images/hard-{picture}.png)", ""]
+        lines += [*_sweeps_of([one for one in walks if one.sweep.picture == picture]), ""]
         if picture in WORDS:
             lines += [WORDS[picture]]
         if picture == "seismic":
             lines += [_toppling([one for one in walks if one.sweep.picture == picture])]
     return "\n".join(lines)
+
+
+def _sweeps_of(walks: Sequence[Walked]) -> list[str]:
+    """The sweeps of a picture, those of one parameter and tolerance on a line."""
+    groups: dict[tuple[str, float], list[Walked]] = {}
+    for one in walks:
+        groups.setdefault((one.sweep.label, one.sweep.tolerance[0]), []).append(one)
+    lines = []
+    for (label, tolerance), members in groups.items():
+        values = [value for one in members for value in one.sweep.values]
+        names = "; ".join(one.sweep.name for one in members)
+        errors = [worst[0] for one in members if (worst := one.worst()) is not None]
+        alone = [worst[0] for one in members if (worst := one.worst(governed=True)) is not None]
+        governed = sum(one.governed(found) for one in members for found in one.points)
+        told = f"largest error {max(errors):.1e}, tolerance {in_short(tolerance)}" if errors else "no error compared"
+        if governed:
+            told += f"; moments govern at {governed} points (forces alone {max(alone):.1e})"
+        lines.append(f"- {label}, {min(values):.4g} to {max(values):.4g}: {told}. Sweeps: {names}.")
+    return lines
 
 
 def _toppling(walks: Sequence[Walked]) -> str:
@@ -233,12 +228,6 @@ def _toppling(walks: Sequence[Walked]) -> str:
         for one in walks if any(found.status == "topples" for found in one.points)
     ]  # fmt: skip
     return f"From {' and '.join(starts)} on the block topples before it slides, and there is no limit.\n"
-
-
-def _side(found: Point) -> str:
-    shown = found.forces_only if found.forces_only is not None else found.limit
-    numbers = ", ".join("none" if x is None else f"{x:.8g}" for x in (found.exact, shown, found.limit))
-    return f"{numbers}, {found.status}"
 
 
 def main(again: Sequence[str]) -> None:

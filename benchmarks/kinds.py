@@ -1,4 +1,4 @@
-"""What README claims of design files and of the kinds beside the wedge. By hand: ``python -m benchmarks.kinds``.
+"""Times and errors of design files and of the kinds beside the wedge. By hand: ``python -m benchmarks.kinds``.
 
 Speed against error of curved surfaces, facet normals against true ones, 1,500 random plane failures, cold runs of
 every template as multiples of the cold wedge from the command line.

@@ -455,8 +455,8 @@ MUTATIONS = (
     ),
     *_group(
         "benches and cuts",
-        ("the worst of cases", "studies/cases.py", "return min(self.cases, key=worst)",
-         "return max(self.cases, key=worst)", _CASES),
+        ("the worst of cases", "studies/cases.py", "return min(ranks, key=ranks.__getitem__)",
+         "return max(ranks, key=ranks.__getitem__)", _CASES),
         ("the exit code of cases", "studies/cases.py", "return max((int(one.exit_code) for one in",
          "return min((int(one.exit_code) for one in", _CASES),
         ("the worst of favourable and unfavourable", "design/partial_factors.py", "replace(min(tried, key=",

@@ -2,10 +2,12 @@
 
 Each mutation of `mutation_table` is made in a copy of the sources, and the tests that should see it are run there up
 to the first failure. ``--all`` goes on and counts every failing test; words choose groups or names that contain them.
-What is run is written to docs/mutations.md; with words, the rows of the others stay as they were run last. The exit
-code is 1 where one survives. ``check`` runs no test: it says which lines are no longer in the sources.
+What is run is written to docs/mutations.json, the page docs/mutations.md from it; with words, the others stay as they
+were run last. The exit code is 1 where one survives. ``check`` runs no test: it says which lines are no longer in the
+sources.
 """
 
+import json
 import os
 import shutil
 import subprocess
@@ -15,18 +17,20 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from benchmarks.mutation_table import MUTATIONS, Mutation
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "mutations.md"
+RECORD = PAGE.with_suffix(".json")
 _COPIED = ("src", "tests", "templates", "examples", "benchmarks", "pyproject.toml", "README.md")
 _PYTEST = (
     "-m", "pytest", "-o", "addopts=--strict-markers --doctest-modules --import-mode=importlib", "-q", "--no-header",
     "-p", "no:cacheprovider", "--tb=no", "-rfE",
 )  # fmt: skip
 _SHOWN = 3  # failing tests that are named
-_NONE = "**none**"
+Row = dict[str, Any]  # of the record: group, name, file, failed tests
 _LONGEST = 600  # s; tests that hang have seen it
 
 
@@ -109,54 +113,47 @@ def run(folder: Path, mutation: Mutation, everything: bool) -> Outcome:
     return Outcome(mutation, tuple(failed))
 
 
-def rows_of(text: str) -> dict[tuple[str, str], str]:
-    """The rows of a page by group and name."""
-    rows: dict[tuple[str, str], str] = {}
-    group = ""
-    for line in text.splitlines():
-        if line.startswith("## "):
-            group = line.removeprefix("## ").lower()
-        elif line.startswith("| ") and not line.startswith("| what was made wrong |"):
-            rows[group, line.split(" | ")[0].removeprefix("| ")] = line
-    return rows
-
-
-def _row(outcome: Outcome, everything: bool) -> str:
-    named = "<br>".join(f"`{test.removeprefix('tests/')}`" for test in outcome.failed[:_SHOWN])
-    count = f"{len(outcome.failed)}: " if everything and outcome.caught else ""
-    file = outcome.mutation.file.removeprefix("src/slopekit/")
-    return f"| {outcome.mutation.name} | `{file}` | {count}{named or _NONE} |"
-
-
-def page(outcomes: Sequence[Outcome], everything: bool, before: str = "") -> str:
-    """The outcome as a page.
+def recorded(outcomes: Sequence[Outcome], before: Sequence[Row] = ()) -> list[Row]:
+    """Every mutation that was ever run and is still there, with the tests that failed: the newest outcome of each.
 
     Parameters
     ----------
-    before : the page so far; its rows stay where nothing was run again and the mutation is still there
+    before : the record so far; its rows stay where nothing was run again
     """
-    rows = rows_of(before)
-    rows |= {(one.mutation.group.lower(), one.mutation.name): _row(one, everything) for one in outcomes}
-    there = [one for one in MUTATIONS if (one.group.lower(), one.name) in rows]
-    caught = sum(_NONE not in rows[one.group.lower(), one.name] for one in there)
+    rows = {(row["group"], row["name"]): row for row in before}
+    for outcome in outcomes:
+        one = outcome.mutation
+        failed = [test.removeprefix("tests/") for test in outcome.failed]
+        file = one.file.removeprefix("src/slopekit/")
+        rows[one.group, one.name] = {"group": one.group, "name": one.name, "file": file, "failed": failed}
+    return [rows[one.group, one.name] for one in MUTATIONS if (one.group, one.name) in rows]
+
+
+def page(rows: Sequence[Row]) -> str:
+    """The page of a record."""
+    caught = sum(bool(row["failed"]) for row in rows)
     lines = [
-        "# What the tests see when the code is a little wrong", "",
+        "# What the tests see when the code is a little wrong",
+        "",
         "`python -m benchmarks.mutations` breaks one line at a time in a copy of the sources, by 1 % or by a term, a "
-        f"sign or a bound: {caught} of {len(there)} mutations are caught.",
-        "The tests that should see it are run " + (
-            "to their end." if everything else "up to the first that fails; `--all` counts every one."
-        ) + " Words run some of them: the other rows are those of the run before.", "",
-    ]  # fmt: skip
-    for group in dict.fromkeys(one.group for one in there):
-        lines += [
-            f"## {group.capitalize()}",
-            "",
-            "| what was made wrong | file | tests that fail |",
-            "|---|---|---|",
-            *(rows[group.lower(), one.name] for one in there if one.group == group),
-            "",
-        ]
-    return "\n".join(lines)
+        f"sign or a bound, and runs the tests that should see it: {caught} of {len(rows)} mutations are caught. The "
+        "file of each and the test that failed are in [mutations.json](mutations.json). What has no line here was "
+        "not tried.",
+        "",
+        "| part | lines | what was made wrong |",
+        "|---|---|---|",
+    ]
+    for group in dict.fromkeys(row["group"] for row in rows):
+        members = [row for row in rows if row["group"] == group]
+        names = "; ".join(row["name"] if row["failed"] else f"**{row['name']}: not caught**" for row in members)
+        lines.append(f"| {group} | {len(members)} | {names} |")
+    return "\n".join([*lines, ""])
+
+
+def write(rows: Sequence[Row]) -> None:
+    """Write the record and its page."""
+    RECORD.write_text(json.dumps(rows, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
+    PAGE.write_text(page(rows), encoding="utf-8")
 
 
 def main(words: list[str]) -> int:
@@ -183,8 +180,8 @@ def main(words: list[str]) -> int:
     print(f"{len(outcomes) - len(survivors)} of {len(outcomes)} caught")
     if survivors:
         print("survive: " + "; ".join(survivors))
-    before = PAGE.read_text(encoding="utf-8") if chosen and PAGE.exists() else ""
-    PAGE.write_text(page(outcomes, everything, before), encoding="utf-8")
+    before = json.loads(RECORD.read_text(encoding="utf-8")) if chosen and RECORD.exists() else []
+    write(recorded(outcomes, before))
     return 1 if survivors else 0
 
 

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from slopekit.design.reading.files import load
+from slopekit.design.templates import path_of
 from slopekit.studies.points import evaluation
 from slopekit.studies.prob import prob
 from slopekit.studies.prob.sampling import METHODS, samples
@@ -148,13 +149,27 @@ def prob_rows() -> list[str]:
         for target in (1.0, 1.4, 1.5):
             exact = by_quadrature(target, rank)
             for method in METHODS:
-                study = prob(load(default_wedge(rank)), 100_000, method=method, fos=target, confirm=0, near=0.0)
+                study = prob(load(default_wedge(rank)), 100_000, method=method, fos=target, by="closed-form")
                 found = study.all_samples
                 within = found.low <= exact <= found.high
                 rows.append(
                     f"| {rank:g} | {target:g} | {exact:.4g} | {found.share:.5f} ({method}) | "
                     f"{found.low:.5f} to {found.high:.5f} | {'yes' if within else 'NO'} |"
                 )
+    return rows
+
+
+def both_rows(n: int = 20_000) -> list[str]:
+    """Samples of a template by the closed form alone and by both methods, all at once in one process."""
+    design = load(str(path_of("wedge-scatter")))
+    rows = ["| by | samples | P(F < 1) | by the closed form | seconds of processor |", "|---|---|---|---|---|"]
+    for words, by in (("closed form", "closed-form"), ("both methods", "pre-ie")):
+        began = _processor()
+        study = prob(design, n, by=by)
+        other = study.by_closed_form or study.all_samples
+        rows.append(
+            f"| {words} | {n:,} | {study.all_samples.share:.4f} | {other.share:.4f} | {_processor() - began:.2f} |"
+        )
     return rows
 
 
@@ -205,30 +220,26 @@ def bench_rows(count: int = 300) -> list[str]:
     ]
     given: dict[str, Any] = {
         "height": [10, 15, 20], "face": "60:90:7", "dip_direction": 180, "berm": [7, 9], "c": 10, "phi": 30,
-        "spacing": 2, "trace": 15,
+        "spacing": 2, "trace": 15, "n": 2_000,
     }  # fmt: skip
     rows = [
-        "| what | trials in 21 benches | PRE-IE of blocks | where moments govern | seconds of processor | seconds |",
+        "| both methods | trials in 21 benches | blocks by PRE-IE | moments govern | seconds of processor | seconds |",
         "|---|---|---|---|---|---|",
     ]
-    for words, more in (
-        ("closed forms alone, one process", {"confirm": 0, "near": 0}), ("with PRE-IE, one process", {}),
-        ("with PRE-IE, two processes (their start included)", {"jobs": 2}),
-    ):  # fmt: skip
+    for words, jobs in (("one process", 1), ("two processes (their start included)", 2)):
         began, processor = time.perf_counter(), _processor()
-        found = bench_design(planes, **(given | more))
+        found = bench_design(planes, jobs=jobs, **given)
         seconds, processor = time.perf_counter() - began, _processor() - processor
-        said = found.checked
-        asked = 0 if said is None else said.samples
-        moments = 0 if said is None else sum(one.moments_govern for one in said.points)
-        rows.append(f"| {words} | {21 * 10_000:,} | {asked} | {moments} | {processor:.1f} | {seconds:.1f} |")
+        said = found.both
+        rows.append(
+            f"| {words} | {21 * 2_000:,} | {said.looked_at:,} | {said.governed:,} | {processor:.1f} | {seconds:.1f} |"
+        )
     return [*rows, "", f"Load average of the machine at the end: {os.getloadavg()[0]:.0f}."]
 
 
 def quake_rows(records: int = 20, samples: int = 4000) -> list[str]:
     """Records of 40 s on three slopes, each both ways; a sampled sine against its formula; six degrees of freedom."""
     import slopekit as sk
-    from slopekit.design.templates import path_of
     from slopekit.studies.quake.records import record_of
     from slopekit.studies.quake.six import slide
 
@@ -272,6 +283,7 @@ def main(words: list[str]) -> None:
         ("Drawing samples beside evaluating them, one core", sampling_rows),
         ("PRE-IE samples a second, the same numbers from every crew", pre_ie_rows),
         ("Probability of failure against quadrature: the default wedge, φ = N(20, 2) on both planes", prob_rows),
+        ("Samples of templates/wedge-scatter by both methods", both_rows),
         ("Joint sets: is the number that was drawn found?", set_rows),
         ("Bench design: 300 joints x 7 faces x 3 heights", bench_rows),
         ("Earthquakes: 20 records x 3 slopes, the sliding against its formula", quake_rows),

@@ -1,4 +1,4 @@
-"""What README claims of one wedge: speed by stage, cold start, random wedges, the paper's search.
+"""Times and errors of one wedge: speed by stage, cold start, random wedges, the paper's search.
 
 Run by hand: ``python -m benchmarks.wedge`` (about two minutes). Every time is a median; every ratio is of one run.
 Speed against error: ``python -m benchmarks wedge``.

@@ -44,11 +44,11 @@ for pair in pairs.worst:
     print(f"{' x '.join(pair.names):14s}{pair.status:16s}{closed:>12s}{limit:>9s}{pair.volume_m3:8.2f}")
 agree, governed = sum(bool(pair.agree) for pair in pairs.worst), sum(pair.moments_govern for pair in pairs.worst)
 print(
-    f"the methods agree on {agree} of {len(pairs.worst)}; moments govern {governed}: there PRE-IE is the number to use"
+    f"the methods agree on {agree} of {len(pairs.worst)}; moments govern {governed}: the closed form is too high there"
 )
 
 # What the length of the joints is worth: the same slope where they reach from toe to crest.
-full = sk.combos(JOINTS, **SLOPE, top=0).target
+full = sk.combos(JOINTS, **SLOPE).target
 print(f"\nwithout the limit of 12 m: {full['below']} below 1.3, the largest has {full['largest_volume_m3']:.0f} m³")
 
-assert target["below"] == 267
+assert target["below"] == 270

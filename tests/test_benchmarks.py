@@ -91,16 +91,19 @@ def test_every_mutation_still_changes_a_line() -> None:
 
 
 def test_what_is_run_again_takes_its_row_and_leaves_the_others() -> None:
-    """A page out of itself is itself; one that survives counts as that."""
+    """The page is that of the record; one that survives counts as that."""
+    rows = json.loads(mutations.RECORD.read_text(encoding="utf-8"))
     page = mutations.PAGE.read_text(encoding="utf-8")
-    assert mutations.page([], False, page) == page
-    assert len(mutations.rows_of(page)) == len(mutations.MUTATIONS)
+    assert mutations.page(mutations.recorded([], rows)) == page
+    assert [(row["group"], row["name"]) for row in rows] == [(one.group, one.name) for one in mutations.MUTATIONS]
     one = mutations.MUTATIONS[3]
-    again = mutations.page([mutations.Outcome(one, ())], False, page)
-    changed = [line for line in again.splitlines() if line not in page.splitlines()]
-    assert changed[1:] == [f"| {one.name} | `{one.file.removeprefix('src/slopekit/')}` | **none** |"]
-    caught = len(mutations.MUTATIONS) - page.count("**none**") - 1
-    assert f"{caught} of {len(mutations.MUTATIONS)} mutations are caught" in changed[0]
+    again = mutations.recorded([mutations.Outcome(one, ())], rows)
+    changed = [row for row, before in zip(again, rows, strict=True) if row != before]
+    assert changed == [rows[3] | {"failed": []}]
+    assert rows[3]["failed"] != []
+    caught = sum(bool(row["failed"]) for row in rows) - 1
+    assert f"{caught} of {len(mutations.MUTATIONS)} mutations are caught" in mutations.page(again)
+    assert f"**{one.name}: not caught**" in mutations.page(again)
 
 
 def test_a_count_that_rises_is_named() -> None:

@@ -20,7 +20,7 @@ DESIGN = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, 
 NEEDED: dict[str, dict[str, Any]] = {
     "run": {"source": DESIGN}, "load": {"source": DESIGN}, "wedge": {"dips": ("45/115", "45/245")},
     "sweep": {"keys": {"strength.weak.phi": [20]}}, "tornado": {"ranges": {"strength.weak.phi": "20:21"}},
-    "solve": {"key": "strength.weak.c=40:60"}, "prob": {"n": 20, "confirm": 0},
+    "solve": {"key": "strength.weak.c=40:60"}, "prob": {"n": 20, "by": "closed-form"},
     "combos": {"joints": ["45/115", "45/245"], "face": "60/180"},
     "kinematic": {"joints": ["45/115", "45/245"], "face": "60/180"},
 }  # fmt: skip
@@ -150,7 +150,7 @@ OF_A_DESIGN: dict[str, Callable[[Any], Any]] = {
     "solve": lambda design: sk.solve(design, "slope.height", fos=1.5),
     "tornado": lambda design: sk.tornado(design, {"slope.height": "20:21"}),
     "quake": lambda design: sk.quake(design, ["sine:0.5g,1Hz"]),
-    "prob": lambda design: sk.prob(design, 20, confirm=0),
+    "prob": lambda design: sk.prob(design, 20, by="closed-form"),
 }  # fmt: skip
 
 
@@ -196,8 +196,8 @@ def test_numbers_come_as_texts_and_from_numpy() -> None:
     )
     assert one == other == third
     scattered = sk.load(path_of("wedge-scatter"))
-    few = sk.prob(scattered, n=2e1, confirm="0", fos=np.int64(1))
-    assert (few.asked.n, few.asked.confirm, few.asked.target) == (20, 0, 1)
+    few = sk.prob(scattered, n=2e1, by="closed-form", fos=np.int64(1))
+    assert (few.asked.n, few.asked.target) == (20, 1)
     with pytest.raises(sk.DesignError, match=r"E405 prob takes a whole number for n, not 20\.5"):
         sk.prob(scattered, n=20.5)
 

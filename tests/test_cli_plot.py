@@ -257,7 +257,7 @@ def test_without_the_extra(run, folder, monkeypatch) -> None:
 @pytest.mark.slow
 def test_prob_and_kinematic_draw_with_their_folder(monkeypatch, capsys, tmp_path) -> None:
     """histogram.png lies beside prob.json, which keeps what it draws."""
-    arguments = ["prob", path_of("wedge-scatter"), "-n", "200", "--confirm", "2", "--near", "0", "--quiet"]
+    arguments = ["prob", path_of("wedge-scatter"), "-n", "200", "--quiet"]
     monkeypatch.setattr("sys.argv", ["slopekit", *map(str, arguments), "-o", str(tmp_path / "p")])
     with pytest.raises(SystemExit):
         main()

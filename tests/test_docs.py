@@ -48,15 +48,11 @@ NOT_RUN = (
 )  # fmt: skip
 #: Commands that are run with less work than they are shown with, and not compared; "": run by a test of its own.
 LESS = {
-    "slopekit prob templates/wedge-scatter.yaml -n 20000": "-n 100 --confirm 1 --near 0.1%",
-    "slopekit run my-cut.yaml --set strength.bedding.phi=32 -o my-cut": "--no-pictures",  # tests/views draws them
+    "slopekit prob templates/wedge-scatter.yaml -n 20000": "-n 100",
+    "slopekit run my-cut.yaml -o my-cut": "--no-pictures",  # tests/views draws them
     "slopekit report my-cut/result.json -o cut.html": "--no-pictures",
     "slopekit check my-cut.yaml -o checked": "",  # the how-to of check runs one
-    "slopekit bench-design examples/bench-survey.csv --height 15 --face 60,70 --dip-direction 180 --c 2 --phi 32"
-    " -n 2000": "-n 200 --confirm 3 --near 0.1%",  # its how-to runs a larger one and compares
-    "slopekit plot my-cut/result.json exploded -o cut.png": "",  # its how-to draws, as tests/views do
     "slopekit support templates/wedge.yaml --fos 1.8": "--acts passive --toward 000/10",
-    "slopekit run templates/wedge.yaml --elastic": "",  # docs/elastic.md, and `run --elastic` in tests/elastic
     "slopekit run templates/bench.yaml": "",  # tests/test_templates.py, which runs doctor too
     "slopekit doctor": "",
 }

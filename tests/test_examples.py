@@ -32,9 +32,8 @@ def kinds_stored(cell) -> list[str]:
 def test_notebook(path, tmp_path, monkeypatch) -> None:
     """Run as a kernel runs it, in this process: no cell fails, and each shows what is stored of its kind.
 
-    With a kernel of its own, and stored: `python -m benchmarks.notebooks`. Three places of a bench are confirmed here
-    for thirty (docs/worked-example.md has the same job in full), and pictures are drawn in one notebook: tests/views
-    draws the others.
+    With a kernel of its own, and stored: `python -m benchmarks.notebooks`. Pictures are drawn in one notebook:
+    tests/views draws the others.
     """
     shell = pytest.importorskip("IPython.core.interactiveshell").InteractiveShell()
     monkeypatch.setitem(sys.modules, "pandas", None)  # no extra of slopekit brings it
@@ -50,7 +49,7 @@ def test_notebook(path, tmp_path, monkeypatch) -> None:
     for cell in cells:
         assert cell["execution_count"], "python -m benchmarks.notebooks"
         shown.clear()
-        shell.run_cell("".join(cell["source"]).replace("confirm=30", "confirm=3")).raise_error()
+        shell.run_cell("".join(cell["source"])).raise_error()
         assert shown == kinds_stored(cell), "python -m benchmarks.notebooks"
 
 

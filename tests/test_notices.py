@@ -227,7 +227,7 @@ _STUDIES = {
     "sweep": lambda design: sk.sweep(design, {"loads.seismic.k": [0.0]}, closed_form=True),
     "tornado": lambda design: sk.tornado(design, {"loads.seismic.k": "0:0.1"}, closed_form=True),
     "solve": lambda design: sk.solve(design, "loads.seismic.k", fos=1.2),
-    "prob": lambda design: sk.prob(design, n=100, confirm=0, near=0),
+    "prob": lambda design: sk.prob(design, n=100, by="closed-form"),
     "quake": lambda design: sk.quake(design, ["sine:0.5g,1Hz"]),
     "support": lambda design: sk.support(design, fos=1.5, acts="active", toward="000/10"),
     "check": sk.check,

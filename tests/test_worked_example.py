@@ -1,8 +1,9 @@
-"""The numbers of docs/worked-example.md found again with numpy alone: nothing of slopekit stands between.
+"""The numbers of docs/worked-example.md found again with numpy alone.
 
 That the page shows what the program prints is held by `tests/test_docs.py`; here its numbers are computed from survey
 and design by other means: eigenvectors, vectors on the wedge's own corners, counting. The places along the bench are
-drawn as slopekit draws them (the same stream of random numbers), what becomes of them is not. Tolerances are those of
+drawn as slopekit draws them (the same stream of random numbers), what becomes of them is not, by forces; whether
+moments turn what forces leave less than 5 % is asked of a run of each block by itself. Tolerances are those of
 the digits that are printed. Left out: limits by redrawing the survey, the width of spilt rock, t limits of mean
 spacings, wedges that friction alone does not hold.
 """
@@ -16,10 +17,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import slopekit as sk
+from slopekit.kinds import factors_of
+from slopekit.studies.points import falls_short
+
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs/worked-example.md").read_text(encoding="utf-8")
 FACE, HEIGHT, COHESION, WEIGHT = 65.0, 15.0, 5.0, 2600.0 * 9.81 / 1000.0
 OUT = np.array([0.0, -1.0, 0.0])  # toward 180
+CLOSE = 1.05  # factor of the forces: below it moments are asked for
 NUMBER = r"-?\d+(?:\.\d+)?"
 
 
@@ -199,6 +205,8 @@ def becomes(face_dip: float):
     factor = np.full(len(toe), np.nan)
     factor[whole] = slides(*(q[whole] for q in (n1, n2, a, b, p)), of["phi"][first[whole]], of["phi"][second[whole]])[0]
     fails, sets, widths = [factor < 1.0], [behind], [np.linalg.norm(a - b, axis=1)]
+    for k in np.flatnonzero((factor >= 1.0) & (factor < CLOSE)):
+        fails[0][k] = turns(of, (first[k], second[k]), face_dip, up[k])
 
     dip, phi = np.radians(of["dip"][first]), np.radians(of["phi"][first])
     long = up / np.sin(dip)
@@ -209,6 +217,8 @@ def becomes(face_dip: float):
     with np.errstate(all="ignore"):  # as steep as the face
         factor = (COHESION * long + weight * np.cos(dip) * np.tan(phi)) / (weight * np.sin(dip))
     fails.append(forms[1] & (factor < 1.0))
+    for k in np.flatnonzero(forms[1] & (factor >= 1.0) & (factor < CLOSE)):
+        fails[1][k] = turns(of, (first[k],), face_dip, up[k])
     sets.append(up * (1.0 / np.tan(dip) - cot))
     widths.append(np.full(len(toe), step))
 
@@ -222,6 +232,22 @@ def becomes(face_dip: float):
             if found is not None:
                 forms[2][k], (fails[2][k], sets[2][k]) = True, found
     return np.array(forms), np.array(fails), np.array(sets), np.array(widths)
+
+
+def turns(of, joints: tuple[int, ...], face_dip: float, height: float) -> bool:
+    """Whether moments bring the limit of a wedge, or of a plane in its section, below 1: slopekit's of it alone."""
+    names = ("J1", "J2")[: len(joints)]
+    planes = [[of["dip"][one], of["to"][one] if len(joints) > 1 else 180.0] for one in joints]
+    phis = [of["phi"][one] for one in joints]
+    factors = factors_of(sk.load({
+        "slopekit": 1, "kind": ("plane", "wedge")[len(joints) - 1], "rock": {"unit_weight": WEIGHT},
+        "slope": {"face": [face_dip, 180], "upper": [0, 180], "height": float(height)},
+        "joints": {name: {"plane": list(map(float, plane)), "strength": name}
+                   for name, plane in zip(names, planes, strict=True)},
+        "strength": {name: {"c": COHESION, "phi": float(phi)} for name, phi in zip(names, phis, strict=True)},
+    }))  # fmt: skip
+    assert factors.closed_form >= 1.0
+    return falls_short(factors.status, factors.limit, 1.0)
 
 
 def columns(of, steep: int, base: int, face_dip: float, height: float):

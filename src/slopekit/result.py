@@ -45,7 +45,7 @@ STATUSES: Mapping[str, str] = {
     "slides": "slides",
     "rotates": "turns while it slides",
     "topples": "topples: where its joints open, nothing is left to hold it",
-    "lifted": "is pushed off both planes",
+    "lifted": "contact lost on both planes (uplift)",
     "falls": "falls: nothing lies under it",
     "no_driving_force": "stands: nothing drives it",
     "not_converged": "the analysis did not converge: no number",

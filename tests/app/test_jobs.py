@@ -51,29 +51,31 @@ def test_a_probability_is_that_of_the_study_with_the_scatter_put_in():
     moment = Session.of_template("wedge").now
     scatter = {"strength.weak.phi": {"dist": "normal", "sd": 5}, "strength.weak.c": {"dist": "uniform", "min": 0,
                                                                                     "max": 20}}  # fmt: skip
-    found = run_job("probability", moment, {"samples": 500, "seed": 4, "scatter": scatter, "confirm": 5}, silent)
+    found = run_job("probability", moment, {"samples": 500, "seed": 4, "scatter": scatter}, silent)
     own = prob(with_values(moment.design, {"strength.weak.phi": {"dist": "normal", "mean": 20, "sd": 5},
                                            "strength.weak.c": {"dist": "uniform", "min": 0, "max": 20}}),
-               500, seed=4, confirm=5)  # fmt: skip
+               500, seed=4)  # fmt: skip
     assert (found["pf"], found["low"], found["high"]) == (
-        own.leading["probability"], own.leading["low"], own.leading["high"],
+        own.all_samples.share, own.all_samples.low, own.all_samples.high,
     )  # fmt: skip
+    assert found["pf_closed_form"] == own.by_closed_form.share
+    assert not {"pf_of", "confirm"} & set(found)
     assert 0.0 < found["pf"] < 0.5
-    assert found["histogram"]["closed_form"] == own.to_dict()["histogram"]["counts"]
-    assert len(found["histogram"]["edges"]) == len(found["histogram"]["closed_form"]) + 1
+    assert found["histogram"]["limit"] == own.to_dict()["histogram"]["counts"]
+    assert len(found["histogram"]["edges"]) == len(found["histogram"]["limit"]) + 1
 
 
 @pytest.mark.slow
 def test_a_scatter_of_the_design_can_be_taken_out():
     moment = Session.of_template("wedge-scatter").now
     given = dict.fromkeys(("strength.clay.phi.mean", "strength.clay.c"))
-    found = run_job("probability", moment, {"samples": 200, "scatter": given, "confirm": 0}, silent)
+    found = run_job("probability", moment, {"samples": 200, "scatter": given}, silent)
     names = [one["label"] for one in found["sensitivity"]]
     assert not any("clay" in name for name in names)
     assert any("rough" in name for name in names)
     means = with_values(moment.design, {"strength.clay.phi": 24.0, "strength.clay.c": 15.0})  # as the template has them
-    assert found["pf"] == prob(means, 200, confirm=0).leading["probability"]
-    assert found["histogram"]["edges"] == prob(means, 200, confirm=0).to_dict()["histogram"]["edges"]
+    assert found["pf"] == prob(means, 200).all_samples.share
+    assert found["histogram"]["edges"] == prob(means, 200).to_dict()["histogram"]["edges"]
 
 
 @pytest.mark.slow

@@ -103,8 +103,8 @@ def test_every_study_takes_the_names_of_columns(tmp_path) -> None:
     right = sk.kinematic(ROWS, face="75/180", phi=30)
     assert sk.kinematic(path, face="75/180", phi=30, columns="dip_direction,dip").counts == right.counts
     assert len(sk.sets(path, columns="dip_direction,dip", n=3).sets) == 3
-    pairs = sk.combos(path, face="75/180", c=0, phi=30, top=0, columns="dip_direction,dip")
-    assert pairs.counts == sk.combos(ROWS, face="75/180", c=0, phi=30, top=0).counts
+    pairs = sk.combos(path, face="75/180", c=0, phi=30, closed_form=True, columns="dip_direction,dip")
+    assert pairs.counts == sk.combos(ROWS, face="75/180", c=0, phi=30, closed_form=True).counts
     frame = Frame(dip=[way for _, way in ROWS], dip_direction=[dip for dip, _ in ROWS])
     with pytest.raises(DesignError) as caught:
         sk.kinematic(frame, face="75/180")

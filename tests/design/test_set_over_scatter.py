@@ -17,7 +17,7 @@ def test_a_number_takes_the_correlations_of_its_distribution_along() -> None:
     assert after.correlation == (("strength.clay.phi", "strength.rough.phi", 0.3),)
     assert "strength.clay.c" not in {variable.path for variable in after.variables}
     said = "not used: correlation strength.clay.c / strength.clay.phi (a number was set in place of a distribution)"
-    for notices in (analyse(after).warnings, prob(after, 50, confirm=0, near=0.0).warnings):
+    for notices in (analyse(after).warnings, prob(after, 50, by="closed-form").warnings):
         assert said in [notice.message for notice in notices if notice.code == "W366"]
 
 

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator
+from itertools import repeat
 from typing import Any
 
 import numpy as np
@@ -51,12 +52,10 @@ def ordinary(seed: int, **others: Any) -> Iterator[Design]:
 
 
 def basal(seed: int) -> Iterator[Design]:
-    """Random wedges on three joints, without passive bolts."""
+    """Random wedges on three joints, some of them with a passive bolt."""
     rng = np.random.default_rng(seed)
     while True:
-        design = random_design(rng)
-        if "passive" not in str(design):
-            yield sk.load(design)
+        yield sk.load(random_design(rng))
 
 
 @pytest.mark.slow
@@ -67,9 +66,24 @@ def test_three_hundred_ordinary_cuts() -> None:
 
 def test_wedges_on_three_joints() -> None:
     """Some of them stand without strength."""
-    found = compared(formed(basal(3), 60))
+    found = compared(formed(basal(3), 30))
     assert found["no_driving_force"] > 0
     assert len(found) > 6
+
+
+def bolted(seed: int) -> Iterator[Design]:
+    """Ordinary cuts with one or two passive bolts, weak and so strong that they hold the wedge alone."""
+    rng = np.random.default_rng(seed)
+    for inputs in map(ordinary_cut, repeat(rng)):
+        sizes = inputs["unit_weight"] * inputs["height"] ** 3 * rng.choice([0.01, 0.1], 2)
+        bolts = [{"force": size, "toward": f"{rng.uniform(0, 360)}/{rng.uniform(-30, 20)}"} for size in sizes]
+        yield wedge_design(inputs | {"bolts": [bolt | {"acts": "passive"} for bolt in bolts[: rng.integers(1, 3)]]})
+
+
+def test_wedges_with_passive_bolts() -> None:
+    designs = formed(bolted(4), 15)
+    assert (blocks_of([cut(design) for design in designs]).capacity > 0.0).any(axis=1).all()
+    assert {"slides_on_both", "rotates"} <= set(compared(designs))
 
 
 @pytest.mark.parametrize(
@@ -83,3 +97,31 @@ def test_wedges_on_three_joints() -> None:
 )
 def test_wedges_that_end_otherwise(others: dict[str, Any], status: str) -> None:
     assert compared(formed(ordinary(2, **others), 12))[status] > 0
+
+
+def planes(seed: int) -> Iterator[Design]:
+    """Random plane failures per metre: some level or rising into the slope, some with water or forces."""
+    rng = np.random.default_rng(seed)
+    while True:
+        u, height = rng.uniform, float(rng.uniform(5, 30))
+        dip = float(rng.choice([0.0, u(-10, 10), u(20, 50)], p=[0.1, 0.2, 0.7]))
+        design: dict[str, Any] = {
+            "slopekit": 1,
+            "kind": "plane",
+            "slope": {"face": f"{u(55, 85)}/180", "height": height, "upper": "0/180"},
+            "joints": {"J1": {"plane": f"{abs(dip)}/{180 if dip >= 0 else 0}", "strength": "s"}},
+            "crack": {"depth": float(height * u(0.05, 0.4) if dip > 10 else u(0.8, 0.99) * height)},
+            "strength": {"s": {"c": float(rng.choice([0.0, u(0, 60)])), "phi": float(rng.choice([0.0, u(5, 45)]))}},
+            "rock": {"unit_weight": 26},
+        }
+        if rng.integers(0, 2):
+            design["water"] = {"fill": float(u(0.0, 1.0))}
+        if rng.integers(0, 2):
+            force = {"force": float(height**2 * u(0, 40)), "toward": f"{rng.choice([0, 180])}/{u(-60, 60)}"}
+            design["loads"] = {"forces": [force]}
+        yield sk.load(design)
+
+
+def test_planes_in_their_sections() -> None:
+    found = compared(formed(planes(4), 60))
+    assert {"slides_on_J1", "slides_up", "lifted", "topples"} == set(found)

@@ -100,13 +100,17 @@ def dams(eccentricities: list[float]) -> Blocks:
     )
 
 
-def test_dams_on_their_bases() -> None:
+@pytest.mark.parametrize("in_section", [False, True], ids=["in space", "in a section"])
+def test_dams_on_their_bases(in_section) -> None:
     """USACE EM 1110-2-2200: within the middle third the base is whole, else 3 (B/2 - e) of it is pressed. Exact.
 
     Beyond the edge a dam rests at no strength. The sliding factor is (c L + N tan φ) / T.
     """
     eccentricities = [0.0, 1.2, 1.5, -2.0, 3.0, 3.9, 4.001]
-    found = limits_of_blocks(dams(eccentricities))
+    blocks = dams(eccentricities)
+    if in_section:  # from the first to the last corner
+        blocks = replace(blocks, corners=blocks.corners[:, :, ::3], counts=blocks.counts // 2)
+    found = limits_of_blocks(blocks)
     pressed = np.array([min(WIDTH, 3.0 * (WIDTH / 2.0 - abs(e))) for e in eccentricities])[:-1]
     factor = (150.0 * pressed + WEIGHT * math.tan(math.radians(40.0))) / THRUST
     assert found.factor[:-1] == pytest.approx(factor, rel=1e-9)

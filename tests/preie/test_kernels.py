@@ -153,7 +153,7 @@ def test_the_forces_of_a_cracked_base(name) -> None:
         plain, found = both_ways(lambda split=split: springs_on(bed, split))
         assert plain.kernels is None
         assert found.kernels is not None
-        bonded = plain.bonded[0]
+        bonded = plain.beds.bonded[0]
         for running, sticks in ((False, False), (True, False), (False, True)):
             for number in range(40):
                 size = np.abs(bonded).mean() * rng.uniform(0.0, 5.0)

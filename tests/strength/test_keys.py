@@ -169,7 +169,9 @@ def test_a_key_of_two_laws_has_the_limits_and_the_unit_of_the_law_that_is_named(
     with pytest.raises(DesignError, match="E127"):
         sk.load(power, set={"strength.joint.b": 2})
     with pytest.raises(DesignError, match="E281"):
-        sk.prob(sk.load(power, set={"strength.joint.b": {"dist": "normal", "mean": 0.9, "sd": 0.3}}), 20, confirm=0)
+        sk.prob(
+            sk.load(power, set={"strength.joint.b": {"dist": "normal", "mean": 0.9, "sd": 0.3}}), 20, by="closed-form"
+        )
     merged = keys_of_laws([PowerCurve, Rooted])
     assert (merged["b"].limits.least, merged["b"].limits.most, merged["b"].texts.axis) == (0.0, 1000.0, "")
     assert keys_of_laws([Rooted, PowerCurve])["b"].limits.most == 1000.0
@@ -200,7 +202,7 @@ def test_studies_ask_the_law() -> None:
         assert factor == pytest.approx(own.closed_form, rel=1e-12)
     solved = sk.solve(design, "strength.rough.jrc", fos=found[1], within=(6.0, 10.0))
     assert [root.value for root in solved.closed_form.roots] == pytest.approx([8.0], rel=1e-9)
-    drawn = sk.prob(design, n=20, seed=3, confirm=0, fos=found[1])
+    drawn = sk.prob(design, n=20, seed=3, by="closed-form", fos=found[1])
     assert 0.2 < drawn.all_samples.share < 0.8  # F rises with JRC, which lies below 8 in half of the samples
 
 

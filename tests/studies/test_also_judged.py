@@ -44,7 +44,7 @@ def test_of_each_sample_the_lower_of_block_and_whole_wedge_counts(more) -> None:
     joint = {"c": 0, "phi": {"dist": "uniform", "min": 25, "max": 60}}
     strengths = {"joint": joint, "bedding": {"c": 15, "phi": {"dist": "uniform", "min": 15, "max": 60}}}
     design = CUT | more | {"strength": strengths}
-    found = sk.prob(sk.load(design), 12, fos=1.2, confirm=0, near=0, seed=3)
+    found = sk.prob(sk.load(design), 12, fos=1.2, by="closed-form", seed=3)
     lowest, only = [], 0
     for row in range(12):
         values = found.samples.settings(row)
@@ -65,8 +65,8 @@ def test_of_each_sample_the_lower_of_block_and_whole_wedge_counts(more) -> None:
 def test_samples_taken_one_by_one_are_judged_alike() -> None:
     strength = {"joint": {"c": 0, "phi": {"dist": "uniform", "min": 25, "max": 60}}, "bedding": {"c": 15, "phi": 40}}
     passive = {"bolts": [{"force": 1e-6, "toward": "000/05", "acts": "passive"}]}
-    at_once = sk.prob(sk.load(CUT | {"strength": strength}), 8, confirm=0, near=0)
-    apart = sk.prob(sk.load(CUT | {"strength": strength, "support": passive}), 8, confirm=0, near=0)
+    at_once = sk.prob(sk.load(CUT | {"strength": strength}), 8, by="closed-form")
+    apart = sk.prob(sk.load(CUT | {"strength": strength, "support": passive}), 8, by="closed-form")
     by_pre_ie = sk.prob(sk.load(CUT | {"strength": strength}), 2, by="pre-ie")
     assert apart.judged.factor == pytest.approx(at_once.judged.factor, rel=1e-6)
     assert apart.all_samples.count == at_once.all_samples.count > 0
@@ -81,13 +81,13 @@ def test_bolts_of_samples_hold_the_whole_wedge_where_they_pass_it() -> None:
     dips = {"joints": {name: {"plane": {"dip": {"dist": "uniform", "min": 50, "max": 66}, "dip_direction": way},
                               "strength": "joint"} for name, way in (("J1", 130), ("J2", 230))}}  # fmt: skip
     design = sk.load(CUT | dips | {"support": {"bolts": [bolt, *others]}})
-    found = sk.prob(design, 12, confirm=0, near=0)
+    found = sk.prob(design, 12, by="closed-form")
     before = tuple(bolts.as_laid_out(design).tolist())
     for row in range(12):
         point = points.Point.from_record(bolts.sample_record(design, False, before, found.samples.settings(row)))
         both = point.factors.closed_form, point.factors.also.closed_form
         assert found.judged.factor[row] == pytest.approx(min(both), rel=1e-12)
-    bare = sk.prob(sk.load(CUT | dips | {"support": {"bolts": others}}), 12, confirm=0, near=0)
+    bare = sk.prob(sk.load(CUT | dips | {"support": {"bolts": others}}), 12, by="closed-form")
     held = found.judged.factor > bare.judged.factor * (1.0 + 1e-9)
     assert 0 < held.sum() < 12
 
@@ -97,21 +97,21 @@ def test_where_the_basal_joint_closes_no_block_the_whole_wedge_is_there_all_the_
     """All samples have the same wedge on J1 and J2, F 0.693, whatever the joint below does."""
     high = {"basal": {"plane": "20/180", "height": {"dist": "uniform", "min": 12, "max": 30}, "strength": "bedding"}}
     design = sk.load(CUT | high | {"support": more})
-    found = sk.prob(design, 12, confirm=2, near=0)
+    found = sk.prob(design, 12)
     assert found.all_samples.share == 1.0
-    assert sum(n for name, n in sk.prob(design, 12, fos=0.5, confirm=0, near=0).counts.items() if name[0] == "E") > 0
-    assert found.confirmation is None or found.confirmation.settled == found.confirmation.samples
+    assert sum(n for name, n in sk.prob(design, 12, fos=0.5, by="closed-form").counts.items() if name[0] == "E") > 0
+    assert (found.both.disagree, found.both.without_answer) == (0, 0)
     assert found.judged.factor == pytest.approx(closed_form(WHOLE, {}).closed_form, rel=1e-9)
 
 
 def test_an_accepted_probability_is_not_met_by_the_block_alone() -> None:
     """As `run`: with 30° on the joints the block stands and the whole wedge does not."""
     scatters = {"strength.bedding.phi": {"dist": "normal", "mean": 40, "sd": 0.1}}
-    found = sk.prob(sk.load(CUT, set=scatters), 50, confirm=2, near=0, accept=0.2)
+    found = sk.prob(sk.load(CUT, set=scatters), 50, accept=0.2)
     assert found.accepted is False
     assert found.exit_code == 1
     assert found.all_samples.share == 1.0
-    assert (found.confirmation.unsafe, found.confirmation.safe) == (0, 0)
+    assert (found.both.unsafe, found.both.safe) == (0, 0)
     assert "the whole wedge without the basal joint: slides on both" in str(found.sheet)
 
 

@@ -74,7 +74,7 @@ SLOPES = [
 def test_every_pair_is_what_one_wedge_says(slope) -> None:
     """Outcome, factor, volume and line of 780 pairs: rock mass and scalar closed form at the height of the pair."""
     joints = survey(2, 40)
-    found = sk.combos(joints, **slope, height=12, c=8, phi=31, top=0)
+    found = sk.combos(joints, **slope, height=12, c=8, phi=31, closed_form=True)
     pairs, base = found.pairs, found.given.slope
     assert len(pairs) == 780
     assert sum(found.counts.values()) == 780
@@ -117,7 +117,7 @@ def test_every_pair_is_what_one_wedge_says(slope) -> None:
 def test_the_order_of_the_list_does_not_matter() -> None:
     """On a crest that is not level the heights of the two traces differ; the wedge of a pair stays the same."""
     joints = {f"J{k}": plane for k, plane in enumerate(survey(9, 30))}
-    slope = {"face": "70/200", "upper": "15/240", "height": 9, "c": 5, "phi": 28, "top": 0}
+    slope = {"face": "70/200", "upper": "15/240", "height": 9, "c": 5, "phi": 28, "closed_form": True}
     forth, back = sk.combos(joints, **slope), sk.combos(dict(reversed(joints.items())), **slope)
 
     def by_names(found: Combos) -> dict:
@@ -164,7 +164,7 @@ def test_a_joint_whose_trace_is_level_still_meets_a_crest_that_falls() -> None:
     ],
 )  # fmt: skip
 def test_outcomes(outcome, joints, inputs) -> None:
-    found = sk.combos(joints, face="65/180", height=10, c=5, phi=30, top=0, **inputs)
+    found = sk.combos(joints, face="65/180", height=10, c=5, phi=30, closed_form=True, **inputs)
     assert {name: count for name, count in found.counts.items() if count} == {outcome: 1}
     assert found.removable == (outcome in found.counts and outcome not in (*NOT_REMOVABLE.values(), "below_min_volume"))
 
@@ -202,7 +202,10 @@ def longest_trace(corners: dict[str, np.ndarray]) -> float:
 )  # fmt: skip
 def test_limits_scale_wedges_down_to_them(limit, value, size, upper) -> None:
     """Sizes from the corners of the rock mass; similar wedges, so volumes go with the cube of the scale."""
-    joints, slope = survey(5, 30), {"face": "65/180", "upper": upper, "height": 12, "c": 6, "phi": 30, "top": 0}
+    joints, slope = (
+        survey(5, 30),
+        {"face": "65/180", "upper": upper, "height": 12, "c": 6, "phi": 30, "closed_form": True},
+    )
     full, less = sk.combos(joints, **slope), sk.combos(joints, **slope, **{limit: value})
     removable = np.flatnonzero(full.pairs.is_removable)
     assert (less.pairs.is_removable == full.pairs.is_removable).all()
@@ -242,12 +245,12 @@ def test_sizes_in_the_table_are_those_of_the_wedge_alone() -> None:
     found = sk.combos(survey(5, 30), face="65/180", upper="12/225", c=6, phi=30, top=4, trace_length=9)
     for pair in found.worst:
         alone = sk.wedge(dips=pair.planes, face="65/180", upper="12/225", height=pair.height_m, c=6, phi=30)
-        assert pair.setback_m == pytest.approx(alone.geometry.setback_m, rel=1e-7)
-        assert pair.face_width_m == pytest.approx(alone.geometry.face_width_m, rel=1e-7)
+        assert pair.extent_m["setback_m"] == pytest.approx(alone.geometry.setback_m, rel=1e-7)
+        assert pair.extent_m["face_width_m"] == pytest.approx(alone.geometry.face_width_m, rel=1e-7)
 
 
 def test_without_cohesion_size_does_not_matter() -> None:
-    joints, slope = survey(5, 30), {"face": "65/180", "c": 0, "phi": 30, "water": "30%", "top": 0}
+    joints, slope = survey(5, 30), {"face": "65/180", "c": 0, "phi": 30, "water": "30%", "closed_form": True}
     full = sk.combos(joints, **slope).pairs
     less = sk.combos(joints, **slope, persistence=2, bench_width=0.5, max_volume="1 m3").pairs
     assert less.factor == pytest.approx(full.factor, rel=1e-9, nan_ok=True)
@@ -255,7 +258,7 @@ def test_without_cohesion_size_does_not_matter() -> None:
 
 
 def test_wedges_below_the_least_volume_are_counted_apart() -> None:
-    joints, slope = survey(5, 30), {"face": "65/180", "height": 6, "c": 5, "phi": 30, "top": 0}
+    joints, slope = survey(5, 30), {"face": "65/180", "height": 6, "c": 5, "phi": 30, "closed_form": True}
     all_, large = sk.combos(joints, **slope), sk.combos(joints, **slope, min_volume=10)
     small = all_.pairs.is_removable & (all_.pairs.volume_m3 < 10)
     assert large.counts["below_min_volume"] == small.sum() > 0
@@ -484,7 +487,7 @@ def test_json_sheet_and_table() -> None:
     assert len(rows) == 780
     assert [row["outcome"] for row in rows].count("too_steep") == found.counts["too_steep"]
     assert rows[0]["joint1"] == found.worst[0].names[0]
-    factors = [float(row["fos_closed_form"]) for row in rows if row["fos_closed_form"]]
+    factors = [float(row["fos_limit"]) for row in rows if row["fos_limit"]]
     assert factors == sorted(factors)
     line = found.line
     assert line.startswith(f"{found.removable} of 780 pairs removable  worst ")
@@ -499,7 +502,7 @@ def test_json_sheet_and_table() -> None:
 
 def test_three_hundred_joints() -> None:
     """44,850 pairs take the closed form well below a second (0.1 s on an idle core)."""
-    found = sk.combos(survey(1, 300), face="65/180", c=5, phi=30, persistence=10, top=0)
+    found = sk.combos(survey(1, 300), face="65/180", c=5, phi=30, persistence=10, closed_form=True)
     assert sum(found.counts.values()) == 44850
     assert found.removable > 3000
     assert found.timing_s["closed_form"] < 3.0  # loaded machines

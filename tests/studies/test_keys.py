@@ -206,7 +206,7 @@ def test_a_distribution_of_directions_across_north(shape) -> None:
         "slopekit": 1, "kind": "wedge", "slope": {"face": "65/355", "upper": "12/000"},
         "joints": {"J1": {"plane": {"dip": 45, "dip_direction": shape}}, "J2": {"plane": "50/290"}},
     })  # fmt: skip
-    drawn = sk.prob(design, 200, confirm=0)
+    drawn = sk.prob(design, 200, by="closed-form")
     directions = drawn.samples.values[:, drawn.samples.names.index("joints.J1.plane.dip_direction")]
     off = (directions + 180.0) % 360.0 - 180.0
     assert -10.0 <= off.min() < -5.0

@@ -30,7 +30,7 @@ STUDIES: dict[str, Any] = {
     "sweep": lambda: sk.sweep(design(), {"joints.fault.plane.dip_direction": [60, 150, 240]}, closed_form=True),
     "tornado": lambda: sk.tornado(design(), {"strength.weak.phi": "20:30"}, closed_form=True),
     "solve": lambda: sk.solve(design(), "strength.weak.phi.mean", fos=0.8, within="35:50"),
-    "prob": lambda: sk.prob(design(), 60, confirm=2, near=0.0),
+    "prob": lambda: sk.prob(design(), 60),
     "support": lambda: sk.support(design(), 1.1, acts="active", toward="330/10"),
 }
 

@@ -105,21 +105,19 @@ def test_both_methods_judge_the_same_bolts(values, acts) -> None:
     values = copy.deepcopy(values)
     for one in values["support"]["bolts"]:
         one["acts"] = acts
-    asked, count, target = (2, 30, 1.6) if acts == "passive" else (8, 1_000, 1.6)
-    study = prob(load(values), count, confirm=asked, near=0.0, seed=2, fos=target)
-    checked = study.confirmation
-    assert (checked.settled, checked.disagree) == (checked.samples, 0)
-    assert not {point.code for point in checked.points} - {""}
-    assert checked.agree == asked
+    count, target = 30 if acts == "passive" else 1_000, 1.6
+    study = prob(load(values), count, seed=2, fos=target)
+    assert (study.both.disagree, study.both.not_compared, study.both.without_answer) == (0, 0, 0)
+    assert study.both.agree == study.forming.of == int(study.judged.forms.sum())
     (lost,) = (notice.message for notice in study.warnings if notice.code == "W311")
     holds = holding(study.design, [study.samples.settings(row) for row in range(count)])
     forms = study.judged.forms
     said = f"bolts give no force in {int((~holds.all(axis=0) & forms).sum())} of {int(forms.sum())} samples"
     assert lost.startswith(said)
-    bare = prob(load(values | {"support": {"bolts": []}}), count, confirm=0, near=0.0, seed=2, fos=target)
+    bare = prob(load(values | {"support": {"bolts": []}}), count, seed=2, fos=target)
     fixed = [{key: value for key, value in one.items() if key not in ("head", "length")}
              for one in values["support"]["bolts"]]  # fmt: skip
-    in_full = prob(load(values | {"support": {"bolts": fixed}}), count, confirm=0, near=0.0, seed=2, fos=target)
+    in_full = prob(load(values | {"support": {"bolts": fixed}}), count, seed=2, fos=target)
     assert np.nanmean(bare.judged.factor) < np.nanmean(study.judged.factor) < np.nanmean(in_full.judged.factor)
     assert in_full.all_samples.share <= study.all_samples.share <= bare.all_samples.share
 
@@ -130,10 +128,9 @@ def test_where_no_plane_scatters_heads_stay_and_all_bolts_hold() -> None:
     values["support"] = {"bolts": [bolt(0.0, 5.0, 12.0), bolt(-1.0, 8.0, None)]}
     design = load(values)
     assert standing(design, as_laid_out(design)).bolts[0].head_m == pytest.approx(design.bolts[0].head_m, abs=1e-12)
-    study = prob(design, 50, confirm=3)
+    study = prob(design, 50)
     assert "W311" not in [notice.code for notice in study.warnings]
-    assert study.to_dict()["leading"] == {"probability": study.all_samples.share, "low": study.all_samples.low,
-                                          "high": study.all_samples.high, "by": "closed form"}  # fmt: skip
+    assert study.by_closed_form == study.all_samples
 
 
 @pytest.mark.parametrize("given", [WEDGE, PLANE], ids=["wedge", "plane"])
@@ -148,9 +145,7 @@ def test_samples_one_by_one_are_held_as_all_at_once(given) -> None:
 
 def test_a_bolt_that_holds_no_sample_counts_in_neither_method() -> None:
     short = {"bolts": [bolt(0.0, 5.0, 0.5)]}
-    with_it, without = (
-        prob(load(WEDGE | {"support": one}), 400, confirm=4, near=0.0) for one in (short, {"bolts": []})
-    )
+    with_it, without = (prob(load(WEDGE | {"support": one}), 400) for one in (short, {"bolts": []}))
     assert with_it.judged.factor == pytest.approx(without.judged.factor, rel=1e-12, nan_ok=True)
-    assert with_it.confirmation.settled == 4
+    assert with_it.both.agree == with_it.forming.of > 300
     assert with_it.means.code == "E212"

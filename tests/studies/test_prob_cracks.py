@@ -43,8 +43,8 @@ def test_as_each_sample_read_by_itself(name) -> None:
     Factors agree to 1e-9: at a minimum they are flat, and its place is known to the root of that (1e-4 of the place).
     """
     design = sk.load(CASES[name])
-    found = sk.prob(design, n=12, confirm=0, near=0.0, seed=4)
-    assert found.judged.evaluator == "closed form, all at once"
+    found = sk.prob(design, n=12, by="closed-form", seed=4)
+    assert found.judged.evaluator == "closed form of every sample, all at once"
     drawn = samples(design.variables, (), 12, 4)
     at = cracked(design, drawn)
     own = kind_of(design).on_arrays
@@ -91,8 +91,8 @@ def test_pre_ie_is_asked_with_the_crack_at_the_place_found() -> None:
         sample = with_values(at[0], settings)
         assert sample.crack_searched == ""
         assert sample.crack.distance_m == settings[PLACE]
-    found = sk.prob(design, n=6, confirm=3, near=0.0)
-    assert (found.confirmation.agree, found.confirmation.disagree) == (3, 0)
+    found = sk.prob(design, n=6)
+    assert (found.both.agree, found.both.disagree, found.both.not_compared) == (6, 0, 0)
 
 
 def test_what_is_looked_for_alone_still_is() -> None:
@@ -139,8 +139,8 @@ def test_many_are_refused_where_the_mean_values_cut_no_block_too() -> None:
 @pytest.mark.slow
 def test_few_are_looked_for_alone_and_others_never_refused() -> None:
     design = sk.load({**WEDGE, "crack": IN_METRES})
-    found = sk.prob(design, n=2, confirm=0, near=0.0)
-    assert found.judged.evaluator == "closed form, sample by sample"
+    found = sk.prob(design, n=2, by="closed-form")
+    assert found.judged.evaluator == "closed form of every sample"
     checked_alone(sk.load({**WEDGE, "crack": {"plane": "80/180", "distance": 3, "water": "1 m"}}), 10_000)
     with pytest.raises(DesignError, match="E125"):
         checked_alone(design, 201)

@@ -23,15 +23,15 @@ LIMITS = {"bench_width": 4, "trace_length": {"A": {"dist": "lognormal", "mean": 
 def drawn(limits: Any = None, **more: Any) -> Probability:
     """A study of the wedge."""
     design = WEDGE | ({} if limits is None else {"limits": limits})
-    return sk.prob(sk.load(design), 300, **({"confirm": 4, "near": 0.0, "seed": 3} | more))
+    return sk.prob(sk.load(design), 300, **({"seed": 3} | more))
 
 
 def test_sizes_of_samples_are_those_of_the_wedges_read_one_by_one() -> None:
     """Volume, height, width, setback and scale of twenty samples from the cut bodies; the factor stays PRE-IE's."""
     study = drawn(LIMITS)
-    assert study.judged.evaluator == "closed form, all at once"
-    assert study.confirmation is not None
-    assert study.confirmation.disagree == 0
+    assert study.judged.evaluator == "closed form and PRE-IE of every sample, all at once"
+    assert study.both is not None
+    assert (study.both.disagree, study.both.not_compared) == (0, 0)
     columns = study.sizes
     for row in np.flatnonzero(~np.isnan(study.judged.factor))[:20].tolist():
         found = cut(with_values(study.design, study.samples.settings(row))).geometry()
@@ -66,7 +66,7 @@ def test_planes_have_sizes_per_metre() -> None:
         "joints": {"J1": {"plane": {"dip": {"dist": "normal", "mean": 38, "sd": 4}, "dip_direction": 185}}},
         "strength": {"joint": {"c": 10, "phi": 30}}, "rock": {"unit_weight": 26},
     }  # fmt: skip
-    study = sk.prob(sk.load(design), 100, confirm=0, near=0.0)
+    study = sk.prob(sk.load(design), 100, by="closed-form")
     for row in range(5):
         alone = sk.run(with_values(study.design, study.samples.settings(row)))
         for key in ("setback_m", "height_m", "volume_m3"):

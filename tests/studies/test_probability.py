@@ -39,6 +39,10 @@ def default_wedge(correlation: float | None = None) -> dict:
     return wedge | ({} if correlation is None else {"correlation": {"J1.phi/J2.phi": correlation}})
 
 
+#: Samples of it are read one by one.
+PASSIVE = default_wedge() | {"support": {"bolts": [{"force": 2e5, "toward": "000/10", "acts": "passive"}]}}
+
+
 def by_quadrature(target: float, rank: float) -> float:
     """P(F < target): F is a + b (tan φ₁ + tan φ₂), φ₁ and φ₂ normal with r = 2 sin(π ρ / 6) (Pearson 1907).
 
@@ -69,10 +73,10 @@ def test_the_default_wedge_against_quadrature(rank, method) -> None:
     for target in (1.0, 1.4, 1.5):
         exact = by_quadrature(target, rank or 0.0)
         study = prob(
-            load(default_wedge(rank)), 20_000, method=method, fos=target, confirm=0, near=0.0,
+            load(default_wedge(rank)), 20_000, method=method, fos=target, by="closed-form",
             confidence=0.999,  # 27 comparisons: one in twenty would miss at 0.95
         )  # fmt: skip
-        assert study.judged.evaluator == "closed form, all at once"
+        assert study.judged.evaluator == "closed form of every sample, all at once"
         assert study.all_samples.low <= exact <= study.all_samples.high
         assert study.all_samples == study.forming
         if target == 1.5:
@@ -132,7 +136,7 @@ def test_directions_about_north_have_a_mean_about_north() -> None:
             **default_wedge(), "slope": {"face": [60, turn], "upper": [10, turn], "height": 64.89},
             "joints": {"J1": {"plane": {"dip": 45, "dip_direction": {"dist": "normal", "mean": turn + 2.0, "sd": 10}},
                               "strength": "a"}, "J2": {"plane": [45, turn + 65.0], "strength": "b"}},
-        }), n=400, confirm=0, near=0.0, seed=3)  # fmt: skip
+        }), n=400, by="closed-form", seed=3)  # fmt: skip
         drawn = {one["path"]: one for one in found.variables}["joints.J1.plane.dip_direction"]
         assert (drawn["min"] - turn) % 360.0 > 320.0
         assert (drawn["max"] - turn) % 360.0 < 40.0
@@ -155,8 +159,8 @@ def test_directions_about_north_have_a_mean_about_north() -> None:
 )
 def test_all_at_once_is_one_at_a_time(values, met) -> None:
     design = load(values)
-    study = prob(design, 2_000, seed=3, confirm=0, near=0.0)
-    assert study.judged.evaluator == "closed form, all at once"
+    study = prob(design, 2_000, seed=3, by="closed-form")
+    assert study.judged.evaluator == "closed form of every sample, all at once"
     seen = set()
     for row in range(0, 2_000, 12):
         point = point_of(design, study.samples.settings(row), pre_ie=False)
@@ -179,66 +183,72 @@ def test_all_at_once_is_one_at_a_time(values, met) -> None:
 
 
 def test_passive_bolts_and_directions_go_one_at_a_time() -> None:
-    passive = default_wedge() | {"support": {"bolts": [{"force": 2e5, "toward": "000/10", "acts": "passive"}]}}
-    study = prob(load(passive), 30, fos=1.6, confirm=5, near=0.0)
-    assert study.judged.evaluator == "closed form, sample by sample"
-    assert study.confirmation.agree == 5
+    study = prob(load(PASSIVE), 5, fos=1.6)
+    assert study.judged.evaluator == "closed form and PRE-IE of every sample"
+    assert (study.both.agree, study.both.not_compared) == (5, 0)
     turning = {"force": 500, "toward": {"dist": "fisher", "mean": "180/10", "k": 200}}
-    study = prob(load(default_wedge() | {"loads": {"forces": [turning]}}), 20, confirm=0)
-    assert study.judged.evaluator == "closed form, sample by sample"
+    study = prob(load(default_wedge() | {"loads": {"forces": [turning]}}), 20, by="closed-form")
+    assert study.judged.evaluator == "closed form of every sample"
 
 
-def test_pre_ie_confirms_at_random_and_near_the_target() -> None:
-    study = prob(load(default_wedge(0.8)), 2_000, fos=1.5, confirm=30, near=0.002)
-    checked = study.confirmation
-    near = np.abs(study.judged.factor / 1.5 - 1.0) <= 0.002
-    assert checked.near == near.sum() > 5
-    assert set(np.flatnonzero(near)) <= set(checked.index)
-    assert checked.at_random == 30
-    assert checked.agree == len(checked.index)
-    assert checked.largest < 1e-9
-    assert checked.probability == study.all_samples.share
-    assert checked.other_at_most == pytest.approx(1 - 0.05 ** (1 / 30))  # the rule of three, exactly
+def test_both_methods_judge_every_sample_and_agree_where_no_moment_governs() -> None:
+    study = prob(load(default_wedge(0.8)), 2_000, fos=1.5)
+    alone = prob(load(default_wedge(0.8)), 2_000, fos=1.5, by="closed-form")
+    assert study.judged.evaluator == "closed form and PRE-IE of every sample, all at once"
+    assert (study.both.agree, study.both.governed, study.both.unsafe, study.both.safe) == (2_000, 0, 0, 0)
+    assert study.both.largest < 1e-9
+    assert study.all_samples == study.by_closed_form == alone.all_samples
+    assert study.judged.factor == pytest.approx(alone.judged.factor, rel=1e-9)
     assert study.exit_code == 0
+    assert (alone.both, alone.by_closed_form) == (None, None)
 
 
-@pytest.mark.slow
-def test_where_moments_govern_the_closed_form_is_not_trusted() -> None:
-    """A wedge that turns (cases.json, 9_single-plane): PRE-IE's probability lies above, each way of asking finds it.
+#: A wedge that turns (cases.json, 9_single-plane): its two joints are bonded, and the one that opens scatters.
+TURNING = {
+    "slopekit": 1, "kind": "wedge",
+    "joints": {"J1": {"plane": "45/160", "strength": "a"}, "J2": {"plane": "80/240", "strength": "b"}},
+    "slope": {"face": "65/180", "upper": "0/180", "height": 10},
+    "strength": {"a": {"c": 20, "phi": PHI | {"mean": 30, "sd": 0.6}},
+                 "b": {"c": {"dist": "normal", "mean": 20, "sd": 2}, "phi": 30}},
+    "rock": {"unit_weight": 26},
+}  # fmt: skip
 
-    Its two joints are bonded, and the one that opens scatters.
-    """
-    turning = {
-        "slopekit": 1, "kind": "wedge",
-        "joints": {"J1": {"plane": "45/160", "strength": "a"}, "J2": {"plane": "80/240", "strength": "b"}},
-        "slope": {"face": "65/180", "upper": "0/180", "height": 10},
-        "strength": {"a": {"c": 20, "phi": PHI | {"mean": 30, "sd": 0.6}},
-                     "b": {"c": {"dist": "normal", "mean": 20, "sd": 2}, "phi": 30}},
-        "rock": {"unit_weight": 26},
-    }  # fmt: skip
-    design = load(turning)
+
+def test_where_moments_govern_pre_ie_counts_and_the_closed_form_is_said_beside_it() -> None:
+    """The closed form's probability is the one that it has alone; PRE-IE's is that of each sample by itself."""
+    design = load(TURNING)
     means = sk.analyse(design)
     assert means.moments_govern
     target = 0.5 * (means.fos.limit + means.fos.closed_form)
-    study = prob(design, 20, fos=target, confirm=10, near=0.0)
-    every = prob(design, 20, fos=target, by="pre-ie")
-    assert study.confirmation.governed == 10
-    assert study.confirmation.unsafe > 3
-    assert {"W353"} <= {notice.code for notice in study.warnings}
-    assert every.all_samples.share > study.all_samples.share + 0.2
-    assert study.confirmation.probability == pytest.approx(every.all_samples.share, abs=0.4)  # from 10 samples
-    assert "W353" in {notice.code for notice in every.warnings}
-    lead, checked = study.leading, study.confirmation
-    assert (lead["by"], lead["probability"]) == ("PRE-IE's judgement", checked.probability)
-    assert lead["low"] - study.all_samples.low == pytest.approx(checked.change_low)
-    assert max(lead["low"], study.all_samples.share) <= every.all_samples.share <= lead["high"]
-    assert study.margin == 1.0 - checked.probability
-    assert "by PRE-IE's judgement" in study.line
+    study = prob(design, 20, fos=target)
+    alone = prob(design, 20, fos=target, by="closed-form")
+    single = [point_of(design, study.samples.settings(row)).factors for row in range(0, 20, 4)]
+    assert study.judged.factor[::4] == pytest.approx([factors.limit for factors in single], rel=1e-6)
+    assert study.outcomes.moments_govern[::4].tolist() == [factors.moments_govern for factors in single]
+    assert study.both.governed == 20
+    assert study.by_closed_form == alone.all_samples
+    assert study.all_samples.share > study.by_closed_form.share + 0.2
+    assert study.both.unsafe == study.all_samples.count - study.by_closed_form.count > 3
+    assert (study.both.safe, study.both.disagree) == (0, 0)
+    (said,) = (notice.message for notice in study.warnings if notice.code == "W353")
+    assert said.startswith(f"{study.both.unsafe} of 20 samples fail by PRE-IE alone")
+    assert study.margin == 1.0 - study.all_samples.share
+    text = " ".join(str(study).split())
+    for share, among in ((study.all_samples, "of all samples"), (study.by_closed_form, "by the closed form, forces")):
+        assert f"{share.share * 100:.4g} % {among}" in text
+    assert f"closed form {study.by_closed_form.share * 100:.4g} %" in study.line
+    assert f"{study.both.unsafe} fail by PRE-IE only, 0 by the closed form only" in text
+    found = study.to_dict()
+    assert found["probability_of_failure"]["closed_form"]["count"] == study.by_closed_form.count
+    assert found["methods"]["fails_by_pre_ie_only"] == study.both.unsafe
+    assert "METHODS   the closed form alone" in str(alone)
 
 
 @pytest.mark.slow
-def test_the_same_numbers_whoever_works() -> None:
-    design = load(WILD)
+@pytest.mark.parametrize("values", [WILD, PASSIVE], ids=["all at once", "one by one"])
+def test_the_same_numbers_whoever_works(values, monkeypatch) -> None:
+    monkeypatch.setattr("slopekit.studies.prob.run._AT_ONCE", 3)  # several tasks
+    design = load(values)
     alone = prob(design, 8, seed=7, by="pre-ie")
     pool = prob(design, 8, seed=7, by="pre-ie", jobs=2)
     assert alone.judged.factor.tobytes() == pool.judged.factor.tobytes()
@@ -247,8 +257,10 @@ def test_the_same_numbers_whoever_works() -> None:
     assert not set(other.judged.factor.tolist()) & set(alone.judged.factor.tolist())
 
 
-def test_an_interrupted_study_goes_on(tmp_path, monkeypatch) -> None:
-    design, calls = load(default_wedge()), []
+@pytest.mark.parametrize("values", [default_wedge(), PASSIVE], ids=["all at once", "one by one"])
+def test_an_interrupted_study_goes_on(values, tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr("slopekit.studies.prob.run._AT_ONCE", 1)
+    design, calls = load(values), []
 
     def counted(work, *tasks, **options):
         def one(task):
@@ -276,7 +288,7 @@ def test_an_interrupted_study_goes_on(tmp_path, monkeypatch) -> None:
 def test_samples_that_cannot_be_are_counted_apart() -> None:
     design = load(default_wedge() | {"strength": {"s": {"c": {"dist": "normal", "mean": 50, "sd": 20}, "phi": 20}},
                                      "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}})  # fmt: skip
-    study = prob(design, 20_000, confirm=0, near=0.0)
+    study = prob(design, 20_000, by="closed-form")
     assert 50 < study.counts["impossible"] < 200  # 0.62 % of them
     assert study.all_samples.of == 20_000 - study.counts["impossible"]
     assert "W350" in {notice.code for notice in study.warnings}
@@ -292,7 +304,7 @@ def test_too_many_of_them_are_refused_and_small_friction_is_no_radian() -> None:
     design = load(default_wedge() | {"joints": joints, "strength": {"s": smooth}})
     by_pre_ie = prob(design, 5, by="pre-ie")
     assert by_pre_ie.counts == {"slides_on_both": 5}
-    assert prob(design, 5, confirm=0, near=0.0).judged.factor == pytest.approx(by_pre_ie.judged.factor, rel=1e-9)
+    assert prob(design, 5, by="closed-form").judged.factor == pytest.approx(by_pre_ie.judged.factor, rel=1e-9)
 
 
 def test_nothing_that_speaks_against_it_is_accepted(monkeypatch) -> None:
@@ -300,18 +312,16 @@ def test_nothing_that_speaks_against_it_is_accepted(monkeypatch) -> None:
         return [Point(None, "E212", "bolt 1 is too short").to_record()] * len(tasks)
 
     monkeypatch.setattr("slopekit.studies.points.run_all", all_fail)
-    design = load(default_wedge())
-    by_pre_ie = prob(design, 6, by="pre-ie", fos=1.7, accept=0.99)
+    by_pre_ie = prob(load(PASSIVE), 6, fos=1.7, accept=0.99)
     assert by_pre_ie.counts == {"E212": 6}
     assert (by_pre_ie.judged.unjudged.sum(), by_pre_ie.all_samples.count, by_pre_ie.all_samples.of) == (6, 0, 0)
     assert by_pre_ie.accepted is False
-    study = prob(design, 300, fos=1.7, accept=0.99, confirm=5)
-    assert study.confirmation.settled == 0
-    assert study.accepted is False
-    said = " ".join(str(study).split())
-    assert f"not compared, PRE-IE answers for 0 of {study.confirmation.samples} samples" in study.line
-    assert f"<= 99 %: NOT MET, PRE-IE answers for 0 of the {study.confirmation.samples} samples it was asked of" in said
-    assert "W350" in {notice.code for notice in study.warnings}
+    assert by_pre_ie.by_closed_form is None
+    said = " ".join(str(by_pre_ie).split())
+    assert "not compared" in by_pre_ie.line
+    assert "agree on 0, disagree on 0, 6 not compared" in said
+    assert "<= 99 %: NOT MET, 6 samples not judged" in said
+    assert "W350" in {notice.code for notice in by_pre_ie.warnings}
     away = default_wedge() | {"joints": {"J1": {"plane": "45/020", "strength": "a"},
                                          "J2": {"plane": "45/340", "strength": "b"}}}  # fmt: skip
     assert prob(load(away), 50).exit_code == 3
@@ -319,34 +329,32 @@ def test_nothing_that_speaks_against_it_is_accepted(monkeypatch) -> None:
 
 def test_the_line_on_acceptance_says_what_the_exit_code_says() -> None:
     """No limit is met where the methods disagree (exit code 4), nor where no sample forms a block (3)."""
-    study = prob(load(default_wedge()), 300, fos=1.0, accept=0.99, confirm=10)
+    study = prob(load(default_wedge()), 300, fos=1.0, accept=0.99)
     assert (study.accepted, study.exit_code) == (True, 0)
-    factors = replace(point_of(load(default_wedge()), {}).factors, agree=False)
-    apart = replace(study, judged=replace(study.judged, points=(Point(factors),) * 2))
+    apart = replace(study, both=replace(study.both, agree=299, disagree=1))
     assert (apart.accepted, apart.exit_code) == (False, 4)
     assert "99 %: NOT MET, the methods disagree" in " ".join(str(apart).split())
     assert "not met" in apart.line
     away = default_wedge() | {"joints": {"J1": {"plane": "45/020", "strength": "a"},
                                          "J2": {"plane": "45/340", "strength": "b"}}}  # fmt: skip
-    none = prob(load(away), 50, accept=0.99, confirm=0)
+    none = prob(load(away), 50, accept=0.99)
     assert (none.accepted, none.exit_code) == (False, 3)
     assert "NOT MET, no sample forms a block" in " ".join(str(none).split())
 
 
-@pytest.mark.slow
-def test_pre_ies_estimate_has_the_same_denominator_and_its_limits_hold() -> None:
+def test_both_estimates_have_the_same_denominator() -> None:
     joints = {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}
     strength = {"s": {"c": {"dist": "normal", "mean": 50, "sd": 20.5}, "phi": {"dist": "normal", "mean": 12, "sd": 2}}}
-    study = prob(load(default_wedge() | {"joints": joints, "strength": strength}), 4_000, confirm=10)
+    study = prob(load(default_wedge() | {"joints": joints, "strength": strength}), 4_000)
     assert study.counts["impossible"] > 5
-    assert study.confirmation.probability == study.all_samples.share
-    assert study.confirmation.change_low < 0.0 < study.confirmation.change_high
+    assert study.both.agree == study.all_samples.of == 4_000 - study.counts["impossible"]
+    assert study.by_closed_form == study.all_samples
 
 
 def test_what_scatters_without_changing_the_factor(capsys) -> None:
     stiff = {"c": 50, "phi": 20, "stiffness": {"normal": {"dist": "uniform", "min": 1e6, "max": 1e7}}}
     joints = {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}
-    study = prob(load(default_wedge() | {"joints": joints, "strength": {"s": stiff}}), 30, confirm=2)
+    study = prob(load(default_wedge() | {"joints": joints, "strength": {"s": stiff}}), 30)
     assert study.judged.factor == pytest.approx(1.5574, abs=1e-4)
     assert len(study.judged.factor) == 30
 
@@ -359,7 +367,7 @@ def test_samples_without_an_answer_and_too_few_failures_are_said(monkeypatch) ->
         return [point.to_record() for point in (broken, wild, *[stands] * (len(tasks) - 2))]
 
     monkeypatch.setattr("slopekit.studies.points.run_all", some_fail)
-    study = prob(load(default_wedge()), 20, by="pre-ie")
+    study = prob(load(PASSIVE), 20)
     assert study.counts == {"slides_on_both": 18, "E599": 1, "not_converged": 1}
     assert (study.all_samples.count, study.all_samples.of) == (2, 20)  # without an answer: counted as failures
     assert {"W350"} <= {notice.code for notice in study.warnings}
@@ -408,8 +416,7 @@ def test_the_command(tmp_path) -> None:
     file = tmp_path / "wedge.json.yaml"
     file.write_text(json.dumps(default_wedge(0.8)))
     run = slopekit(
-        "prob", str(file), "-n", "500", "--fos", "1.5", "--confirm", "5", "--near", "0.1%", "--accept-pf", "10%",
-        "--json", "-o", str(tmp_path / "out"),
+        "prob", str(file), "-n", "500", "--fos", "1.5", "--accept-pf", "10%", "--json", "-o", str(tmp_path / "out"),
     )  # fmt: skip
     assert run.returncode == 1, run.stderr
     found = json.loads(run.stdout)
@@ -419,8 +426,11 @@ def test_the_command(tmp_path) -> None:
     rows = list(csv.DictReader((tmp_path / "out" / "samples.csv").read_text().splitlines()))
     fails = sum(int(row["fails"]) for row in rows)
     assert fails == found["probability_of_failure"]["all_samples"]["count"]
-    assert sum(float(row["fos_closed_form"]) < 1.5 for row in rows) == fails
-    assert sum(row["fos_limit"] != "" for row in rows) == found["pre_ie"]["samples"]
+    by_closed_form = found["probability_of_failure"]["closed_form"]["count"]
+    assert sum(float(row["fos_limit"]) < 1.5 for row in rows) == fails
+    assert sum(float(row["fos_closed_form"]) < 1.5 for row in rows) == by_closed_form
+    assert sum(int(row["moments_govern"]) for row in rows) == found["methods"]["moments_govern"]
+    assert found["methods"]["agree"] == 500
     sheet = (tmp_path / "out" / "prob.txt").read_text()
     assert all(len(line) <= 100 for line in sheet.splitlines())
     assert "P(F < 1.5)" in sheet
@@ -434,7 +444,7 @@ def test_what_is_accepted_is_a_probability_and_the_old_word_is_understood(tmp_pa
     """`--accept` of `wedge` is a factor of safety, that of `prob` was not: each has a word of its own."""
     file = tmp_path / "wedge.json.yaml"
     file.write_text(json.dumps(default_wedge()))
-    few = ("prob", str(file), "-n", "50", "--confirm", "0", "--near", "0", "--quiet")
+    few = ("prob", str(file), "-n", "50", "--quiet")
     said = [slopekit(*few, word, level) for word in ("--accept-pf", "--accept") for level in ("50%", "0.1%")]
     assert [run.returncode for run in said] == [0, 1, 0, 1]
     assert said[0].stdout == said[2].stdout
@@ -451,11 +461,11 @@ def test_samples_csv_has_every_digit_of_every_sample(tmp_path) -> None:
     """The table of the sheet, its file and its records are the same; the journal goes when all is written."""
     file = tmp_path / "wedge.json.yaml"
     file.write_text(json.dumps(WILD))
-    run = slopekit("prob", str(file), "-n", "40", "--confirm", "3", "--near", "0", "-o", str(tmp_path / "out"))
+    run = slopekit("prob", str(file), "-n", "40", "-o", str(tmp_path / "out"))
     assert run.returncode == 0, run.stderr
     assert {path.name for path in (tmp_path / "out").iterdir()} - {"histogram.png"} == {
         "prob.json", "prob.txt", "samples.csv"}  # fmt: skip
-    study = prob(load(WILD), 40, confirm=3, near=0.0)
+    study = prob(load(WILD), 40)
     table = study.sheet.tables["samples.csv"]
     assert (tmp_path / "out/samples.csv").read_text(encoding="utf-8") == table.csv()
     rows = list(csv.DictReader(table.csv().splitlines()))
@@ -463,9 +473,10 @@ def test_samples_csv_has_every_digit_of_every_sample(tmp_path) -> None:
         drawn = [float(row[name]) for name in study.samples.names]
         assert drawn == study.samples.values[k].tolist() == [record[name] for name in study.samples.names]
         assert row["outcome"] == study.judged.names[study.judged.outcome[k]]
-        assert (float(row["fos_closed_form"]) if row["fos_closed_form"] else None) == record["fos_closed_form"]
-        assert np.isnan(study.judged.factor[k]) == (row["fos_closed_form"] == "")
-        assert (row["pre_ie_outcome"] != "") == (k in study.confirmation.index)
+        for key, factor in (("fos_limit", study.judged.factor), ("fos_closed_form", study.outcomes.closed_form.factor)):
+            assert (float(row[key]) if row[key] else None) == record[key]
+            assert float(row[key] or "nan") == pytest.approx(factor[k], rel=0, abs=0, nan_ok=True)
+        assert row["moments_govern"] == str(int(study.outcomes.moments_govern[k]))
 
 
 def test_a_journal_is_kept_until_all_is_written(tmp_path) -> None:
@@ -481,7 +492,7 @@ def test_dips_beyond_the_vertical_are_planes_that_dip_the_other_way_and_that_is_
     joints = {"J1": {"plane": {"dip": {"dist": "normal", "mean": 86, "sd": 5}, "dip_direction": 115}},
               "J2": {"plane": "50/245"}}  # fmt: skip
     design = load({"slopekit": 1, "kind": "wedge", "slope": {"face": "88/185", "upper": "12/195"}, "joints": joints})
-    study = prob(design, 400, confirm=0)
+    study = prob(design, 400, by="closed-form")
     names = study.samples.names
     dips, directions = (study.samples.values[:, names.index(f"joints.J1.plane.{name}")]
                         for name in ("dip", "dip_direction"))  # fmt: skip

@@ -75,7 +75,7 @@ def test_a_point_of_many_names_its_place() -> None:
 
 def test_a_probability_says_what_the_run_says_of_the_means() -> None:
     scattered = {"strength.bedding.phi": {"dist": "normal", "mean": 24, "sd": 2}}
-    found = sk.prob(sk.load(BASAL, set=scattered), n=200, confirm=2, near=0.0)
+    found = sk.prob(sk.load(BASAL, set=scattered), n=200)
     (of_whole,) = (notice for notice in found.warnings if notice.code == "W410")
     assert of_whole.message.startswith("of the design at its means: the basal joint cuts the toe off")
 
@@ -147,9 +147,11 @@ def test_a_value_that_the_whole_wedge_does_not_bear_is_not_enough() -> None:
 @pytest.mark.slow
 def test_bolts_that_hold_a_part_of_a_wedge_alone_are_said() -> None:
     found = sk.support(sk.load(BASAL, set={"strength.joint.phi": 10}), 1.5, acts="passive")
-    (notice,) = (notice for notice in found.warnings if notice.code == "W507")
-    assert notice.message.startswith("with the passive bolts the whole wedge without the basal joint falls short of")
-    assert found.exit_code == 1
+    (lacks,) = (case.lacks for case in found.cases)
+    assert lacks.startswith("NOT REACHED, FoS 1.5: W507 with these bolts the whole wedge without the basal joint falls")
+    assert lacks in " ".join(str(found).split())
+    assert (found.exit_code, found.reached) == (1, False)
+    assert found.cases[0].yaml.startswith("# NOT REACHED, FoS 1.5: W507")
     assert found.cases[0].factors.limit == pytest.approx(1.5032, abs=1e-3)  # each bolt is rounded up to 10 kN
     none = sk.support(sk.load(BASAL, set={"strength.bedding.phi": 70}), 3.5, acts="active")
     assert none.stands

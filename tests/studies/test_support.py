@@ -26,6 +26,7 @@ from slopekit.kinds.wedge import closed_form
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.kinds.words import size_number
 from slopekit.loads import Hull, judge_bolt
+from slopekit.studies import points
 from slopekit.studies.support import run as module
 from slopekit.studies.support.search import Answer, best_direction, least_force, least_forces, site_of
 from tests.closed_form.scalar_wedge import hoek_bray_wedge
@@ -403,13 +404,13 @@ def test_bolts_that_fall_short_when_they_are_solved_again_are_not_reached(monkey
 
 def test_bolts_whose_design_has_no_answer_reach_nothing(monkeypatch) -> None:
     """PRE-IE that does not converge with the bolts is no factor: not reached, and exit code 4 as `run` has it."""
-    honest = module.factors_of
+    honest = points.factors_of
 
-    def lost(design):  # with the bolts as they are built, which are several
+    def lost(design, _):  # with the bolts as they are built, which are several
         gone = {"limit": None, "status": "not_converged", "agree": None, "settled": False}
         return replace(honest(design), **gone if len(design.bolts) > 1 else {})
 
-    monkeypatch.setattr(module, "factors_of", lost)
+    monkeypatch.setattr(points, "factors_of", lost)
     found = sk.support(loaded(PLANE), 1.9, acts="active")
     assert (found.reached, found.exit_code) == (False, 4)
     assert "not converged by PRE-IE; FoS 1.9" in found.cases[0].lacks
@@ -647,8 +648,8 @@ def test_the_command_writes_prints_and_leaves_with_its_code(tmp_path: Path) -> N
         "warnings", "timing_s", "line", "sheet",
     }  # fmt: skip
     assert document["bolts"][0].keys() == {
-        "acts", "toward", "reached", "use_kn", "closed_form", "pre_ie", "pattern", "check", "support", "yaml",
-        "notices",
+        "acts", "toward", "reached", "use_kn", "closed_form", "pre_ie", "pattern", "check", "other_cases",
+        "support", "yaml", "notices",
     }  # fmt: skip
     assert document["unit"] == "kN/m"
     assert [bolt["acts"] for bolt in document["bolts"]] == ["active", "passive"]

@@ -29,7 +29,7 @@ SCATTER: dict[str, Any] = WEDGE | {
 def documents() -> tuple[dict[str, Any], ...]:
     """A run and a probability of one bolted design, and the support of the same without its bolts."""
     bolted, bare = sk.load(SCATTER | {"support": {"bolts": BOLTS}}), sk.load(SCATTER)
-    found = sk.analyse(bolted), sk.prob(bolted, n=200, confirm=5), sk.support(bolted), sk.support(bare)
+    found = sk.analyse(bolted), sk.prob(bolted, n=200), sk.support(bolted), sk.support(bare)
     return tuple(json.loads(json.dumps(one.to_dict())) for one in found)
 
 
@@ -48,7 +48,7 @@ def test_bolts_stand_in_the_schedule_and_hashes_once() -> None:
 
 def test_benches_stand_on_one_page_with_a_design() -> None:
     joints = ["52/140", "58/150", "61/222", "66/215"]
-    found = sk.bench_design(joints, height=15, face=65, dip_direction=180, c=5, phi=32, n=100, confirm=0)
+    found = sk.bench_design(joints, height=15, face=65, dip_direction=180, c=5, phi=32, n=100)
     bench = json.loads(json.dumps(found.to_dict()))
     assert "Bench design" in report_of([bench, documents()[0]], with_pictures=False).html
 
@@ -95,7 +95,7 @@ def test_light_pictures_look_the_same() -> None:
 @pytest.mark.slow
 def test_what_acceptance_hangs_on_leads_in_studies() -> None:
     """The upper limit of a probability; the lowest factor of a mechanism."""
-    found = sk.prob(sk.load(SCATTER), n=200, confirm=0, accept=0.9)
+    found = sk.prob(sk.load(SCATTER), n=200, by="closed-form", accept=0.9)
     first = re.findall(r"[\d.]+(?= %)", found.line)[0]
     assert float(first) == pytest.approx(100.0 * found.all_samples.high, rel=1e-3)
     checked = sk.check(sk.load(path_of("goodman-bray"), set={"acceptance": {"rules": ["fos.lowest >= 0.7"]}}))

@@ -121,7 +121,7 @@ def test_many_pictures_of_odd_studies_are_refused_or_drawn() -> None:
 
 @pytest.fixture(scope="module")
 def scattered() -> dict:
-    return plain(sk.prob(sk.load(path_of("wedge-scatter")), 600, fos=1.2, confirm=4, near=0.0))
+    return plain(sk.prob(sk.load(path_of("wedge-scatter")), 600, fos=1.2))
 
 
 def test_a_histogram(scattered) -> None:

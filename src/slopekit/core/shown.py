@@ -16,8 +16,6 @@ class Shown:
     #: Of its files: NAME.json and NAME.txt, or another name of the text.
     name: ClassVar[str]
     text_name: ClassVar[str] = ""
-    #: What a table over load cases adds behind the one that governs.
-    of_one_case: ClassVar[tuple[str, ...]] = ()
 
     @property
     @abstractmethod
@@ -56,6 +54,11 @@ class Shown:
     def case_columns(self) -> "list[Column[Any]]":
         """What a table over load cases has of each, beside its line."""
         return []
+
+    @classmethod
+    def over_cases(cls, outcomes: "Mapping[str, Any]") -> "Mapping[str, Any]":
+        """Outcomes by load case, with what one says of the others."""
+        return outcomes
 
     def files(self) -> dict[str, str]:
         """Further files by name, beside its tables."""

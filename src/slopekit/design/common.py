@@ -242,7 +242,7 @@ class Design(DesignKeys):
                          doc="`dry`, `full`, `50 %`, or by its keys")  # fmt: skip
     seismic: Seismic = number(
         "loads.seismic", "ratio", default=Seismic(), least=0.0, most=2.0, code="E122", of=Seismic, example="0.1",
-        label="seismic coefficient", left_out="0", doc="part of gravity: `0.1`, `0.1@180`, or by its keys",
+        label="seismic coefficient", left_out="0", doc="fraction of g: `0.1`, `0.1@180`, or by its keys",
     )  # fmt: skip
     forces: tuple[Force, ...] = forces_without("block")
     bolts: tuple[Bolt, ...] = bolts_without("block")

@@ -230,7 +230,8 @@ KIND = kind_of_one_block(
     FootingDesign, read_footing,
     Words(
         "footing above a weak plane, per metre", "block", "out of the face", "closed form", "limit equilibrium",
-        {"slides_on_J1": "slides on the weak plane", "lifted": "is pushed off the weak plane"}, horizontal="x",
+        {"slides_on_J1": "slides on the weak plane", "lifted": "contact lost on the weak plane (uplift)"},
+        horizontal="x",
     ),
     cut, closed_form, changes=_changes, strengths=lambda design: [design.strength], slope=_slope,
 )  # fmt: skip

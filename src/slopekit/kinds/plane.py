@@ -507,7 +507,7 @@ KIND = kind_of_one_block(
     Words(
         "plane failure, per metre", "block", "out of the slope", "Hoek & Bray closed form (plane failure)",
         "Hoek & Bray: forces only",
-        {"slides_on_J1": "slides on its plane", "lifted": "is pushed off its plane"},
+        {"slides_on_J1": "slides on its plane", "lifted": "contact lost on its plane (uplift)"},
     ),
     cut, compared, changes=_changes, strengths=_strengths, slope=_slope, notices=_notices,
     on_arrays=ON_ARRAYS,

@@ -845,16 +845,17 @@ static PyObject *solved(PyObject *self, PyObject *const *a, Py_ssize_t n)
 /* -- one block on an elastic bed (BedSprings.unbalanced) -------------------------------------------------------------- */
 
 /* An end of the new edge of a contact that is cut: which corner of the part it is, the way it can go, how far it goes
-   with the gap by 1, ξ and η; what it moves of a triangle and of a point, and the sums of the shear that it brings. */
+   with the gap by 1, ξ and η; what it moves of a triangle and of points, and the sums of the shear that it brings. */
+#define POINTS 64 /* of a contact at a time */
 typedef struct {
     whole corner;
-    double way[2], by_gap[3], middle[2], growth, point[2], area, by[2][3];
+    double way[2], by_gap[3], middle[2], growth, point[2][POINTS], area[POINTS], by[2][3];
 } End;
 
 typedef struct {
     Kept kept;
     whole u, blocks, contacts, points[2]; /* points of a line and of a triangle */
-    const double *at[2], *shares[2];  /* their barycentric coordinates (q, 2) and (q, 3), and their shares (q) */
+    const double *at[2], *shares[2];  /* their barycentric coordinates (2, q) and (3, q), and their shares (q) */
     const whole *contact;             /* first contact of each block, (blocks + 1) */
     const whole *first;               /* first corner of each contact, (k + 1) */
     const double *rows, *plane, *law; /* (k, 9, u) by 1, ξ and η; corners (2); area per area, cohesion, tan φ (k, 3) */
@@ -867,7 +868,9 @@ typedef struct {
     whole bolts;                      /* passive ones of each block */
     const double *bolt_rows, *capacity, *stiff; /* (blocks, bolts, u), and (blocks, bolts) */
     double moves;                     /* bolts drawn out by more than this pull fully where a block runs */
-    double *gaps, *corners;           /* of one contact: room for all of it, and for its part */
+    double *gaps, *corners, *moves_by; /* of one contact: room for all of it, for its part, and for its ends */
+    whole count;                      /* of points that were not summed yet, and where they are */
+    double x[POINTS], y[POINTS], area[POINTS];
     End *ends;
 } Polygons;
 
@@ -917,12 +920,13 @@ static PyObject *polygons(PyObject *self, PyObject *const *a, Py_ssize_t n)
             failed = 1;
         }
     }
-    char *room = failed ? NULL : malloc((size_t)(most + 1) * (sizeof(End) + 5 * sizeof(double)));
+    char *room = failed ? NULL : malloc((size_t)(most + 1) * (sizeof(End) + 11 * sizeof(double)));
     if (!failed && !room) {
         PyErr_NoMemory();
         failed = 1;
     }
     p->ends = (End *)room, p->gaps = (double *)(p->ends + most + 1), p->corners = p->gaps + most + 1;
+    p->moves_by = p->corners + 4 * (most + 1);
     PyObject *capsule = object_of(p, POLYGONS, failed);
     if (capsule) PyCapsule_SetContext(capsule, room);
     return capsule;
@@ -960,69 +964,149 @@ static const double *pressed_part(Polygons *p, const double *plane, whole count,
     return p->corners;
 }
 
-/* Adds a point at (x, y) with its area to the sums, and to those of the ends, which move it. */
-INLINE void add_point(Polygons *p, const double *law, const double field[3][3], double reduction, int running,
-                      int sticks, double x, double y, double area, whole ends, Sums *to)
+/* What a contact is asked for: its line, its motion by 1, ξ and η, λ, and whether it runs or sticks. */
+typedef struct {
+    const double *law;
+    double field[3][3], reduction;
+    int running, sticks;
+} Asked;
+
+typedef double Lanes __attribute__((vector_size(32), aligned(8)));
+
+/* Adds the products of numbers at points with others at the same points, in four lanes each. */
+INLINE void add_products(const double *one, const double (*others)[POINTS], const int many, whole count, double *to)
 {
-    const double powers[6] = {1.0, x, y, x * x, x * y, y * y};
-    double normal = field[0][0] + field[0][1] * x + field[0][2] * y;
-    double strength = law[1] + law[2] * normal, steep = law[2];
-    if (p->next >= 0) {
-        double *at = p->curve + p->next++;
-        if (p->asks) {
-            *at = normal;
-            return;
-        }
-        strength = at[p->room], steep = at[2 * p->room];
+    Lanes sums[6] = {{0.0}};
+    for (whole q = 0; q < count; q += 4)
+        for (int j = 0; j < many; j++) sums[j] += *(const Lanes *)(one + q) * *(const Lanes *)(others[j] + q);
+    for (int j = 0; j < many; j++) to[j] += (sums[j][0] + sums[j][1]) + (sums[j][2] + sums[j][3]);
+}
+
+/* Adds the points that wait, with their areas, to the sums, and to those of the ends, which move them. */
+INLINE void sum_points(Polygons *p, const Asked *s, whole ends, Sums *to)
+{
+    const double (*f)[3] = s->field, *law = s->law, none = s->running ? 0.0 : p->spring;
+    const double allows = s->sticks ? INFINITY : s->running ? -INFINITY : 0.0;
+    double powers[6][POINTS], normal[POINTS], strength[POINTS], steep[POINTS], way[2][POINTS], shears[POINTS];
+    double turnings[POINTS], slipping[POINTS], dragging[POINTS], slopes[6][POINTS], forces[4][POINTS];
+    whole count = p->count, full = (count + 3) / 4 * 4;
+    p->count = 0;
+    for (whole q = count; q < full; q++) { /* points of no area fill the lanes */
+        p->x[q] = p->x[count - 1], p->y[q] = p->y[count - 1], p->area[q] = 0.0;
+        for (End *end = p->ends; end < p->ends + ends; end++)
+            end->point[0][q] = end->point[1][q] = end->area[q] = 0.0;
     }
-    double first = field[1][0] + field[1][1] * x + field[1][2] * y;
-    double second = field[2][0] + field[2][1] * x + field[2][2] * y;
-    double size = sqrt(first * first + second * second), elastic = p->spring * size, allowed = reduction * strength;
-    size = size > p->least ? size : p->least;
-    first /= size, second /= size;
-    int slides = !sticks && (running || elastic > allowed);
-    double sliding = slides ? area : 0.0, shear = slides ? allowed : elastic;
-    double turning = area * (elastic == 0.0 ? (running ? 0.0 : p->spring) : shear / size);
-    double slips = slides ? turning : 0.0, drags = sliding * (reduction * steep);
-    double turned = slips * first, carried = area * shear, lost = sliding * strength;
-    const double slopes[6] = {
-        -area, drags * first, drags * second, turning - turned * first, -turned * second,
-        turning - slips * second * second,
-    };
-    const double forces[4] = {carried * first, carried * second, lost * first, lost * second};
-    for (int i = 0; i < 6; i++)
-        for (int j = 0; j < 6; j++) to->second[i][j] += slopes[i] * powers[j];
-    for (int i = 0; i < 4; i++)
-        for (int j = 0; j < 3; j++) to->first[i][j] += forces[i] * powers[j];
+    for (whole q = 0; q < full; q++) {
+        normal[q] = f[0][0] + f[0][1] * p->x[q] + f[0][2] * p->y[q];
+        strength[q] = law[1] + law[2] * normal[q], steep[q] = law[2];
+    }
+    if (p->next >= 0) {
+        double *at = p->curve + p->next;
+        p->next += count;
+        for (whole q = 0; q < count; q++) {
+            if (p->asks) at[q] = normal[q];
+            else strength[q] = at[q + p->room], steep[q] = at[q + 2 * p->room];
+        }
+        if (p->asks) return;
+    }
+    for (whole q = 0; q < full; q++) {
+        double x = p->x[q], y = p->y[q], area = p->area[q];
+        double first = f[1][0] + f[1][1] * x + f[1][2] * y, second = f[2][0] + f[2][1] * x + f[2][2] * y;
+        double size = sqrt(first * first + second * second), elastic = p->spring * size;
+        double allowed = s->reduction * strength[q];
+        size = size > p->least ? size : p->least;
+        first /= size, second /= size;
+        int slides = elastic > allowed + allows;
+        double shear = slides ? allowed : elastic, sliding = slides ? area : 0.0, stiff = shear / size;
+        double turning = area * (elastic == 0.0 ? none : stiff), slips = slides ? turning : 0.0;
+        double drags = sliding * (s->reduction * steep[q]), turned = slips * first, carried = area * shear;
+        double lost = sliding * strength[q];
+        powers[0][q] = 1.0, powers[1][q] = x, powers[2][q] = y;
+        powers[3][q] = x * x, powers[4][q] = x * y, powers[5][q] = y * y;
+        slopes[0][q] = -area, slopes[1][q] = drags * first, slopes[2][q] = drags * second;
+        slopes[3][q] = turning - turned * first, slopes[4][q] = -turned * second;
+        slopes[5][q] = turning - slips * second * second;
+        forces[0][q] = carried * first, forces[1][q] = carried * second;
+        forces[2][q] = lost * first, forces[3][q] = lost * second;
+        way[0][q] = first, way[1][q] = second, shears[q] = shear;
+        turnings[q] = turning, slipping[q] = slips, dragging[q] = drags;
+    }
+    for (int i = 0; i < 6; i++) add_products(slopes[i], powers, 6, full, to->second[i]);
+    for (int i = 0; i < 4; i++) add_products(forces[i], powers, 3, full, to->first[i]);
     for (End *end = p->ends; end < p->ends + ends; end++) {
-        const double *moves = end->point;
-        double slipped[2], pressed = field[0][1] * moves[0] + field[0][2] * moves[1];
-        for (int i = 0; i < 2; i++) slipped[i] = field[1 + i][1] * moves[0] + field[1 + i][2] * moves[1];
-        double more = end->area * shear - (slipped[0] * first + slipped[1] * second) * slips + drags * pressed;
-        double gained[2] = {more * first + turning * slipped[0], more * second + turning * slipped[1]};
+        double gained[2][POINTS];
+        for (whole q = 0; q < full; q++) {
+            double x = end->point[0][q], y = end->point[1][q], first = way[0][q], second = way[1][q];
+            double pressed = f[0][1] * x + f[0][2] * y;
+            double slipped[2] = {f[1][1] * x + f[1][2] * y, f[2][1] * x + f[2][2] * y};
+            double more = end->area[q] * shears[q] - (slipped[0] * first + slipped[1] * second) * slipping[q] +
+                          dragging[q] * pressed;
+            gained[0][q] = more * first + turnings[q] * slipped[0];
+            gained[1][q] = more * second + turnings[q] * slipped[1];
+        }
         for (int i = 0; i < 2; i++) {
-            for (int j = 0; j < 3; j++) end->by[i][j] += gained[i] * powers[j];
-            for (int j = 0; j < 2; j++) end->by[i][1 + j] += forces[i] * moves[j];
+            add_products(gained[i], powers, 3, full, end->by[i]);
+            add_products(forces[i], end->point, 2, full, end->by[i] + 1);
         }
     }
 }
 
-/* The part of a line between two corners. */
-static void add_line(Polygons *p, const double *c, const double *law, const double field[3][3], double reduction,
-                     int running, int sticks, whole ends, Sums *to)
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) static void wide_points(Polygons *p, const Asked *s, whole ends, Sums *to)
 {
-    double way[2] = {c[2] - c[0], c[3] - c[1]}, length = hypot(way[0], way[1]);
-    End *end = p->ends;
-    double growth = ends ? (way[0] * end->way[0] + way[1] * end->way[1]) / length * (end->corner ? 1.0 : -1.0) : 0.0;
-    for (whole q = 0; q < p->points[0]; q++) {
-        const double *b = p->at[0] + 2 * q, share = law[0] * p->shares[0][q];
-        if (ends) {
-            end->area = growth * share;
-            for (int i = 0; i < 2; i++) end->point[i] = b[end->corner] * end->way[i];
-        }
-        add_point(p, law, field, reduction, running, sticks, b[0] * c[0] + b[1] * c[2], b[0] * c[1] + b[1] * c[3],
-                  length * share, ends, to);
+    sum_points(p, s, ends, to);
+}
+#endif
+
+static void add_points(Polygons *p, const Asked *s, whole ends, Sums *to)
+{
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx2")) {
+        wide_points(p, s, ends, to);
+        return;
     }
+#endif
+    sum_points(p, s, ends, to);
+}
+
+/* Puts some points of a triangle, or of a line, to those that wait: at weights of its corners (2) each. */
+INLINE whole put_points(Polygons *p, const int corners, const double (*c)[2], const double *ends_by, whole q,
+                        double size, whole ends)
+{
+    whole is = corners - 2, all = p->points[is], room = POINTS - p->count, count = all - q < room ? all - q : room;
+    const double *at = p->at[is] + q, *shares = p->shares[is] + q;
+    double *x = p->x + p->count, *y = p->y + p->count, *area = p->area + p->count;
+    for (whole i = 0; i < count; i++) {
+        x[i] = at[i] * c[0][0] + at[i + all] * c[1][0], y[i] = at[i] * c[0][1] + at[i + all] * c[1][1];
+        if (corners == 3) x[i] += at[i + 2 * all] * c[2][0], y[i] += at[i + 2 * all] * c[2][1];
+        area[i] = size * shares[i];
+    }
+    for (whole m = 0; m < ends; m++, ends_by += 2 * corners) {
+        End *end = p->ends + m;
+        double *moved = end->area + p->count, *to[2] = {end->point[0] + p->count, end->point[1] + p->count};
+        for (int j = 0; j < 2; j++)
+            for (whole i = 0; i < count; i++) {
+                to[j][i] = at[i] * ends_by[j] + at[i + all] * ends_by[2 + j];
+                if (corners == 3) to[j][i] += at[i + 2 * all] * ends_by[4 + j];
+            }
+        for (whole i = 0; i < count; i++) moved[i] = end->growth * shares[i];
+    }
+    p->count += count;
+    return count;
+}
+
+/* The part of a line between two corners. */
+static void add_line(Polygons *p, const double *c, const Asked *s, whole ends, Sums *to)
+{
+    double way[2] = {c[2] - c[0], c[3] - c[1]}, length = hypot(way[0], way[1]), by[4] = {0.0};
+    const double corners[2][2] = {{c[0], c[1]}, {c[2], c[3]}};
+    End *end = p->ends;
+    if (ends) {
+        end->growth = (way[0] * end->way[0] + way[1] * end->way[1]) / length * (end->corner ? 1.0 : -1.0) * s->law[0];
+        memcpy(by + 2 * end->corner, end->way, sizeof end->way);
+    }
+    for (whole q = 0; q < p->points[0]; add_points(p, s, ends, to))
+        q += put_points(p, 2, corners, by, q, length * s->law[0], ends);
 }
 
 /* Twice the area of the triangle of a point and two arms. */
@@ -1031,9 +1115,8 @@ INLINE double turn(const double *one, const double *other)
     return one[0] * other[1] - one[1] * other[0];
 }
 
-/* The triangles of a part about its centroid: `_fan` and `_fan_moves` of polygon_bed.py. */
-static void add_fan(Polygons *p, const double *c, whole count, const double *law, const double field[3][3],
-                    double reduction, int running, int sticks, whole ends, Sums *to)
+/* The triangles of a part about its centroid: `_fan` of polygon_bed.py. `by` (ends, 3, 2) has room. */
+static void add_fan(Polygons *p, const double *c, whole count, const Asked *s, whole ends, double *by, Sums *to)
 {
     double middle[2] = {0.0, 0.0}, moment[2] = {0.0, 0.0}, all = 0.0;
     for (whole k = 0; k < count; k++)
@@ -1066,19 +1149,21 @@ static void add_fan(Polygons *p, const double *c, whole count, const double *law
             double a[2] = {-end->middle[0], -end->middle[1]}, b[2] = {a[0], a[1]};
             for (int i = 0; i < 2 && end->corner == k; i++) a[i] += end->way[i];
             for (int i = 0; i < 2 && end->corner == next; i++) b[i] += end->way[i];
-            end->growth = copysign(0.5, all) * (turn(a, other) + turn(one, b));
-        }
-        for (whole q = 0; q < p->points[1]; q++) {
-            const double *b = p->at[1] + 3 * q, share = law[0] * p->shares[1][q];
-            for (End *end = p->ends; end < p->ends + ends; end++) {
-                double part = (end->corner == k ? b[1] : 0.0) + (end->corner == next ? b[2] : 0.0);
-                for (int i = 0; i < 2; i++) end->point[i] = b[0] * end->middle[i] + part * end->way[i];
-                end->area = end->growth * share;
+            end->growth = copysign(0.5, all) * (turn(a, other) + turn(one, b)) * s->law[0];
+            double *moves = by + 6 * (end - p->ends);
+            for (int i = 0; i < 2; i++) {
+                moves[i] = end->middle[i];
+                moves[2 + i] = end->corner == k ? end->way[i] : 0.0;
+                moves[4 + i] = end->corner == next ? end->way[i] : 0.0;
             }
-            add_point(p, law, field, reduction, running, sticks, b[0] * middle[0] + b[1] * here[0] + b[2] * after[0],
-                      b[0] * middle[1] + b[1] * here[1] + b[2] * after[1], size * share, ends, to);
+        }
+        const double corners[3][2] = {{middle[0], middle[1]}, {here[0], here[1]}, {after[0], after[1]}};
+        for (whole q = 0; q < p->points[1];) {
+            q += put_points(p, 3, corners, by, q, size * s->law[0], ends);
+            if (p->count == POINTS) add_points(p, s, ends, to);
         }
     }
+    if (p->count) add_points(p, s, ends, to);
 }
 
 /* Asks the law of a contact for the strengths at the points that were collected. */
@@ -1114,7 +1199,8 @@ static void add_block(Polygons *p, whole block, const double *opening, const dou
     for (whole k = p->contact[block]; k < p->contact[block + 1]; k++) {
         const double *rows = p->rows + k * 9 * u, *across = rows + 3 * u, *plane = p->plane + 2 * p->first[k];
         const double *law = p->law + 3 * k;
-        double field[3][3], gap[3];
+        Asked asked = {.law = law, .reduction = reduction, .running = running, .sticks = sticks};
+        double (*field)[3] = asked.field, gap[3];
         whole count = p->first[k + 1] - p->first[k], left, ends;
         for (int i = 0; i < 3; i++) {
             gap[i] = dot(rows + i * u, opening, (int)u), field[0][i] = -gap[i];
@@ -1128,8 +1214,8 @@ static void add_block(Polygons *p, whole block, const double *opening, const dou
         int curved = p->strengths && p->curved[k];
         for (p->asks = curved; p->asks >= 0; p->asks--) { /* twice where the law is curved */
             p->next = curved ? 0 : -1;
-            if (count == 2) add_line(p, part, law, field, reduction, running, sticks, ends, &sums);
-            else add_fan(p, part, left, law, field, reduction, running, sticks, ends, &sums);
+            if (count == 2) add_line(p, part, &asked, ends, &sums);
+            else add_fan(p, part, left, &asked, ends, p->moves_by, &sums);
             if (p->asks) ask_law(p, k);
         }
         /* from moments by 1, ξ and η to the block: out, then the slopes */

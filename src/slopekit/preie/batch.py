@@ -8,15 +8,18 @@ as `one_block.flat_limit` has it for one block; rows are taken in chunks, so tha
 from dataclasses import dataclass, fields
 from enum import IntEnum
 from itertools import chain, combinations
+from typing import Any
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, cross
-from slopekit.preie.one_block.bed_limits import bed_limits
+from slopekit.preie.one_block.bed_limits import SPLITS, BedLimits, follow_paths, running_limits
 from slopekit.preie.one_block.bed_path import lengths
+from slopekit.preie.one_block.limit import forces_only_limit
+from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.one_block.polygon_bed import Beds, contact_rows, cross_2d
 from slopekit.preie.solvers.linear import bounded_least_squares
-from slopekit.preie.system.model import local_axes
+from slopekit.preie.system.model import Model, local_axes
 from slopekit.preie.tolerances import NO_FORCE, OPENS_IN_PASSES, PARALLEL, SAME_LIMIT, TINY
 
 #: Rows that are taken at a time: with fewer NumPy's calls take the time, with more memory grows (9 kB a row).
@@ -35,7 +38,10 @@ class ForcesStatus(IntEnum):
 
 @dataclass(frozen=True, kw_only=True)
 class Blocks:
-    """Single blocks on up to k flat contacts of up to c corners each, without passive bolts.
+    """Single blocks on up to k flat contacts of up to c corners each, with up to b passive bolts.
+
+    In a section, metre by metre, contacts are lines: c = 2, with the block on the left of the way from the first end to
+    the second where x is to the right and z up; nothing moves along y or turns about x and z.
 
     Attributes
     ----------
@@ -43,6 +49,7 @@ class Blocks:
     counts : (n, k) corners of each contact; 0: a block has fewer contacts
     cohesion : (n, k) kPa; tan_friction : (n, k)
     load : (n, 6) kN and kN m about the centroid
+    bolts : (n, b, 6) what passive bolts do to the block by a pull of one; capacity : (n, b) kN; None without
     """
 
     corners: Floats
@@ -50,26 +57,47 @@ class Blocks:
     cohesion: Floats
     tan_friction: Floats
     load: Floats
+    bolts: Floats | None = None
+    capacity: Floats | None = None
+
+    @property
+    def unknowns(self) -> Ints:
+        """Which of the six motions the blocks have."""
+        return np.array([0, 2, 4]) if self.corners.shape[2] == 2 else np.arange(6)
 
     def of(self, rows: slice | Ints) -> "Blocks":
         """Return some of them."""
-        return Blocks(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
+        some: dict[str, Any] = {}
+        for name in (field.name for field in fields(self)):
+            values = getattr(self, name)
+            some[name] = None if values is None else values[rows]
+        return Blocks(**some)
 
     def beds(self) -> Beds:
         """Return their elastic beds, each in parts of its load, its area, and the distance of its corners."""
-        corners, counts = self.corners, self.counts
+        corners, counts, columns = self.corners, self.counts, self.unknowns
         used, contacts = np.arange(corners.shape[2]) < counts[:, :, None], counts > 0
         block = np.repeat(np.arange(len(counts)), used.sum(axis=(1, 2)))
         arms, corner = corners[used], np.concatenate([[0], np.cumsum(counts[contacts])])
         length = np.sqrt(np.bincount(block, (arms * arms).sum(axis=1)) / np.bincount(block))
         force = lengths(self.load[:, :3]) + lengths(self.load[:, 3:]) / length
         sides = np.where(used[:, :, 1:, None], corners[:, :, 1:] - corners[:, :, :1], 0.0)
-        double = cross(sides[:, :, :-1], sides[:, :, 1:]).sum(axis=2)  # twice the vector area, out of the block
-        area = 0.5 * np.sqrt((double * double).sum(axis=2))
-        axes, whole = local_axes(-double[contacts] / (2.0 * area[contacts])[:, None]), area.sum(axis=1)
-        middle, rows, plane = contact_rows(arms / length[block, None], corner, axes, np.arange(6))
-        scale = np.broadcast_to((length * length / whole)[:, None], counts.shape)
+        if len(columns) == 3:  # out of the block
+            outward = cross(sides[:, :, 0], np.array([0.0, -1.0, 0.0]))
+        else:
+            outward = 0.5 * cross(sides[:, :, :-1], sides[:, :, 1:]).sum(axis=2)
+        area = np.sqrt((outward * outward).sum(axis=2))
+        axes, whole = local_axes(-outward[contacts] / area[contacts][:, None]), area.sum(axis=1)
+        middle, rows, plane = contact_rows(arms / length[block, None], corner, axes, columns)
+        scale = np.broadcast_to((length ** (len(columns) // 3) / whole)[:, None], counts.shape)
         line = np.stack([scale, self.cohesion * (whole / force)[:, None], self.tan_friction], axis=2)[contacts]
+        scales = np.stack([force] * 3 + [force * length] * 3, axis=1)
+        bolts, capacity = np.zeros((len(counts), 0, len(columns))), np.zeros((len(counts), 0))
+        if self.bolts is not None and self.capacity is not None:
+            bolts, capacity = (
+                (self.bolts * (force[:, None] / scales)[:, None])[..., columns],
+                self.capacity / force[:, None],
+            )
         return Beds(
             contact=np.concatenate([[0], np.cumsum(contacts.sum(axis=1))]),
             corner=corner,
@@ -78,9 +106,9 @@ class Blocks:
             rows=rows,
             plane=plane,
             line=line,
-            load=self.load / np.stack([force] * 3 + [force * length] * 3, axis=1),
-            bolt_rows=np.zeros((len(counts), 0, 6)),
-            bolt_capacity=np.zeros((len(counts), 0)),
+            load=np.ascontiguousarray((self.load / scales)[:, columns]),
+            bolt_rows=bolts,
+            bolt_capacity=capacity,
             length=length,
         )
 
@@ -120,24 +148,52 @@ class BlockLimits:
 
 
 def limits_of_blocks(blocks: Blocks) -> BlockLimits:
-    """Return the limits of single blocks by their forces and on their beds."""
-    chunks = [_limits(blocks.of(slice(at, at + CHUNK))) for at in range(0, len(blocks.load), CHUNK)]
-    names = [field.name for field in fields(BlockLimits)]
-    return BlockLimits(*(np.concatenate([getattr(chunk, name) for chunk in chunks]) for name in names))
+    """Return the limits of single blocks by their forces and on their beds.
+
+    Blocks whose paths have to be followed are gathered first: all take each step together.
+    """
+    slides, ends, chunks = list[tuple[Ints, Floats, Floats]](), list[Floats](), list[BlockLimits]()
+    for at in range(0, len(blocks.load), CHUNK):
+        some = blocks.of(slice(at, at + CHUNK))
+        beds = some.beds()
+        slides.append(_slides(beds))
+        found, rising = running_limits(beds, slides[-1][1])
+        chunks.append(_limits(some, beds, slides[-1], found))
+        ends.append(rising)
+    status, slide, pushes = (np.concatenate(part) for part in zip(*slides, strict=True))
+    names, every = [field.name for field in fields(BlockLimits)], np.concatenate(ends)
+    limits = BlockLimits(*(np.concatenate([getattr(chunk, name) for chunk in chunks]) for name in names))
+    left = np.flatnonzero(~np.isnan(every))
+    for at in range(0, len(left), CHUNK):
+        rows = left[at : at + CHUNK]
+        some = blocks.of(rows)
+        beds = some.beds()
+        found = BedLimits.none(beds, SPLITS[0])
+        follow_paths(beds, found, slide[rows, -1], every[rows])
+        onward = _limits(some, beds, (status[rows], slide[rows], pushes[rows]), found)
+        for name in names:
+            getattr(limits, name)[rows] = getattr(onward, name)
+    return limits
 
 
-def _limits(blocks: Blocks) -> BlockLimits:
-    """Return the limits of as many blocks as one chunk has."""
-    beds, contacts = blocks.beds(), blocks.counts > 0
+def _slides(beds: Beds) -> tuple[Ints, Floats, Floats]:
+    """Return what forces alone do to blocks, as of `forces_slides`; λ is not a number where no bed is looked at."""
     status, slides, pushes = forces_slides(beds)
+    for row in np.flatnonzero(beds.bolt_capacity.any(axis=1)).tolist():
+        status[row], slides[row] = bolted_slide(beds, row, pushes[row])
     for row in np.flatnonzero(status == ForcesStatus.NOT_DRIVEN).tolist():
         if stands_without_strength(beds, row):
             status[row] = ForcesStatus.STANDS
-    with np.errstate(divide="ignore"):
-        forces = np.where(status == ForcesStatus.SLIDES, 1.0 / slides[:, -1], np.nan)
-    slides[forces == 0.0, -1] = np.nan  # without strength no bed is looked at
     slides[status == ForcesStatus.NOT_DRIVEN, -1] = 1.0  # a guess
-    found, looked_at = bed_limits(beds, slides), slides[:, -1] > 0.0
+    slides[~np.isfinite(slides[:, -1]), -1] = np.nan  # nor of blocks without strength
+    return status, slides, pushes
+
+
+def _limits(blocks: Blocks, beds: Beds, by_forces_alone: tuple[Ints, Floats, Floats], found: BedLimits) -> BlockLimits:
+    """Return the limits of as many blocks as one chunk has, by what their forces do and what their beds do."""
+    (status, slides, pushes), contacts = by_forces_alone, blocks.counts > 0
+    looked_at = slides[:, -1] > 0.0
+    forces = np.where(status == ForcesStatus.SLIDES, np.where(looked_at, 1.0 / slides[:, -1], 0.0), np.nan)
     bed, by_forces = found.factor, ~looked_at | (found.factor > forces * (1.0 + SAME_LIMIT))
     rests = np.isfinite(bed)
     velocity = np.where(by_forces[:, None], slides[:, :-1], found.velocity)
@@ -148,7 +204,9 @@ def _limits(blocks: Blocks) -> BlockLimits:
     pressed[~rests], normal[~rests] = np.nan, np.nan
     normal[by_forces] = pushes[by_forces]
     normal[~contacts] = np.nan
-    force = lengths(blocks.load[:, :3]) / lengths(beds.load[:, :3])
+    motion, moves = np.zeros_like(blocks.load), beds.translations
+    motion[:, blocks.unknowns] = velocity
+    force = lengths(blocks.load[:, blocks.unknowns[:moves]]) / lengths(beds.load[:, :moves])
     return BlockLimits(
         factor=np.where(looked_at & ~rests, np.nan, np.fmin(forces, bed)),
         forces=forces,
@@ -157,7 +215,7 @@ def _limits(blocks: Blocks) -> BlockLimits:
         bed_status=np.where(looked_at, found.status, -1),
         early=1.0 / found.early,
         pressed=pressed,
-        velocity=velocity,
+        velocity=motion,
         opens_partly=opens_partly,
         opens_wholly=opens_wholly,
         normal=normal * force[:, None],
@@ -171,13 +229,13 @@ def forces_slides(beds: Beds) -> tuple[Ints, Floats, Floats]:
     that may carry it, it is that whose pushes are not negative and which no other contact would add to.
     """
     first, count = beds.contact[:-1], np.diff(beds.contact)
-    most, blocks = int(count.max()), len(count)
+    most, blocks, moves = int(count.max()), len(count), beds.translations
     inside = np.arange(most) < count[:, None]
     place = np.where(inside, first[:, None] + np.arange(most), 0)
-    normals = beds.rows[place, 0, :3] * inside[:, :, None]
-    load = beds.load[:, :3]
+    normals = beds.rows[place, 0, :moves] * inside[:, :, None]
+    load = beds.load[:, :moves]
     pushes, pull, found = np.zeros((blocks, most)), load.copy(), np.zeros(blocks, dtype=bool)
-    for carriers in chain.from_iterable(combinations(range(most), size) for size in range(min(most, 3) + 1)):
+    for carriers in chain.from_iterable(combinations(range(most), size) for size in range(min(most, moves) + 1)):
         some = normals[:, carriers]
         gram = some @ some.transpose(0, 2, 1)
         good = ~found & inside[:, carriers].all(axis=1) & (np.linalg.det(gram) > PARALLEL)
@@ -194,14 +252,46 @@ def forces_slides(beds: Beds) -> tuple[Ints, Floats, Floats]:
     driving = lengths(pull)
     resisting = (touching * (line[:, :, 1] * area + line[:, :, 2] * pushes)).sum(axis=1)
     status = np.where(touching.any(axis=1), ForcesStatus.SLIDES, ForcesStatus.LIFTED)
-    status = np.where(~touching.any(axis=1) & (normals[:, :, 2] <= 0.0).all(axis=1), ForcesStatus.FALLS, status)
+    status = np.where(~touching.any(axis=1) & (normals[:, :, -1] <= 0.0).all(axis=1), ForcesStatus.FALLS, status)
     status = np.where(driving > NO_FORCE, status, ForcesStatus.NOT_DRIVEN)
     with np.errstate(divide="ignore"):
         reduction = np.where(status == ForcesStatus.SLIDES, driving / resisting, np.nan)
     slides = np.zeros((blocks, beds.load.shape[1] + 1))
-    slides[:, :3] = np.where(driving > NO_FORCE, 1.0 / np.maximum(driving, TINY), 0.0)[:, None] * pull
+    slides[:, :moves] = np.where(driving > NO_FORCE, 1.0 / np.maximum(driving, TINY), 0.0)[:, None] * pull
     slides[:, -1] = reduction
     return status, slides, pushes
+
+
+def bolted_slide(beds: Beds, block: int, pushes: Floats) -> tuple[ForcesStatus, Floats]:
+    """Return the same of one block with passive bolts, its status and (u + 1,) its slide, and note its pushes (k,)."""
+    contacts, bolts = slice(*beds.contact[block : block + 2]), beds.bolt_capacity[block] > 0.0
+    rows, area, line = beds.rows[contacts, ::3], beds.whole[contacts, 0, 0], beds.line[contacts]
+    limit = forces_only_limit(
+        Model(
+            rows=rows,
+            control_area=area,
+            cohesion=line[:, 1] * area,
+            tension=0.0 * area,
+            tan_friction=line[:, 2],
+            tan_dilation=0.0 * area,
+            interface=np.arange(len(rows)),
+            load=beds.load[block],
+            bolt_rows=beds.bolt_rows[block, bolts],
+            bolt_capacity=beds.bolt_capacity[block, bolts],
+            length_scale=1.0,
+            force_scale=1.0,
+            area_scale=1.0,
+            translations=beds.translations,
+        )
+    )
+    pushes[: len(rows)] = limit.normal_force
+    velocity = np.append(limit.velocity, np.zeros(beds.load.shape[1] - len(limit.velocity)))
+    if limit.factor is not None:
+        return ForcesStatus.SLIDES, np.append(velocity, 1.0 / limit.factor if limit.factor else np.inf)
+    if limit.outcome is Outcome.NO_DRIVING_FORCE:
+        return ForcesStatus.NOT_DRIVEN, np.append(0.0 * velocity, np.nan)
+    falls = (rows[:, 0, beds.translations - 1] <= 0.0).all()
+    return ForcesStatus.FALLS if falls else ForcesStatus.LIFTED, np.append(velocity, np.nan)
 
 
 def stands_without_strength(beds: Beds, block: int) -> bool:
@@ -244,4 +334,8 @@ def pressed_parts(beds: Beds, opening: Floats) -> tuple[Floats, Floats]:
     area = np.bincount(contact, double) + cross_2d(*ends)
     volume = area * middle + np.bincount(contact, double * (np.minimum(gaps, 0.0) + np.minimum(to, 0.0)))
     per_area, whole = beds.line[:, 0] * np.sign(area), beds.whole[:, 0, 0]
-    return 0.5 * per_area * area / whole, -per_area * volume / 6.0
+    # of lines
+    push = np.bincount(contact, np.maximum(-gaps, 0.0))
+    share, is_line = push / np.maximum(np.bincount(contact, np.abs(gaps)), TINY), np.diff(beds.corner) == 2
+    share = np.where(is_line, share, 0.5 * per_area * area / whole)
+    return share, np.where(is_line, 0.5 * share * push * whole, -per_area * volume / 6.0)

@@ -54,8 +54,7 @@ class Cases(Shown, Generic[Found]):
     @property
     def file_names(self) -> tuple[str, str]:
         """As of a design without cases."""
-        names: tuple[str, str] = next(iter(self.cases.values())).file_names
-        return names
+        return next(iter(self.cases.values())).file_names
 
     @property
     def parts(self) -> Mapping[str, Shown]:
@@ -70,12 +69,11 @@ class Cases(Shown, Generic[Found]):
     @property
     def governing(self) -> str:
         """The case that is nearest to not being accepted, or the farthest from it."""
-
-        def worst(name: str) -> tuple[int, float]:
-            one = self.cases[name]
-            return -_EXITS.index(one.exit_code), math.inf if one.margin is None else one.margin
-
-        return min(self.cases, key=worst)
+        ranks = {
+            name: (-_EXITS.index(one.exit_code), math.inf if one.margin is None else one.margin)
+            for name, one in self.cases.items()
+        }
+        return min(ranks, key=ranks.__getitem__)
 
     @property
     def accepted(self) -> bool | None:
@@ -126,13 +124,16 @@ class Cases(Shown, Generic[Found]):
         own_name = "cases.csv" if self.what == "run" else f"{self.what}-cases.csv"
         cut = [f"{case.name}: {case.in_words}" for case, _ in rows if len(case.in_words) > room - 2]
         sections = [Section("CASES", [table]), Section("SETS", cut)]
-        if not more:
-            sections.append(Section("EACH", [f"{case.name}: {found.line}" for case, found in rows]))
         if more:
             governing = self.cases[self.governing]
-            sections.append(Section("GOVERNS", [f"{self.governing}: {governing.line}", *governing.of_one_case]))
-        elif first.margin is not None:
-            sections.append(Section("GOVERNS", [self.governing]))
+            trials = [f"{case.name}, {text}" for case, found in rows for text in getattr(found, "trial_lines", ())]
+            sections.append(Section("GOVERNS", [f"{self.governing}: {governing.line}", *trials]))
+        else:
+            governs = [] if first.margin is None else [self.governing]
+            sections += [
+                Section("EACH", [f"{case.name}: {found.line}" for case, found in rows]),
+                Section("GOVERNS", governs),
+            ]
         return Sheet(
             head(self.design, f"{self.what}, {len(rows)} load case{'s' * (len(rows) != 1)}"),
             [*sections, Section("NOTE", [str(notice) for notice in self.warnings])],
@@ -186,7 +187,7 @@ def each_case(
         _refuse(wrong, len(design.cases))
     varied = given.get("keys", given.get("key")) or ()
     keys = (varied.partition("=")[0],) if isinstance(varied, str) else tuple(varied)
-    return Cases(design, name, by_case, keys)
+    return Cases(design, name, type(by_case[design.cases[0].name]).over_cases(by_case), keys)
 
 
 def of_cases(document: Mapping[str, Any], case: str | None = None, name: str = "") -> dict[str, Mapping[str, Any]]:

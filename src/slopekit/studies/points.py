@@ -208,11 +208,6 @@ def point_of(
         return Point(None, _BUG, f"{type(error).__name__}: {error}")
 
 
-def both_methods(design: Design) -> Record:
-    """The record of a design as it is: what a worker does with one of many."""
-    return point_of(design, {}).to_record()
-
-
 def kept_records(
     work: Callable[[Any], Record], tasks: Sequence[Any], crew: Crew, desk: Workplace, study: str, label: str,
     run: object, at_once: int = 8, given_up: Record | None = None,

@@ -98,7 +98,6 @@ _OF_MANY = "result.json of many blocks: bench, blocks, topple"
 _SCENES: Mapping[str, Offer] = {
     "scene": Offer("the slope with its blocks and joints", _RESULT, _has_scene),
     "exploded": Offer("the blocks apart, their joints coloured", _RESULT, _has_scene),
-    "elevation": Offer("the face with its bolts by number", _RESULT, partial(_has_in_scene, "bolts")),
     "tractions": Offer("node pairs by contact mode, and the tractions that they carry at the limit", _RESULT,
                        _has_scene),
     "forces": Offer("the loads, and the resultants on the joints, to scale", _RESULT, _has_scene),
@@ -115,6 +114,11 @@ CHARTS: Mapping[str, Offer] = {
         "planes, poles, lines, cones on the lower hemisphere",
         "a file with joints: slopekit kinematic, sets, run, wedge, combos or prob with -o DIR",
         lambda of: _is_survey(of) or _oriented(of), "orientation_charts.draw_orientations",
+    ),
+    "elevation": Offer(
+        "the face with its bolts by number",
+        "result.json of a design with bolts that have a head: slopekit run design.yaml -o DIR",
+        partial(_has_in_scene, "bolts"), "elevation.draw_elevation",
     ),
     "histogram": Offer(
         "factors of safety, the probability of failure", "prob.json: slopekit prob design.yaml -o DIR",

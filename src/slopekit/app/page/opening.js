@@ -38,7 +38,7 @@ export function start() {
     box.hidden = !own.unsaved;
     if (own.unsaved) {
       fill(box, `Not saved: ${own.unsaved.title} (${own.unsaved.when}). `,
-        el("button", { type: "button", onclick: () => take({ unsaved: own.unsaved.id }) }, "Take it up again"),
+        el("button", { type: "button", onclick: () => take({ unsaved: own.unsaved.id }) }, "Restore"),
         el("button", { type: "button", onclick: () => { box.hidden = true; } }, "Not now"));
     }
   });

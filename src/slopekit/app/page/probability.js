@@ -105,7 +105,7 @@ async function run() {
 const percent = (p) => (p === null || p === undefined ? "–" : p === 0 ? "0 %" : `${figure(100 * p, 3)} %`);
 
 function show(found) {
-  const edges = found.histogram?.edges || [], counts = found.histogram?.limit || found.histogram?.closed_form || [];
+  const edges = found.histogram?.edges || [], counts = found.histogram?.limit || [];
   const most = Math.max(...counts, 1);
   const sheet = edges.length > 1 ? paper({ x: [Math.min(edges[0], 0.95), Math.max(edges[edges.length - 1], 1.05)], y: [0, most * 1.08], xLabel: "factor of safety",
     yLabel: "samples", label: "Histogram of the factor of safety" }) : null;

@@ -87,7 +87,7 @@ _DEBONDING = 0.02  # of a limit: a history that ends lower by more than this is 
 _BRACKET = 1e-4  # of the paper's criterion, in parts of its factor
 _SAME_K = 1e-2  # of a yield coefficient: the path in the load ends so near to it that its motion is that one
 _ENDS = {
-    "count": "more mechanisms were not asked for",
+    "count": "",
     "stands": "what is left stands without any strength",
     "gone": "nothing is left that could move",
     "not_converged": "the last one did not settle, so what comes after it is not known",
@@ -385,7 +385,7 @@ def _standing(ravelling: Ravelling, scene: AssemblyScene) -> str:
     moving = int((~scene.assembly.fixed).sum())
     if left == 0:
         return f"none of {moving} blocks is left"
-    return f"{left} of {moving} blocks are left; {_ENDS[ravelling.ended]}"
+    return "; ".join(filter(None, (f"{left} of {moving} blocks are left", _ENDS[ravelling.ended])))
 
 
 def _checks(scene: AssemblyScene, ravelling: Ravelling) -> dict[str, float]:

@@ -156,7 +156,7 @@ def governing(interfaces: Sequence[GoverningInterface]) -> list[Entry]:
         share = f"{left * 100:5.1f}" if left >= _SHARE else f"{'< 0.1':>5}"
         rest = f"{share} %  ... {which} together"
     return [
-        f"share of the work lost in {lost}, by {by}:",
+        f"share of the energy dissipated in {lost}, by {by}:",
         Table(columns, interfaces, shown, rest, headless=True),
     ]
 

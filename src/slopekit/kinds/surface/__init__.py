@@ -463,7 +463,7 @@ WORDS = Words(
     "φ = 0, turning about its axis",
     {
         "slides_on_J1": "slides on its slip surface without turning", "rotates": "turns on its slip surface",
-        "lifted": "is pushed off its slip surface",
+        "lifted": "contact lost on its slip surface (uplift)",
     },
     no_closed_form="there is none for this surface; judge by bound and columns",
     assumes=" (normal stresses of a rigid mass on an even elastic bed)", turns=False,

@@ -408,7 +408,7 @@ _ON_THREE = replace(
     closed_form="closed form by vectors", rests_on="vectors: forces only",
     statuses={
         "slides_on_J1": "slides on J1 alone", "slides_on_J2": "slides on J2 alone",
-        "lifted": "is pushed off its joints",
+        "lifted": "contact lost on its joints (uplift)",
         "no_driving_force": "stands: nothing drives it out of its three joints",
     },
 )  # fmt: skip

@@ -21,7 +21,7 @@ from math import inf
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.arrays import Bools, Floats, Ints, cross
 from slopekit.preie.one_block.bed_path import (
     COARSE,
     FAR,
@@ -90,6 +90,21 @@ class BedLimits:
         """(n,) F, not a number where a block rests at no strength."""
         return 1.0 / self.reduction
 
+    @classmethod
+    def none(cls, beds: Beds, split: int) -> "BedLimits":
+        """Return those of blocks that rest at no strength, for what is found of some of them."""
+        count = len(beds.load)
+        return cls(
+            status=np.full(count, BedStatus.NO_REST, dtype=np.int64),
+            reduction=np.full(count, np.nan),
+            displacement=np.zeros_like(beds.load),
+            velocity=np.zeros_like(beds.load),
+            early=np.full(count, np.nan),
+            change=np.zeros(count),
+            split=np.full(count, split),
+            steps=np.zeros(count, dtype=np.int64),
+        )
+
     def carried(self, beds: Beds) -> PointForces:
         """Return what the points of its bed carry at the limit of a single block."""
         slides, opening = self.status[0] in (BedStatus.PRESSED, BedStatus.RUNS), self.displacement[0]
@@ -111,29 +126,45 @@ def bed_limits(beds: Beds, slides: Floats, splits: tuple[int, ...] = SPLITS) -> 
         λ = 1/F, or a guess of about the right size; a block is left alone where that is not a number
     splits : of the triangles on which limits are settled; the next where it changes one by more than `FINER_PRESSED`
     """
-    count = len(beds.load)
-    found = BedLimits(
-        status=np.full(count, BedStatus.NO_REST, dtype=np.int64),
-        reduction=np.full(count, np.nan),
-        displacement=np.zeros_like(beds.load),
-        velocity=np.zeros_like(beds.load),
-        early=np.full(count, np.nan),
-        change=np.zeros(count),
-        split=np.full(count, splits[0]),
-        steps=np.zeros(count, dtype=np.int64),
-    )
+    found, ends = running_limits(beds, slides, splits)
+    follow_paths(beds, found, slides[:, -1], ends, splits)
+    return found
+
+
+def running_limits(beds: Beds, slides: Floats, splits: tuple[int, ...] = SPLITS) -> tuple[BedLimits, Floats]:
+    """Return the limits of blocks that need no path (stages 1 and 2), and where the paths of the others end.
+
+    Parameters
+    ----------
+    slides : (n, u + 1) as of `bed_limits`
+
+    Returns
+    -------
+    limits, and ln λ (n,) to which paths rise in the end: infinite where it is not known, not a number without a path
+    """
+    found, ends = BedLimits.none(beds, splits[0]), np.full(len(beds.load), np.inf)
     limits = _Limits(beds, splits, found)
-    ends = np.full(count, np.inf)
     if not beds.laws:
         moves = beds.rows[:, 0] * np.repeat(slides[:, :-1], np.diff(beds.contact), axis=0)
         apart = np.add.reduceat(np.abs(moves.sum(axis=1)), beds.contact[:-1])
         blocks = np.flatnonzero((apart < PARALLEL) & slides[:, :-1].any(axis=1) & (slides[:, -1] > 0.0))
         for rows, bases in limits.alike(blocks, np.ones(len(beds.rows), dtype=bool)):
             limits.slide(blocks[rows], bases, slides[blocks[rows]], ends)
-    left = np.flatnonzero((found.status == BedStatus.NO_REST) & (slides[:, -1] > 0.0))
-    if len(left):
-        limits.along_paths(left, slides[left, -1], ends[left])
-    return found
+    ends[(found.status != BedStatus.NO_REST) | ~(slides[:, -1] > 0.0)] = np.nan
+    return found, ends
+
+
+def follow_paths(beds: Beds, found: BedLimits, guess: Floats, ends: Floats, splits: tuple[int, ...] = SPLITS) -> None:
+    """Note the limits that blocks have on their paths (stages 3 and 4).
+
+    Parameters
+    ----------
+    found : where they are noted
+    guess : (n,) λ of about the right size; ends : (n,) as of `running_limits`
+    """
+    blocks = np.flatnonzero(~np.isnan(ends))
+    if len(blocks):
+        _Limits(beds, splits, found).along_paths(blocks, guess[blocks], ends[blocks])
 
 
 class _Limits:
@@ -161,16 +192,25 @@ class _Limits:
         if not len(blocks):
             return
         first, unknowns = self.beds.contact, self.beds.rows.shape[2]
-        opening = self.beds.rows[:, :3] * closed[:, None, None]
-        each = first[blocks, None] + np.arange(max(int(np.diff(first).max()), unknowns // 3))
+        each = first[blocks, None] + np.arange(max(int(np.diff(first).max()), 2))
         inside = each < first[blocks + 1, None]
-        stacked = (opening[np.where(inside, each, 0)] * inside[:, :, None, None]).reshape(len(blocks), -1, unknowns)
-        _, sizes, basis = np.linalg.svd(stacked, full_matrices=False)
+        each[~inside] = 0
+        inside &= closed[each]
+        normals = self.beds.rows[np.take_along_axis(each, (~inside).argsort(axis=1)[:, :2], axis=1), 0, :3]
+        line = cross(normals[:, 0], normals[:, 1])
+        slides = (inside.sum(axis=1) == 2) & (lengths(line) > PARALLEL) & (unknowns == 6)
+        rows = np.flatnonzero(slides)
+        if len(rows):
+            yield rows, _along_lines(line[rows], normals[rows, 0])
+        rest = np.flatnonzero(~slides)
+        opening = self.beds.rows[each[rest], :3] * inside[rest, :, None, None]
+        _, sizes, basis = np.linalg.svd(opening.reshape(len(rest), 3 * each.shape[1], unknowns), full_matrices=False)
         rank = (sizes > PARALLEL * sizes[:, :1]).sum(axis=1)
         for size in range(1, unknowns):
             rows = np.flatnonzero(rank == size)
             if len(rows):
-                yield rows, (basis[rows, size:].transpose(0, 2, 1), basis[rows, :size].transpose(0, 2, 1))
+                some = basis[rows].transpose(0, 2, 1)
+                yield rest[rows], (some[:, :, size:], some[:, :, :size])
 
     def slide(self, blocks: Ints, bases: Bases, slides: Floats, ends: Floats) -> None:
         """Settle the blocks that slide on all of their contacts, and those whose path ends at a running state.
@@ -333,6 +373,14 @@ class _Limits:
             settled[good] = True
             self.found.put(blocks[good], BedStatus.RUNS, _points(w, lam)[runs.settled], v[runs.settled])
         return settled
+
+
+def _along_lines(line: Floats, normal: Floats) -> Bases:
+    """Return the motions along lines (n, 3) of intersection of two planes, one with normal (n, 3), and all others."""
+    bases, along = np.zeros((len(line), 6, 6)), units(line)
+    bases[:, :3, 0], bases[:, :3, 1], bases[:, :3, 2] = along, normal, cross(along, normal)
+    bases[:, 3:, 3:] = np.eye(3)
+    return bases[:, :, :1], bases[:, :, 1:]
 
 
 def _motions(bases: Bases, x: Floats) -> tuple[Floats, Floats, Floats]:

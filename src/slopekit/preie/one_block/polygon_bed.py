@@ -65,6 +65,11 @@ class Beds:
     stress_scale: float = 1.0
 
     @property
+    def translations(self) -> int:
+        """How many of the unknowns are: the first ones."""
+        return 2 if self.rows.shape[2] == 3 else 3
+
+    @property
     def following(self) -> Ints:
         """The corner (q,) that follows each corner on its contact."""
         after = np.arange(1, len(self.plane) + 1)
@@ -209,7 +214,7 @@ class BedSprings:
     def polygons(self) -> Any:
         """The beds as the compiled kernels take them."""
         beds = self.beds
-        unknowns, templates = beds.load.shape[1], (*self.templates[2], *self.templates[3])
+        unknowns, templates = beds.load.shape[1], [part.T.copy() for size in (2, 3) for part in self.templates[size]]
         shapes = beds.contact, beds.corner, beds.rows, beds.plane, beds.line
         laws = _laws_for_kernels(beds, max(len(templates[1]), len(templates[3])))
         bolts = np.ascontiguousarray(beds.bolt_rows), np.ascontiguousarray(beds.bolt_capacity), beds.bolt_springs

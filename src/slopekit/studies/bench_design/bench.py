@@ -66,20 +66,20 @@ class Bench:
     width_m: Floats
 
 
-def parts_of(asked: BenchInputs, trials: Trials, height_m: float, face_dip_deg: float) -> "list[Part]":
+def parts_of(inputs: BenchInputs, trials: Trials, height_m: float, face_dip_deg: float) -> "list[Part]":
     """Every trial in a bench of one height and face by the closed forms, in the order of `MODES`."""
-    return [part(asked, trials, height_m, face_dip_deg) for part in (_wedges, _planes, _columns)]
+    return [mode(inputs, trials, height_m, face_dip_deg) for mode in (_wedges, _planes, _columns)]
 
 
 def bench_of(height_m: float, face_dip_deg: float, parts: "Sequence[Part]") -> Bench:
     """What becomes of the trials in a bench, once its modes are judged."""
     forms, fails, factor, block, setback, volume, spill, width = (
-        np.stack([part[name] for part in parts]) for name in _OF_BENCH
+        np.stack([mode[name] for mode in parts]) for name in _OF_BENCH
     )
     lost = np.where(fails, setback, -1.0)
     governs = np.where(fails.any(axis=0), lost.argmax(axis=0), -1)
-    at = np.maximum(governs, 0), np.arange(len(governs))
-    own = [np.where(governs < 0, 0.0, values[at]) for values in (setback, volume, spill, width)]
+    index = np.maximum(governs, 0), np.arange(len(governs))
+    own = [np.where(governs < 0, 0.0, values[index]) for values in (setback, volume, spill, width)]
     return Bench(height_m, face_dip_deg, forms, fails, factor, block, governs.astype(np.int64), *own)
 
 
@@ -94,125 +94,125 @@ CLOSED_OUTCOMES: Final = (WEDGE_OUTCOMES, ("slides_on_J1", *PLANE_OUTCOMES[1:]))
 def _part(n: int) -> Part:
     """A mode in which nothing forms at any of n places."""
     kinds = {"forms": np.bool_, "fails": np.bool_, "outcome": np.int16}
-    part: Part = {name: np.zeros(n, dtype=kinds.get(name, np.float64)) for name in _NAMES}
-    part["factor"][:] = np.nan
-    return part
+    mode: Part = {name: np.zeros(n, dtype=kinds.get(name, np.float64)) for name in _NAMES}
+    mode["factor"][:] = np.nan
+    return mode
 
 
-def _with_blocks(part: Part, those: Ints, **values: np.ndarray) -> Part:
+def _with_blocks(mode: Part, places: Ints, **values: np.ndarray) -> Part:
     """A mode with what forms at some of its places."""
-    part["forms"][those] = True
+    mode["forms"][places] = True
     for name, own in values.items():
-        part[name][those] = own
-    return part
+        mode[name][places] = own
+    return mode
 
 
-def strengths_at(asked: BenchInputs, trials: Trials) -> tuple[Floats, Floats]:
+def strengths_at(inputs: BenchInputs, trials: Trials) -> tuple[Floats, Floats]:
     """Cohesion and friction (2, n) of the first and second joint of each place."""
     joints = np.stack([trials.first, trials.second])
-    return asked.cohesion_kpa[joints], asked.friction_deg[joints]
+    return inputs.cohesion_kpa[joints], inputs.friction_deg[joints]
 
 
-def _wedges(asked: BenchInputs, trials: Trials, height: float, face: float) -> Part:
+def _wedges(inputs: BenchInputs, trials: Trials, height: float, face: float) -> Part:
     a, b = trials.first, trials.second
-    cohesion, friction = strengths_at(asked, trials)
-    dips, ways = asked.joints.dips_deg, asked.joints.dip_directions_deg
-    whole = wedge_sizes(dips[a], ways[a], dips[b], ways[b], face, asked.toward_deg, 0.0, asked.toward_deg, height)
-    free = largest_scale(whole, asked.trace_m[a], asked.trace_m[b])
+    cohesion, friction = strengths_at(inputs, trials)
+    dips, ways = inputs.joints.dips_deg, inputs.joints.dip_directions_deg
+    whole = wedge_sizes(dips[a], ways[a], dips[b], ways[b], face, inputs.toward_deg, 0.0, inputs.toward_deg, height)
+    free = largest_scale(whole, inputs.trace_m[a], inputs.trace_m[b])
     up = 1.0 - trials.toe
-    scale = free if asked.toe == "bench" else up
+    scale = free if inputs.toe == "bench" else up
     heights = height * scale
     long_enough = np.isfinite(free) & (scale > 0.0) & (scale <= free * (1.0 + REACHES))
-    those = np.flatnonzero(long_enough)
-    one, two = a[those], b[those]
+    places = np.flatnonzero(long_enough)
+    joint1, joint2 = a[places], b[places]
     wedges = hoek_bray_wedges(
         WedgeArrays(
-            joint1_dip_deg=dips[one], joint1_dip_direction_deg=ways[one], joint2_dip_deg=dips[two],
-            joint2_dip_direction_deg=ways[two],
-            face_dip_deg=face, face_dip_direction_deg=asked.toward_deg, upper_dip_deg=0.0,
-            upper_dip_direction_deg=asked.toward_deg, height_m=heights[those],
-            cohesion1_kpa=cohesion[0, those], cohesion2_kpa=cohesion[1, those],
-            friction1_deg=friction[0, those], friction2_deg=friction[1, those],
-            pressures_kpa=asked.slope.water.pressures_kpa[:1] * 2,
-            seismic_trend_deg=asked.slope.seismic.trend_deg, **asked.loads,
+            joint1_dip_deg=dips[joint1], joint1_dip_direction_deg=ways[joint1], joint2_dip_deg=dips[joint2],
+            joint2_dip_direction_deg=ways[joint2],
+            face_dip_deg=face, face_dip_direction_deg=inputs.toward_deg, upper_dip_deg=0.0,
+            upper_dip_direction_deg=inputs.toward_deg, height_m=heights[places],
+            cohesion1_kpa=cohesion[0, places], cohesion2_kpa=cohesion[1, places],
+            friction1_deg=friction[0, places], friction2_deg=friction[1, places],
+            pressures_kpa=inputs.slope.water.pressures_kpa[:1] * 2,
+            seismic_trend_deg=inputs.slope.seismic.trend_deg, **inputs.loads,
         ), forces=False,
     )  # fmt: skip
-    kept = wedges.outcome < WEDGE_OUTCOMES.index("E201")
-    those, scales = those[kept], scale[those][kept]
-    closed = ByMethod(CLOSED_OUTCOMES[WEDGE], wedges.outcome[kept].astype(np.int16), wedges.factor[kept])
-    volume = whole.volume_m3[those] * scales**3
+    forms = wedges.outcome < WEDGE_OUTCOMES.index("E201")
+    places, scales = places[forms], scale[places][forms]
+    closed = ByMethod(CLOSED_OUTCOMES[WEDGE], wedges.outcome[forms].astype(np.int16), wedges.factor[forms])
+    volume = whole.volume_m3[places] * scales**3
     return _with_blocks(
-        _part(len(trials)), those, fails=closed.falls_short(asked.number("fos")), outcome=closed.outcome,
-        factor=closed.factor, block_height_m=heights[those],
-        setback_m=whole.setback_m[those] * scales, volume_m3=volume,
-        spill_m=cone_spill_width(volume, face, asked.number("repose"), asked.number("swell")),
-        width_m=whole.face_width_m[those] * scales,
+        _part(len(trials)), places, fails=closed.falls_short(inputs.number("fos")), outcome=closed.outcome,
+        factor=closed.factor, block_height_m=heights[places],
+        setback_m=whole.setback_m[places] * scales, volume_m3=volume,
+        spill_m=cone_spill_width(volume, face, inputs.number("repose"), inputs.number("swell")),
+        width_m=whole.face_width_m[places] * scales,
     )  # fmt: skip
 
 
-def _planes(asked: BenchInputs, trials: Trials, height: float, face: float) -> Part:
+def _planes(inputs: BenchInputs, trials: Trials, height: float, face: float) -> Part:
     a = trials.first
-    dips = asked.joints.dips_deg[a]
+    dips = inputs.joints.dips_deg[a]
     whole = plane_sizes(dips, face, 0.0, height)
-    beside = beside_deg(asked.joints.dip_directions_deg[a], asked.toward_deg)
+    beside = beside_deg(inputs.joints.dip_directions_deg[a], inputs.toward_deg)
     with np.errstate(invalid="ignore"):
-        free = np.minimum(1.0, asked.trace_m[a] / whole.length_m)
-    scale = free if asked.toe == "bench" else 1.0 - trials.toe
+        free = np.minimum(1.0, inputs.trace_m[a] / whole.length_m)
+    scale = free if inputs.toe == "bench" else 1.0 - trials.toe
     long_enough = np.isfinite(free) & (scale > 0.0) & (scale <= free * (1.0 + REACHES))
-    those = np.flatnonzero(long_enough & (beside <= asked.number("lateral") + _ANGLE))
-    cohesion, friction = strengths_at(asked, trials)
-    heights = (height * scale)[those]
+    places = np.flatnonzero(long_enough & (beside <= inputs.number("lateral") + _ANGLE))
+    cohesion, friction = strengths_at(inputs, trials)
+    heights = (height * scale)[places]
     blocks = plane_failures(
         PlaneArrays(
-            face_dip_deg=face, upper_dip_deg=0.0, plane_dip_deg=dips[those], height_m=heights,
-            cohesion_kpa=cohesion[0, those], friction_deg=friction[0, those],
-            pressure_kpa=next(iter(asked.slope.water.pressures_kpa), None), **asked.loads,
+            face_dip_deg=face, upper_dip_deg=0.0, plane_dip_deg=dips[places], height_m=heights,
+            cohesion_kpa=cohesion[0, places], friction_deg=friction[0, places],
+            pressure_kpa=next(iter(inputs.slope.water.pressures_kpa), None), **inputs.loads,
         )
     )  # fmt: skip
-    kept = blocks.outcome < PLANE_OUTCOMES.index("E203")
-    those, scales = those[kept], scale[those][kept]
-    closed = ByMethod(CLOSED_OUTCOMES[PLANE], blocks.outcome[kept].astype(np.int16), blocks.factor[kept])
-    area = whole.area_m2[those] * scales**2
+    forms = blocks.outcome < PLANE_OUTCOMES.index("E203")
+    places, scales = places[forms], scale[places][forms]
+    closed = ByMethod(CLOSED_OUTCOMES[PLANE], blocks.outcome[forms].astype(np.int16), blocks.factor[forms])
+    area = whole.area_m2[places] * scales**2
     return _with_blocks(
-        _part(len(trials)), those, fails=closed.falls_short(asked.number("fos")), outcome=closed.outcome,
-        factor=closed.factor, block_height_m=heights[kept],
-        setback_m=whole.setback_m[those] * scales, volume_m3=area * asked.step_m(height),
-        spill_m=prism_spill_width(area, face, asked.number("repose"), asked.number("swell")),
-        width_m=np.full(those.size, asked.step_m(height)),
+        _part(len(trials)), places, fails=closed.falls_short(inputs.number("fos")), outcome=closed.outcome,
+        factor=closed.factor, block_height_m=heights[forms],
+        setback_m=whole.setback_m[places] * scales, volume_m3=area * inputs.step_m(height),
+        spill_m=prism_spill_width(area, face, inputs.number("repose"), inputs.number("swell")),
+        width_m=np.full(places.size, inputs.step_m(height)),
     )  # fmt: skip
 
 
-def _columns(asked: BenchInputs, trials: Trials, height: float, face: float) -> Part:
+def _columns(inputs: BenchInputs, trials: Trials, height: float, face: float) -> Part:
     """Either joint of a place may be the steep one."""
-    heights, limit = height * (1.0 - trials.toe), asked.number("lateral_toppling")
-    part = _part(len(trials))
-    friction = strengths_at(asked, trials)[1]
-    for at, (steep, base) in enumerate(((trials.first, trials.second), (trials.second, trials.first))):
-        dip, out = asked.joints.dips_deg[steep], asked.joints.dips_deg[base]
-        into = beside_deg(asked.joints.dip_directions_deg[steep], asked.toward_deg + 180.0)
-        toward = beside_deg(asked.joints.dip_directions_deg[base], asked.toward_deg)
+    heights, limit = height * (1.0 - trials.toe), inputs.number("lateral_toppling")
+    mode = _part(len(trials))
+    friction = strengths_at(inputs, trials)[1]
+    for index, (steep, base) in enumerate(((trials.first, trials.second), (trials.second, trials.first))):
+        dip, base_dip = inputs.joints.dips_deg[steep], inputs.joints.dips_deg[base]
+        into = beside_deg(inputs.joints.dip_directions_deg[steep], inputs.toward_deg + 180.0)
+        toward = beside_deg(inputs.joints.dip_directions_deg[base], inputs.toward_deg)
         can = (into <= limit + _ANGLE) & (toward <= limit + _ANGLE)
-        can &= (dip >= 90.0 - face + friction[at] - _ANGLE) & (out > 0.0) & (out < face) & (dip < 90.0)
-        those = np.flatnonzero(can & ~part["forms"])
-        widths = asked.spacing_m[steep[those]]
-        known = np.isfinite(widths)
-        sides, bases = np.radians(dip[those]), np.radians(out[those])
-        first = column_sizes(dip[those], out[those], face, heights[those], 1.0).height_m
+        can &= (dip >= 90.0 - face + friction[index] - _ANGLE) & (base_dip > 0.0) & (base_dip < face) & (dip < 90.0)
+        places = np.flatnonzero(can & ~mode["forms"])
+        widths = inputs.spacing_m[steep[places]]
+        spaced = np.isfinite(widths)
+        sides, bases = np.radians(dip[places]), np.radians(base_dip[places])
+        first = column_sizes(dip[places], base_dip[places], face, heights[places], 1.0).height_m
         # from where the base daylights to the foot of the first column, and what is left of it behind
-        foot = heights[those] / math.tan(math.radians(face)) + first * np.cos(sides)
-        left = asked.trace_m[base[those]] * np.cos(bases) - foot
-        reach = np.minimum(left, heights[those])
-        rows = column_sizes(dip[those], out[those], face, heights[those], np.where(known, widths, 1.0),
+        foot = heights[places] / math.tan(math.radians(face)) + first * np.cos(sides)
+        left = inputs.trace_m[base[places]] * np.cos(bases) - foot
+        reach = np.minimum(left, heights[places])
+        rows = column_sizes(dip[places], base_dip[places], face, heights[places], np.where(spaced, widths, 1.0),
                             np.maximum(0.0, reach))  # fmt: skip
-        held = (first > 0.0) & (first <= asked.trace_m[steep[those]] * (1.0 + REACHES)) & (left > 0.0)
+        stands = (first > 0.0) & (first <= inputs.trace_m[steep[places]] * (1.0 + REACHES)) & (left > 0.0)
         with np.errstate(divide="ignore"):
-            factor = np.where(known, 1.0 / rows.slenderness, np.nan)
-        turns = known & (factor < asked.number("fos")) & (rows.columns > 0.0)
-        some = those[held]
+            factor = np.where(spaced, 1.0 / rows.slenderness, np.nan)
+        turns = spaced & (factor < inputs.number("fos")) & (rows.columns > 0.0)
+        columns = places[stands]
         _with_blocks(
-            part, some, fails=turns[held], factor=factor[held], block_height_m=heights[some],
-            setback_m=rows.setback_m[held], volume_m3=rows.area_m2[held] * asked.step_m(height),
-            spill_m=prism_spill_width(rows.area_m2[held], face, asked.number("repose"), asked.number("swell")),
-            width_m=np.full(some.size, asked.step_m(height)),
+            mode, columns, fails=turns[stands], factor=factor[stands], block_height_m=heights[columns],
+            setback_m=rows.setback_m[stands], volume_m3=rows.area_m2[stands] * inputs.step_m(height),
+            spill_m=prism_spill_width(rows.area_m2[stands], face, inputs.number("repose"), inputs.number("swell")),
+            width_m=np.full(columns.size, inputs.step_m(height)),
         )  # fmt: skip
-    return part
+    return mode

@@ -3,10 +3,9 @@
 A limit is never above the factor of the forces, so that what fails by the closed form fails.
 """
 
-from collections.abc import Sequence
 from dataclasses import fields, replace
 from functools import partial
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 
@@ -17,10 +16,10 @@ from slopekit.design.parts import Strength, Water
 from slopekit.kinds.plane import ON_ARRAYS as PLANES
 from slopekit.kinds.plane import PlaneDesign
 from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany, limits_of, limits_on_arrays
-from slopekit.kinds.wedge import ON_ARRAYS as WEDGES
 from slopekit.studies.bench_design.bench import CLOSED_OUTCOMES, PLANE, WEDGE, Bench, Part, bench_of, parts_of
 from slopekit.studies.bench_design.given import BenchInputs
 from slopekit.studies.bench_design.trials import Trials
+from slopekit.studies.joint_wedges import limits_of_wedges
 from slopekit.studies.outcomes import BothMethods, ByMethod, agreement, compared
 from slopekit.studies.points import kept_records
 from slopekit.studies.protocol import Workplace
@@ -32,73 +31,68 @@ _AT_ONCE = 2048  # blocks of a task
 
 
 def judged_benches(
-    asked: BenchInputs, trials: Trials, crew: Crew, desk: Workplace
+    inputs: BenchInputs, trials: Trials, crew: Crew, desk: Workplace
 ) -> tuple[list[Bench], list[BothMethods], Journal]:
     """Return all benches judged by both methods, how far these agree in each mode of each, and the journal."""
-    sizes = [(height, dip) for height in asked.heights_m for dip in asked.face_dips_deg]
-    parts = [parts_of(asked, trials, *size) for size in sizes]
-    asked_of, tasks, before = list[tuple[Part, int, Ints, Ints]](), list[Task](), 0
+    sizes = [(height, dip) for height in inputs.heights_m for dip in inputs.face_dips_deg]
+    parts = [parts_of(inputs, trials, *size) for size in sizes]
+    jobs, tasks, before = list[tuple[Part, int, Ints, Ints]](), list[Task](), 0
     for (height, face), of_bench in zip(sizes, parts, strict=True):
         for mode in (WEDGE, PLANE):
-            part = of_bench[mode]
-            rows = np.flatnonzero(part["forms"] & ~part["fails"])
+            blocks = of_bench[mode]
+            rows = np.flatnonzero(blocks["forms"] & ~blocks["fails"])
             first, second = trials.first[rows], trials.second[rows] if mode == WEDGE else np.full(len(rows), -1)
-            heights = np.full(len(rows), height) if _is_free_of_size(asked) else part["block_height_m"][rows]
-            alike, back = np.unique(np.stack([first, second, heights], axis=1), axis=0, return_inverse=True)
-            asked_of.append((part, mode, rows, back.reshape(-1) + before))
-            before += len(alike)
-            for at in range(0, len(alike), _AT_ONCE):
-                one, two, high = alike[at : at + _AT_ONCE].T
+            heights = np.full(len(rows), height) if _is_free_of_size(inputs) else blocks["block_height_m"][rows]
+            different, back = np.unique(np.stack([first, second, heights], axis=1), axis=0, return_inverse=True)
+            jobs.append((blocks, mode, rows, back.reshape(-1) + before))
+            before += len(different)
+            for where_in in range(0, len(different), _AT_ONCE):
+                one, two, high = different[where_in : where_in + _AT_ONCE].T
                 tasks.append((mode, face, one.astype(np.int64), two.astype(np.int64), high))
-    run = [asked.input_hash(), asked.has_cohesion, _AT_ONCE]
-    records, journal = kept_records(partial(_limits, asked), tasks, crew, desk, "bench-design", "PRE-IE", run, 1)
-    found = limits_of(records)
-    both = [_judge(asked, *one, found) for one in asked_of]
+    run = [inputs.input_hash(), inputs.has_cohesion, _AT_ONCE]
+    records, journal = kept_records(partial(_limits, inputs), tasks, crew, desk, "bench-design", "PRE-IE", run, 1)
+    limits = limits_of(records)
+    both = [_judge(inputs, *one, limits) for one in jobs]
     return [bench_of(*size, of_bench) for size, of_bench in zip(sizes, parts, strict=True)], both, journal
 
 
-def _is_free_of_size(asked: BenchInputs) -> bool:
+def _is_free_of_size(inputs: BenchInputs) -> bool:
     """Whether blocks of all sizes have the same factor: there is neither cohesion nor a pressure given in kPa."""
-    return not asked.has_cohesion and asked.slope.water.mode != "pressures"
+    return not inputs.has_cohesion and inputs.slope.water.mode != "pressures"
 
 
-def _judge(asked: BenchInputs, part: Part, mode: int, rows: Ints, at: Ints, found: LimitsOfMany) -> BothMethods:
+def _judge(
+    inputs: BenchInputs, blocks: Part, mode: int, rows: Ints, where_in: Ints, limits: LimitsOfMany
+) -> BothMethods:
     """Note what fails by PRE-IE among the blocks `rows` of a mode; return how far the methods agree on them.
 
     Parameters
     ----------
-    at : (m,) the places of these blocks in what was found of all
+    where_in : (m,) the places of these blocks in what was found of all
     """
-    target = asked.number("fos")
-    limit = ByMethod.of(found.status[at].tolist(), found.limit[at])
-    closed = ByMethod(CLOSED_OUTCOMES[mode], part["outcome"][rows], part["factor"][rows])
-    outcomes = agreement(limit, found.forces[at], closed, asked.slope.analysis.agree_within)
-    part["fails"][rows] = limit.falls_short(target)
+    target = inputs.number("fos")
+    limit = ByMethod.of(limits.status[where_in].tolist(), limits.limit[where_in])
+    closed = ByMethod(CLOSED_OUTCOMES[mode], blocks["outcome"][rows], blocks["factor"][rows])
+    outcomes = agreement(limit, limits.forces[where_in], closed, inputs.slope.analysis.agree_within)
+    blocks["fails"][rows] = limit.falls_short(target)
     return compared(outcomes, target)
 
 
-def _limits(asked: BenchInputs, task: Task) -> Record:
+def _limits(inputs: BenchInputs, task: Task) -> Record:
     """What PRE-IE says of the blocks of a task, in JSON values."""
-    mode, face, first, second, height = task
-    design, strengths = _design(asked, mode, first, second, height, face)
-    found = limits_on_arrays(design, WEDGES if mode == WEDGE else PLANES, strengths, len(first))
-    return found.to_record()
-
-
-def _design(
-    asked: BenchInputs, mode: int, first: Ints, second: Ints, height: Any, face_dip: float
-) -> tuple[Any, Sequence[Strength]]:
-    """The blocks as one design whose numbers are arrays, per metre where they are planes, and their strengths."""
-    slope, toward = asked.slope, asked.toward_deg
-    dips, ways = asked.joints.dips_deg, asked.joints.dip_directions_deg
-    own: list[Any] = [(asked.cohesion_kpa[joint], asked.friction_deg[joint]) for joint in (first, second)]
-    strengths = [Strength(*one) for one in own]
-    common: dict[str, Any] = {"face": Plane(face_dip, toward), "upper": Plane(0.0, toward), "height_m": height}
+    mode, face_dip, first, second, height = task
+    toward, strengths = inputs.toward_deg, (inputs.cohesion_kpa, inputs.friction_deg)
+    face, upper = Plane(face_dip, toward), Plane(0.0, toward)
+    slope = replace(inputs.slope, face=face, upper=upper)
     if mode == WEDGE:
-        joints: list[Any] = [(dips[joint], ways[joint]) for joint in (first, second)]
-        return replace(slope, **common, joints=(Plane(*joints[0]), Plane(*joints[1]))), strengths
-    common |= {field.name: getattr(slope, field.name) for field in fields(Design)}
+        return limits_of_wedges(slope, inputs.joints, strengths, first, second, height)
+    common = {field.name: getattr(slope, field.name) for field in fields(Design)}
     if slope.water.mode == "pressures":
         common["water"] = Water("pressures", 0.0, slope.water.pressures_kpa[:1])
-    dip: Any = dips[first]  # in the section, as the closed form has it
-    return PlaneDesign(**common, joint=Plane(dip, toward), joint_name="J1", strength=strengths[0]), strengths[:1]
+    dip: Any = inputs.joints.dips_deg[first]  # in the section, as the closed form has it
+    own: list[Any] = [of[first] for of in strengths]
+    strength, high = Strength(*own), cast(Any, height)
+    plane = PlaneDesign(
+        **common, joint=Plane(dip, toward), joint_name="J1", face=face, upper=upper, height_m=high, strength=strength
+    )
+    return limits_on_arrays(plane, PLANES, [strength], len(first)).to_record()

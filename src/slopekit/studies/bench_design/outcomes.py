@@ -9,7 +9,7 @@ import numpy as np
 
 from slopekit.closed_form.berms import effective_face_angle, inter_ramp_angle
 from slopekit.core.arrays import Floats
-from slopekit.studies.bench_design.bench import MODES, Bench
+from slopekit.studies.bench_design.bench import MODES, Bench, bench_of, parts_of
 from slopekit.studies.bench_design.given import BenchInputs
 from slopekit.studies.bench_design.trials import Trials, bootstrapped, share_of
 from slopekit.studies.prob.estimates import Share
@@ -98,47 +98,49 @@ class OfBench:
     bare: Mapping[str, Any] | None = field(default=None, metadata={"json": "without_cohesion"})
 
 
-def without_cohesion(asked: BenchInputs, bench: Bench, of: OfBench) -> dict[str, Any]:
-    """What is said of a bench judged without cohesion: shares that fail, the berm needed, whether cohesion decides.
+def without_cohesion(inputs: BenchInputs, trials: Trials, outcome: OfBench) -> dict[str, Any]:
+    """What the closed forms say of a bench without cohesion: shares that fail, the berm needed, whether that decides.
 
     It decides where half or more of what fails without it is held by it, and that is more than the limits of the share
     with it allow.
 
     Parameters
     ----------
-    bench : without cohesion; of : what is said of it with cohesion
+    inputs : without cohesion; of : what is said of the bench with cohesion
     """
+    size = outcome.height_m, outcome.face_dip_deg
+    bench = bench_of(*size, parts_of(inputs, trials, *size))
     forms, fails = ([*part, part.any(axis=0)] for part in (bench.forms, bench.fails))
     shares = {name: float(part.mean()) for name, part in zip(_CALLED, fails, strict=True)}
     among = {
         name: float((bad & there).sum() / there.sum()) if there.any() else None
         for name, bad, there in zip(_CALLED, fails, forms, strict=True)
     }
-    steps = steps_of(bench, asked.step_m(bench.height_m))
-    lost = quantiles(bench.setback_m, [asked.number("reliability")], steps)[0]
-    given = of.modes["any"]["fails"]
-    decides = shares["any"] > given.high and 2.0 * (given.share or 0.0) <= shares["any"]
-    needed = asked.catch_m(bench.height_m) + lost
+    steps = steps_of(bench, inputs.step_m(bench.height_m))
+    lost = quantiles(bench.setback_m, [inputs.number("reliability")], steps)[0]
+    with_cohesion = outcome.modes["any"]["fails"]
+    decides = shares["any"] > with_cohesion.high and 2.0 * (with_cohesion.share or 0.0) <= shares["any"]
+    needed = inputs.catch_m(bench.height_m) + lost
     return {"fails_if_formed": among, "fails": shares, "berm_needed_m": needed, "decides": decides}
 
 
-def outcome_of(asked: BenchInputs, trials: Trials, bench: Bench) -> OfBench:
+def outcome_of(inputs: BenchInputs, trials: Trials, bench: Bench) -> OfBench:
     """Everything that is said of one bench."""
-    height, face, confidence = bench.height_m, bench.face_dip_deg, asked.number("confidence")
-    wanted, catch = asked.number("reliability"), asked.catch_m(height)
-    lost, steps = bench.setback_m, steps_of(bench, asked.step_m(height))
+    height, face, confidence = bench.height_m, bench.face_dip_deg, inputs.number("confidence")
+    wanted, catch = inputs.number("reliability"), inputs.catch_m(height)
+    lost, steps = bench.setback_m, steps_of(bench, inputs.step_m(height))
     loss_at = quantiles(lost, [wanted], steps)[0]
     needed = catch + loss_at
-    berms = (needed,) if asked.berms_m is None else asked.berms_m
+    berms = (needed,) if inputs.berms_m is None else inputs.berms_m
     forms = [*bench.forms, bench.forms.any(axis=0)]
     fails = [*bench.fails, bench.fails.any(axis=0)]
     # a width lost to rounding is not lost
     keeps = [berm - lost >= catch * (1.0 - 1e-12) - 1e-12 for berm in berms]
-    seed = int(asked.number("seed"))
+    seed = int(inputs.number("seed"))
     places, length = (np.array(part, dtype=np.float64).T for part in ([*forms, *fails], keeps))
-    surveys = bootstrapped(asked.joints, trials, places, seed)
+    surveys = bootstrapped(inputs.joints, trials, places, seed)
     of_forms, of_fails = surveys[:, :4], surveys[:, 4:]
-    of_keeps = bootstrapped(asked.joints, trials, length, seed, steps)
+    of_keeps = bootstrapped(inputs.joints, trials, length, seed, steps)
     with np.errstate(invalid="ignore", divide="ignore"):
         of_both = of_fails / of_forms
     modes = {

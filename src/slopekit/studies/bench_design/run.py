@@ -32,26 +32,26 @@ from slopekit.studies.surveys import Columns, Convention, SkipBad, left_out, sur
 _FEW = 30  # joints: below it, a survey says little of its sets
 
 
-def notices_of(asked: BenchInputs, benches: Sequence[OfBench], said: BothMethods) -> Iterator[Notice]:
+def notices_of(inputs: BenchInputs, benches: Sequence[OfBench], said: BothMethods) -> Iterator[Notice]:
     """Yield what a reader must know of the survey, of the options and of what was not counted."""
-    yield from left_out(asked.joints)
-    n = len(asked.joints)
-    ways = len({joint.plane for joint in asked.joints.joints})
+    yield from left_out(inputs.joints)
+    n = len(inputs.joints)
+    ways = len({joint.plane for joint in inputs.joints.joints})
     if ways < _FEW:
         of = f" in {ways} orientation{'s' if ways > 1 else ''}" if ways < n else ""
-        yield Notice("W390", f"{asked.joints.name} holds {n} joints{of}: the same few meet again and again, "
+        yield Notice("W390", f"{inputs.joints.name} holds {n} joints{of}: the same few meet again and again, "
                      "see the limits")  # fmt: skip
-    known = int(np.isfinite(asked.trace_m).sum())
+    known = int(np.isfinite(inputs.trace_m).sum())
     if known < n:
         message = (
             f"{n - known} of {n} joints have no trace length and run as far as a block needs: blocks are too large"
         )
         yield Notice("W391", message)
-    if not np.isfinite(asked.spacing_m).all():
-        without = int((~np.isfinite(asked.spacing_m)).sum())
+    if not np.isfinite(inputs.spacing_m).all():
+        without = int((~np.isfinite(inputs.spacing_m)).sum())
         message = f"{without} of {n} joints have no spacing: columns between them form and are not judged"
         yield Notice("W391", message)
-    if asked.every_m is None:
+    if inputs.every_m is None:
         message = (
             "how often joints meet along the bench is not known: one place is taken for each bench height; volumes per "
             "100 m go with it"
@@ -77,7 +77,7 @@ def notices_of(asked: BenchInputs, benches: Sequence[OfBench], said: BothMethods
         )
         yield Notice("W394", message)
     yield from _cohesion(benches)
-    slope = asked.slope
+    slope = inputs.slope
     if any(bench.modes["toppling"]["forms"].count for bench in benches) and (
         slope.water.mode != "dry" or slope.seismic.coefficient
     ):
@@ -120,7 +120,7 @@ class BenchDesigns(StudyOutcome):
     both: BothMethods
     warnings: tuple[Notice, ...]
     seconds: float = field(default=0.0, compare=False)
-    journals: tuple[Journal, ...] = field(default=(), compare=False)
+    journal: Journal | None = field(default=None, compare=False)
 
     @property
     def charts(self) -> tuple[str, ...]:
@@ -129,8 +129,8 @@ class BenchDesigns(StudyOutcome):
 
     def done(self) -> None:
         """Remove what was kept for an interruption: the results are written."""
-        for journal in self.journals:
-            journal.remove()
+        if self.journal is not None:
+            self.journal.remove()
 
     @property
     def joints(self) -> JointList:
@@ -259,28 +259,24 @@ def bench_design(
     """
     given, began = dict(locals()), time.perf_counter()
     crew = checked_crew(jobs, scheduler)
-    asked = bench_inputs(given, desk.named)
-    trials = drawn_trials(asked.joints, int(asked.number("n")), int(asked.number("seed")), asked.toe == "anywhere")
-    benches, both, journal = judged_benches(asked, trials, crew, desk)
-    outcomes, journals = [outcome_of(asked, trials, bench) for bench in benches], [journal]
-    if asked.has_cohesion:
-        without = replace(asked, cohesion_kpa=np.zeros(len(asked.joints)))
-        bare, _, journal = judged_benches(without, trials, crew, desk)
-        journals.append(journal)
-        outcomes = [
-            replace(of, bare=without_cohesion(asked, bench, of)) for bench, of in zip(bare, outcomes, strict=True)
-        ]
-    outcomes, said = [accepted(asked, one) for one in outcomes], total(both)
-    notices = tuple(notices_of(asked, outcomes, said))
-    study = BenchDesigns(asked, tuple(outcomes), said, notices, time.perf_counter() - began, tuple(journals))
+    inputs = bench_inputs(given, desk.named)
+    trials = drawn_trials(inputs.joints, int(inputs.number("n")), int(inputs.number("seed")), inputs.toe == "anywhere")
+    benches, both, journal = judged_benches(inputs, trials, crew, desk)
+    outcomes = [outcome_of(inputs, trials, bench) for bench in benches]
+    if inputs.has_cohesion:
+        bare = replace(inputs, cohesion_kpa=np.zeros(len(inputs.joints)))
+        outcomes = [replace(of, bare=without_cohesion(bare, trials, of)) for of in outcomes]
+    outcomes, said = [accepted(inputs, one) for one in outcomes], total(both)
+    notices = tuple(notices_of(inputs, outcomes, said))
+    study = BenchDesigns(inputs, tuple(outcomes), said, notices, time.perf_counter() - began, journal)
     if desk.folder is None:
         study.done()
     return study
 
 
-def accepted(asked: BenchInputs, bench: OfBench) -> OfBench:
+def accepted(inputs: BenchInputs, bench: OfBench) -> OfBench:
     """The bench with what is said of acceptance: the lower limit counts."""
-    least = asked.numbers["accept"]
+    least = inputs.numbers["accept"]
     if least is None:
         return bench
     berms = (replace(berm, accepted=berm.reliability.low >= least) for berm in bench.berms)

@@ -255,14 +255,6 @@ class JointPairs(Fitted):
         removable: Bools = self.outcome < _STATUSES
         return removable
 
-    def ranked(self) -> Ints:
-        """The removable pairs: what nothing holds, then by factor, ties by volume (larger first), then what stands."""
-        removable = np.flatnonzero(self.is_removable)
-        outcome, factor = self.outcome[removable], self.factor[removable]
-        rank = np.where(np.isin(outcome, _SLIDES), 1, np.where(outcome == _STANDS, 2, 0))
-        order = np.lexsort((-self.volume_m3[removable], np.nan_to_num(factor), rank))
-        return removable[order]
-
     def fails(self, target: float) -> Bools:
         """Which of all pairs lie below a factor of safety by the closed form; what nothing holds is among them."""
         with np.errstate(invalid="ignore"):

@@ -10,7 +10,7 @@
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import Annotated, Any, ClassVar
 
@@ -19,13 +19,12 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.codec import json_of
 from slopekit.core.errors import Notice
-from slopekit.core.orientation import Plane
+from slopekit.core.orientation import Line, Plane
 from slopekit.design.joint_lists import JointList
-from slopekit.design.parts import Strength
-from slopekit.kinds.single_block.blocks_on_arrays import limits_of, limits_on_arrays
-from slopekit.kinds.wedge import ON_ARRAYS
+from slopekit.kinds.single_block.blocks_on_arrays import limits_of
 from slopekit.kinds.wedge.limits import LIMITED_BY
 from slopekit.studies.combos.pairs import NEVER, PAIR_OUTCOMES, JointPairs, PairInputs, evaluated, pair_inputs
+from slopekit.studies.joint_wedges import limits_of_wedges
 from slopekit.studies.outcomes import STANDS, BothMethods, ByMethod, Outcomes, agreement, compared
 from slopekit.studies.points import kept_records
 from slopekit.studies.protocol import (
@@ -52,7 +51,8 @@ class PairCheck:
     ----------
     index : among all pairs; names, planes : of its joints
     status, limit : of PRE-IE, those of the closed form where that was asked alone; None where there is no factor
-    height_m : at the trace of the first joint; volume_m3 to plunge_deg : of the wedge
+    height_m : at the trace of the first joint; volume_m3 : of the wedge, `scale` of its lengths within limits of size
+    extent_m : how wide it is on the face and how far it reaches behind the crest; line : of intersection
     """
 
     index: int
@@ -67,12 +67,10 @@ class PairCheck:
     moments_govern: bool
     height_m: float
     volume_m3: float
-    face_width_m: float
-    setback_m: float
     scale: float
     limited_by: str
-    trend_deg: float
-    plunge_deg: float
+    extent_m: Mapping[str, float]
+    line: Line
 
     def to_dict(self) -> dict[str, Any]:
         """The pair as JSON values."""
@@ -81,8 +79,7 @@ class PairCheck:
             "fos": {"limit": self.limit, "closed_form": self.closed_form}, "closed_form_status": self.closed_status,
             "difference": self.difference, "agree": self.agree, "moments_govern": self.moments_govern,
             "volume_m3": self.volume_m3, "height_m": self.height_m, "scale": self.scale,
-            "face_width_m": self.face_width_m, "setback_m": self.setback_m,
-            "limited_by": self.limited_by or None, "line": {"trend_deg": self.trend_deg, "plunge_deg": self.plunge_deg},
+            **self.extent_m, "limited_by": self.limited_by or None, "line": json_of(self.line),
         }  # fmt: skip
 
 
@@ -111,24 +108,24 @@ class Combos(StudyOutcome):
 
     def _shown(self, place: int) -> PairCheck:
         pairs, k = self.pairs, int(self.ranked[place])
-        joints, found = [self.joints.joints[int(of[k])] for of in (pairs.first, pairs.second)], self.outcomes
+        joints, outcomes = [self.joints.joints[int(of[k])] for of in (pairs.first, pairs.second)], self.outcomes
         closed, status = _known(pairs.factor[k]), PAIR_OUTCOMES[pairs.outcome[k]]
         both: dict[str, Any] = {"status": status, "limit": closed, "difference": None, "agree": None}
         both["moments_govern"] = False
-        if found is not None:
-            verdict = int(found.agree[place])
+        if outcomes is not None:
+            verdict = int(outcomes.agree[place])
             both = {
-                "status": found.limit.names[found.limit.outcome[place]], "limit": _known(found.limit.factor[place]),
-                "difference": _known(found.difference[place]), "agree": None if verdict < 0 else bool(verdict),
-                "moments_govern": bool(found.moments_govern[place]),
+                "status": outcomes.limit.names[outcomes.limit.outcome[place]],
+                "limit": _known(outcomes.limit.factor[place]),
+                "difference": _known(outcomes.difference[place]), "agree": None if verdict < 0 else bool(verdict),
+                "moments_govern": bool(outcomes.moments_govern[place]),
             }  # fmt: skip
         return PairCheck(
             index=k, names=(joints[0].name, joints[1].name), planes=(joints[0].plane, joints[1].plane),
             closed_status=status, closed_form=closed, **both, height_m=float(pairs.height_m[k]),
-            volume_m3=float(pairs.volume_m3[k]), face_width_m=float(pairs.sizes.face_width_m[k]),
-            setback_m=float(pairs.sizes.setback_m[k]), scale=float(pairs.scale[k]),
-            limited_by=LIMITED_BY[pairs.by[k]], trend_deg=float(pairs.trend_deg[k]),
-            plunge_deg=float(pairs.plunge_deg[k]),
+            volume_m3=float(pairs.volume_m3[k]), scale=float(pairs.scale[k]), limited_by=LIMITED_BY[pairs.by[k]],
+            extent_m={name: float(getattr(pairs.sizes, name)[k]) for name in ("face_width_m", "setback_m")},
+            line=Line(float(pairs.trend_deg[k]), float(pairs.plunge_deg[k])),
         )  # fmt: skip
 
     @cached_property
@@ -167,10 +164,10 @@ class Combos(StudyOutcome):
 
     def below(self, fos: float) -> Bools:
         """Which of all pairs lie below: by PRE-IE; by either method where they disagree."""
-        is_below, found = self.pairs.fails(fos), self.outcomes
-        if found is not None:
-            doubted = (found.agree == 0) & is_below[self.ranked]
-            is_below[self.ranked] = found.limit.falls_short(fos) | doubted
+        is_below, outcomes = self.pairs.fails(fos), self.outcomes
+        if outcomes is not None:
+            doubted = (outcomes.agree == 0) & is_below[self.ranked]
+            is_below[self.ranked] = outcomes.limit.falls_short(fos) | doubted
         return is_below
 
     @property
@@ -198,12 +195,12 @@ class Combos(StudyOutcome):
             whole = f"{len(self.joints)} joints, {self.joints.quantities.sum():.6g} by quantity"
             message = f"quantities of {self.joints.name} ({whole}) count nothing here: each pair of joints stands once"
             own.append(Notice("W373", message))
-        found = self.outcomes
-        if found is None or not found.moments_govern.any():
+        outcomes = self.outcomes
+        if outcomes is None or not outcomes.moments_govern.any():
             return tuple(own)
-        governed, limit, closed = found.moments_govern, found.limit.factor, self.pairs.factor[self.ranked]
+        governed, limit, closed = outcomes.moments_govern, outcomes.limit.factor, self.pairs.factor[self.ranked]
         lowered = 1.0 - limit[governed] / closed[governed]
-        topple = int((governed & found.limit.among("topples")).sum())
+        topple = int((governed & outcomes.limit.among("topples")).sum())
         by = [f"by up to {np.nanmax(lowered) * 100:.1f} %"] if np.isfinite(lowered).any() else []
         by += [f"{topple} of them topple"] if topple else []
         message = f"moments govern {int(governed.sum())} of {self.removable} removable pairs"
@@ -295,18 +292,18 @@ def combos(
     """
     given, began = dict(locals()), time.perf_counter()
     crew = checked_crew(jobs, scheduler)
-    asked = pair_inputs(given, desk.named)
+    inputs = pair_inputs(given, desk.named)
     read = time.perf_counter()
-    pairs = evaluated(asked.joints, asked.slope, asked.limits, asked.cohesion_kpa, asked.friction_deg)
+    pairs = evaluated(inputs.joints, inputs.slope, inputs.limits, inputs.cohesion_kpa, inputs.friction_deg)
     closed = time.perf_counter()
-    ranked = pairs.ranked()
-    outcomes = None if closed_form else _looked_at(asked, pairs, ranked, crew, desk)
-    if outcomes is not None:
-        order = _order(outcomes.limit, pairs.volume_m3[ranked])
-        ranked, outcomes = ranked[order], outcomes.of(order)
+    removable = np.flatnonzero(pairs.is_removable)
+    by_forces = ByMethod(PAIR_OUTCOMES, pairs.outcome[removable].astype(np.int16), pairs.factor[removable])
+    outcomes = None if closed_form else _looked_at(inputs, pairs, removable, by_forces, crew, desk)
+    order = _order(by_forces if outcomes is None else outcomes.limit, pairs.volume_m3[removable])
+    outcomes = None if outcomes is None else outcomes.of(order)
     end = time.perf_counter()
     times = {"read": read - began, "closed_form": closed - read, "pre_ie": end - closed, "total": end - began}
-    return Combos(asked, pairs, ranked, outcomes, times)
+    return Combos(inputs, pairs, removable[order], outcomes, times)
 
 
 def _known(value: float) -> float | None:
@@ -319,26 +316,20 @@ def _order(limit: ByMethod, volume_m3: Floats) -> Ints:
     return np.lexsort((-volume_m3, np.nan_to_num(limit.factor), rank))
 
 
-def _looked_at(asked: PairInputs, pairs: JointPairs, rows: Ints, crew: Crew, desk: Workplace) -> Outcomes:
+def _looked_at(
+    inputs: PairInputs, pairs: JointPairs, rows: Ints, closed: ByMethod, crew: Crew, desk: Workplace
+) -> Outcomes:
     """What both methods say of some pairs (r,); what is done is kept in a journal until all are."""
     parts = [rows[at : at + _AT_ONCE] for at in range(0, len(rows), _AT_ONCE)]
     tasks = [(pairs.first[part], pairs.second[part], pairs.height_m[part]) for part in parts]
-    run = [asked.input_hash(), _AT_ONCE]
-    records, journal = kept_records(partial(_limits, asked), tasks, crew, desk, "combos", "PRE-IE", run, 1)
+    run = [inputs.input_hash(), _AT_ONCE]
+    records, journal = kept_records(partial(_limits, inputs), tasks, crew, desk, "combos", "PRE-IE", run, 1)
     journal.remove()
-    found = limits_of(records)
-    closed = ByMethod(PAIR_OUTCOMES, pairs.outcome[rows].astype(np.int16), pairs.factor[rows])
-    limit = ByMethod.of(found.status.tolist(), found.limit)
-    return agreement(limit, found.forces, closed, asked.slope.analysis.agree_within)
+    outcomes = limits_of(records)
+    limit = ByMethod.of(outcomes.status.tolist(), outcomes.limit)
+    return agreement(limit, outcomes.forces, closed, inputs.slope.analysis.agree_within)
 
 
-def _limits(asked: PairInputs, task: tuple[Ints, Ints, Floats]) -> Record:
+def _limits(inputs: PairInputs, task: tuple[Ints, Ints, Floats]) -> Record:
     """What PRE-IE says of some pairs, in JSON values."""
-    first, second, height = task
-    dips, ways = asked.joints.dips_deg, asked.joints.dip_directions_deg
-    joints: list[Any] = [(dips[joint], ways[joint]) for joint in (first, second)]
-    high: Any = height
-    design = replace(asked.slope, joints=(Plane(*joints[0]), Plane(*joints[1])), height_m=high)
-    own: list[Any] = [(asked.cohesion_kpa[joint], asked.friction_deg[joint]) for joint in (first, second)]
-    found = limits_on_arrays(design, ON_ARRAYS, [Strength(*one) for one in own], len(first))
-    return found.to_record()
+    return limits_of_wedges(inputs.slope, inputs.joints, (inputs.cohesion_kpa, inputs.friction_deg), *task)

@@ -131,7 +131,7 @@ def _outcomes(combos: Combos) -> Table[tuple[str, int]]:
 
 
 _PLURAL = {
-    "slides_up": "slide up: the loads drive them", "lifted": "are pushed off both joints", "falls": "fall",
+    "slides_up": "slide up: the loads drive them", "lifted": "contact lost on both joints (uplift)", "falls": "fall",
     "no_driving_force": "stand: nothing drives them",
 }  # fmt: skip
 

@@ -38,8 +38,7 @@ from slopekit.studies.prob.bolts import (
 from slopekit.studies.prob.cracks import checked_alone, cracked
 from slopekit.studies.prob.estimates import Share, Summary, sample_statistics, share_of, summary_of
 from slopekit.studies.prob.judged import IMPOSSIBLE, Judged, also_of, notices_of, nowhere, sensitivities, with_also
-from slopekit.studies.prob.sampling import METHODS, Method, Samples
-from slopekit.studies.prob.sampling import samples as drawn_samples
+from slopekit.studies.prob.sampling import METHODS, Method, Samples, samples
 from slopekit.studies.prob.vectorised import Vectorised, vectorised
 from slopekit.studies.protocol import (
     DESK,
@@ -311,29 +310,29 @@ def prob(
     asked = _asked(design, n, seed, method, by, fos, confidence, accept)
     clock = Clock()
     with clock("draw"):
-        drawn = _drawn(design, asked)
+        drawn = _Drawn(design, asked)
         if n is None and drawn.takes_all_at_once(asked.by):
             asked = replace(asked, n=MANY)
-            drawn = _drawn(design, asked)
-    placed, samples, fast = drawn.design, drawn.samples, drawn.fast
+            drawn = _Drawn(design, asked)
+    placed, those, fast = drawn.design, drawn.samples, drawn.fast
     with clock("factors"):
         journals = list[Journal]()
         judge = _Judge(drawn, asked, crew, desk, journals)
         judged, outcomes = judge()
-        of_bolts = without_force(placed, _holding(samples, placed, fast), judged.forms)
-        sizes = {} if fast is None else fast.sizes(samples.values, judged.forms)
+        of_bolts = without_force(placed, _holding(those, placed, fast), judged.forms)
+        sizes = {} if fast is None else fast.sizes(those.values, judged.forms)
     both = by_closed_form = None
     if outcomes is not None:
         both = compared(outcomes, fos)
         if outcomes.closed_form is not None:
             beside = judge.besides(Judged.by(outcomes.closed_form, fos, ""))
-            by_closed_form = share_of(beside.fails, judged.counted, samples.replicate, confidence)
-    all_samples = share_of(judged.fails, judged.counted, samples.replicate, confidence)
-    forming = share_of(judged.fails, judged.counted & judged.forms, samples.replicate, confidence)
-    said = () if both is None else tuple(both.notices("samples", len(samples.values)))
+            by_closed_form = share_of(beside.fails, judged.counted, those.replicate, confidence)
+    all_samples = share_of(judged.fails, judged.counted, those.replicate, confidence)
+    forming = share_of(judged.fails, judged.counted & judged.forms, those.replicate, confidence)
+    said = () if both is None else tuple(both.notices("samples", len(those.values)))
     probability = Probability(
         design, asked, drawn.as_drawn, judged, all_samples, forming, outcomes, both, by_closed_form,
-        (*notices_of(fos, judged, samples, all_samples), *said, *of_bolts, *not_as_given(design),
+        (*notices_of(fos, judged, those, all_samples), *said, *of_bolts, *not_as_given(design),
          *likely_slips(design)), clock.done(), tuple(journals), sizes,
     )  # fmt: skip
     if desk.folder is None:
@@ -345,7 +344,6 @@ def _figure(name: str) -> Callable[[Probability], float | None]:
     return lambda study: getattr(study.all_samples, name)
 
 
-@dataclass(frozen=True)
 class _Drawn:
     """Samples of a design, and how they are taken.
 
@@ -356,31 +354,20 @@ class _Drawn:
     fast : takes all at once, None where they are read one by one
     """
 
-    as_drawn: Samples
-    samples: Samples
-    design: Design
-    nowhere: Bools
-    fast: Vectorised | None
+    def __init__(self, design: Design, asked: ProbabilityOptions) -> None:
+        self.as_drawn = samples(design.variables, design.correlation, asked.n, asked.seed, asked.method)
+        cracks = cracked(design, self.as_drawn)
+        none: Bools = np.zeros(asked.n, dtype=bool)
+        self.design, self.samples, self.nowhere = (design, self.as_drawn, none) if cracks is None else cracks
+        self.fast = vectorised(self.design, self.samples.values, self.samples.settings)
+        if cracks is None and (self.fast is None or bool(getattr(design, "crack_searched", ""))):
+            checked_alone(design, asked.n)  # its crack is looked for in each, or it has no block at the mean values
 
     def takes_all_at_once(self, by: By) -> bool:
         """Whether the method that counts does."""
         if self.fast is None or any(bolt.acts == "passive" for bolt in self.design.bolts):
             return False
         return by == "closed-form" or self.fast.has_limits
-
-
-def _drawn(design: Design, asked: ProbabilityOptions) -> _Drawn:
-    """Draw the samples; a crack that is looked for is at a place of its own in each, as if that had been drawn."""
-    samples = drawn_samples(design.variables, design.correlation, asked.n, asked.seed, asked.method)
-    cracks = cracked(design, samples)
-    if cracks is None and bool(getattr(design, "crack_searched", "")):
-        checked_alone(design, asked.n)
-    nowhere = np.zeros(asked.n, dtype=bool)
-    placed, those, nowhere = (design, samples, nowhere) if cracks is None else cracks
-    fast = vectorised(placed, those.values, those.settings)
-    if fast is None and cracks is None:
-        checked_alone(design, asked.n)  # no block at the mean values
-    return _Drawn(samples, those, placed, nowhere, fast)
 
 
 class _Settings(Sequence[Mapping[str, object]]):
@@ -439,10 +426,18 @@ class _Judge:
         """Return the judgement of the method that counts, and what both say: None where the closed form is alone."""
         drawn, asked = self.drawn, self.asked
         alone, at_once = asked.by == "closed-form", drawn.takes_all_at_once(asked.by)
-        outcomes = self._at_once() if at_once else self._one_by_one()
-        of_kind = outcomes.closed_form is not None
-        method = outcomes.closed_form if alone and outcomes.closed_form is not None else outcomes.limit
-        whose = "closed form" if alone else "closed form and PRE-IE" if of_kind else "PRE-IE"
+        outcomes = None
+        if at_once:
+            assert drawn.fast is not None
+            method = self._closed_forms(drawn.fast)
+            if not alone:
+                outcomes = self._at_once(drawn.fast, method)
+                method = outcomes.limit
+        else:
+            outcomes = self._one_by_one()
+            method = outcomes.closed_form if alone and outcomes.closed_form is not None else outcomes.limit
+        has_closed_form = alone or (outcomes is not None and outcomes.closed_form is not None)
+        whose = "closed form" if alone else "closed form and PRE-IE" if has_closed_form else "PRE-IE"
         evaluator = f"{whose} of every sample{', all at once' if at_once else ''}"
         judged = self.besides(Judged.by(method, asked.target, evaluator))
         return nowhere(judged, drawn.nowhere), None if alone else outcomes
@@ -466,32 +461,26 @@ class _Judge:
             self.besides = lambda judged: with_also(judged, *besides, self.asked.target)
         return of_points(points)
 
-    def _at_once(self) -> Outcomes:
+    def _at_once(self, fast: Vectorised, closed: ByMethod) -> Outcomes:
         """What both methods say where they take all samples at once."""
-        samples, fast = self.drawn.samples, self.drawn.fast
-        assert fast is not None
-        also, closed = fast.also(samples.values), self._closed_forms(fast)
-        if also is not None:
-            basal = WithoutBasal  # the only one that closed forms know
-            self.besides = lambda judged: with_also(judged, also, basal.NAME, basal.WHAT, self.asked.target)
+        values = self.drawn.samples.values
         rows = np.flatnonzero(~closed.among("E", IMPOSSIBLE))
-        parts = [] if self.asked.by == "closed-form" else [
-            samples.values[rows[at : at + _AT_ONCE]] for at in range(0, len(rows), _AT_ONCE)
-        ]  # fmt: skip
-        records, journal = kept_records(
-            fast.limits, parts, self.crew, self.desk, "prob", "PRE-IE", [*self._run(), _AT_ONCE], at_once=1
-        )
+        parts = [values[rows[at : at + _AT_ONCE]] for at in range(0, len(rows), _AT_ONCE)]
+        run = [*self._run(), _AT_ONCE]
+        records, journal = kept_records(fast.limits, parts, self.crew, self.desk, "prob", "PRE-IE", run, at_once=1)
         self.journals.append(journal)
-        words = np.array(closed.names, dtype=object)[closed.outcome]
+        limits, words = limits_of(records), np.array(closed.names, dtype=object)[closed.outcome]
         factor, forces = np.full((2, len(words)), np.nan)
-        if records:
-            found = limits_of(records)
-            words[rows], factor[rows], forces[rows] = found.status, found.limit, found.forces
-            closed = closed.refused(words)
-        return agreement(ByMethod.of(words.tolist(), factor), forces, closed, self.drawn.design.analysis.agree_within)
+        words[rows], factor[rows], forces[rows] = limits.status, limits.limit, limits.forces
+        limit, closed = ByMethod.of(words.tolist(), factor), closed.refused(words)
+        return agreement(limit, forces, closed, self.drawn.design.analysis.agree_within)
 
     def _closed_forms(self, fast: Vectorised) -> ByMethod:
-        forms = fast(self.drawn.samples.values)
+        """What the closed form says of all samples, and what else acceptance is held against."""
+        values, basal = self.drawn.samples.values, WithoutBasal  # the only one that closed forms know
+        forms, also = fast(values), fast.also(values)
+        if also is not None:
+            self.besides = lambda judged: with_also(judged, also, basal.NAME, basal.WHAT, self.asked.target)
         names, outcome, factor = (*forms.names, IMPOSSIBLE), forms.outcome.astype(np.int16), forms.factor
         impossible = _impossible(self.drawn.design, self.drawn.samples)
         outcome[impossible], factor[impossible] = len(names) - 1, np.nan

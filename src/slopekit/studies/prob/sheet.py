@@ -9,6 +9,7 @@ from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted
 from slopekit.design.scatter.distributions import Angles, Distribution
 from slopekit.evidence import WithoutBasal
+from slopekit.kinds import kind_of
 from slopekit.result import STATUSES
 from slopekit.studies.marginals import NEVER, tails
 from slopekit.studies.prob.estimates import Share, Summary
@@ -66,8 +67,9 @@ def line_of(study: Probability) -> str:
         parts += ["met" if study.accepted else f"not met{doubt}", f"estimate {_percent(share.share)}"]
     else:
         parts += [_percent(share.share), _limits(share)]
-    if study.by_closed_form is not None and study.both is not None:
+    if study.by_closed_form is not None:
         parts.append(f"closed form {_percent(study.by_closed_form.share)}")
+    if study.both is not None and kind_of(study.design).closed_form is not None:
         parts.append("disagree" if study.methods_disagree else "agree" if study.both.agree else "not compared")
     parts += list(dict.fromkeys(notice.code for notice in study.warnings))
     return "  ".join(parts)
@@ -77,7 +79,7 @@ def _every_sample(study: Probability) -> Table[int]:
     """Every sample on a line of its own, by its number: values, outcome, factors."""
     values, judged, outcomes = study.samples.values, study.judged, study.outcomes
     columns: list[Column[int]] = [Column("sample", int, "sample")]
-    columns += [Column(path, _cell_of(values, column), path) for column, path in enumerate(study.samples.names)]
+    columns += [Column(path, _item_of(values[:, column]), path) for column, path in enumerate(study.samples.names)]
     columns += [
         Column("outcome", lambda row: judged.names[judged.outcome[row]], "outcome"),
         Column("FoS", judged.factor.item, "fos_closed_form" if study.asked.by == "closed-form" else "fos_limit"),
@@ -91,10 +93,6 @@ def _every_sample(study: Probability) -> Table[int]:
             Column("moments govern", lambda row: int(governs[row]), "moments_govern"),
         ]
     return Table(columns, range(len(values)))
-
-
-def _cell_of(values: Floats, column: int) -> Callable[[int], float]:
-    return lambda row: values.item(row, column)
 
 
 def _item_of(column: Floats) -> Callable[[int], float]:
@@ -184,7 +182,8 @@ def _matters(coefficients: Sequence[tuple[str, float]]) -> str:
 def _methods(study: Probability) -> list[str]:
     if study.both is None:
         return ["the closed form alone: it balances no moments"]
-    return study.both.in_words() if study.by_closed_form is not None else ["there is no closed form to compare with"]
+    compares = kind_of(study.design).closed_form is not None
+    return study.both.in_words() if compares else ["there is no closed form to compare with"]
 
 
 def _accept(study: Probability) -> list[str]:

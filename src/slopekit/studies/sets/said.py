@@ -53,7 +53,7 @@ def _of_number(joint_sets: JointSets) -> list[Notice]:
             message = (
                 f"the {counted(len(joint_sets.joints), 'joint')} of {joint_sets.joints.name} show no sets: no number of"
             )
-            return [Notice("W404", f"{message} sets is likelier than joints that lie anywhere; --sets N divides them")]
+            return [Notice("W404", f"{message} sets is likelier than uniform directions; --sets N divides them")]
         near = [count for count, bic in by.items() if count != chosen and bic - by[chosen] < _CLOSE]
         if near:
             others = " or ".join(map(str, near))

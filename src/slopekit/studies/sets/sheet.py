@@ -132,7 +132,7 @@ def _alone(joint_sets: JointSets) -> list[Entry]:
     if not names or not joint_sets.sets:
         return []
     more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
-    why = "the list gives them none" if joint_sets.are_given else "likelier joints that lie anywhere than of a set"
+    why = "the list gives them none" if joint_sets.are_given else "likelier of uniform directions than of a set"
     return [f"{counted(len(names), 'joint')}, {why}: " + ", ".join(names[:_MOST_NAMES]) + more]
 
 
@@ -207,6 +207,6 @@ def _metres(value: Any) -> str:
 
 
 _WORDS = (
-    "mean ±: the cone that holds the true mean ({share:.0f} %); 68 %, 95 % in: the cone about the mean that holds so "
+    "mean ±: confidence cone of the mean ({share:.0f} %); 68 %, 95 % in: variability cones, about the mean with so "
     "many of the joints"
 )

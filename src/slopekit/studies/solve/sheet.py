@@ -1,7 +1,7 @@
 """The sheet of a value that was solved for: what both methods say there, other values, or why there is none."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from operator import itemgetter
 from typing import Any
 
@@ -56,10 +56,11 @@ def _sections(solution: Solution) -> tuple[Section, ...]:
 
 def _values(solution: Solution) -> Table[Any]:
     """Every value by each method: roots, then jumps and gaps; the one nearest to the present value first."""
+    key = solution.key
     rows = [(answers.method, crossing) for answers in _all(solution) for crossing in (*answers.roots, *answers.others)]
     columns: list[Column[tuple[str, SolvedValue]]] = [
         Column("method", itemgetter(0), "method"),
-        _value_column(solution.key, lambda row: row[1].value),
+        Column(key.path, lambda row: key.reduced(row[1].value), key.path, key.unit, key.shown, exact=key.in_csv),
         Column("FoS", lambda row: row[1].factor, "fos", show=_factor),
         Column("status", lambda row: row[1].status, "status"),
         Column("how", lambda row: row[1].how, "how"),
@@ -73,10 +74,6 @@ def _other(method: str, crossing: SolvedValue) -> float | None:
     """What the other method says at a value."""
     factors = crossing.both.factors
     return None if factors is None else factors.limit if method == "closed_form" else factors.closed_form
-
-
-def _value_column(key: Key, of: Callable[[Any], float]) -> Column[Any]:
-    return Column(key.path, lambda row: key.reduced(of(row)), key.path, key.unit, key.shown, exact=key.in_csv)
 
 
 # -- entries -----------------------------------------------------------------------------------------------------------

@@ -3,9 +3,10 @@
 import math
 import re
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from decimal import ROUND_CEILING, Context
+from functools import partial
 from operator import attrgetter
 from typing import Any, ClassVar, Literal
 
@@ -20,10 +21,12 @@ from slopekit.core.units import quantity
 from slopekit.design.common import Design
 from slopekit.design.parts import Bolt
 from slopekit.design.words import above_zero, line_of_words
+from slopekit.kinds import also_falls_short, dilates
 from slopekit.kinds.protocol import Factors
+from slopekit.studies.points import point_of
 from slopekit.studies.protocol import StudyOutcome
 from slopekit.studies.support.pattern import Layout
-from slopekit.studies.support.search import Answer, Need, limit_answer
+from slopekit.studies.support.search import Answer, Need, closed_form_answer, limit_answer
 
 FORCE_STEP_KN = 10.0  # of the force of a bolt as it is built
 DRILLABLE_DEG = (0.0, 30.0)  # plunges of bolts, where nobody says others
@@ -88,14 +91,14 @@ def read_options(
 
 
 def _acts(value: object, where: str) -> tuple[Acts, ...]:
-    if value is None or value == "both":
-        return "active", "passive"
-    if value == "active":
-        return ("active",)
-    if value == "passive":
-        return ("passive",)
-    advice = "Leave it out for both."
-    raise DesignError([Fault("E307", f"bolts are active or passive, not {value}", where, advice)])
+    choices: dict[str, tuple[Acts, ...]] = {
+        "active": ("active",),
+        "passive": ("passive",),
+        "both": ("active", "passive"),
+    }
+    if value is not None and str(value) not in choices:
+        raise DesignError([Fault("E307", f"bolts are active or passive, not {value}", where, "Leave it out for both.")])
+    return choices.get(str(value), choices["both"])
 
 
 def _plunges(value: object, option: str) -> tuple[float, float]:
@@ -128,10 +131,11 @@ class BoltCase:
     existing : the bolts that are there
     factors : of the design with `bolts`, which it was solved again with; None without any
     lacks : what is reached with `bolts`, where that is not the target; why there are none
+    trials : of the load case whose bolts are the strongest, the same bolts solved again in each other load case
     notices : why there is no layout, or what to know of it
     """
 
-    JSON_ALSO: ClassVar = ("reached", "pattern", "check", "support", "yaml")
+    JSON_ALSO: ClassVar = ("reached", "pattern", "check", "other_cases", "support", "yaml")
     acts: Acts
     toward: Line | None
     closed_form: Need
@@ -144,6 +148,7 @@ class BoltCase:
     existing: tuple[Bolt, ...] = field(default=(), metadata={"json": None})
     factors: Factors | None = field(default=None, metadata={"json": None})
     lacks: str = field(default="", metadata={"json": None})
+    trials: Mapping[str, "BoltCase"] = field(default_factory=dict, metadata={"json": None})
     notices: tuple[Notice, ...] = ()
 
     @property
@@ -179,6 +184,31 @@ class BoltCase:
         return {"fos": both, "status": self.factors.status, "met": not self.lacks}
 
     @property
+    def other_cases(self) -> dict[str, Any]:
+        """What both methods say with the same bolts in the other load cases, by name; None where they cannot be run."""
+        return {name: trial.check for name, trial in self.trials.items()}
+
+    @property
+    def trial_words(self) -> str:
+        """The factor with the same bolts in each other load case, or what is lacking there."""
+        lacks = {name: trial.lacks for name, trial in self.trials.items()}
+        tried = {name: trial.factors for name, trial in self.trials.items() if trial.factors and not trial.lacks}
+        answers = lacks | {name: limit_answer(factors).in_words for name, factors in tried.items()}
+        return f"{self.acts} bolts in the other cases: {'; '.join(map(' '.join, answers.items()))}" if answers else ""
+
+    def solved_in(self, design: Design, target: float) -> "BoltCase":
+        """The same bolts in a design that is solved again with them, held against a target."""
+        point = point_of(replace(design, bolts=(*design.bolts, *self.bolts)), {})
+        lacks = f"{point.code} {point.message}"
+        if point.factors is not None:
+            closed, limit = closed_form_answer(point.factors), limit_answer(point.factors)
+            both = f"{limit.in_words} by PRE-IE; {closed.in_words} by the closed form"
+            lacks = f"solved again with these bolts {both}"
+            if enough(target, closed, limit, dilates(design)):
+                lacks = " ".join(map(str, also_falls_short(point.also, target, "with these bolts")))
+        return replace(self, factors=point.factors, lacks=lacks and f"NOT REACHED, FoS {target:g}: {lacks}")
+
+    @property
     def support(self) -> dict[str, Any] | None:
         """All bolts as `support` of a design; None where the target is out of reach."""
         return {"bolts": [bolt_words(bolt) for bolt in (*self.existing, *self.bolts)]} if self.bolts else None
@@ -188,8 +218,9 @@ class BoltCase:
         """The same as the text of a design file, whose first lines say so where the bolts do not give the target."""
         if not self.bolts:
             return None
-        said = textwrap.wrap(self.lacks, 97) if self.lacks else []
-        return "".join(f"# {line}\n" for line in said) + snippet((*self.existing, *self.bolts))
+        lacks = [self.lacks, *(f"in {name} {trial.lacks}" for name, trial in self.trials.items() if trial.lacks)]
+        comments = "".join(f"# {line}\n" for text in lacks for line in textwrap.wrap(text, 97))
+        return comments + snippet((*self.existing, *self.bolts))
 
 
 @dataclass(frozen=True, repr=False)
@@ -208,9 +239,6 @@ class Support(StudyOutcome):
     """
 
     name: ClassVar[str] = "support"
-    of_one_case: ClassVar[tuple[str, ...]] = (
-        "bolts of one case are not tried in the others: put into the design, `run` judges all",
-    )
     JSON_ALSO: ClassVar = ("reached", "needed", "without")
     design: Design = field(metadata={"json": None})
     target: float = field(metadata={"json": "target_fos"})
@@ -223,6 +251,30 @@ class Support(StudyOutcome):
     warnings: tuple[Notice, ...]
     dilates: bool = False
     seconds: float = field(default=0.0, compare=False, metadata={"json": None})
+
+    @classmethod
+    def over_cases(cls, outcomes: Mapping[str, "Support"]) -> dict[str, "Support"]:
+        """By load case, with the bolts of the case that needs the greatest force tried in every other one."""
+
+        def tried(name: str, bolts: BoltCase) -> BoltCase:
+            if bolts.force != max(outcome.force_of(bolts.acts) or 0.0 for outcome in outcomes.values()):
+                return bolts
+            rest = {key: outcome for key, outcome in outcomes.items() if key != name}
+            return replace(bolts, trials={key: bolts.solved_in(one.design, one.target) for key, one in rest.items()})
+
+        return {
+            name: replace(outcome, cases=tuple(tried(name, bolts) for bolts in outcome.cases))
+            for name, outcome in outcomes.items()
+        }
+
+    def force_of(self, acts: Acts) -> float | None:
+        """The force of bolts that act one way, None where they do not reach the target."""
+        return next((case.force for case in self.cases if case.acts == acts and case.reached), None)
+
+    @property
+    def trial_lines(self) -> list[str]:
+        """How the bolts do in the other load cases, where they were tried there."""
+        return [case.trial_words for case in self.cases if case.trials]
 
     @property
     def reached(self) -> bool:
@@ -259,31 +311,26 @@ class Support(StudyOutcome):
 
     def case_columns(self) -> list[Column[Any]]:
         """The factor wanted of each load case, and the force that active and passive bolts need for it."""
-
-        def force_of(acts: Acts) -> Callable[[Support], float | None]:
-            return lambda one: next((case.force for case in one.cases if case.acts == acts and case.reached), None)
-
         return [
             Column("wanted", attrgetter("target"), "target_fos", show=".4g", width=8),
             Column("bolts", lambda one: "none needed" if one.stands else "reached" if one.reached else "NOT REACHED",
                    "bolts", width=13),
-            *(Column(f"{acts} {self.unit}", force_of(acts), f"{acts}_kn", self.unit, ".1f", 15)
+            *(Column(f"{acts} {self.unit}", partial(Support.force_of, acts=acts), f"{acts}_kn", self.unit, ".1f", 15)
               for acts in self.options.acts),
         ]  # fmt: skip
 
     @property
     def exit_code(self) -> int:
-        """0 reached by active and by passive bolts, as far as asked for, 1 not (or not by a larger wedge, W507).
+        """0 reached by active and by passive bolts, as far as asked for, in every load case; 1 not (or W507).
 
         4 where the methods disagree, or without convergence.
         """
-        answers = [self.pre_ie, *(limit_answer(case.factors) for case in self.cases if case.factors is not None)]
-        if any(answer.agree is False for answer in answers):
-            return 4
-        if not self.reached and any(answer.level is None for answer in answers):
+        tried = [bolts for case in self.cases for bolts in (case, *case.trials.values())]
+        answers = [self.pre_ie, *(limit_answer(bolts.factors) for bolts in tried if bolts.factors is not None)]
+        if any(answer.agree is False or (answer.level is None and not self.reached) for answer in answers):
             return 4
         falls_short = any(notice.code == "W507" for notice in self.warnings)
-        all_reach = self.stands or all(case.reached for case in self.cases)
+        all_reach = self.stands or all(bolts.reached for bolts in tried)
         return 1 if falls_short or not all_reach else 0
 
     def to_dict(self) -> dict[str, Any]:
@@ -299,9 +346,9 @@ def wanted_in_words(design: Design, target: float) -> str:
     return f"FoS {target:g}{f', {beside}' if beside else ''}"
 
 
-def enough(target: float, closed_form: Answer | None, pre_ie: Answer, dilates: bool = False) -> bool:
+def enough(target: float, closed_form: Answer, pre_ie: Answer, dilates: bool = False) -> bool:
     """Whether a design reaches a target as it is."""
-    return pre_ie.reaches(target) and (dilates or closed_form is None or closed_form.reaches(target))
+    return pre_ie.reaches(target) and (dilates or closed_form.reaches(target))
 
 
 # -- words and JSON -----------------------------------------------------------------------------------------------
@@ -309,7 +356,8 @@ def enough(target: float, closed_form: Answer | None, pre_ie: Answer, dilates: b
 
 def bolt_words(bolt: Bolt) -> dict[str, Any]:
     """A bolt as a design file writes it."""
-    words: dict[str, Any] = {"force": bolt.force_kn, "toward": _line_words(bolt.toward), "acts": bolt.acts}
+    toward = f"{bolt.toward.trend_deg!r}/{bolt.toward.plunge_deg!r}"
+    words: dict[str, Any] = {"force": bolt.force_kn, "toward": toward, "acts": bolt.acts}
     if bolt.head_m is not None:
         words["head"] = list(bolt.head_m)
     if bolt.length_m is not None:
@@ -355,7 +403,3 @@ def snippet(bolts: Sequence[Bolt]) -> str:
             line = "       head" + after
         lines.append(line + "}")
     return "\n".join(lines) + "\n"
-
-
-def _line_words(line: Line) -> str:
-    return f"{line.trend_deg!r}/{line.plunge_deg!r}"

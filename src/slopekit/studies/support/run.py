@@ -39,11 +39,9 @@ from slopekit.studies.support.records import (
     written,
 )
 from slopekit.studies.support.search import (
-    Answer,
     Need,
     Site,
     best_direction,
-    closed_form_answer,
     least_force,
     least_forces,
     limit_answer,
@@ -137,18 +135,11 @@ def _said(site: Site, cases: Sequence[BoltCase], target: float) -> Iterator[Noti
     yield from peak_only(design, "bolts are for the factor")
     yield from rules_left_out(design, ON_FACTOR)
     bare = factors_of(design)
-    points, places = [Point(bare)], ["as it stands"]
-    laid = [case for case in cases if case.bolts]
-    besides = [] if laid else [(bare.also, places[0])]
-    for case in laid:
-        place = f"with the {case.acts} bolts"
-        if case.factors is not None:
-            points.append(Point(case.factors))
-            places.append(place)
-        besides.append((kind_of(design).without_basal(site.with_bolts(*case.bolts)), place))
-    for also, place in dict.fromkeys(besides):
-        yield from also_falls_short(also, target, place)
-    yield from said_at(points, places.__getitem__, of_inputs, "designs")
+    built = {f"with the {case.acts} bolts": case.factors for case in cases if case.factors is not None}
+    if not built:
+        yield from also_falls_short(bare.also, target, "as it stands")
+    points = [Point(bare), *map(Point, built.values())]
+    yield from said_at(points, ["as it stands", *built].__getitem__, of_inputs, "designs")
 
 
 class _Search:
@@ -228,25 +219,13 @@ class _Search:
             written(Bolt(each / slice_m, toward, case.acts, (east, north, up), length))
             for (east, north, up), length in zip(laid.heads_m.tolist(), lengths.tolist(), strict=True)
         )
-        factors = factors_of(self.site.with_bolts(*bolts))
-        closed, limit = closed_form_answer(factors), limit_answer(factors)
-        lacks = ""
-        if not enough(self.target, closed, limit, self.dilates):
-            said = [
-                f"{_said_by(limit)} by PRE-IE",
-                *([] if closed is None else [f"{_said_by(closed)} by the closed form"]),
-            ]
-            lacks = f"NOT REACHED, FoS {self.target:g}: solved again with these bolts {'; '.join(said)}"
-        return replace(case, bolts=bolts, factors=factors, lacks=lacks)
+        return replace(case, bolts=bolts).solved_in(self.site.design, self.target)
 
     def _lacking(self, case: BoltCase) -> BoltCase:
         """A case without bolts to build, and why."""
         codes = ", ".join(dict.fromkeys(notice.code for notice in case.all_notices if notice.code.startswith("E")))
-        bare = self.bare_limit.factor
-        without = "no FoS" if bare is None else f"FoS {bare:.4f}"
-        return replace(
-            case, lacks=f"NOT REACHED, FoS {self.target:g}: no bolts give it ({codes}), without them {without}"
-        )
+        lacks = f"NOT REACHED, FoS {self.target:g}: no bolts give it ({codes}), without them {self.bare_limit.in_words}"
+        return replace(case, lacks=lacks)
 
     def pressure(self) -> float | None:
         """An even pressure on the face, kPa, that both methods need."""
@@ -269,8 +248,9 @@ class _Search:
         """The least force by the closed form, and what stands against it."""
         if self.bare.reaches(self.target):
             return Need(0.0, self.bare)
-        ask = self.site.closed_form
-        need = least_force(lambda force: ask(changed(force)), self.target, guess, self.bare.search_level)
+        need = least_force(
+            lambda force: self.site.closed_form(changed(force)), self.target, guess, self.bare.search_level
+        )
         if need.force is not None:
             return self._jumping(need)
         best = f"at best FoS {need.answer.search_level:.4g} at {need.best:.4g} {self.site.unit}"
@@ -298,8 +278,3 @@ class _Search:
         message = f"FoS jumps over the target at {need.force:.6g} {self.site.unit}, from {need.below:.4g} to "
         message += f"{need.answer.search_level:.4g}: contact, or how the block moves, changes there; go above"
         return replace(need, notice=Notice("E325", message))
-
-
-def _said_by(answer: Answer) -> str:
-    """A factor, or the status that stands for none."""
-    return answer.status.replace("_", " ") if answer.factor is None else f"FoS {answer.factor:.4f}"

@@ -56,6 +56,11 @@ class Answer:
         return math.inf if self.status == "no_driving_force" else 0.0
 
     @property
+    def in_words(self) -> str:
+        """The factor, or the status that stands for none."""
+        return self.status.replace("_", " ") if self.factor is None else f"FoS {self.factor:.4f}"
+
+    @property
     def search_level(self) -> float:
         """The level for a search, which goes on past a force without an answer as past one that is too small."""
         return self.level or 0.0
@@ -92,11 +97,10 @@ class Need:
 
     def to_dict(self) -> dict[str, Any]:
         """As JSON values."""
-        answer = self.answer
         return {
-            "force_kn": self.force, "fos": json_of(answer.factor), "status": answer.status, "jumps_from": self.below,
-            "moments_govern": answer.moments_govern, "agree": answer.agree, "notice": json_of(self.notice),
-            "reached": self.force is not None,
+            "force_kn": self.force, "fos": json_of(self.answer.factor), "status": self.answer.status,
+            "jumps_from": self.below, "moments_govern": self.answer.moments_govern, "agree": self.answer.agree,
+            "notice": json_of(self.notice), "reached": self.force is not None,
         }  # fmt: skip
 
 
@@ -177,10 +181,8 @@ def limit_answer(factors: Factors) -> Answer:
     return Answer(factors.limit, status, factors.moments_govern, factors.agree)
 
 
-def closed_form_answer(factors: Factors) -> Answer | None:
-    """The closed form's answer among the factors of a design, None where it does not take the design."""
-    if factors.closed_form is None and not factors.closed_status:
-        return None
+def closed_form_answer(factors: Factors) -> Answer:
+    """The closed form's answer among the factors of a wedge or a plane."""
     return Answer(factors.closed_form, factors.closed_status or factors.status)
 
 

@@ -43,12 +43,16 @@ def line_of(support: Support) -> str:
         return f"reached  nothing needed  {level(support.pre_ie)}"
     lines = []
     for case in support.cases:
-        parts = [case.acts, "reached" if case.reached else "not reached"]
-        parts += [] if case.force is None else [f"{size_number(case.force)} {support.unit}"]
-        parts += [] if case.toward is None else [f"toward {line_in_words(case.toward)}"]
-        if case.layout is not None:
-            parts.append(f"{len(case.layout)} {'rows' if support.unit == 'kN/m' else 'bolts'}")
-        lines.append("  ".join([*parts, *dict.fromkeys(notice.code for notice in case.all_notices)]))
+        parts = [
+            case.acts,
+            "reached" if case.reached else "not reached",
+            "" if case.force is None else f"{size_number(case.force)} {support.unit}",
+            "" if case.toward is None else f"toward {line_in_words(case.toward)}",
+            "" if case.layout is None else f"{len(case.layout)} {'rows' if support.unit == 'kN/m' else 'bolts'}",
+            *(f"NOT REACHED in {name}" for name, trial in case.trials.items() if trial.lacks),
+            *dict.fromkeys(notice.code for notice in case.all_notices),
+        ]
+        lines.append("  ".join(filter(None, parts)))
     return "\n".join(lines)
 
 
@@ -111,11 +115,9 @@ def _case(support: Support, case: BoltCase) -> list[str]:
     drilled = f"{low:.4g} m" + (f" to {high:.4g} m" if high > low else "")
     lines.append(f"length {drilled}, {support.options.bond:g} m of it anchorage behind the joint")
     if case.factors is not None:
-        by_forces = factor_text(case.factors.closed_form)
-        lines.append(
-            f"check with these bolts: FoS {factor_text(case.factors.limit)} by PRE-IE, {by_forces} by the closed form"
-        )
-    return lines
+        by_pre_ie, by_forces = factor_text(case.factors.limit), factor_text(case.factors.closed_form)
+        lines.append(f"check with these bolts: FoS {by_pre_ie} by PRE-IE, {by_forces} by the closed form")
+    return [*lines, *([case.trial_words] if case.trial_words else [])]
 
 
 def _built(support: Support, laid: Layout, each: float) -> str:

@@ -27,11 +27,11 @@ def draw_motion(figure: Any, document: Mapping[str, Any]) -> None:
         above.annotate(f"k_y {k:.4g}", (0.995, k), xycoords=("axes fraction", "data"), ha="right", va="bottom",
                        fontsize=8, color=RED)  # fmt: skip
         above.fill_between(t, a, k, where=a > k, color=RED, alpha=0.25, linewidth=0.0, interpolate=True)
-    above.set_ylabel("pushes the block, g")
+    above.set_ylabel("acceleration out of the slope, g")
     middle.plot(t, v, color=BLUE, linewidth=1.1)
     middle.set_ylabel("sliding, m/s")
     below.plot(t, d, color=GREEN, linewidth=1.4)
-    below.set_ylabel("slid, cm")
+    below.set_ylabel("displacement, cm")
     below.set_xlabel("time, s")
     for axes in (above, middle, below):
         dressed(axes)

@@ -5,7 +5,6 @@ Made of the JSON of a result (`scene` and what stands beside it), drawn by `soli
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,6 @@ from slopekit.core.orientation import parse_plane
 from slopekit.core.sheet import factor_text
 from slopekit.findings import MOTIONS
 from slopekit.kinds import status_text
-from slopekit.kinds.sheets.bolts import FILE, per_slice, schedule, without_head
 from slopekit.views.solid.layers import (
     BLOCK,
     DARK,
@@ -224,22 +222,6 @@ def _exploded(stage: Stage, _: int) -> Picture:
     seen.notes += [note, seen.measures()]
     seen.bolts(moved)
     return seen.picture("exploded", labels=seen.names(moved))
-
-
-def _elevation(stage: Stage, _: int) -> Picture:
-    """The face as one stands before it: the projection is parallel, so that elevations are true."""
-    bolts, seen, listed = stage.scene.bolts, Scenery(stage), schedule(stage.document)
-    if bolts is None:
-        why = without_head(listed) or "the design has no bolts"
-        raise DesignError([Fault("E273", f"there is nothing to draw: {why}", "elevation")])
-    if not stage.alone:
-        seen.rock()
-    seen.legend += seen.block_legend(bool(seen.layers))
-    seen.blocks("blocks", stage.free)
-    seen.bolts()
-    seen.notes += [said for said in (f"bolts by their numbers in {FILE}", per_slice(listed)) if said]
-    numbers = [(head, str(number)) for head, number in zip(bolts.heads_m, bolts.number.tolist(), strict=True)]
-    return replace(seen.picture("elevation", labels=numbers), eye=stage.out, beside=False)
 
 
 def _tractions(stage: Stage, _: int) -> Picture:
@@ -473,7 +455,6 @@ def _by_value(
 SCENES: Mapping[str, Callable[[Stage, int], Picture]] = {
     "scene": _scene,
     "exploded": _exploded,
-    "elevation": _elevation,
     "tractions": _tractions,
     "forces": _forces,
     "displacement": _displacement,

@@ -1,0 +1,30 @@
+"""PRE-IE of wedges on pairs of joints of a survey, many at once."""
+
+from dataclasses import replace
+from typing import Any
+
+from slopekit.core.arrays import Floats, Ints
+from slopekit.core.orientation import Plane
+from slopekit.design.joint_lists import JointList
+from slopekit.design.parts import Strength
+from slopekit.kinds.single_block.blocks_on_arrays import limits_on_arrays
+from slopekit.kinds.wedge import ON_ARRAYS
+from slopekit.kinds.wedge.design import WedgeDesign
+from slopekit.studies.running import Record
+
+
+def limits_of_wedges(
+    slope: WedgeDesign, joints: JointList, strengths: tuple[Floats, Floats], first: Ints, second: Ints, height: Floats
+) -> Record:
+    """Return PRE-IE's limits of wedges that all form, in JSON values.
+
+    Parameters
+    ----------
+    slope : whose joints and height mean nothing; strengths : cohesion and friction of the joints of the list
+    first, second : (m,) joints by their numbers; height : (m,) m at the trace of the first
+    """
+    planes: list[Any] = [(joints.dips_deg[one], joints.dip_directions_deg[one]) for one in (first, second)]
+    own: list[Any] = [tuple(of[one] for of in strengths) for one in (first, second)]
+    high: Any = height
+    design = replace(slope, joints=(Plane(*planes[0]), Plane(*planes[1])), height_m=high)
+    return limits_on_arrays(design, ON_ARRAYS, [Strength(*one) for one in own], len(first)).to_record()
