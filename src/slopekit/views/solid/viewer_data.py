@@ -27,8 +27,8 @@ from slopekit.views.solid.layers import (
 )
 from slopekit.views.solid.stage import Stage
 
-_SMOOTH = np.cos(np.radians(30.0))  # triangles of one face that bend by less have no edge between them
-_FLAT = np.cos(np.radians(1.0))
+_SMOOTH = np.radians(30.0)  # triangles of one face that bend by less have no edge between them
+_FLAT = np.radians(1.0)
 _FARTHEST = 0.25  # of the scene's size: the most that the mechanism's slider moves a block
 _AWAY = 0.7  # of its distance from the others: how far the exploded view moves a block
 
@@ -81,7 +81,7 @@ def data_of(stage: Stage) -> dict[str, Any]:
         "velocity": _single(scene.velocity * scale),
         "vertices": _single(vertices - middle), "triangles": _whole(triangles),
         "triangle_block": _whole(shapes.solids.block), "triangle_face": _whole(shapes.solids.face),
-        "edges": _whole(_edges(vertices, triangles, shapes.solids.block, shapes.solids.face)),
+        "edges": _whole(_edges(vertices, triangles, shapes.solids.face)),
         "joint_corners": _single(corners - middle), "joint_of": _whole(joint), "joint_block": _whole(minus),
         "joint_outline": _single(outline - middle),
         "pairs": _single(pairs.points_m - middle), "pair_mode": _whole(pairs.mode),
@@ -212,32 +212,22 @@ def _at(points: Floats, centroids: Floats, velocity: Floats, block: Ints) -> Flo
     return moved
 
 
-def _edges(vertices: Floats, triangles: Ints, block: Ints, face: Ints) -> Ints:
+def _edges(vertices: Floats, triangles: Ints, face: Ints) -> Ints:
     """Edges (e, 2) worth drawing: where faces meet at an angle, or a triangle has no neighbour.
 
     Triangles of one known face are a curved surface: there only bends of more than 30° count.
     """
-    if not len(triangles):
-        return np.zeros((0, 2), dtype=np.int64)
-    corner = vertices[triangles]
-    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    length = np.linalg.norm(normal, axis=1)
-    whole = length > 0.0
-    normal[whole] /= length[whole, None]
-    ends = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
-    of = np.tile(np.arange(len(triangles)), 3)
-    kept = whole[of]
-    ends, of = ends[kept], of[kept]
-    order = np.lexsort((ends[:, 1], ends[:, 0]))
-    ends, of = ends[order], of[order]
-    starts = np.flatnonzero(np.append(True, (ends[1:] != ends[:-1]).any(axis=1)))
-    count = np.diff(np.append(starts, len(ends)))
-    one, two = of[starts], of[np.minimum(starts + 1, len(of) - 1)]
-    cosine = (normal[one] * normal[two]).sum(axis=1)
-    same = (face[one] == face[two]) & (face[one] >= 0)
-    drawn = (count != 2) | (cosine < np.where(same, _SMOOTH, _FLAT))
-    edges: Ints = ends[starts[drawn]]
-    return edges
+    from trimesh import Trimesh
+    from trimesh.grouping import group_rows
+
+    mesh = Trimesh(vertices, triangles, process=False)
+    sound = mesh.area_faces > 0.0
+    mesh, face = Trimesh(vertices, triangles[sound], process=False), face[sound]
+    first, second = mesh.face_adjacency.T
+    is_curved = (face[first] == face[second]) & (face[first] >= 0)
+    bends = mesh.face_adjacency_angles > np.where(is_curved, _SMOOTH, _FLAT)
+    alone = group_rows(mesh.edges_sorted, require_count=1)
+    return np.concatenate([mesh.face_adjacency_edges[bends], mesh.edges_sorted[alone]]).astype(np.int64)
 
 
 def _surfaces(contacts: Contacts) -> tuple[Floats, Ints, Ints, Floats]:
