@@ -28,6 +28,7 @@ from slopekit.kinds.single_block.closed_forms import (
 )
 from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of, upward
 from slopekit.kinds.single_block.one_block import DILATES, kind_of_one_block, other_strengths
+from slopekit.kinds.wedge import limits
 from slopekit.kinds.wedge.cutting import JOINTS, cut, for_closed_form, height_of, rock_mass, shape_of, size_scale
 from slopekit.kinds.wedge.design import WedgeDesign, read_wedge
 from slopekit.kinds.words import (
@@ -59,8 +60,6 @@ def _heights(design: WedgeDesign) -> tuple[Any, Any]:
     """The same of a design whose numbers may be arrays, and which are left out; None where nothing limits them."""
     if design.limits is None:
         return design.height_m, None
-    from slopekit.kinds.wedge import limits
-
     fit = limits.fitted(design)
     heights, why = np.asarray(design.height_m) * fit.scale, fit.why.astype(np.float64)
     return (heights, why) if len(why) > 1 else (float(heights[0]), float(why[0]))
@@ -128,8 +127,6 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]])
     wedges = hoek_bray_wedges(WedgeArrays(**given))
     outcome, factor = wedges.outcome, wedges.factor
     if why is not None:
-        from slopekit.kinds.wedge import limits
-
         outcome, factor = limits.without(outcome, factor, why, len(OUTCOMES), OUTCOMES.index("E201"))
     return ClosedForms(_OUTCOMES, outcome, factor, list(wedges.normal_kn), list(wedges.areas_m2[:2]))
 
@@ -176,8 +173,6 @@ def _sizes(design: WedgeDesign) -> SizesOfMany | None:
     """Of the wedges of a design whose numbers may be arrays; with a basal joint or a crack they are not known."""
     if design.basal is not None or design.crack is not None:
         return None
-    from slopekit.kinds.wedge import limits
-
     fit = limits.fitted(design)
     columns = {key: getattr(fit.sizes, key) for key in ("volume_m3", "height_m", "face_width_m", "setback_m")}
     if design.limits is not None:
@@ -192,8 +187,6 @@ def crack_reach(design: WedgeDesign) -> Floats | None:
     """
     if design.basal is not None:
         return None
-    from slopekit.kinds.wedge import limits
-
     reach_m: Floats = limits.fitted(design).sizes.upper_trace1_m
     return reach_m
 
@@ -386,8 +379,6 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
     yield Section("PLANES", entries, details=details)
     size = size_part(result, float(f"{height_of(design):.6g}"))
     if design.limits is not None:
-        from slopekit.kinds.wedge import limits
-
         size = replace(size, entries=[*size.entries, *limits.in_words(design)])
     yield size
     wet = [] if design.water.has_table else water_in_words(result, 3.0 if design.basal is None else 1.0)

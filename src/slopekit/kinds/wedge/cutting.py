@@ -19,6 +19,7 @@ from slopekit.kinds.single_block.one_block_limit import Cut, Interface
 from slopekit.kinds.single_block.one_block_states import Bedding
 from slopekit.kinds.sizes import Crest, sizes_of_faces
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
+from slopekit.kinds.wedge import limits
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.loads import Hull, Loads, PointForce, block_loads
 from slopekit.preie.system.model import build_model
@@ -131,8 +132,6 @@ def height_of(design: WedgeDesign) -> float:
     """Of the wedge itself: where limits of size make it smaller, less than the slope's."""
     if design.limits is None:
         return design.height_m
-    from slopekit.kinds.wedge import limits
-
     return limits.fitted_height(design)
 
 
@@ -200,6 +199,4 @@ def _geometry(design: WedgeDesign, shape: Shape) -> WedgeGeometry:
 def size_scale(design: WedgeDesign) -> "Mapping[str, Any] | None":
     if design.limits is None:
         return None
-    from slopekit.kinds.wedge import limits
-
     return limits.scaled(design)

@@ -5,7 +5,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
 from slopekit.core.orientation import Plane, parse_plane
@@ -31,9 +31,6 @@ from slopekit.design.reading.nodes import Document, Node, Place, from_python
 from slopekit.design.reading.reader import Reader
 from slopekit.design.reading.structure import check_structure, is_distribution
 from slopekit.design.sections import read_common, read_strength, read_water
-
-if TYPE_CHECKING:
-    pass
 
 _DEPTH_OF_WATER = declare("water", "length", 0.0, code="E118", label="water in the crack")
 #: The paper's wedge (Sheng et al. 2023, Tables 4 and 5): what is left out of a design takes these values.
