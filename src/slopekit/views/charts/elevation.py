@@ -205,28 +205,20 @@ def _in_words(bolts: Sequence[ScheduledBolt], acts: str) -> str:
 
 def _number(figure: Any, axes: Any, heads: Floats, numbers: Ints, order: Sequence[int]) -> int:
     """Write the numbers beside their heads where they cover no other and no head; how many find no room."""
+    size, mark = 8 if len(heads) <= _MANY else 6, 3 * figure.dpi / 72  # points, pixels
     figure.draw_without_rendering()  # the layout settles where heads come to lie
-    points = axes.transData.transform(heads)
-    frame, scale = axes.get_window_extent(), figure.dpi / 72.0
-    mark, size = (2.9 * scale, 8.0) if len(heads) <= _MANY else (2.0 * scale, 6.5)
-    taken = np.concatenate([points - mark, points + mark], axis=1)
-    left = 0
+    places, kept = axes.transData.transform(heads), list[Any]()
     for k in order:
-        half, tall = 0.32 * size * scale * len(str(numbers[k])) + 1.0, 0.5 * size * scale
-        x, y = points[k]
-        for u, v in ((0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (-1, 1), (1, -1), (-1, -1)):
-            a, b = x + u * (half + mark + 1.0), y + v * (tall + mark + 1.0)
-            box = np.array([a - half, b - tall, a + half, b + tall])
-            inside = frame.x0 < box[0] and box[2] < frame.x1 and frame.y0 < box[1] and box[3] < frame.y1
-            if inside and not ((box[:2] < taken[:, 2:]) & (taken[:, :2] < box[2:])).all(axis=1).any():
-                taken = np.concatenate([taken, box[None, :]])
-                at = axes.transData.inverted().transform((a, b))
-                axes.text(*at, str(numbers[k]), fontsize=size, ha="center", va="center", zorder=6, gid="number",
-                          in_layout=False)  # fmt: skip
+        for x, y in ((0, 8), (10, 0), (0, -8), (-10, 0)):
+            text = axes.annotate(str(numbers[k]), heads[k], (x, y), textcoords="offset points", fontsize=size,
+                                 ha="center", va="center", zorder=6, gid="number", in_layout=False)  # fmt: skip
+            box = text.get_window_extent()
+            is_free = not box.count_overlaps(kept) and not box.padded(mark).count_contains(places)
+            if is_free and axes.bbox.containsx(box.x0) and axes.bbox.containsx(box.x1):
+                kept.append(box)
                 break
-        else:
-            left += 1
-    return left
+            text.remove()
+    return len(heads) - len(kept)
 
 
 def _rgb(colour: Colour) -> tuple[float, float, float]:

@@ -267,17 +267,11 @@ class Stage(ExportSource):
 
     def joint_names(self) -> list[str]:
         """Joints as the legend has them: with their orientation where the design gives one."""
-        given: dict[str, Any] = {}
-        joints, sets = self._given("inputs", "joints"), self._given("inputs", "sets")
-        if isinstance(joints, Mapping):
-            given = dict(joints)
-        basal = self._given("inputs", "basal")
-        if isinstance(basal, Mapping):
-            given["basal"] = basal.get("plane")
-        if isinstance(sets, list):
-            given = {part["name"]: part["plane"] for part in sets if isinstance(part, Mapping)}
-        return [f"{name} {given[name]}" if isinstance(given.get(name), str) else name
-                for name in self.scene.shapes.joints]  # fmt: skip
+        from slopekit.views.charts.orientation_charts import orientations_of  # few pictures name joints
+
+        oriented = orientations_of(self.document)
+        planes = {} if oriented is None else oriented.joints
+        return [f"{name} {planes[name]}" if name in planes else name for name in self.scene.shapes.joints]
 
 
 def joint_colour(joint: int) -> tuple[int, int, int]:
