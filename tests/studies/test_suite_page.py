@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.verification_page import page_of
 from slopekit.cli.study_command import _deliver
 from slopekit.studies.suite import Verification, suite
-from slopekit.studies.suite.page import page_of
 from tests.studies.the_suite import the_suite
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -138,7 +138,7 @@ def test_the_table_fits_a_terminal_and_nothing_is_cut(verification) -> None:
     counts = verification.counts
     assert f"{counts['rows']} rows of {counts['cases']} designs: {counts['within']} within" in text
     assert not text.endswith("\n")
-    assert "verification.md says why" in text
+    assert "their JSON says why" in text
     for words in ("failed pairs at 1.33 ", "failed pairs at 1.333 ", "failed pairs at 1.334 ", "P of column 13, kN"):
         assert text.count(words) == 1
     for row in verification.rows:
@@ -157,10 +157,9 @@ def test_the_terminal_shows_what_the_error_is_against(verification) -> None:
 
 
 def test_the_files(tmp_path) -> None:
-    """What the driver writes: the page, the JSON, the sheet, every row as CSV."""
+    """What the driver writes: the JSON, the sheet, every row as CSV."""
     small = suite("6c_footing")
     _deliver(small, tmp_path, None, {"as_json": False, "quiet": True})
-    assert (tmp_path / "verification.md").read_text(encoding="utf-8") == page_of(small)
     assert json.loads((tmp_path / "verification.json").read_text(encoding="utf-8")) == small.to_dict()
     assert (tmp_path / "verification.txt").read_text(encoding="utf-8") == f"{small.sheet.full}\n"
     with (tmp_path / "verification.csv").open(encoding="utf-8") as file:

@@ -148,8 +148,7 @@ def check(
     """Closed form against PRE-IE on a design, speed against error; or the verification suite.
 
     Takes a few seconds for one block, up to minutes for a bench. Exit codes: 0 consistent or nothing independent to
-    judge by, 1 consistent but an acceptance rule is not met, 4 not consistent. With --suite -o DIR writes
-    verification.md besides.
+    judge by, 1 consistent but an acceptance rule is not met, 4 not consistent.
 
     Raises
     ------

@@ -81,12 +81,6 @@ class Verification(StudyOutcome):
     versions: Mapping[str, str]
     seconds: float
 
-    def files(self) -> dict[str, str]:
-        """The page docs/verification.md."""
-        from slopekit.studies.suite.page import page_of
-
-        return {"verification.md": page_of(self)}
-
     @property
     def failed(self) -> tuple[Row, ...]:
         """Rows outside their tolerance, or wrong in another way."""

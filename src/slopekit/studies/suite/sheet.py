@@ -22,7 +22,7 @@ def sheet_of(verification: Verification) -> Sheet:
         Section("OUTSIDE", [f"{row.id}: {row.reason}" for row in verification.failed]),
         Section("COUNTED", [
             line_of(verification), standing(verification).replace("`", ""),
-            "rows with - are not judged, verification.md says why (-o FOLDER)",
+            "rows with - are not judged, their JSON says why (-o FOLDER)",
         ]),
         Section("TIME", [f"{verification.seconds:.1f} s"]),
     ), {"verification.csv": Table(COLUMNS, verification.rows)})  # fmt: skip

@@ -1,14 +1,23 @@
-"""The verification suite as `docs/verification.md`."""
+"""The verification suite as `docs/verification.md`, with its JSON beside it.
 
+    python -m benchmarks.verification_page [FOLDER]
+
+runs the suite (some minutes) and writes both into the folder [docs].
+"""
+
+import json
+import sys
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
+from slopekit.studies.suite import suite
 from slopekit.studies.suite.run import Row, Verification
 from slopekit.studies.suite.sheet import COLUMNS, against, by_source, line_of, standing, value_text
 
 _BED = "bed"  # the source of wedges governed by moments
 _READING = """\
-Made by `slopekit check --suite -o docs`, with every number in `verification.json` beside it; not edited by hand. Run it
-again and only the times and the versions may change: a test holds this page to that.
+Made by `python -m benchmarks.verification_page`, with every number in `verification.json` beside it; not edited by
+hand. Run it again and only the times and the versions may change: a test holds this page to that.
 
 ## How to read it
 
@@ -100,3 +109,15 @@ def _reasons(verification: Verification) -> str:
         f"- {reason}: " + ", ".join(f"`{name}`" for name in dict.fromkeys(names))
         for reason, names in rows_by_reason.items()
     )
+
+
+def main(folder: str = "docs") -> None:
+    """Run the suite and write the page and its JSON."""
+    verification = suite()
+    (Path(folder) / "verification.md").write_text(page_of(verification), encoding="utf-8")
+    document = json.dumps(verification.to_dict(), ensure_ascii=False, indent=1) + "\n"
+    (Path(folder) / "verification.json").write_text(document, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
