@@ -63,9 +63,9 @@ def groups_of(design: Design, opened: Design) -> list[dict[str, Any]]:
     for control in (*_words(design, opened), *_numbers(design, opened, before)):
         by_group.setdefault(control["path"].partition(".")[0], []).append(control)
     names = [*(name for name in _ORDER if name in by_group), *(name for name in by_group if name not in _ORDER)]
-    return [
-        {"name": name, "label": name.replace("_", " "), "controls": _in_order(design, by_group[name])} for name in names
-    ]
+    for controls in by_group.values():  # as the file has them, then words and numbers that are left to a default
+        controls.sort(key=lambda one: (not one["given"], one["path"].count(".") > 0 and not one["given"]))
+    return [{"name": name, "label": name.replace("_", " "), "controls": by_group[name]} for name in names]
 
 
 def values_of(design: Design) -> Mapping[str, Key]:
@@ -256,7 +256,8 @@ def written(design: Design, key: Key | None, path: str, value: float) -> str:
     value = key.reduced(value)
     if key.with_unit:
         return f"{_plain(value)} {key.with_unit}"
-    unit = _unit_as_written(text_at(design.source, path) or "")
+    text = text_at(design.source, path) or ""
+    unit = re.sub(r"^\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*", "", text).strip() if unit_of(text) else ""
     if unit:
         try:
             text = f"{value / quantity(f'1 {unit}', key.kind, path):.12g} {unit}"
@@ -267,10 +268,6 @@ def written(design: Design, key: Key | None, path: str, value: float) -> str:
     field = field_in(type(design), design.source.root, path.removesuffix(".mean"))
     slip = field is not None and field.limits.check is in_degrees and in_degrees(value, path, "", str) is not None
     return f"{_plain(value)} deg" if slip else _plain(value)
-
-
-def _unit_as_written(text: str) -> str:
-    return re.sub(r"^\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*", "", text).strip() if unit_of(text) else ""
 
 
 def _plain(value: float) -> str:
@@ -349,8 +346,3 @@ def _named(node: Node | None, part: str) -> list[tuple[str, Node | None]]:
     if node is None:
         return []
     return list(node.items()) if node.is_mapping else [(str(k), one) for k, one in enumerate(node.elements)]
-
-
-def _in_order(design: Design, controls: list[Control]) -> list[Control]:
-    """As the file has them, then what it leaves to a default; words of a thing beside its numbers."""
-    return sorted(controls, key=lambda one: (not one["given"], one["path"].count(".") > 0 and not one["given"]))

@@ -56,7 +56,8 @@ def command_of(name: str) -> Callable[..., None]:
             for own in _on_command_line(key, parameter, always):
                 declared.setdefault(own.name, own)
     for flag, function in variants.items():
-        declared[flag] = _parameter(flag, bool, typer.Option(f"--{flag}", help=_first_line(function)), False)
+        first_line = (inspect.getdoc(function) or "").partition("\n")[0]
+        declared[flag] = _parameter(flag, bool, typer.Option(f"--{flag}", help=first_line), False)
     options = dict(_OPTIONS) | (results.OPTIONS if name in _RESULTS else {})
     if name not in _RESULTS and not any(map(_draws, functions)):
         del options["picture"]
@@ -125,10 +126,6 @@ def _parameter(name: str, type_: Any, how: Any, default: Any) -> inspect.Paramet
 
 def _flag(key: str, how: Option) -> str:
     return how.flag or "--" + key.replace("_", "-")
-
-
-def _first_line(function: Callable[..., Any]) -> str:
-    return (inspect.getdoc(function) or "").partition("\n")[0]
 
 
 def _help_of(function: Callable[..., Any]) -> str:
@@ -224,7 +221,7 @@ def _deliver(outcome: Shown, folder: Path | None, image: Path | None, given: Map
     say("pictures", head=True)
     for name, part in outcome.parts.items():
         record_of_part = record["cases"][name] if record else {}
-        _draw(part, record_of_part, _below(folder, name), _beside(image, name), given, removed)
+        _draw(part, record_of_part, folder and folder / name, _beside(image, name), given, removed)
     if not outcome.parts:
         _draw(outcome, record, folder, image, given, removed)
 
@@ -250,10 +247,6 @@ def _without_older(outcome: Shown, folder: Path) -> list[Path]:
     if isinstance(outcome, StudyOutcome):
         return results.remove([folder / f"{what}.png" for what in outcome.charts], "pictures")
     return results.remove_older(outcome.to_dict(), folder)
-
-
-def _below(folder: Path | None, name: str) -> Path | None:
-    return None if folder is None else folder / name
 
 
 def _beside(image: Path | None, name: str) -> Path | None:

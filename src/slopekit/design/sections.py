@@ -122,7 +122,8 @@ def read_strength(
     if (node is None or not node.is_mapping) and not listed and not standard:
         return None
     if node is not None and node.is_mapping and node.get("residual") is not None:
-        peak = read_strength(reader, _without(node, "residual"), owner, standard, listed, beside)
+        of_peak = replace(node, value={name: below for name, below in node.items() if name != "residual"})
+        peak = read_strength(reader, of_peak, owner, standard, listed, beside)
         return with_residual(reader, node, owner, peak)
     own = node if node is not None and node.is_mapping and _is_curved(node) else None
     if own is not None:
@@ -149,10 +150,6 @@ def read_strength(
         reader.fault("E115", f"{message} {shown(friction)}°", below)
     straight = None if None in attributes.values() else Strength(**attributes)
     return with_waves(reader, own, owner, straight) if own is not None and straight is not None else straight
-
-
-def _without(node: Node, key: str) -> Node:
-    return replace(node, value={name: below for name, below in node.items() if name != key})
 
 
 def with_residual(reader: Reader, node: Node, owner: str, peak: Strength | None) -> Strength | None:

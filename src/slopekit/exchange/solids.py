@@ -41,17 +41,13 @@ def write_stl(path: Path, source: ExportSource) -> Files:
     return [path], _DIGITS
 
 
-def _rounding(vertices: Floats) -> float:
-    return float(np.abs(vertices - vertices.astype(np.float32)).max(initial=0.0))
-
-
 def write_obj(path: Path, source: ExportSource) -> Files:
     """OBJ: one object a block, its faces by name where they are known."""
     lines = ["# slopekit; metres, x east, y north, z up"]
     at = 1
     solids, fixed = source.scene.shapes.solids, source.scene.shapes.fixed
     for body in block_bodies(source.scene):
-        lines += [f"o {_token(body.name)}", *(f"v {words}" for words in _words(body.vertices))]
+        lines += [f"o {_token(body.name)}", *(f"v {x!r} {y!r} {z!r}" for x, y, z in (body.vertices + 0.0).tolist())]
         unnamed, last = "bedrock" if fixed[body.index] else "moving", None
         faces = solids.face[solids.block == body.index]
         for face, (a, b, c) in zip(faces.tolist(), (body.triangles + at).tolist(), strict=True):
@@ -72,10 +68,6 @@ def stl_name(name: str) -> str:
     'north s_olid 1'
     """
     return _RESERVED.sub(lambda match: f"{match.group()[0]}_{match.group()[1:]}", " ".join(name.split()))
-
-
-def _words(vertices: Floats) -> list[str]:
-    return [f"{x!r} {y!r} {z!r}" for x, y, z in (vertices + 0.0).tolist()]
 
 
 def _token(name: str) -> str:
@@ -109,7 +101,7 @@ def write_glb(path: Path, source: ExportSource) -> Files:
         add(body.name, body.local, body.triangles, body.middle, colour, _of_block(blocks, body.index))
     _add_bolts(blocks, add)
     save_gltf(scene, path)
-    rounding = max(_rounding(body.local) for body in bodies)
+    rounding = max(np.abs(body.local - body.local.astype(np.float32)).max(initial=0.0) for body in bodies)
     said = f"float32 about each block's own origin (rounded by up to {rounding:.2g} m)"
     return [path], f"{said}, origins as doubles in the nodes"
 

@@ -12,7 +12,6 @@ import numpy as np
 from slopekit.core.arrays import Floats, Ints, cross
 
 _ON = 1e-10  # of the size of a block: so far beyond a plane a corner still lies on it
-_PARALLEL = 1e-14  # triple product of unit normals: the planes meet in no point
 
 
 @dataclass(frozen=True)
@@ -89,7 +88,7 @@ def polytopes(outward: Floats, offsets: Floats, size: Floats) -> Polytopes:
     rows = np.arange(len(triples))[:, None]
     beyond[:, rows, triples] = 0.0
     with np.errstate(invalid="ignore"):
-        inside = (beyond <= _ON * size[:, None, None]).all(axis=2) & (np.abs(meet) > _PARALLEL)
+        inside = (beyond <= _ON * size[:, None, None]).all(axis=2) & (meet != 0.0)
     points = np.where(inside[:, :, None], points, 0.0)
     on_plane = [np.flatnonzero((triples == plane).any(axis=1)) for plane in range(planes)]
     candidates = np.stack(on_plane)  # as many triples on every plane

@@ -1,6 +1,6 @@
 """The rank correlation between what scatters, as a design file gives it: `correlation: {J1.phi/J2.phi: 0.8}`."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -78,7 +78,8 @@ def _coordinates(a: str, b: str, names: Mapping[str, Named], where: str, faults:
         faults.append(Fault("E167", message, where, advice))
         return []
     if isinstance(one, str) and isinstance(other, str):
-        if any(isinstance(own.distribution, Fisher) and {one, other} == {*own.angles} for own in _orientations(names)):
+        variables = [own for own in names.values() if isinstance(own, Variable)]
+        if any(isinstance(own.distribution, Fisher) and {one, other} == {*own.angles} for own in variables):
             message = f"{a} and {b} are of one Fisher distribution, which scatters alike to all sides"
             advice = "To correlate them write plane: {dip: {dist: …}, dip_direction: {dist: …}}."
             faults.append(Fault("E167", message, where, advice))
@@ -99,10 +100,6 @@ def _coordinates(a: str, b: str, names: Mapping[str, Named], where: str, faults:
     message = f"{whole} is an orientation, {plain} is not: {a}/{b} does not say which angle"
     faults.append(Fault("E167", message, where, f"Write {choice}."))
     return []
-
-
-def _orientations(names: Mapping[str, Named]) -> Iterable[Variable]:
-    return (own for own in names.values() if isinstance(own, Variable))
 
 
 def _coefficient(node: Node, key: str, faults: Faults) -> float | None:

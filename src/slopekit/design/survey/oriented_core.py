@@ -192,16 +192,13 @@ def _refuse_trend_of_hole(name: str, columns: Mapping[str, SurveyColumn], headin
     """Refuse trend and plunge beside a hole or a depth: they may be those of the hole as well as of poles."""
     if way_of(columns) != ("trend", "plunge") or "hole_trend" in columns or _are_poles(columns):
         return
-    sign = next((heading for heading in headings if _is_of_core(heading)), None)
+    of_core = ("hole", "reference")
+    sign = next((one for one in headings if key_of(one) in of_core or spelled(one) in DEPTHS), None)
     if sign is None:
         return
     message = f"trend and plunge of {name} may be those of the hole (column {sign}) or of poles"
     advice = "Poles are named pole_trend and pole_plunge; core needs alpha, beta and reference (bottom or top) as well."
     raise DesignError([Fault("E191", message, where, advice)])
-
-
-def _is_of_core(heading: str) -> bool:
-    return key_of(heading) in ("hole", "reference") or spelled(heading) in DEPTHS
 
 
 def _rename(columns: dict[str, SurveyColumn], key: str, others: Sequence[str]) -> None:

@@ -134,7 +134,7 @@ class SurveyTable:
         left_out: Sequence[str] = (), read_as: Sequence[str] = (),
     ) -> None:  # fmt: skip
         self.name, self.by_row, self.lines, self.left_out, self.read_as = name, by_row, lines, left_out, read_as
-        self.rows = [row for row, cells in by_row.items() if not _begin(cells).startswith(_COMMENTS)]
+        self.rows = [row for row, cells in by_row.items() if not next(filter(None, cells), "").startswith(_COMMENTS)]
         self.comments = [row for row in by_row if not self.rows or row < self.rows[0]]
 
     def start(self, row: int, blanks: bool = False) -> None:
@@ -147,10 +147,6 @@ class SurveyTable:
     def shown(self, row: int) -> str:
         """The row as the user has it."""
         return self.lines[row - 1] if self.lines else "; ".join(self.cells(row)).rstrip("; ")
-
-
-def _begin(cells: Sequence[str]) -> str:
-    return next((cell for cell in cells if cell), "")
 
 
 class Text(SurveyTable):

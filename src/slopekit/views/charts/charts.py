@@ -85,7 +85,7 @@ def draw_reduction(figure: Any, document: Document) -> None:
     every = document["model"]["node_pairs"]
     axes = figure.subplots()
     right = axes.twinx()
-    moved = [(step["factor"], _size(step["displacement_m"])) for step in series if step["displacement_m"]]
+    moved = [(step["factor"], math.hypot(*step["displacement_m"])) for step in series if step["displacement_m"]]
     if moved:
         in_mm = max(size for _, size in moved) < 1.0
         axes.plot([at for at, _ in moved], [size * (1e3 if in_mm else 1.0) for _, size in moved], color=BLUE,
@@ -124,7 +124,3 @@ def _upright(axes: Any, document: Document) -> None:
         axes.axvline(value, color=DARK, linestyle=style, linewidth=1.3)
         note(axes, f"{name} {value:.4g}", (value, 0.04), (-4 if left else 4, 0), xycoords=("data", "axes fraction"),
              rotation=90, va="bottom", ha="right" if left else "left", fontsize=8.5, color=DARK)  # fmt: skip
-
-
-def _size(vector: Any) -> float:
-    return math.sqrt(sum(part * part for part in vector))

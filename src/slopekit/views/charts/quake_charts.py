@@ -50,10 +50,6 @@ _ROUNDING, _LEAST_DEG = 1e-4, 1e-3  # of the displacement that is none; what the
 _AXES = (("east", BLUE), ("north", GREEN), ("up", ORANGE))
 
 
-def _shown(degrees: float) -> str:
-    return f"{round(degrees, 3) + 0.0:.3f}"
-
-
 def draw_six(figure: Any, document: Mapping[str, Any]) -> None:
     """How far the block goes in six degrees of freedom, its parts, and how it turns."""
     six = document["six_motion"]
@@ -70,7 +66,13 @@ def draw_six(figure: Any, document: Mapping[str, Any]) -> None:
         if parts[name].any():
             middle.plot(t, parts[name], color=colour, linewidth=1.1, label=f"{name} {last:.4g} cm")
         if turned[name].any():
-            below.plot(t, turned[name], color=colour, linewidth=1.1, label=f"about {name} {_shown(turned[name][-1])}°")
+            below.plot(
+                t,
+                turned[name],
+                color=colour,
+                linewidth=1.1,
+                label=f"about {name} {round(turned[name][-1], 3) + 0.0:.3f}°",
+            )
     if max(np.abs(part).max() for part in turned.values()) < _LEAST_DEG:
         below.set_ylim(-_LEAST_DEG, _LEAST_DEG)
     middle.set_ylabel("parts, cm")
