@@ -198,8 +198,7 @@ def _controls(design: Design, name: str, keys: Mapping[str, Key]) -> list[str]:
     if signed := _signs().get(sign):
         strengths = _held(design, rest.partition(" of ")[2])
         places = [f"strength.{own}.{key}" for own in strengths for key in signed]
-        wanted = [place + end for place in places for end in ("", ".mean")]
-        return [path for path in wanted if path in keys]
+        return [path for path in [place + end for place in places for end in ("", ".mean")] if path in keys]
     wanted_ends = next((ends for begin, ends in _GOVERNED if name.startswith(begin)), ())
     return [path for path in keys if path.endswith(wanted_ends) and keys[path].role == "quantity"][:1]
 

@@ -264,8 +264,7 @@ def _analysed(moment: Moment, final: bool) -> tuple[answers.Answer, Result | Non
     try:
         return answers.analysed(moment, final)
     except Exception as error:  # a bug of ours: it is said on the page, and the next value may do
-        fault = bug(error)
-        return answers.faulty(moment, (fault,), final), None
+        return answers.faulty(moment, (bug(error),), final), None
 
 
 def jobs_of(kind: str) -> list[str]:

@@ -48,8 +48,7 @@ def handed(what: str, session: Session, document: Mapping[str, Any] | None) -> F
     if document is None:
         raise DesignError([Fault("E548", "there is no result of this design yet", "", "Analyse it first.")])
     if what == "json":
-        text = json.dumps(document, ensure_ascii=False, indent=1, allow_nan=False)
-        return f"{stem}.json", text.encode()
+        return f"{stem}.json", json.dumps(document, ensure_ascii=False, indent=1, allow_nan=False).encode()
     if what == "dxf":
         return f"{stem}.dxf", _dxf(document, stem)
     from slopekit.views.pages.report import report_of

@@ -298,8 +298,7 @@ class Jobs:
             raise wrong(f"{what!r} is no job: {', '.join(WHAT)}")
         with self.lock:
             if self.running:
-                advice = "Wait for it, or cancel it."
-                raise DesignError([Fault("E544", "another job runs already", "", advice)])
+                raise DesignError([Fault("E544", "another job runs already", "", "Wait for it, or cancel it.")])
             self.number += 1
             self.running = number = self.number
             pipe = self._ready()

@@ -393,8 +393,7 @@ def _asset(name: str) -> Path | None:
     """A file of the page, none but those: names have no folders."""
     if name == "viewer.js":
         return _VIEWER
-    known = {path.name: path for path in _PAGE.iterdir() if path.suffix in _TYPES}
-    return known.get(name)
+    return {path.name: path for path in _PAGE.iterdir() if path.suffix in _TYPES}.get(name)
 
 
 def new_token() -> str:

@@ -90,8 +90,7 @@ def from_json(kind: type[T], value: Mapping[str, Any]) -> T:
         Where the values are not those of such a dataclass.
     """
     hints = get_type_hints(kind)
-    given = {own: _back(hints[own], value[name]) for own, name in _names(kind) if name in value}
-    return kind(**given)
+    return kind(**{own: _back(hints[own], value[name]) for own, name in _names(kind) if name in value})
 
 
 def _back(hint: Any, value: Any) -> Any:

@@ -440,8 +440,7 @@ def _of_a_face(fault: Fault, value: object, name: str) -> Fault:
     overhang = "A slope whose face overhangs is given by meshes, kind: blocks."
     if fault.code == "E103":
         return Fault("E103", fault.message, fault.where, f"Dip comes first: did you mean {Plane(direction, dip)}?")
-    message = f"dip of {name} is {number(dip)}, more than 90: it overhangs"
-    return Fault("E101", message, fault.where, overhang)
+    return Fault("E101", f"dip of {name} is {number(dip)}, more than 90: it overhangs", fault.where, overhang)
 
 
 def opposite(trend_deg: float) -> float:

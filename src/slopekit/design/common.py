@@ -325,8 +325,7 @@ class Design(DesignKeys):
 
     def each_strength(self, change: Callable[[Strength], Strength]) -> Self:
         """The design with every strength changed."""
-        changed = {part.name: _changed(getattr(self, part.name), change) for part in fields(self)}
-        return replace(self, **changed)
+        return replace(self, **{part.name: _changed(getattr(self, part.name), change) for part in fields(self)})
 
     def beside(self) -> dict[str, Any]:
         """What JSON has beside the inputs: whose design it is, its partial factors; nothing without them."""

@@ -340,8 +340,7 @@ def parts_of(record: Any) -> Mapping[str, type]:
 
 def value_of(record: Any, name: str) -> Any:
     """The value of a declared field by its name, of a record or of the part that holds it."""
-    holders = (part for part, of in parts_of(type(record)).items() if name in fields_of(of))
-    part = next(holders, None)
+    part = next((part for part, of in parts_of(type(record)).items() if name in fields_of(of)), None)
     return getattr(record if part is None else getattr(record, part), name)
 
 

@@ -45,5 +45,4 @@ def path_of(name: str) -> Path:
 
 def summary(name: str) -> str:
     """What a template is, from the comment in its first line."""
-    first = path_of(name).read_text(encoding="utf-8").partition("\n")[0]
-    return first.lstrip("# ").strip()
+    return path_of(name).read_text(encoding="utf-8").partition("\n")[0].lstrip("# ").strip()

@@ -151,8 +151,7 @@ class RestSearch:
         stride = math.log(factor / here.factor)
         while here.factor < factor:
             left = math.log(factor / here.factor)
-            target = factor if stride >= left else here.factor * math.exp(stride)
-            trial = self.settled(here, target)
+            trial = self.settled(here, factor if stride >= left else here.factor * math.exp(stride))
             if trial.stands:
                 here, stride = trial, 2.0 * stride
             else:

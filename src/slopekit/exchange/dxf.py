@@ -83,8 +83,7 @@ def _add_bolts(space: Any, bolts: Bolts, layer: str) -> None:
         point.set_xdata("SLOPEKIT", [(1000, f"bolt {number}"), (1070, number), (1040, float(bolts.force_kn[k])),
                                      (1000, acts)])  # fmt: skip
         space.add_line(head, end, dxfattribs=attributes)
-        text = space.add_text(str(number), height=height, dxfattribs=attributes)
-        text.dxf.insert = head
+        space.add_text(str(number), height=height, dxfattribs=attributes).dxf.insert = head
 
 
 def _add_outline(space: Any, body: WrittenBlock, layer: str) -> None:

@@ -112,8 +112,7 @@ def polytopes(outward: Floats, offsets: Floats, size: Floats) -> Polytopes:
 
 def _across(normals: Floats) -> Floats:
     """Return unit vectors in planes with these unit normals (n, p, 3)."""
-    axis = np.eye(3)[np.abs(normals).argmin(axis=2)]
-    way = cross(normals, axis)
+    way = cross(normals, np.eye(3)[np.abs(normals).argmin(axis=2)])
     across: Floats = way / np.sqrt((way * way).sum(axis=2))[..., None]
     return across
 
@@ -128,5 +127,4 @@ def _volumes(faces: Floats, counts: Ints) -> tuple[Floats, Floats]:
     parts = (a * cross(b, c)).sum(axis=3) / 6.0
     volume = parts.sum(axis=(1, 2))
     volume = np.where(volume > 0.0, volume, np.nan)
-    moment = (parts[..., None] * (a + b + c)).sum(axis=(1, 2)) / 4.0
-    return volume, apex + moment / volume[:, None]
+    return volume, apex + ((parts[..., None] * (a + b + c)).sum(axis=(1, 2)) / 4.0) / volume[:, None]

@@ -220,8 +220,7 @@ def _replaced(node: Node, parts: list[str], new: Node | None, place: Place) -> N
             old = entries.get(key)
             entries[key] = new if old is None else replace(new, path=old.path)
     else:
-        path = joined(node.path, key)
-        below = entries.get(key) or Node(None, place, path, place)
+        below = entries.get(key) or Node(None, place, joined(node.path, key), place)
         if new is None and below.value is None:
             return node
         entries[key] = _replaced(below, parts[1:], new, place)

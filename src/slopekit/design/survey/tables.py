@@ -232,8 +232,7 @@ def _workbook(name: str, content: bytes) -> SurveyTable:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of styles and extensions, which hold no joints
-            book = load_workbook(BytesIO(content), read_only=True, data_only=True)
-            sheets = book.worksheets
+            sheets = load_workbook(BytesIO(content), read_only=True, data_only=True).worksheets
             values = [list(row) for row in sheets[0].iter_rows(values_only=True)]
     except _BROKEN:
         fail("E159", f"{name} is no workbook that can be read", name, "Save the sheet as .xlsx again, or as CSV.")

@@ -228,8 +228,7 @@ def _around(face: Ints, count: int) -> tuple[Ints, Ints]:
     first = _first(face, count)
     here = np.arange(len(face))
     before = np.where(here == first[face], first[face + 1] - 1, here - 1)
-    after = np.where(here + 1 == first[face + 1], first[face], here + 1)
-    return before, after
+    return before, np.where(here + 1 == first[face + 1], first[face], here + 1)
 
 
 def _near_next(points: Floats, face: Ints, tolerance: float, count: int) -> Bools:

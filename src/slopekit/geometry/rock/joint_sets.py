@@ -115,8 +115,7 @@ def _planes(
         start += spacing * math.ceil((low - start) / spacing)
     if joint_set.spacing_scatter > 0.0:
         up = _walk(high - start, joint_set, rng)
-        down = _walk(start - low, joint_set, rng)
-        at = np.concatenate([start - down[::-1], [start], start + up])
+        at = np.concatenate([start - _walk(start - low, joint_set, rng)[::-1], [start], start + up])
     else:
         steps = np.arange(math.ceil((low - start) / spacing), math.floor((high - start) / spacing) + 1)
         at = start + spacing * steps

@@ -132,8 +132,7 @@ def _frame(axis: Floats, corners: Floats) -> tuple[Floats, Floats, Floats]:
     across = corners @ np.array([first, second]).T
     low, high = across.min(axis=0), across.max(axis=0)
     centre, half = (low + high) / 2.0, _ROOM * (high - low) / 2.0
-    square = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-    return first, second, centre + square * half
+    return first, second, centre + np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) * half
 
 
 def _crossings(normals: Floats, offsets: Floats, axis: Floats, corners: Floats) -> Floats:

@@ -119,8 +119,7 @@ def traces_of(
     if abs(climb) < SAME_DIRECTION * math.sqrt(float(traces[1] @ traces[1])):
         message = "the trace of J2 on the face runs along the crest and never meets it"
         raise GeometryError([Fault("E206", message)])
-    crest2 = traces[1] * (offset / climb)
-    return line / sine, crest1, crest2, offset
+    return line / sine, crest1, traces[1] * (offset / climb), offset
 
 
 def _into(line: Floats, face: Floats) -> Floats:

@@ -169,8 +169,7 @@ def _merged(root: Ints, volume: Floats, cells: Floats, going: Ints, to: Ints) ->
     host = np.zeros(parts, dtype=np.int64)
     host[part[root[order]]] = order  # the last, the largest of each part, stays
     new_root: Ints = host[part[root]]
-    total = np.bincount(new_root, cells, count)
-    return new_root, np.where(new_root == np.arange(count), total, volume)
+    return new_root, np.where(new_root == np.arange(count), np.bincount(new_root, cells, count), volume)
 
 
 @dataclass(frozen=True)

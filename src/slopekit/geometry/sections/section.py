@@ -99,8 +99,7 @@ def plane_section(
     top = _surface(float(bottom[0]), crest, face, upper)
     span = np.concatenate([span, [[bottom[0], 0.0, top]]])
     block = cut_convex(np.array(below), np.array(offsets), span)
-    side = block.faces[LEFT]
-    outline = side[:, [0, 2]]
+    outline = block.faces[LEFT][:, [0, 2]]
     start = int(np.argmin(np.abs(outline).sum(axis=1)))
     length = math.hypot(float(bottom[0]), float(bottom[2]))
     return PlaneSection(block, frozen(bottom), length, depth, distance, frozen(np.roll(outline, -start, axis=0)))
@@ -113,8 +112,7 @@ def footing_section(dip: float, length: float) -> PlaneSection:
     ----------
     dip : degrees; length : m of the plane
     """
-    height = length * math.sin(math.radians(dip))
-    return plane_section(dip, 90.0, 0.0, height)
+    return plane_section(dip, 90.0, 0.0, length * math.sin(math.radians(dip)))
 
 
 def line_pairs(section: PlaneSection, elements: int) -> NodePairs:

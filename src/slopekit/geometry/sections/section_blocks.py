@@ -422,5 +422,4 @@ def _overlaps(pieces: Floats, counts: Ints, owner: Ints, fixed: Bools, tolerance
     area: Floats = np.bincount(which, areas, minlength=len(pair)).astype(np.float64)
     boundary = np.bincount(which, around, minlength=len(pair))
     depth = area / np.maximum(boundary / 2.0, TINY)
-    pairs = np.stack([pair // len(fixed), pair % len(fixed)], axis=1)
-    return Misfits(pairs, frozen(area), frozen(depth))
+    return Misfits(np.stack([pair // len(fixed), pair % len(fixed)], axis=1), frozen(area), frozen(depth))

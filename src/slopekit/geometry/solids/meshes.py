@@ -326,8 +326,7 @@ def read_mesh(path: Path, name: str, where: str = "", up: str = "") -> tuple[Flo
         raise DesignError([Fault("E172", message, where or name, "Decimate it: the answer does not need them.")])
     _refuse_coarse(path, name, where, vertices)
     mesh = trimesh.Trimesh(vertices, triangles, process=False)
-    closed = bool(mesh.is_watertight and mesh.is_winding_consistent)
-    return vertices, np.ascontiguousarray(triangles), closed
+    return vertices, np.ascontiguousarray(triangles), bool(mesh.is_watertight and mesh.is_winding_consistent)
 
 
 def _refuse_coarse(path: Path, name: str, where: str, vertices: Floats) -> None:

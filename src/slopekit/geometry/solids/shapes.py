@@ -215,8 +215,7 @@ def sheet_solid(vertices: Floats, triangles: Ints, top: float) -> Cutter:
     lid = vertices * [1.0, 1.0, 0.0] + [0.0, 0.0, top]
     edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     keys = edges[:, 0] * count + edges[:, 1]
-    back = edges[:, 1] * count + edges[:, 0]
-    rim = edges[~np.isin(keys, back)]
+    rim = edges[~np.isin(keys, edges[:, 1] * count + edges[:, 0])]
     walls = np.concatenate([
         np.stack([rim[:, 1], rim[:, 0], rim[:, 0] + count], axis=1),
         np.stack([rim[:, 1], rim[:, 0] + count, rim[:, 1] + count], axis=1),

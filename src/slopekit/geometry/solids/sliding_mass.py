@@ -179,8 +179,7 @@ def facet_pairs(mass: SlidingMass, body: Cutter, normals: Normals) -> NodePairs:
     if normals == "facet":
         own = np.tile(-vector_areas / size[:, None], (len(_POINTS), 1))
         return _pairs(points, own, areas)
-    slip = body.triangles[body.on == SLIP]
-    at_vertices = smooth_normals(body.vertices, slip)
+    at_vertices = smooth_normals(body.vertices, body.triangles[body.on == SLIP])
     facet = np.tile(body.triangles[mass.facet[mass.on == SLIP]], (len(_POINTS), 1))
     smooth = np.einsum("nk,nki->ni", _barycentric(points, body.vertices[facet]), at_vertices[facet])
     smooth /= np.sqrt((smooth * smooth).sum(axis=1))[:, None]
@@ -338,8 +337,7 @@ def _rim_strips(mass: SlidingMass, metric: Floats) -> Floats:
     chord = ends.mean(axis=1)
     lifted = chord + _onto(chord, chord * (metric > 0.0), metric)[:, None] * chord * (metric > 0.0)
     across = sides.across[sides.rim]
-    true = chord + _onto(chord, across, metric)[:, None] * across
-    bend = true - lifted
+    bend = (chord + _onto(chord, across, metric)[:, None] * across) - lifted
     run = ends[:, 1] - ends[:, 0]
     sign = np.sign(np.einsum("ni,ni->n", bend, sides.outward[sides.rim]))
     strip = 2.0 / 3.0 * sign * np.sqrt((bend * bend).sum(axis=1) * (run * run).sum(axis=1))

@@ -255,5 +255,4 @@ def _outlines(
 
 def _turns(row: Ints, sine: Floats, product: Floats, groups: int) -> Bools:
     """Whether convex loops go round once: at most three corners of a convex polygon turn by more than 90 degrees."""
-    sharp = np.bincount(row, (product < 0.0) & (sine > 0.0), minlength=groups)
-    return np.asarray(sharp <= 3)
+    return np.asarray(np.bincount(row, (product < 0.0) & (sine > 0.0), minlength=groups) <= 3)

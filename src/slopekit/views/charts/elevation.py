@@ -137,8 +137,7 @@ def _pieces(stage: Stage, own: Bools, kind: Ints, share: float) -> Iterator[_Fla
         return
     _, of = np.unique(np.stack([solids.block[chosen], kind[chosen]], axis=1), axis=0, return_inverse=True)
     of = of.ravel()
-    depth = solids.vertices[solids.triangles[chosen]].mean(axis=1) @ stage.out
-    near = np.bincount(of, depth) / np.bincount(of)
+    near = np.bincount(of, solids.vertices[solids.triangles[chosen]].mean(axis=1) @ stage.out) / np.bincount(of)
     for piece in np.argsort(near, kind="stable").tolist():
         mine = chosen[of == piece]
         triangles = solids.triangles[mine]

@@ -121,8 +121,7 @@ def spheres(centres: Floats, radius: float) -> tuple[Floats, Ints]:
     ball = icosphere(subdivisions=1 if len(centres) <= _MANY else 0)
     count, size = len(centres), len(ball.vertices)
     points = (centres[:, None, :] + radius * ball.vertices).reshape(-1, 3)
-    triangles = (np.arange(count)[:, None, None] * size + ball.faces).reshape(-1, 3)
-    return points, triangles
+    return points, (np.arange(count)[:, None, None] * size + ball.faces).reshape(-1, 3)
 
 
 def arrows(starts: Floats, vectors: Floats, width: float) -> tuple[Floats, Ints]:
