@@ -257,8 +257,7 @@ def _columns(
     points = np.asarray(centre, dtype=np.float64) + np.stack([x, y, z], axis=1) * np.asarray(radii, dtype=np.float64)
     heights = height * radii[2]
     weights = unit_weight * heights * plan_areas
-    under = height_of_ground(ground, x) > -z
     return Columns(
         points, normals, plan_areas, weights, np.zeros_like(weights), heights,
-        float(weights[under].sum() / weights.sum()),
+        float(weights[height_of_ground(ground, x) > -z].sum() / weights.sum()),
     )  # fmt: skip

@@ -280,8 +280,7 @@ class _ColumnRow:
         lower = np.minimum(heights, np.append(0.0, heights[:-1]) - slope.step_m)
         side = slope.friction_angle_deg if slope.side_friction_angle_deg is None else slope.side_friction_angle_deg
         base_tangent, side_tangent = (math.tan(math.radians(angle)) for angle in (slope.friction_angle_deg, side))
-        bond = slope.cohesion_kpa * width
-        strength = base_tangent, side_tangent, bond
+        strength = base_tangent, side_tangent, slope.cohesion_kpa * width
         return cls(heights, width, upper, lower, down, off, moment, *strength, pull, float(at))
 
     def chain(self, factors: Floats) -> tuple[Floats, Floats, Floats]:

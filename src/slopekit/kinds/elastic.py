@@ -150,8 +150,7 @@ def scene_of_one(design: Design, made: Cut) -> ElasticScene:
     turn = made.axes
 
     def limit_without(parted: Bools) -> tuple[float | None, bool]:
-        without = replace(model, cohesion=frozen(model.cohesion * ~parted))
-        return made.limit(without).governing.factor or None, False
+        return made.limit(replace(model, cohesion=frozen(model.cohesion * ~parted))).governing.factor or None, False
 
     called = {interface.key: interface.name for interface in made.interfaces}
     return ElasticScene(
@@ -281,8 +280,7 @@ def _bodies(scene: AssemblyScene) -> Callable[[int], Any]:
             if not is_convex_outline(outline):
                 raise _refuse(f"{name} is not convex")
             return mesh_of(outline, fanned([range(len(outline))]))
-        own = assembly.triangles[assembly.triangle_block == block]
-        points, faces = numbered(assembly.vertices[own])
+        points, faces = numbered(assembly.vertices[assembly.triangles[assembly.triangle_block == block]])
         if not is_convex(points, faces):
             raise _refuse(f"{name} is not convex")
         return mesh_of(points, cells_of(points, np.array(faces)))

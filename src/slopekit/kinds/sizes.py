@@ -32,8 +32,7 @@ def sizes_of_faces(faces: Mapping[str, Floats], joints: Iterable[str], crest: Cr
     faces : (k, 3) polygons by name, among them `face` and `upper slope` where the block reaches them
     joints : names of those whose traces are wanted
     """
-    corners = np.concatenate(list(faces.values()))
-    sizes = extents_of(corners, crest)
+    sizes = extents_of(np.concatenate(list(faces.values())), crest)
     traces = {}
     for name in joints:
         lengths = {

@@ -155,9 +155,8 @@ def read_topple(reader: Reader) -> ToppleDesign:
     by_name = {name: value for name, _, value in pressures(reader, "{base: 5 kPa, sides: 3 kPa}")}
     water = (by_name.get("base", 0.0), by_name.get("sides", 0.0))
     names = dict.fromkeys(column_names(len(heights)), True)
-    shared = common(reader, names, True, _WESTWARD, water)
     return reader.made(
-        ToppleDesign, own, shared, base=base, sides=sides, pressures_kpa=water,
+        ToppleDesign, own, common(reader, names, True, _WESTWARD, water), base=base, sides=sides, pressures_kpa=water,
         surcharges_kpa=tuple(read_surcharges(reader, names)),
     )  # fmt: skip
 
@@ -314,13 +313,12 @@ def why_no_table(design: ToppleDesign) -> str:
 
 def _columns(design: ToppleDesign, table: TopplingTable, ways: dict[str, str]) -> Iterator[Mapping[str, Any]]:
     for k in range(len(table.heights_m)):
-        name = design.block_names[k]
         yield {
             "n": k + 1, "y_m": float(table.heights_m[k]), "M_m": _known(table.upper_contact_m[k]),
             "L_m": _known(table.lower_contact_m[k]), "P_topple_kn": _known(table.topple_force_kn[k]),
             "P_slide_kn": _known(table.slide_force_kn[k]), "P_kn": _known(table.force_kn[k]),
             "R_kn": _known(table.normal_kn[k]), "S_kn": _known(table.shear_kn[k]), "mode": table.modes[k],
-            "mode_preie": ways.get(name, "stable"),
+            "mode_preie": ways.get(design.block_names[k], "stable"),
         }  # fmt: skip
 
 

@@ -95,7 +95,6 @@ def kind_of_one_block(
         found = solve(design, made, clock)
         status = block_status(found, made.joints)
         comparisons = Comparisons(found.analysis.forces_only.factor, {}, governs, without_basal(design))
-        forces = resultant_forces(made, found, water_forces(made.loads, made.faces))
         return result(
             words.of(vars(design)),
             design,
@@ -103,7 +102,7 @@ def kind_of_one_block(
             found,
             status,
             closed,
-            forces,
+            resultant_forces(made, found, water_forces(made.loads, made.faces)),
             clock,
             comparisons,
             tuple(notices(design)),

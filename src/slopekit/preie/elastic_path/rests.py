@@ -81,8 +81,7 @@ def _nearer_rests(bed: Bed, factor: float, near: float) -> Iterator[tuple[Flow, 
             if lagged is not None:
                 yield lagged, trial
                 return
-    strong = 1.0 / (factor * (1.0 - gap))
-    flow = relaxed(bed, bed.elastic_displacement, strong, 1.0, runs_at=RUNS, patience=_TO_REST)
+    flow = relaxed(bed, bed.elastic_displacement, 1.0 / (factor * (1.0 - gap)), 1.0, runs_at=RUNS, patience=_TO_REST)
     stride, moved, width = _CLOSER, np.zeros(bed.size), gap  # `moved` on the way from the gap + `width`
     yield flow, gap
     while flow.ended == "rest" and gap > JUST:

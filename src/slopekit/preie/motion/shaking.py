@@ -123,8 +123,7 @@ def shaken_block(
     mass[model.translations :, model.translations :] = turning
     rows = model.rows * scale
     relative = (rows.reshape(-1, model.unknowns) @ still.displacement).reshape(-1, 3)
-    give = _shear_stiffness(stiffness)
-    slipped = relative[:, 1:] + still.forces[:, 1:] / (give * area[:, None])
+    slipped = relative[:, 1:] + still.forces[:, 1:] / (_shear_stiffness(stiffness) * area[:, None])
     per_area = model.force_scale / area
     after = None if residual is None else (residual[0][model.interface], residual[1][model.interface])
     return ShakenBlock(
@@ -240,8 +239,7 @@ def _step(block: ShakenBlock, state: _Motion, length: float, push: Floats) -> _M
             at = state.at + length * velocity
             relative = (block.rows.reshape(-1, block.unknowns) @ at).reshape(-1, 3)
             memory = relative[:, 1:] + law.tractions[:, 1:] / _shear_stiffness(block.stiffness)
-            slid = state.slid | (law.modes == ContactMode.SLIP)
-            return _Motion(at, velocity, memory, debonded, slid, law)
+            return _Motion(at, velocity, memory, debonded, state.slid | (law.modes == ContactMode.SLIP), law)
         debonded = debonded | broken
     return None
 

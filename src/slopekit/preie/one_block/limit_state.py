@@ -60,8 +60,7 @@ class LimitState:
 
 def elastic_displacement(model: Model) -> Floats:
     """Displacement under the load with every pair bonded, springs of stiffness a in all directions: (u,)."""
-    weighted = np.repeat(model.control_area, 3)[:, None] * model.flat_rows
-    stiffness = model.flat_rows.T @ weighted
+    stiffness = model.flat_rows.T @ (np.repeat(model.control_area, 3)[:, None] * model.flat_rows)
     try:
         return np.asarray(np.linalg.solve(stiffness, model.load), dtype=np.float64)
     except np.linalg.LinAlgError:  # a sheet a thousand million times as long as thick has no stiffness against turning
@@ -144,8 +143,7 @@ def settled_limit_state(
     """
     velocity = velocity / float(np.sqrt(velocity @ velocity))
     slip = model.slip(velocity)
-    total = float(normal_force.sum())
-    closed: Bools = normal_force > CARRIES * total
+    closed: Bools = normal_force > CARRIES * float(normal_force.sum())
     for _ in range(_MOST_CHANGES):
         if not closed.any():
             return None

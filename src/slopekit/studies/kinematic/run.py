@@ -138,8 +138,7 @@ class Kinematic(StudyOutcome):
     def input_hash(self) -> str:
         """SHA-256 of the face, the limits and the joints with their friction angles."""
         face = (self.face.dip_deg, self.face.dip_direction_deg)
-        limits = (self.lateral_deg, self.lateral_toppling_deg)
-        exact = [face, limits, self.joints.rows(), self.friction_deg.tolist()]
+        exact = [face, (self.lateral_deg, self.lateral_toppling_deg), self.joints.rows(), self.friction_deg.tolist()]
         exact += [self.joints.quantities.tolist()] if self.joints.has_quantities else []
         exact += [SEED] if self.is_sample else []
         return digest(exact)

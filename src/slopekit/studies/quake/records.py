@@ -294,8 +294,7 @@ def _at2(name: str, lines: Sequence[str]) -> Record:
     if len(values) != count:
         message = f"NPTS is {count}, {len(values)} values follow"
         raise _refused(name, "E512", message, head + 1, "The file is cut off, or has been edited.")
-    unit = match[1].strip("().").lower()
-    return record_of(name, step * np.arange(count), values, unit)
+    return record_of(name, step * np.arange(count), values, match[1].strip("().").lower())
 
 
 def _value(word: str, name: str, line: int) -> float:

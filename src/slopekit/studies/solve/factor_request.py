@@ -97,9 +97,8 @@ class FactorRequest:
 
     def grid(self, even: int, close: int, each_decade: float) -> list[float]:
         """Values between the two: evenly, closer to the present one, and to a decade."""
-        far = self.key.role == "coordinate"
         return places(self.low, self.high, self.key.value, even=even, close=close, each_decade=each_decade,
-                      around_zero=far)  # fmt: skip
+                      around_zero=self.key.role == "coordinate")  # fmt: skip
 
 
 def runs_of(samples: Samples, kind: Callable[[Sample[Point]], object]) -> Iterator[Samples]:

@@ -33,8 +33,7 @@ def line_of(study: Tornado) -> str:
 
 
 def _now(study: Tornado) -> str:
-    factors = study.base.factors
-    if factors is None:
+    if study.base.factors is None:
         return f"no block: {study.base.code} {study.base.message}"
     shown = [f"{cell(factor_at(study.base, method))} {METHODS[method]}" for method in study.asked]
     return "   ".join([status_words(study.design, status_of(study.base, study.asked[0])), *shown,
