@@ -131,11 +131,10 @@ def toppling_table(slope: ColumnSlope, factor: float = 1.0) -> TopplingTable:
         for t, s, p in zip(topple, slide, force, strict=True)
     )
     upper = np.append(row.upper[:-1], np.nan)
-    needed = max(float(topple[0]), float(slide[0]))
     arrays = (row.heights, upper, row.lower, np.append(np.nan, topple[1:]), slide, force)
     for array in (*arrays, normal, shear, holds):
         array.setflags(write=False)
-    return TopplingTable(*arrays, modes, normal, shear, holds, needed)
+    return TopplingTable(*arrays, modes, normal, shear, holds, max(float(topple[0]), float(slide[0])))
 
 
 def toppling_factor_of_safety(slope: ColumnSlope) -> tuple[float | None, str]:

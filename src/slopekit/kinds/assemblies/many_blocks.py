@@ -442,11 +442,10 @@ def _left_out(
 def _geometry(scene: AssemblyScene) -> AssemblyGeometry:
     assembly = scene.assembly
     patches = assembly.patches
-    free = ~assembly.fixed
     areas = np.bincount(patches.joint, patches.areas, len(scene.joints))
     offset = scene.origin[[0, 2]]
     return AssemblyGeometry(
-        float(assembly.volumes[free].sum()), scene.height_m,
+        float(assembly.volumes[~assembly.fixed].sum()), scene.height_m,
         dict(zip(scene.joints, areas.tolist(), strict=True)), scene.names, tuple(assembly.fixed.tolist()),
         scene.thickness, frozen(assembly.centroids + scene.origin),
         {name: frozen(outline + offset) for name, outline in scene.outlines.items()},

@@ -157,10 +157,9 @@ def _interfaces(part: Part, scene: AssemblyScene) -> tuple[list[GoverningInterfa
 
 def assembly_pair_state(scene: AssemblyScene, parts: Sequence[Part]) -> NodePairState:
     """The node pairs of the parts that were solved, each at the limit of its part."""
-    states = [_of_part(scene, part) for part in parts if len(part.model.control_area)]
     whole, none = np.zeros((0, 3)), np.zeros(0)
     empty = NodePairState(whole, _whole(none), none, whole, _whole(none), _whole(none), none, whole, _whole(none))
-    every = [empty, *states]
+    every = [empty, *[_of_part(scene, part) for part in parts if len(part.model.control_area)]]
     return NodePairState(*(
         np.concatenate([getattr(state, name) for state in every]) for name in NodePairState.__dataclass_fields__
     ))  # fmt: skip

@@ -442,7 +442,6 @@ class Bed:
         if self.dilates:
             dilation = np.where(there.slips, self._dilation(parameter), 0.0)
             pushed = self._pushed(parameter * self.strengths.slopes(there.normal), there)
-            stiff = self.spring + dilation * pushed
             if there.pressed is not None:
                 shared = parameter * self.cohesion * there.pressed.by_strength
                 weaker = weaker + np.where(there.slips, shared, 0.0)
@@ -450,7 +449,7 @@ class Bed:
             steeper = np.where(self.model.tan_dilation > parameter * self.friction, self.friction, 0.0)
             carried = np.sqrt((there.friction * there.friction).sum(axis=1))
             pressed = np.where(there.slips, steeper * (there.slip - carried / self.spring), 0.0)
-            beyond = -(weaker + pushed * pressed) / stiff
+            beyond = -(weaker + pushed * pressed) / (self.spring + dilation * pushed)
             weaker = -self.spring * beyond
             normal = np.where(there.touching, self.area, 0.0) * (dilation * beyond + pressed)[self.group_of_pair]
         changed: Floats = self.columns @ np.concatenate([normal, (-there.direction * weaker[:, None]).ravel()])

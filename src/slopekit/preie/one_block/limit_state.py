@@ -86,9 +86,7 @@ def intact_limit_state(model: Model) -> LimitState | None:
     state = limit_state(
         model, free @ along, pull / strength, closed, ~closed, np.ones(len(closed)), displacement=displacement
     )
-    if state is None or state.reduction <= 0.0 or state.normal_force.min() < 0.0:
-        return None
-    return state
+    return None if state is None or state.reduction <= 0.0 or state.normal_force.min() < 0.0 else state
 
 
 def dilating_limit_state(model: Model, start: LimitState) -> LimitState | None:
@@ -309,6 +307,5 @@ class _Modes:
 
     def hinges_hold(self, forces: Floats, reduction: float) -> bool:
         """Whether no hinge is pushed beyond its strength: one that would slip is none."""
-        shear = np.sqrt((forces[:, 1:] ** 2).sum(axis=1))
         most = line(self.hinge_cohesion, self.model.tan_friction[self.hinges], np.maximum(forces[:, 0], 0.0))
-        return not (shear > reduction * most + EQUILIBRIUM).any()
+        return not (np.sqrt((forces[:, 1:] ** 2).sum(axis=1)) > reduction * most + EQUILIBRIUM).any()

@@ -247,9 +247,7 @@ def read_record(path: str | os.PathLike[str], unit: str | None = None) -> Record
     lines = _text_of(read_bytes(path, _MOST_BYTES), name).splitlines()
     if not any(line.strip() for line in lines):
         raise DesignError([Fault("E512", f"{name} is empty", str(path))])
-    if any(_step_in(line) for line in lines[:8]):
-        return _at2(name, lines)
-    return _columns(name, lines, unit)
+    return _at2(name, lines) if any(_step_in(line) for line in lines[:8]) else _columns(name, lines, unit)
 
 
 def _text_of(content: bytes, name: str) -> str:

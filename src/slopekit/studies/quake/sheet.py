@@ -154,7 +154,6 @@ def _overall(lead: Mapping[str, Any]) -> list[str]:
 def _six(quake: Quake) -> Table[Any]:
     """In six degrees of freedom, beside what sliding one way has."""
     newmark = {one.record.name: (one.as_recorded_m, one.reversed_m) for one in quake.shaken}
-    rows = [(one, newmark[one.record][one.way == "reversed"]) for one in quake.six]
 
     def of(name: str) -> Any:
         return lambda row: getattr(row[0], name)
@@ -172,7 +171,7 @@ def _six(quake: Quake) -> Table[Any]:
         Column("  ended", of("ended"), "ended", width=-1, about="  {}"),
         Column("", of("steps"), "steps"), Column("", of("halved"), "halved"),
     ]  # fmt: skip
-    return Table(columns, rows)
+    return Table(columns, [(one, newmark[one.record][one.way == "reversed"]) for one in quake.six])
 
 
 def _six_notes(quake: Quake) -> list[str]:
