@@ -24,6 +24,14 @@ from slopekit.design.parts import Action, Water
 from slopekit.design.reading.reader import Reader
 from slopekit.design.sections import strength_names
 from slopekit.findings import Mechanism
+from slopekit.geometry.sections.columns import (
+    BASE,
+    RISER,
+    column_assembly,
+    column_outlines,
+    slope_heights,
+    too_many_columns,
+)
 from slopekit.kinds.assemblies.many_blocks import Blocks, kind_of_many_blocks, named_strength
 from slopekit.kinds.assemblies.many_blocks_design import (
     MOST_BLOCKS,
@@ -192,8 +200,6 @@ def _from_slope(reader: Reader, own: Mapping[str, Any]) -> dict[str, Any]:
             return {"base_step_m": None}
     if slope is None or own["slope_height_m"] is None or own["slope_face_deg"] is None or stepped is None:
         return attributes
-    from slopekit.geometry.sections.columns import slope_heights, too_many_columns
-
     upper = own["slope_upper_deg"] or 0.0
     whole = base + math.degrees(math.atan(stepped / width))
     face = own["slope_face_deg"]
@@ -227,8 +233,6 @@ def _crest_x(design: ToppleDesign) -> float | None:
 
 
 def _columns_with_water(design: ToppleDesign) -> AssemblyScene:
-    from slopekit.geometry.sections.columns import BASE, RISER, column_assembly, column_outlines
-
     heights = np.array(design.heights_m)
     assembly = column_assembly(design.dip_deg, design.width_m, heights, design.base_step_m, design.thickness_m)
     outlines, bedrock = column_outlines(design.dip_deg, design.width_m, heights, design.base_step_m)

@@ -5,17 +5,13 @@ from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context
 from functools import partial
 from operator import attrgetter, itemgetter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from slopekit.core.sheet import Column, Entry, Table, factor_text
 from slopekit.design.parts import Rule
 from slopekit.evidence import ReductionStep
 from slopekit.kinds.words import short, size_number
 from slopekit.result import JUDGED, METHODS, STATUSES, Result
-
-if TYPE_CHECKING:
-    pass
-
 
 UPPER_BOUND = "upper bound (associated flow), not for design"
 LOWEST = "lowest estimate, for a joint stiffness ratio of 0.1 to 1 and where joints creep open"

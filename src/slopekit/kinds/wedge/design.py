@@ -5,7 +5,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
 from slopekit.core.orientation import Plane, parse_plane
@@ -31,9 +31,6 @@ from slopekit.design.reading.nodes import Document, Node, Place, from_python
 from slopekit.design.reading.reader import Reader
 from slopekit.design.reading.structure import check_structure, is_distribution
 from slopekit.design.sections import read_common, read_strength, read_water
-
-if TYPE_CHECKING:
-    pass
 
 _DEPTH_OF_WATER = declare("water", "length", 0.0, code="E118", label="water in the crack")
 #: The paper's wedge (Sheng et al. 2023, Tables 4 and 5): what is left out of a design takes these values.
@@ -317,11 +314,6 @@ def _crack(reader: Reader, node: Node) -> Crack | None:
     return None if value is None else reader.kept(crack_of_words, value, str(node.place))
 
 
-def _is_depth(reader: Reader, node: Node) -> bool:
-    """Whether a crack's water is so many metres, by its unit."""
-    return reader.is_sound(node) and is_unit_of(unit_of(reader.value(node)), "length")
-
-
 def crack_of_words(value: object, where: str) -> Crack:
     if isinstance(value, str) and "@" in value:
         plane, _, distance = value.partition("@")
@@ -356,7 +348,7 @@ def _water(reader: Reader, crack: Node | None, order: Sequence[str], joints: int
     water, at = read_water(reader, order, joints)
     if node is None or node.value is None:
         return water
-    if _is_depth(reader, node):
+    if reader.is_sound(node) and is_unit_of(unit_of(reader.value(node)), "length"):
         if water != Water():
             message = f"the crack's water is {node.text}, which wets the joints, and water says another thing"
             reader.fault("E112", message, at, "Keep one of them.")

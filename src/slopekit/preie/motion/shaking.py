@@ -193,7 +193,8 @@ def shake(block: ShakenBlock, step: float, pushes: Floats, advance: Callable[[in
             break
         advance(1)
     quiet, after_it = np.zeros(block.translations), 0
-    while not ended and _speed(block, state) > _AT_REST:
+    rows = block.rows.reshape(-1, block.unknowns)
+    while not ended and float(np.abs(rows @ state.velocity).max()) > _AT_REST:  # m/s, of the fastest node pair
         after_it += 1
         if after_it * step > _MOST_AFTER:
             ended = "moves"
@@ -205,11 +206,6 @@ def shake(block: ShakenBlock, step: float, pushes: Floats, advance: Callable[[in
         opened / whole, float(block.area[state.debonded].sum()) / whole, steps, halved, ended or "rest",
         Work(*(float(part) for part in work)),
     )  # fmt: skip
-
-
-def _speed(block: ShakenBlock, state: _Motion) -> float:
-    """The fastest node pair, m/s."""
-    return float(np.abs(block.rows.reshape(-1, block.unknowns) @ state.velocity).max())
 
 
 def _law(block: ShakenBlock, at: Floats, memory: Floats, debonded: Bools, slid: Bools) -> Tractions:

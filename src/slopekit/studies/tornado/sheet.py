@@ -13,11 +13,12 @@ from slopekit.studies.words import METHODS, cell, check_word, head, status_words
 def sheet_of(study: Tornado) -> Sheet:
     """The sheet of a tornado."""
     moved = [bar for bar in study.bars if bar.swings[study.asked[0]] != 0.0]
+    still = [bar.key.path for bar in study.bars if bar.swings[study.asked[0]] == 0.0]
     return Sheet(head(study.design, "tornado"), (
         Section("RULE", [RULE]),
         Section("NOW", [_now(study)]),
         Section("BARS", [_bars(study, moved) if moved else "no number changes the factor of safety"]),
-        Section("NOTHING", _without_effect(study)),
+        Section("NOTHING", [f"changes nothing: {', '.join(still)}"] if still else []),
         Section("LEFT OUT", _left_out(study)),
         Section("TIME", [f"{study.seconds:.2f} s"]),
         Section("NOTE", [str(notice) for notice in study.warnings]),
@@ -87,12 +88,6 @@ def _swing(swing: float | None) -> str:
     if swing is None:
         return "-"
     return "∞" if math.isinf(swing) else f"{swing:.4f}" if swing < 1e3 else f"{swing:.4g}"
-
-
-def _without_effect(study: Tornado) -> list[str]:
-    first = study.asked[0]
-    names = [bar.key.path for bar in study.bars if bar.swings[first] == 0.0]
-    return [f"changes nothing: {', '.join(names)}"] if names else []
 
 
 def _left_out(study: Tornado) -> list[str]:
