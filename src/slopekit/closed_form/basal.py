@@ -367,8 +367,7 @@ def _solved(columns: Columns, count: int, bolts: Sequence[Bolt]) -> tuple[Codes,
     factor = resisting / driving
     if bolts:
         under_bolts(bed, load, bolts, block.code == 0, slide, factor)
-    still = (outcome == LIFTED) | (outcome == FALLS) | (outcome == STILL)
-    driving = np.where(still, 0.0, driving)
+    driving = np.where((outcome == LIFTED) | (outcome == FALLS) | (outcome == STILL), 0.0, driving)
     outcome = np.where(block.code, block.code, outcome)
     crack = block.areas[_CRACK] if len(block.areas) > _CRACK else 0.0
     return outcome, [factor, *normal, driving, resisting, *block.areas[:3], crack, *pressures, block.volume, weight,

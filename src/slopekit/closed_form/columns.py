@@ -234,9 +234,8 @@ def _columns(
     unit_weight: float, count: int, bulges: bool = True,
 ) -> Columns:  # fmt: skip
     """Columns on slices of radius r (n,) at s (n,), as parts of the radii; `bulges`: the surface narrows along y."""
-    meet = crossings(ground, r)
     start, way = ground[:-1, 0], np.diff(ground[:, 0])
-    x = (start[:, None] + meet * way[:, None]).reshape(len(r), -1)
+    x = (start[:, None] + crossings(ground, r) * way[:, None]).reshape(len(r), -1)
     x = np.concatenate([x, np.tile(ground[:, 0], (len(r), 1))], axis=1) / r[:, None]
     ends = np.sort(np.concatenate([np.arcsin(np.clip(x, -1.0, 1.0)), np.full((len(r), 1), math.pi / 2)], axis=1))
     ends = np.concatenate([np.full((len(r), 1), -math.pi / 2), ends], axis=1)
@@ -257,8 +256,7 @@ def _columns(
     points = np.asarray(centre, dtype=np.float64) + np.stack([x, y, z], axis=1) * np.asarray(radii, dtype=np.float64)
     heights = height * radii[2]
     weights = unit_weight * heights * plan_areas
-    under = height_of_ground(ground, x) > -z
     return Columns(
         points, normals, plan_areas, weights, np.zeros_like(weights), heights,
-        float(weights[under].sum() / weights.sum()),
+        float(weights[height_of_ground(ground, x) > -z].sum() / weights.sum()),
     )  # fmt: skip

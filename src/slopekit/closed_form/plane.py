@@ -202,8 +202,7 @@ def _block(columns: Columns, count: int) -> _PlaneBlock:
             pressure = 0.5 * weighs * deep * (1.0 if "water_in_crack_m" in columns else columns["fill"])
             thrust = pressure * deep
         refuse("E207", ~((depth > 0.0) & (at < 0.0)))
-    weight = columns["unit_weight_kn_m3"] * (0.5 * twice)
-    return _PlaneBlock(code, weight, np.hypot(*end), depth, pressure, thrust)
+    return _PlaneBlock(code, columns["unit_weight_kn_m3"] * (0.5 * twice), np.hypot(*end), depth, pressure, thrust)
 
 
 def _crack(columns: Columns, upper: Value, plane: Value, crest: Value, back: Value) -> tuple[Value, Value]:

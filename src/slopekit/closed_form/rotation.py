@@ -159,9 +159,8 @@ def panels(ends: Floats, count: int) -> tuple[Floats, Floats]:
 
 def _slices(ground: Floats, r: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     """Angle below the ground, area and first moments (x, z) of the part below it, of circles of radius r (n,)."""
-    meet = crossings(ground, r)
     start, way = ground[:-1], np.diff(ground, axis=0)
-    ends = start[:, None, :] + meet[..., None] * way[:, None, :]
+    ends = start[:, None, :] + crossings(ground, r)[..., None] * way[:, None, :]
     x, z = ends[..., 0], ends[..., 1]
     # the ground within the circle, from right to left, then the arcs below the ground: counterclockwise
     area = 0.5 * (x[..., 1] * z[..., 0] - x[..., 0] * z[..., 1])

@@ -131,11 +131,10 @@ def toppling_table(slope: ColumnSlope, factor: float = 1.0) -> TopplingTable:
         for t, s, p in zip(topple, slide, force, strict=True)
     )
     upper = np.append(row.upper[:-1], np.nan)
-    needed = max(float(topple[0]), float(slide[0]))
     arrays = (row.heights, upper, row.lower, np.append(np.nan, topple[1:]), slide, force)
     for array in (*arrays, normal, shear, holds):
         array.setflags(write=False)
-    return TopplingTable(*arrays, modes, normal, shear, holds, needed)
+    return TopplingTable(*arrays, modes, normal, shear, holds, max(float(topple[0]), float(slide[0])))
 
 
 def toppling_factor_of_safety(slope: ColumnSlope) -> tuple[float | None, str]:
@@ -280,8 +279,7 @@ class _ColumnRow:
         lower = np.minimum(heights, np.append(0.0, heights[:-1]) - slope.step_m)
         side = slope.friction_angle_deg if slope.side_friction_angle_deg is None else slope.side_friction_angle_deg
         base_tangent, side_tangent = (math.tan(math.radians(angle)) for angle in (slope.friction_angle_deg, side))
-        bond = slope.cohesion_kpa * width
-        strength = base_tangent, side_tangent, bond
+        strength = base_tangent, side_tangent, slope.cohesion_kpa * width
         return cls(heights, width, upper, lower, down, off, moment, *strength, pull, float(at))
 
     def chain(self, factors: Floats) -> tuple[Floats, Floats, Floats]:

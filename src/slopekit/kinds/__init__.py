@@ -193,9 +193,7 @@ def cut(design: Design) -> Any:
 def words_named(kind: str, inputs: Mapping[str, Any] | None = None) -> Words:
     """What a kind calls things; one that is not known, as documents from elsewhere may have, has its name alone."""
     known = known_kind(kind)
-    if known is None:
-        return Words(kind, "block", "", "", "", {})
-    return known.words.of(inputs or {})
+    return Words(kind, "block", "", "", "", {}) if known is None else known.words.of(inputs or {})
 
 
 def status_text(kind: str, status: str) -> str:

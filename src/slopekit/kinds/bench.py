@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -29,9 +29,6 @@ from slopekit.kinds.sizes import Crest
 from slopekit.kinds.words import BLOCKS_STATUSES, size_number
 from slopekit.preie.many_blocks.ravelling import Failure
 from slopekit.result import Result, Words
-
-if TYPE_CHECKING:
-    from slopekit.geometry.rock.bench import ConvexBody
 
 MOST_SEED = 2**63 - 1
 _SLIVERS = 0.01  # of the rock: pieces that hold more are blocks
@@ -233,16 +230,11 @@ def cut(design: BenchDesign) -> AssemblyScene:
     smaller = f", or a cut.min_volume below {cut.min_volume:.3g} m3" if share > _SLIVERS else ""
     advice = f"Take closer joints or a longer and deeper bench{smaller}."
     if design.water.has_table or design.surcharge_kpa:
-        scene = _with_ground(design, scene, body)
+        from slopekit.kinds.assemblies.table_on_patches import with_surcharge, with_water
+
+        into = -Line(design.face.dip_direction_deg, 0.0).vector()
+        scene = with_surcharge(with_water(design, scene, into, body), design.surcharge_kpa, body)
     return with_loads(design, scene, design.face.dip_direction_deg, advice)
-
-
-def _with_ground(design: BenchDesign, scene: AssemblyScene, body: "ConvexBody") -> AssemblyScene:
-    """The water on contacts and free faces, and the surcharge."""
-    from slopekit.kinds.assemblies.table_on_patches import with_surcharge, with_water
-
-    into = -Line(design.face.dip_direction_deg, 0.0).vector()
-    return with_surcharge(with_water(design, scene, into, body), design.surcharge_kpa, body)
 
 
 def _up_the_face(design: BenchDesign) -> Floats:

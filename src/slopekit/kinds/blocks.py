@@ -480,8 +480,7 @@ def _fit(names: Sequence[str], cut: BlocksCut, along: str, amount: str) -> Itera
         if len(pairs):
             blocks = _some([f"{names[a]}/{names[b]}" for a, b in pairs.tolist()])
             within = f"{1e3 * contact.distance:.3g} mm"
-            text = f"with {times} the contact tolerance ({within}) contacts are {change}: {blocks}"
-            yield Notice("W334", text)
+            yield Notice("W334", f"with {times} the contact tolerance ({within}) contacts are {change}: {blocks}")
     if len(cut.untouching):
         yield Notice("W334", f"blocks that touch no other: {_listed(names, cut.untouching)}")
 

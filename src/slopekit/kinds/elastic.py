@@ -125,11 +125,10 @@ def scene_of_one(design: Design, made: Cut) -> ElasticScene:
     coarse = made.scene_at(0)
     if coarse.bedding is None:
         raise _refuse("the block lies on a curved surface, and is not convex")
-    in_section = coarse.model.translations == 2
     points, faces = numbered(block.faces.values())
     if not is_convex(points, faces):
         raise _refuse("the block is not convex")
-    if in_section:
+    if coarse.model.translations == 2:
         side = next(np.asarray(face) for face in block.faces.values() if np.ptp(np.asarray(face)[:, 1]) < 1e-9)
         outline = side[:, [0, 2]]
         mesh = mesh_of(outline, fanned([range(len(outline))]))
@@ -147,16 +146,14 @@ def scene_of_one(design: Design, made: Cut) -> ElasticScene:
     axes = local_axes(scene.pairs.normals)
     rigid = made.limit(model)
     whole = elastic_model(model, body(elements, scene.pairs.points, axes, model.length_scale))
-    turn = made.axes
 
     def limit_without(parted: Bools) -> tuple[float | None, bool]:
-        without = replace(model, cohesion=frozen(model.cohesion * ~parted))
-        return made.limit(without).governing.factor or None, False
+        return made.limit(replace(model, cohesion=frozen(model.cohesion * ~parted))).governing.factor or None, False
 
     called = {interface.key: interface.name for interface in made.interfaces}
     return ElasticScene(
         whole, elastic_stiffness(design, False), rigid.governing.factor or None, limit_without,
-        [called[key] for key in scene.pairs.interface.tolist()], turn, (), edge,
+        [called[key] for key in scene.pairs.interface.tolist()], made.axes, (), edge,
     )  # fmt: skip
 
 
@@ -281,8 +278,7 @@ def _bodies(scene: AssemblyScene) -> Callable[[int], Any]:
             if not is_convex_outline(outline):
                 raise _refuse(f"{name} is not convex")
             return mesh_of(outline, fanned([range(len(outline))]))
-        own = assembly.triangles[assembly.triangle_block == block]
-        points, faces = numbered(assembly.vertices[own])
+        points, faces = numbered(assembly.vertices[assembly.triangles[assembly.triangle_block == block]])
         if not is_convex(points, faces):
             raise _refuse(f"{name} is not convex")
         return mesh_of(points, cells_of(points, np.array(faces)))
@@ -434,7 +430,6 @@ def _answer(
     both, bonded = [state.opened(model) for state in (rest, rigid)], model.cohesion > 0.0
     opened, rigid_opened = (float(area[open_].sum() / area.sum()) for open_ in both)
     lost, rigid_lost = (float(area[open_ & bonded].sum() / area.sum()) for open_ in both)
-    rigid_moved = _displacements(scene, model.rigid(), rigid)
     bodies = [one for one, *_ in model.blocks]
     degrees = sum(one.degrees for one in bodies) + 3 * len(area) + len(model.load)
     mesh = ElasticMesh(
@@ -443,7 +438,7 @@ def _answer(
     )  # fmt: skip
     return ElasticBlocks(
         limits[0], limits[1], rest.factor, opened, rigid_opened, lost, rigid_lost, joints,
-        frozen(moved[most]), frozen(rigid_moved[most]),
+        frozen(moved[most]), frozen(_displacements(scene, model.rigid(), rigid)[most]),
         scene.names[most] if scene.names else None, modulus, poisson, steps, mesh,
     )  # fmt: skip
 

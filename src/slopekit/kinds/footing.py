@@ -164,8 +164,7 @@ def cut(design: FootingDesign) -> Cut:
     push = PointForce(np.array([0.0, 0.0, -design.load_kn]), np.array([-at, 0.0, section.bottom[2]]))
     plane, (toe, heel) = section.block.faces[J1], design.ends_kpa
     uplift = thrusts({J1: plane}, {J1: [(plane, toe + (heel - toe) * plane[:, 0] / section.bottom[0])]})
-    pushes = {"footing": push} | uplift
-    acting = block_loads(section.block, design.rock.unit_weight_kn_m3, np.zeros(3), pushes=pushes)
+    acting = block_loads(section.block, design.rock.unit_weight_kn_m3, np.zeros(3), pushes={"footing": push} | uplift)
     bed = section_bedding(section, acting, design.strength)
     left_out = ["bedrock (no unknowns)", "deformation of the footing and the rock", "the length of the footing "
                 "(per metre)"]  # fmt: skip

@@ -32,8 +32,6 @@ def sizes_of_faces(faces: Mapping[str, Floats], joints: Iterable[str], crest: Cr
     faces : (k, 3) polygons by name, among them `face` and `upper slope` where the block reaches them
     joints : names of those whose traces are wanted
     """
-    corners = np.concatenate(list(faces.values()))
-    sizes = extents_of(corners, crest)
     traces = {}
     for name in joints:
         lengths = {
@@ -41,7 +39,7 @@ def sizes_of_faces(faces: Mapping[str, Floats], joints: Iterable[str], crest: Cr
             for short, normal in (("face", crest.face), ("upper", crest.upper))
         }
         traces[name] = {short: length for short, length in lengths.items() if length}
-    return replace(sizes, trace_lengths_m=traces)
+    return replace(extents_of(np.concatenate(list(faces.values())), crest), trace_lengths_m=traces)
 
 
 def sizes_of_section(outline: Floats, crest_x: float, lengths: Mapping[str, float]) -> Sizes:

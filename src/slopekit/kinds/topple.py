@@ -24,6 +24,14 @@ from slopekit.design.parts import Action, Water
 from slopekit.design.reading.reader import Reader
 from slopekit.design.sections import strength_names
 from slopekit.findings import Mechanism
+from slopekit.geometry.sections.columns import (
+    BASE,
+    RISER,
+    column_assembly,
+    column_outlines,
+    slope_heights,
+    too_many_columns,
+)
 from slopekit.kinds.assemblies.many_blocks import Blocks, kind_of_many_blocks, named_strength
 from slopekit.kinds.assemblies.many_blocks_design import (
     MOST_BLOCKS,
@@ -155,9 +163,8 @@ def read_topple(reader: Reader) -> ToppleDesign:
     by_name = {name: value for name, _, value in pressures(reader, "{base: 5 kPa, sides: 3 kPa}")}
     water = (by_name.get("base", 0.0), by_name.get("sides", 0.0))
     names = dict.fromkeys(column_names(len(heights)), True)
-    shared = common(reader, names, True, _WESTWARD, water)
     return reader.made(
-        ToppleDesign, own, shared, base=base, sides=sides, pressures_kpa=water,
+        ToppleDesign, own, common(reader, names, True, _WESTWARD, water), base=base, sides=sides, pressures_kpa=water,
         surcharges_kpa=tuple(read_surcharges(reader, names)),
     )  # fmt: skip
 
@@ -193,8 +200,6 @@ def _from_slope(reader: Reader, own: Mapping[str, Any]) -> dict[str, Any]:
             return {"base_step_m": None}
     if slope is None or own["slope_height_m"] is None or own["slope_face_deg"] is None or stepped is None:
         return attributes
-    from slopekit.geometry.sections.columns import slope_heights, too_many_columns
-
     upper = own["slope_upper_deg"] or 0.0
     whole = base + math.degrees(math.atan(stepped / width))
     face = own["slope_face_deg"]
@@ -228,8 +233,6 @@ def _crest_x(design: ToppleDesign) -> float | None:
 
 
 def _columns_with_water(design: ToppleDesign) -> AssemblyScene:
-    from slopekit.geometry.sections.columns import BASE, RISER, column_assembly, column_outlines
-
     heights = np.array(design.heights_m)
     assembly = column_assembly(design.dip_deg, design.width_m, heights, design.base_step_m, design.thickness_m)
     outlines, bedrock = column_outlines(design.dip_deg, design.width_m, heights, design.base_step_m)
@@ -314,13 +317,12 @@ def why_no_table(design: ToppleDesign) -> str:
 
 def _columns(design: ToppleDesign, table: TopplingTable, ways: dict[str, str]) -> Iterator[Mapping[str, Any]]:
     for k in range(len(table.heights_m)):
-        name = design.block_names[k]
         yield {
             "n": k + 1, "y_m": float(table.heights_m[k]), "M_m": _known(table.upper_contact_m[k]),
             "L_m": _known(table.lower_contact_m[k]), "P_topple_kn": _known(table.topple_force_kn[k]),
             "P_slide_kn": _known(table.slide_force_kn[k]), "P_kn": _known(table.force_kn[k]),
             "R_kn": _known(table.normal_kn[k]), "S_kn": _known(table.shear_kn[k]), "mode": table.modes[k],
-            "mode_preie": ways.get(name, "stable"),
+            "mode_preie": ways.get(design.block_names[k], "stable"),
         }  # fmt: skip
 
 

@@ -139,8 +139,7 @@ def _pressures(design: SlopeDesign, slope: LocalSlope) -> Mapping[int, Pieces]:
     elif water.mode == "full":
         by_face = _scaled(slope.full(slope), water.fill)
     if water.crack_fill is not None and slope.crack in faces:
-        in_crack = {slope.crack: slope.full(slope)[slope.crack]}
-        by_face = {**by_face, **_scaled(in_crack, water.crack_fill)}
+        by_face = {**by_face, **_scaled({slope.crack: slope.full(slope)[slope.crack]}, water.crack_fill)}
     return by_face
 
 

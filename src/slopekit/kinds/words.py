@@ -197,14 +197,11 @@ def _further_loads(design: Design, shown: str) -> list[str]:
             continue
         value = getattr(design, name)
         is_there = value not in (None, (), field.default) and bool(value)
-        if is_there and field.key not in shown and field.in_words not in shown and not _is_shown(value, shown):
+        is_shown = isinstance(value, int | float) and size_number(value) in shown
+        if is_there and field.key not in shown and field.in_words not in shown and not is_shown:
             size = f"{value:.6g} {field.unit}".rstrip() if isinstance(value, float) else str(value)
             entries.append(f"{field.in_words.replace('_', ' ')} {size}")
     return entries
-
-
-def _is_shown(value: object, text: str) -> bool:
-    return isinstance(value, int | float) and size_number(value) in text
 
 
 def more_of(rest: int, what: str) -> str:

@@ -129,10 +129,9 @@ class Cases(Shown, Generic[Found]):
             trials = [f"{case.name}, {text}" for case, found in rows for text in getattr(found, "trial_lines", ())]
             sections.append(Section("GOVERNS", [f"{self.governing}: {governing.line}", *trials]))
         else:
-            governs = [] if first.margin is None else [self.governing]
             sections += [
                 Section("EACH", [f"{case.name}: {found.line}" for case, found in rows]),
-                Section("GOVERNS", governs),
+                Section("GOVERNS", [] if first.margin is None else [self.governing]),
             ]
         return Sheet(
             head(self.design, f"{self.what}, {len(rows)} load case{'s' * (len(rows) != 1)}"),

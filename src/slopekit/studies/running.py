@@ -8,6 +8,7 @@ A journal keeps what is done line by line, so that an interrupted study goes on 
 
 import hashlib
 import json
+import multiprocessing
 import os
 import signal
 import threading
@@ -280,8 +281,6 @@ def _executor(crew: Crew) -> Iterator[Executor]:
         if crew.scheduler is not None:
             yield stack.enter_context(_dask(crew.scheduler))
             return
-        import multiprocessing
-
         # spawned: the same on every system, and no threads of ours are copied half-way
         pool = _Pool(crew.jobs, multiprocessing.get_context("spawn"), _quiet_worker)
         try:
@@ -301,7 +300,6 @@ def end_with_parent() -> None:
     A worker waits for tasks on a pipe that it holds open itself: it would wait without end, with its memory and with
     the output of the process that is gone.
     """
-    import multiprocessing
 
     def watch(process: Any) -> None:
         process.join()

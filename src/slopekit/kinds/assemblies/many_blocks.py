@@ -175,8 +175,7 @@ def kind_of_many_blocks(
     def parts(design: A, result: Result) -> tuple[Section, ...]:
         geometry = result.geometry
         assert isinstance(geometry, AssemblyGeometry)
-        table = design.ground_in_words()
-        wet, in_section = [*_water(pressures(design)), *table], geometry.thickness_m is not None
+        wet, in_section = [*_water(pressures(design)), *design.ground_in_words()], geometry.thickness_m is not None
         return (
             slope(design, result),
             _size(result, with_areas(design)),
@@ -324,8 +323,7 @@ def debonding(part: Part, most: int, limit: float) -> tuple[float | None, tuple[
     ----------
     most : of blocks for which it is looked for
     """
-    factors = _debonding_factors(part, most)
-    stable, fails = factors or (None, None)
+    stable, fails = _debonding_factors(part, most) or (None, None)
     if stable is None or fails is None or fails >= limit * (1.0 - _DEBONDING):
         return None, ()
     return stable, tuple(debonding_notices(stable, fails, limit))
@@ -444,11 +442,10 @@ def _left_out(
 def _geometry(scene: AssemblyScene) -> AssemblyGeometry:
     assembly = scene.assembly
     patches = assembly.patches
-    free = ~assembly.fixed
     areas = np.bincount(patches.joint, patches.areas, len(scene.joints))
     offset = scene.origin[[0, 2]]
     return AssemblyGeometry(
-        float(assembly.volumes[free].sum()), scene.height_m,
+        float(assembly.volumes[~assembly.fixed].sum()), scene.height_m,
         dict(zip(scene.joints, areas.tolist(), strict=True)), scene.names, tuple(assembly.fixed.tolist()),
         scene.thickness, frozen(assembly.centroids + scene.origin),
         {name: frozen(outline + offset) for name, outline in scene.outlines.items()},

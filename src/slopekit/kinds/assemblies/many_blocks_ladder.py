@@ -75,8 +75,7 @@ def _rungs(solution: SolvedAssembly) -> Iterator[Rung]:
     """Rungs of the blocks that fail first; those that were held stay so."""
     result, scene, failures = solution.result, solution.scene, solution.ravelling.failures
     if result.agree is not None and result.fos.closed_form is not None:
-        taken = result.timing_s["closed_form"]
-        yield Rung("closed form", "closed form", None, None, result.fos.closed_form, taken)
+        yield Rung("closed form", "closed form", None, None, result.fos.closed_form, result.timing_s["closed_form"])
     if not failures or not failures[0].limit.factor:
         return
     part = failures[0].parts[0]

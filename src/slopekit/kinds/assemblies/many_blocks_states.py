@@ -128,8 +128,7 @@ def _interfaces(part: Part, scene: AssemblyScene) -> tuple[list[GoverningInterfa
     opened, _, size = states_of_part(part)
     carried = line(model.by_group(model.cohesion * limit.bond), model.tan_friction, model.by_group(limit.normal_force))
     carried = np.where(model.bolted, limit.friction[:, 0] * limit.factor, carried)
-    lost = carried * size
-    work = np.bincount(model.group_contact, lost, len(model.plus))
+    work = np.bincount(model.group_contact, carried * size, len(model.plus))
     normal = np.bincount(model.pair_contact, limit.normal_force, len(model.plus)) * model.force_scale
     area = np.bincount(model.pair_contact, model.control_area, len(model.plus)) * model.area_scale
     open_area = np.bincount(model.pair_contact, model.control_area * opened, len(model.plus)) * model.area_scale
@@ -158,10 +157,9 @@ def _interfaces(part: Part, scene: AssemblyScene) -> tuple[list[GoverningInterfa
 
 def assembly_pair_state(scene: AssemblyScene, parts: Sequence[Part]) -> NodePairState:
     """The node pairs of the parts that were solved, each at the limit of its part."""
-    states = [_of_part(scene, part) for part in parts if len(part.model.control_area)]
     whole, none = np.zeros((0, 3)), np.zeros(0)
     empty = NodePairState(whole, _whole(none), none, whole, _whole(none), _whole(none), none, whole, _whole(none))
-    every = [empty, *states]
+    every = [empty, *[_of_part(scene, part) for part in parts if len(part.model.control_area)]]
     return NodePairState(*(
         np.concatenate([getattr(state, name) for state in every]) for name in NodePairState.__dataclass_fields__
     ))  # fmt: skip
@@ -199,8 +197,7 @@ def _rock(scene: AssemblyScene, part: Part, plus: Ints) -> Ints:
     """The held or fixed block on the other side of each contact, -1 for bedrock that is none of the blocks."""
     patches = scene.assembly.patches
     first, second = patches.plus[part.patch], patches.minus[part.patch]
-    own = part.model.moving[plus]
-    return np.where(first == own, second, first)
+    return np.where(first == part.model.moving[plus], second, first)
 
 
 def _whole(values: "Ints | Floats") -> Ints:
@@ -286,8 +283,7 @@ def at_full_strength(design: AssemblyDesign, scene: AssemblyScene, loads: Assemb
         return None
     every = np.zeros((len(assembly), 6))
     every[model.moving[:, None], [0, 2, 4] if assembly.in_section else range(6)] = settled.displacement
-    size = np.sqrt((every[:, :3] ** 2).sum(axis=1))
-    most = int(np.argmax(size))
+    most = int(np.argmax(np.sqrt((every[:, :3] ** 2).sum(axis=1))))
     movement = Movement(frozen(every[most, :3]), frozen(every[most, 3:]))
     return AtFactorOne(movement, settled.failed_pairs, settled.residual, scene.names[most], frozen(every))
 

@@ -6,7 +6,6 @@ the whole of a closed surface with γ_w times what lies under water, upward.
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,13 +14,11 @@ from slopekit.core.errors import Fault, MisfitError, Notice
 from slopekit.core.orientation import number
 from slopekit.geometry.patches import Assembly
 from slopekit.geometry.pressure import Pressure, under_planes
+from slopekit.geometry.rock.bench import ConvexBody
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign, NamedDesign
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene
 from slopekit.kinds.water import pressure_below, refuse_above
 from slopekit.loads import PointForce
-
-if TYPE_CHECKING:
-    from slopekit.geometry.rock.bench import ConvexBody
 
 _NOTHING = 1e-9  # of the water that a block displaces: a push of that size is rounding
 _IN_PLANE = 1e-6  # of the size of a block: its faces nearer than that lie in the upper slope
@@ -30,7 +27,7 @@ _SLOPING = 1e-9  # of an area: a smaller plan is that of an upright face
 
 
 def with_water(
-    design: AssemblyDesign, scene: AssemblyScene, into: Floats, outside: "ConvexBody | None" = None
+    design: AssemblyDesign, scene: AssemblyScene, into: Floats, outside: ConvexBody | None = None
 ) -> AssemblyScene:
     """The scene with the water of a table and a pond on its contacts and free faces, where the design has them.
 
@@ -196,7 +193,7 @@ def _on_free_faces(pond: Pressure, scene: AssemblyScene) -> Iterator[tuple[int, 
             yield block, PointForce(force, None, couple)
 
 
-def with_surcharge(scene: AssemblyScene, pressure_kpa: float | None, outside: "ConvexBody") -> AssemblyScene:
+def with_surcharge(scene: AssemblyScene, pressure_kpa: float | None, outside: ConvexBody) -> AssemblyScene:
     """The scene with a surcharge on what of its blocks lies in the upper slope."""
     if not pressure_kpa:
         return scene

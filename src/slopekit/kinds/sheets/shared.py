@@ -5,17 +5,13 @@ from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context
 from functools import partial
 from operator import attrgetter, itemgetter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from slopekit.core.sheet import Column, Entry, Table, factor_text
 from slopekit.design.parts import Rule
 from slopekit.evidence import ReductionStep
 from slopekit.kinds.words import short, size_number
 from slopekit.result import JUDGED, METHODS, STATUSES, Result
-
-if TYPE_CHECKING:
-    pass
-
 
 UPPER_BOUND = "upper bound (associated flow), not for design"
 LOWEST = "lowest estimate, for a joint stiffness ratio of 0.1 to 1 and where joints creep open"
@@ -209,14 +205,13 @@ def all_pairs(result: Result) -> list[Entry]:
     if result.fos.all_pairs_failed is None:
         return ["not found: the search met no factor with equilibrium on sticking pairs"]
     how = "equilibrium lost there" if pairs.lost_equilibrium else "still in equilibrium there"
-    trials = sorted(pairs.history)
     columns: list[Column[tuple[float, int]]] = [
         Column("factor", itemgetter(0), "factor", show=".5f", width=9),
         Column(f"failed pairs of {result.model.node_pairs}", itemgetter(1), "failed_pairs", width=26),
     ]
     return [
         f"bracket {low:.5f} to {high:.5f} ({how}); {result.design.stiffness.in_words()}",
-        Table(columns, trials, ends=(_FEW_TRIALS, _FEW_TRIALS), rest="..."),
+        Table(columns, sorted(pairs.history), ends=(_FEW_TRIALS, _FEW_TRIALS), rest="..."),
     ]
 
 

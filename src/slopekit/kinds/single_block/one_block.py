@@ -93,17 +93,15 @@ def kind_of_one_block(
         with clock("governs"):
             governs = tuple((name, *after(other)) for name, other in changes(design))
         found = solve(design, made, clock)
-        status = block_status(found, made.joints)
         comparisons = Comparisons(found.analysis.forces_only.factor, {}, governs, without_basal(design))
-        forces = resultant_forces(made, found, water_forces(made.loads, made.faces))
         return result(
             words.of(vars(design)),
             design,
             made,
             found,
-            status,
+            block_status(found, made.joints),
             closed,
-            forces,
+            resultant_forces(made, found, water_forces(made.loads, made.faces)),
             clock,
             comparisons,
             tuple(notices(design)),

@@ -112,8 +112,7 @@ def arrows(
         if pulls is None:
             acting[first + k] = (f"{name}, full capacity", capacity, at)
         else:
-            unit = capacity / math.sqrt(float(capacity @ capacity))
-            acting[first + k] = (name, pulls[k] * unit, at)
+            acting[first + k] = (name, pulls[k] * (capacity / math.sqrt(float(capacity @ capacity))), at)
     count = len(acting)
     return Arrows(
         tuple(name for name, _, _ in acting), np.arange(count), np.zeros(count, dtype=np.int64),

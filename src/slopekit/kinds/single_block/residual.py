@@ -13,8 +13,7 @@ _SAME = 1e-9
 
 def with_residual(kind: "Kind[Design]", result: Result) -> Result:
     """The result with its factors on residual strength, where some of its strengths have one."""
-    design = result.design
-    factors = kind.factors(replace(design.at_residual(), rules=()))
+    factors = kind.factors(replace(result.design.at_residual(), rules=()))
     left = ResidualFactors(factors.status, factors.limit, factors.closed_form, factors.difference, factors.agree)
     held = replace(result, comparisons=replace(result.comparisons, residual=left))
     return replace(held, warnings=(*held.warnings, *_notices(held, left, factors)))

@@ -152,8 +152,7 @@ def along_x(profile: Points) -> Points:
 
 def overhangs(profile: Points) -> bool:
     """Whether the ground lies over itself somewhere."""
-    along = along_x(profile)
-    return any(after[0] < before[0] for before, after in pairwise(along))
+    return any(after[0] < before[0] for before, after in pairwise(along_x(profile)))
 
 
 def read_surface(reader: Reader) -> SurfaceDesign:
@@ -223,8 +222,7 @@ def _slip(reader: Reader, node: Node | None, mesh: MeshFile | None) -> Slip | No
     """The slip surface; E170 an unknown shape, E116 what its size says."""
     if node is None or not node.is_mapping:
         return None
-    own = fields_of(Slip)
-    edge = reader.field(own["edge_m"], node.get("edge"))
+    edge = reader.field(fields_of(Slip)["edge_m"], node.get("edge"))
     is_mesh = node.get("mesh") is not None
     shape = _word(node, "shape", "mesh" if is_mesh else "")
     normals = _word(node, "normals", "smoothed" if is_mesh else "true")

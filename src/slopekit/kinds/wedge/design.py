@@ -314,11 +314,6 @@ def _crack(reader: Reader, node: Node) -> Crack | None:
     return None if value is None else reader.kept(crack_of_words, value, str(node.place))
 
 
-def _is_depth(reader: Reader, node: Node) -> bool:
-    """Whether a crack's water is so many metres, by its unit."""
-    return reader.is_sound(node) and is_unit_of(unit_of(reader.value(node)), "length")
-
-
 def crack_of_words(value: object, where: str) -> Crack:
     if isinstance(value, str) and "@" in value:
         plane, _, distance = value.partition("@")
@@ -353,7 +348,7 @@ def _water(reader: Reader, crack: Node | None, order: Sequence[str], joints: int
     water, at = read_water(reader, order, joints)
     if node is None or node.value is None:
         return water
-    if _is_depth(reader, node):
+    if reader.is_sound(node) and is_unit_of(unit_of(reader.value(node)), "length"):
         if water != Water():
             message = f"the crack's water is {node.text}, which wets the joints, and water says another thing"
             reader.fault("E112", message, at, "Keep one of them.")

@@ -99,8 +99,7 @@ class Bed:
             given = self.area, self.spring, self._bonds, self.friction, self.bolted, held
             self._law = self._kernels.law(self._pattern.contacts, *given)
         every = np.ones(self.pairs, dtype=bool)
-        sticking = self.spring[:, None, None] * np.eye(self.tangents)
-        self.elastic = self._local(every, sticking)
+        self.elastic = self._local(every, self.spring[:, None, None] * np.eye(self.tangents))
         self.evaluations = self.factorisations = 0
         self.load_size = float(np.abs(drive.load).max())
         own = np.sqrt((drive.load.reshape(model.load.shape) ** 2).sum(axis=1))
@@ -262,8 +261,7 @@ class Bed:
         pressed = self.pressed_share(at, reduction)
         cohesion = self._cohesion_of(pressed)
         if self.bolted is not None:
-            slack = self.bolted & (direction[:, 0] > 0.0)
-            cohesion = np.where(slack, 0.0, cohesion)
+            cohesion = np.where(self.bolted & (direction[:, 0] > 0.0), 0.0, cohesion)
         strength = self.strengths.at(normal, cohesion)
         allowed = reduction * strength
         if modes is None:
@@ -376,8 +374,7 @@ class Bed:
             sideways[there.slips] = 0.0
         e = there.direction
         tangent = sideways[:, None, None] * np.eye(self.tangents)
-        along = np.where(there.slips, sideways, 0.0)
-        tangent -= along[:, None, None] * e[:, :, None] * e[:, None, :]
+        tangent -= np.where(there.slips, sideways, 0.0)[:, None, None] * e[:, :, None] * e[:, None, :]
         local = self._local(there.touching, tangent)
         if there.slips.any():
             reduction, _ = self.drive.at(parameter)
@@ -445,7 +442,6 @@ class Bed:
         if self.dilates:
             dilation = np.where(there.slips, self._dilation(parameter), 0.0)
             pushed = self._pushed(parameter * self.strengths.slopes(there.normal), there)
-            stiff = self.spring + dilation * pushed
             if there.pressed is not None:
                 shared = parameter * self.cohesion * there.pressed.by_strength
                 weaker = weaker + np.where(there.slips, shared, 0.0)
@@ -453,7 +449,7 @@ class Bed:
             steeper = np.where(self.model.tan_dilation > parameter * self.friction, self.friction, 0.0)
             carried = np.sqrt((there.friction * there.friction).sum(axis=1))
             pressed = np.where(there.slips, steeper * (there.slip - carried / self.spring), 0.0)
-            beyond = -(weaker + pushed * pressed) / stiff
+            beyond = -(weaker + pushed * pressed) / (self.spring + dilation * pushed)
             weaker = -self.spring * beyond
             normal = np.where(there.touching, self.area, 0.0) * (dilation * beyond + pressed)[self.group_of_pair]
         changed: Floats = self.columns @ np.concatenate([normal, (-there.direction * weaker[:, None]).ravel()])

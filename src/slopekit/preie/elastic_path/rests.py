@@ -81,8 +81,7 @@ def _nearer_rests(bed: Bed, factor: float, near: float) -> Iterator[tuple[Flow, 
             if lagged is not None:
                 yield lagged, trial
                 return
-    strong = 1.0 / (factor * (1.0 - gap))
-    flow = relaxed(bed, bed.elastic_displacement, strong, 1.0, runs_at=RUNS, patience=_TO_REST)
+    flow = relaxed(bed, bed.elastic_displacement, 1.0 / (factor * (1.0 - gap)), 1.0, runs_at=RUNS, patience=_TO_REST)
     stride, moved, width = _CLOSER, np.zeros(bed.size), gap  # `moved` on the way from the gap + `width`
     yield flow, gap
     while flow.ended == "rest" and gap > JUST:
@@ -90,7 +89,8 @@ def _nearer_rests(bed: Bed, factor: float, near: float) -> Iterator[tuple[Flow, 
         parameter, ahead = 1.0 / (factor * (1.0 - trial)), flow.at + (gap - trial) / width * moved
         step = stepped(bed, ahead, ahead, parameter, 0.0)
         ahead_of_it = Flow(step.at, step.forces, "rest", flow.at, 0.0)
-        if not (step.settled and _near(bed, flow, ahead_of_it)):
+        # Newton's method may have jumped to another rest far away
+        if not (step.settled and abs(float(bed.working @ step.at)) < _FAR * abs(float(bed.working @ flow.at))):
             if stride < _CLOSE_BY:
                 stride = math.sqrt(stride)
                 continue
@@ -100,11 +100,6 @@ def _nearer_rests(bed: Bed, factor: float, near: float) -> Iterator[tuple[Flow, 
         moved, width = ahead_of_it.at - flow.at, gap - trial
         flow, gap, stride = ahead_of_it, trial, max(stride * stride, _CLOSER)
         yield flow, gap
-
-
-def _near(bed: Bed, flow: Flow, other: Flow) -> bool:
-    """Whether another rest is none far away, where Newton's method has jumped to."""
-    return abs(float(bed.working @ other.at)) < _FAR * abs(float(bed.working @ flow.at))
 
 
 def at_their_limit(bed: Bed, flow: Flow, limit: PathLimit) -> bool:

@@ -243,10 +243,6 @@ class RoundedPath:
             at = self._moved(at, change.plus(tangent, turn), product)
         return None
 
-    def _unbalanced(self, residual: _Residual) -> float:
-        """In parts of each block's own load."""
-        return float((np.abs(residual.balance) / self._own).max())
-
     def _inner(self, one: _CurvePoint, other: _CurvePoint, at: _CurvePoint) -> float:
         """Product of two changes, forces, velocities and λ in parts of what they are."""
         forces = float(at.normal @ at.normal) + float((at.friction * at.friction).sum())
@@ -307,7 +303,7 @@ class RoundedPath:
         return (
             products < _CENTRED * product
             and float(across.max()) < _CENTRED
-            and self._unbalanced(residual) < EACH_BALANCED
+            and float((np.abs(residual.balance) / self._own).max()) < EACH_BALANCED
         )
 
     def _tangent(self, at: _CurvePoint, solve: _Solver, work: float, rounding: float, grows: bool) -> _CurvePoint:

@@ -72,8 +72,7 @@ def _far(bed: Bed, step: NewtonStep) -> PathLimit | None:
 
     λ goes like the limit plus a part of 1 / work, as long as the same joints touch.
     """
-    working = bed.working
-    work, ratio, fails, last = float(working @ step.at), 3.0, 0, math.nan
+    work, ratio, fails, last = float(bed.working @ step.at), 3.0, 0, math.nan
     motion = bed.onward(step)
     while True:
         more = work * (ratio - 1.0)

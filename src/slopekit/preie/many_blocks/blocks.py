@@ -158,9 +158,8 @@ def with_range(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | No
         return replace(limit, lowest=limit.lowest if has_crept else None, highest=None)
     low, high = span
     top = limit.static_bound if high is None else min(high, limit.static_bound or high)
-    reached = limit.highest or factor
     lowest = min(low or 0.0, factor, limit.lowest or factor)
-    return replace(limit, lowest=lowest, highest=None if top is None else max(top, reached))
+    return replace(limit, lowest=lowest, highest=None if top is None else max(top, limit.highest or factor))
 
 
 def _span(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | None) -> Span | None:

@@ -120,8 +120,7 @@ class Groups:
     def _first(self) -> Ints:
         """Return the single block to begin with: bolts hold what would slide out without them."""
         bolts = self.scene.loads.bolts
-        bolted = np.isin(self.sliders, np.append(bolts.head, bolts.toe))
-        return self.sliders[np.argsort(bolted, kind="stable")][:1]
+        return self.sliders[np.argsort(np.isin(self.sliders, np.append(bolts.head, bolts.toe)), kind="stable")][:1]
 
     def _of_group(self, group: Ints) -> Solution | None:
         """Return the limit of a group with all others held."""
@@ -162,8 +161,7 @@ class Groups:
 
     def _movers(self, motion: Floats) -> Ints:
         """Return the blocks that move in a motion (N,) of all."""
-        moved = motion.reshape(self.model.load.shape)
-        speed = np.sqrt((moved[:, :3] ** 2).sum(axis=1))
+        speed = np.sqrt((motion.reshape(self.model.load.shape)[:, :3] ** 2).sum(axis=1))
         movers: Ints = self.model.moving[speed > FLOWS * float(speed.max())]
         return movers
 

@@ -199,10 +199,9 @@ def _modes(bed: Bed, v: Floats, limit: BlocksLimit, still: float, used_up: bool)
     full = carried >= bed.drive.strength * line(bed.cohesion, bed.friction, summed) * (1.0 - still)
     along = np.where(moves[:, None], slip, -friction)
     direction = along / np.maximum(np.sqrt((along * along).sum(axis=1)), TINY)[:, None]
-    nothing = np.zeros((bed.groups, bed.tangents))
     return BedForces(
         normal,
-        nothing,
+        np.zeros((bed.groups, bed.tangents)),
         np.zeros(bed.groups),
         touching,
         moves | (full & used_up),

@@ -123,8 +123,7 @@ def shaken_block(
     mass[model.translations :, model.translations :] = turning
     rows = model.rows * scale
     relative = (rows.reshape(-1, model.unknowns) @ still.displacement).reshape(-1, 3)
-    give = _shear_stiffness(stiffness)
-    slipped = relative[:, 1:] + still.forces[:, 1:] / (give * area[:, None])
+    slipped = relative[:, 1:] + still.forces[:, 1:] / (_shear_stiffness(stiffness) * area[:, None])
     per_area = model.force_scale / area
     after = None if residual is None else (residual[0][model.interface], residual[1][model.interface])
     return ShakenBlock(
@@ -194,7 +193,8 @@ def shake(block: ShakenBlock, step: float, pushes: Floats, advance: Callable[[in
             break
         advance(1)
     quiet, after_it = np.zeros(block.translations), 0
-    while not ended and _speed(block, state) > _AT_REST:
+    rows = block.rows.reshape(-1, block.unknowns)
+    while not ended and float(np.abs(rows @ state.velocity).max()) > _AT_REST:  # m/s, of the fastest node pair
         after_it += 1
         if after_it * step > _MOST_AFTER:
             ended = "moves"
@@ -206,11 +206,6 @@ def shake(block: ShakenBlock, step: float, pushes: Floats, advance: Callable[[in
         opened / whole, float(block.area[state.debonded].sum()) / whole, steps, halved, ended or "rest",
         Work(*(float(part) for part in work)),
     )  # fmt: skip
-
-
-def _speed(block: ShakenBlock, state: _Motion) -> float:
-    """The fastest node pair, m/s."""
-    return float(np.abs(block.rows.reshape(-1, block.unknowns) @ state.velocity).max())
 
 
 def _law(block: ShakenBlock, at: Floats, memory: Floats, debonded: Bools, slid: Bools) -> Tractions:
@@ -240,8 +235,7 @@ def _step(block: ShakenBlock, state: _Motion, length: float, push: Floats) -> _M
             at = state.at + length * velocity
             relative = (block.rows.reshape(-1, block.unknowns) @ at).reshape(-1, 3)
             memory = relative[:, 1:] + law.tractions[:, 1:] / _shear_stiffness(block.stiffness)
-            slid = state.slid | (law.modes == ContactMode.SLIP)
-            return _Motion(at, velocity, memory, debonded, slid, law)
+            return _Motion(at, velocity, memory, debonded, state.slid | (law.modes == ContactMode.SLIP), law)
         debonded = debonded | broken
     return None
 

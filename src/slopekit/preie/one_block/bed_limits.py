@@ -341,8 +341,7 @@ class _Limits:
         path = self.coarse.follow(blocks, u, reduction, elastic, ends)
         lost = np.flatnonzero(path.outcome == PathEnd.CORNER)
         if len(lost):
-            again = self.finer[0].follow(blocks[lost], u[lost], reduction[lost], elastic[lost], ends[lost])
-            path.go_on(lost, again)
+            path.go_on(lost, self.finer[0].follow(blocks[lost], u[lost], reduction[lost], elastic[lost], ends[lost]))
         for _ in range(_MOST_LOWERED):
             lost = np.flatnonzero(path.outcome >= PathEnd.BACK)
             turns = lost[path.turns[lost]]

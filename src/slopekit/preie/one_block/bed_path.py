@@ -253,8 +253,7 @@ class BedPath:
         stiffness, rows = self.springs.beds.stiffness[blocks], np.arange(len(blocks))
         far = _FLOWS * np.maximum(self.springs.beds.first[blocks], lengths(start))
         for _ in range(_MOST_FLOW):
-            drag = slow[rows, None, None] * stiffness[rows]
-            step = self.rests(blocks[rows], u[rows], reduction[rows], drag=drag)
+            step = self.rests(blocks[rows], u[rows], reduction[rows], drag=slow[rows, None, None] * stiffness[rows])
             moves = rows[step.settled]
             moved = step.x[step.settled, :-1] - u[moves]
             u[moves] += moved
@@ -340,8 +339,7 @@ class BedPath:
     def _step(self, blocks: Ints, at: Paths, elastic: Floats, ends: Floats) -> None:
         """Take one step along each path, or shorten it."""
         along, tangent, before, here = at.length, at.tangent, at.point, lengths(at.point[:, :-1])
-        goal = on_scale(before, 1.0 / here) + along[:, None] * tangent
-        found = self.on_planes(blocks, tangent, here, goal)
+        found = self.on_planes(blocks, tangent, here, on_scale(before, 1.0 / here) + along[:, None] * tangent)
         after, cosine = found.tangent, dots(found.tangent, tangent)
         after[np.abs(after[:, -1]) < ROUNDING, -1] = -ROUNDING  # level, not turned
         before_slope, slope, change = tangent[:, -1], after[:, -1], found.x[:, -1] - before[:, -1]

@@ -309,6 +309,5 @@ def _first_loss(
 
 def stands_without_strength(model: Model) -> bool:
     """Whether pushes on the joints alone balance the forces and the moments."""
-    count = len(model.control_area)
-    _, rest = bounded_least_squares(model.normal_rows.T, -model.load, np.full(count, np.inf))
+    _, rest = bounded_least_squares(model.normal_rows.T, -model.load, np.full(len(model.control_area), np.inf))
     return float(np.abs(rest).max()) < NO_FORCE

@@ -60,8 +60,7 @@ class LimitState:
 
 def elastic_displacement(model: Model) -> Floats:
     """Displacement under the load with every pair bonded, springs of stiffness a in all directions: (u,)."""
-    weighted = np.repeat(model.control_area, 3)[:, None] * model.flat_rows
-    stiffness = model.flat_rows.T @ weighted
+    stiffness = model.flat_rows.T @ (np.repeat(model.control_area, 3)[:, None] * model.flat_rows)
     try:
         return np.asarray(np.linalg.solve(stiffness, model.load), dtype=np.float64)
     except np.linalg.LinAlgError:  # a sheet a thousand million times as long as thick has no stiffness against turning
@@ -87,9 +86,7 @@ def intact_limit_state(model: Model) -> LimitState | None:
     state = limit_state(
         model, free @ along, pull / strength, closed, ~closed, np.ones(len(closed)), displacement=displacement
     )
-    if state is None or state.reduction <= 0.0 or state.normal_force.min() < 0.0:
-        return None
-    return state
+    return None if state is None or state.reduction <= 0.0 or state.normal_force.min() < 0.0 else state
 
 
 def dilating_limit_state(model: Model, start: LimitState) -> LimitState | None:
@@ -144,8 +141,7 @@ def settled_limit_state(
     """
     velocity = velocity / float(np.sqrt(velocity @ velocity))
     slip = model.slip(velocity)
-    total = float(normal_force.sum())
-    closed: Bools = normal_force > CARRIES * total
+    closed: Bools = normal_force > CARRIES * float(normal_force.sum())
     for _ in range(_MOST_CHANGES):
         if not closed.any():
             return None
@@ -311,6 +307,5 @@ class _Modes:
 
     def hinges_hold(self, forces: Floats, reduction: float) -> bool:
         """Whether no hinge is pushed beyond its strength: one that would slip is none."""
-        shear = np.sqrt((forces[:, 1:] ** 2).sum(axis=1))
         most = line(self.hinge_cohesion, self.model.tan_friction[self.hinges], np.maximum(forces[:, 0], 0.0))
-        return not (shear > reduction * most + EQUILIBRIUM).any()
+        return not (np.sqrt((forces[:, 1:] ** 2).sum(axis=1)) > reduction * most + EQUILIBRIUM).any()

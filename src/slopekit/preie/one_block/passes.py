@@ -161,10 +161,9 @@ def _next_weight(weight: float, last: Floats, excess: Floats, calm: int) -> floa
 
 
 def exact_limit(state: LimitState, bond: Floats, passes: int) -> Limit:
-    factor = 1.0 / state.reduction
     normal = np.maximum(state.normal_force, 0.0)
     return Limit(
-        Outcome.SLIDES, factor, state.velocity, normal, bond, passes, 0.0, state.forces[:, 1:],
+        Outcome.SLIDES, 1.0 / state.reduction, state.velocity, normal, bond, passes, 0.0, state.forces[:, 1:],
         state.pulls,
     )  # fmt: skip
 

@@ -54,8 +54,7 @@ def slippable(pairs: NodePairs, centroid: Floats, load: Floats) -> Slippage:
         [np.broadcast_to(np.eye(3), (len(arms), 3, 3)), np.cross(arms[:, None, :], np.eye(3)[None])], axis=2
     )
     opening = (normal_rows.T * weight) @ normal_rows
-    moving = np.einsum("n,niu,niv->uv", weight, point_rows, point_rows)
-    root = np.linalg.cholesky(moving)
+    root = np.linalg.cholesky(np.einsum("n,niu,niv->uv", weight, point_rows, point_rows))
     half = np.linalg.solve(root, np.linalg.solve(root, opening).T)
     squares, axes = np.linalg.eigh((half + half.T) / 2.0)
     sines = np.sqrt(np.maximum(squares, 0.0))
@@ -96,8 +95,7 @@ def _square_to(normals: Floats, velocities: Floats) -> tuple[Floats, Floats]:
     normal = np.einsum("ni,nj->nij", normals, normals)
     tangential = velocities - np.einsum("nij,njk->nik", normal, velocities)
     # the two main directions of the tangential velocities; where there is but one, only that
-    spread = np.einsum("nik,njk->nij", tangential, tangential)
-    sizes, axes = np.linalg.eigh(spread)
+    sizes, axes = np.linalg.eigh(np.einsum("nik,njk->nij", tangential, tangential))
     inverse = np.where(sizes > 1e-6 * sizes[:, -1:], 1.0 / np.maximum(sizes, TINY), 0.0)
     inverse[:, 0] = 0.0
     out = np.einsum("ni,nik->nk", normals, velocities)

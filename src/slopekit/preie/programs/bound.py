@@ -189,5 +189,4 @@ def _by_programs(model: Model, velocity: Floats, limit: float) -> StaticBound:
         return none
     if bound is None or bound.factor is None or not (1.0 - SAME_LIMIT) * limit < bound.factor < BOUND_BEYOND * limit:
         return none
-    normal = bound.normal_force[: len(model.control_area)]
-    return replace(bound, factor=max(bound.factor, limit), normal_force=normal)
+    return replace(bound, factor=max(bound.factor, limit), normal_force=bound.normal_force[: len(model.control_area)])

@@ -67,8 +67,7 @@ class Iterate:
             (at.shed_slack, self.shed_slack),
             (at.load_factor, self.load_factor),
         )
-        ends = [most, *(-value / change for value, change in singles if change < 0.0)]
-        return min(1.0, _TO_BOUNDARY * min(ends))
+        return min(1.0, _TO_BOUNDARY * min([most, *(-value / change for value, change in singles if change < 0.0)]))
 
     def taken(self, at: "Iterate", length: float) -> "Iterate":
         """The iterate after so much of the step."""

@@ -109,8 +109,7 @@ def least_work_mechanism(
                     break
                 length *= min(0.6, max(0.1, -slope / (slope_after - slope)))
             velocity, at = velocity + length * step, after
-    friction_force = -at.strength[:, None] * at.direction
-    return LeastWorkMechanism(velocity, factor, at.normal_force, friction_force, at.pull)
+    return LeastWorkMechanism(velocity, factor, at.normal_force, -at.strength[:, None] * at.direction, at.pull)
 
 
 def _evaluate(

@@ -102,9 +102,8 @@ class AssemblyModel(BlockContacts):
     @property
     def mean_pulls(self) -> Floats:
         """Forces on the blocks (n u,) of passive bolts that pull with half of their capacity."""
-        half = np.where(self.bolted, 0.5 * self.by_group(self.cohesion), 0.0)
         pulls = np.zeros(self.slip_rows.shape[:2])
-        pulls[:, 0] = half
+        pulls[:, 0] = np.where(self.bolted, 0.5 * self.by_group(self.cohesion), 0.0)
         return self.forces_on_blocks(np.zeros(len(self.control_area)), pulls).ravel()
 
     @property

@@ -57,8 +57,7 @@ def components(scene: WholeAssembly, among: Ints) -> list[Ints]:
     graph = sparse.coo_matrix((np.ones(int(both.sum())), (plus[both], minus[both])), shape=(len(assembly),) * 2)
     _, label = connected_components(graph, directed=False)
     order = np.argsort(label[among], kind="stable")
-    ends = np.flatnonzero(np.diff(label[among][order])) + 1
-    return np.split(among[order], ends)
+    return np.split(among[order], np.flatnonzero(np.diff(label[among][order])) + 1)
 
 
 def model_of(

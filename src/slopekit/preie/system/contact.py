@@ -165,8 +165,7 @@ def _tractions(
         slopes[:, 1:, 1:] = -secant[:, None, None] * (_EYE2 - across) - slope_slip[:, None, None] * across
         return slopes
 
-    modes = np.where(open_, _DEBOND, np.where(yields, _SLIP, _STICK))
-    return Tractions(out, modes, slopes_of)
+    return Tractions(out, np.where(open_, _DEBOND, np.where(yields, _SLIP, _STICK)), slopes_of)
 
 
 def breaks(law: Tractions, tension: Floats, reduction: float, rounding: float) -> Bools:

@@ -83,9 +83,8 @@ def pressed_fraction(gaps: Floats) -> tuple[Floats, Floats]:
     with np.errstate(divide="ignore", invalid="ignore"):
         by_lone = side * ((corners - 1) / gap[:, 0]) - by_others.sum(axis=1)
     by_lone = np.where(gap[:, 0] == 0.0, 0.0, by_lone)
-    sign = np.where(is_alone, 1.0, -1.0)
     fraction[cut] = np.where(is_alone, side, 1.0 - side)
     of_corners = np.empty_like(gap)
     np.put_along_axis(of_corners, turned, np.concatenate([by_lone[:, None], by_others], axis=1), axis=1)
-    slopes[cut] = sign[:, None] * of_corners
+    slopes[cut] = np.where(is_alone, 1.0, -1.0)[:, None] * of_corners
     return fraction, slopes

@@ -84,8 +84,7 @@ class CurvedStrengths(JointStrengths):
         slopes = self._straight.copy()
         for law, pairs, _, steepest in self._curves:
             traction = normal[pairs] / self._area[pairs]
-            slope = law.slope(np.maximum(traction, self._least))
-            slopes[pairs] = np.where(traction < self._least, steepest, slope)
+            slopes[pairs] = np.where(traction < self._least, steepest, law.slope(np.maximum(traction, self._least)))
         return slopes
 
     def followed(self, slopes: Floats, pressed: Floats) -> Floats:

@@ -52,8 +52,7 @@ class ContactPattern:
         self.upper = np.triu_indices(len(self.normal))
         self.slip_upper = np.triu_indices(len(self.slip))
         self.products = self.rows[:, self.upper[0]] * self.rows[:, self.upper[1]]
-        t = self.slips.shape[1]
-        self.tangents = np.triu_indices(t)
+        self.tangents = np.triu_indices(self.slips.shape[1])
         a, b = self.slip_upper
         self.slip_products = np.stack(
             [

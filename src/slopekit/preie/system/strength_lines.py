@@ -317,8 +317,7 @@ def settled_blocks(
 def _dilates_by_friction(model: AssemblyModel, factor: float) -> bool:
     """Whether a joint that carries anything would dilate by more than its line's friction angle at a factor."""
     assert model.lines is not None
-    carries = model.by_group(model.lines.normal) > 0.0
-    return bool((model.tan_dilation > model.tan_friction / factor)[carries].any())
+    return bool((model.tan_dilation > model.tan_friction / factor)[model.by_group(model.lines.normal) > 0.0].any())
 
 
 def _might_dilate_by_friction(model: AssemblyModel) -> bool:

@@ -80,8 +80,7 @@ class Check(StudyOutcome):
         """
         if any(finding.met is False for finding in self.findings) or self.result.exit_code == 4:
             return False
-        held = any(finding.met and finding.name in _INDEPENDENT for finding in self.findings)
-        return True if held else None
+        return True if any(finding.met and finding.name in _INDEPENDENT for finding in self.findings) else None
 
     @property
     def exit_code(self) -> int:
@@ -119,10 +118,9 @@ class Check(StudyOutcome):
     def to_dict(self) -> dict[str, Any]:
         """The check as JSON values; times, and what depends on them, stand in a block of their own."""
         result = self.result.to_dict()
-        as_it_is = ("status", "fos", "methods", "moments_govern", "accepted", "rules")
         return {
             **self.head(self.result.design),
-            **{key: result[key] for key in as_it_is},
+            **{key: result[key] for key in ("status", "fos", "methods", "moments_govern", "accepted", "rules")},
             "consistent": self.consistent,
             "agree_within": self.result.design.analysis.agree_within,
             "reference": {"value": self.reference, "what": self.against},
@@ -203,11 +201,10 @@ def _findings(result: Result, ladder: tuple[Rung, ...], evidence: Ladder) -> Ite
         yield Finding("factor of safety", None, None, met, f"none, by its status: {result.status_text}")
         return
     yield _convergence(result, ladder, evidence.unrefined)
-    settled = result.model.residual <= PASSES_SETTLED
     last = "what it changed of the factor (0: solved exactly)"
     if result.findings is not None:
         last = "how far above the last state at rest the blocks run (0: a limit, no peak)"
-    yield Finding("last pass", result.model.residual, PASSES_SETTLED, settled, last)
+    yield Finding("last pass", result.model.residual, PASSES_SETTLED, result.model.residual <= PASSES_SETTLED, last)
     yield from _balance(result, evidence.rest, fos.limit)
     if others:
         off = max((abs(other / fos.limit - 1.0) for other in others if other), default=0.0)

@@ -110,12 +110,11 @@ class Kinematic(StudyOutcome):
         if not self.joints.sets():
             return {}
         own = np.array([joint.set_name for joint in self.joints.joints])
-        names = (*self.joints.sets(), *([""] if (own == "").any() else []))
         kinds = self.modes.of_joints()
         return {
             name: {"joints": int((own == name).sum())}
             | {kind: int((critical & (own == name)).sum()) for kind, critical in kinds.items()}
-            for name in names
+            for name in (*self.joints.sets(), *([""] if (own == "").any() else []))
         }
 
     def by_set_pair(self) -> dict[tuple[str, str], dict[str, int]]:
@@ -138,8 +137,7 @@ class Kinematic(StudyOutcome):
     def input_hash(self) -> str:
         """SHA-256 of the face, the limits and the joints with their friction angles."""
         face = (self.face.dip_deg, self.face.dip_direction_deg)
-        limits = (self.lateral_deg, self.lateral_toppling_deg)
-        exact = [face, limits, self.joints.rows(), self.friction_deg.tolist()]
+        exact = [face, (self.lateral_deg, self.lateral_toppling_deg), self.joints.rows(), self.friction_deg.tolist()]
         exact += [self.joints.quantities.tolist()] if self.joints.has_quantities else []
         exact += [SEED] if self.is_sample else []
         return digest(exact)
@@ -155,7 +153,6 @@ class Kinematic(StudyOutcome):
     def to_dict(self) -> dict[str, Any]:
         """The result as JSON values; critical lines are counted by joint, `intersections.csv` has them all."""
         n, m = len(self.joints), len(self.lines.first)
-        counts = self.counts
         direct, oblique = self.toppling
         return {
             **survey_head("kinematic", self.joints, self.input_hash()),
@@ -171,7 +168,7 @@ class Kinematic(StudyOutcome):
             "pairs": n * (n - 1) // 2,
             **({"drawn_pairs": self.pairs} if self.is_sample else {}),
             "intersections": m,
-            "counts": counts,
+            "counts": self.counts,
             "percent": dict(self.percent),
             "direct_toppling": direct,
             "oblique_toppling": oblique,

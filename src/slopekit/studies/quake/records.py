@@ -247,9 +247,7 @@ def read_record(path: str | os.PathLike[str], unit: str | None = None) -> Record
     lines = _text_of(read_bytes(path, _MOST_BYTES), name).splitlines()
     if not any(line.strip() for line in lines):
         raise DesignError([Fault("E512", f"{name} is empty", str(path))])
-    if any(_step_in(line) for line in lines[:8]):
-        return _at2(name, lines)
-    return _columns(name, lines, unit)
+    return _at2(name, lines) if any(_step_in(line) for line in lines[:8]) else _columns(name, lines, unit)
 
 
 def _text_of(content: bytes, name: str) -> str:
@@ -294,8 +292,7 @@ def _at2(name: str, lines: Sequence[str]) -> Record:
     if len(values) != count:
         message = f"NPTS is {count}, {len(values)} values follow"
         raise _refused(name, "E512", message, head + 1, "The file is cut off, or has been edited.")
-    unit = match[1].strip("().").lower()
-    return record_of(name, step * np.arange(count), values, unit)
+    return record_of(name, step * np.arange(count), values, match[1].strip("().").lower())
 
 
 def _value(word: str, name: str, line: int) -> float:

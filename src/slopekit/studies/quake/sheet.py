@@ -21,11 +21,12 @@ def sheet_of(quake: Quake) -> Sheet:
     records = _records(quake.shaken)
     toward = "the way of the slope" if quake.toward_deg is None else f"{number(quake.toward_deg):0>3}"
     scaled = "" if quake.scale_pga is None else f", each scaled to {number(quake.scale_pga)} g"
+    leading = f"{_moves(quake.leading)} in six degrees of freedom; one way, rigid: {_moves(quake.one_way)}"
     return Sheet(head(quake.design, "quake"), (
         Section("RECORDS", [f"{counted(len(quake.shaken), 'record')}{scaled}; toward {toward}, and reversed"]),
         Section("NOW", [_now(quake)]),
         Section("YIELD", [*(_yield(quake, one) for one in quake.yields), *_agree(quake)], hang=14),
-        Section("SIX", [_leading(quake), _six(quake), *_six_notes(quake)] if quake.six else []),
+        Section("SIX", [leading, _six(quake), *_six_notes(quake)] if quake.six else []),
         Section("SLIDES", [*_beside(quake), records]),
         Section("OVERALL", _overall(quake.leading)),
         Section("MODEL", [_model(quake)]),
@@ -60,11 +61,6 @@ def _moves(displacement: Mapping[str, Any]) -> str:
     if displacement["median_m"] is None:
         return "no displacement, a step did not settle (W464)"
     return f"median {_centimetres(displacement['median_m'])} cm, most {_centimetres(displacement['largest_m'])} cm"
-
-
-def _leading(quake: Quake) -> str:
-    """What six degrees of freedom say, and what sliding one way says."""
-    return f"{_moves(quake.leading)} in six degrees of freedom; one way, rigid: {_moves(quake.one_way)}"
 
 
 def _beside(quake: Quake) -> list[str]:
@@ -154,7 +150,6 @@ def _overall(lead: Mapping[str, Any]) -> list[str]:
 def _six(quake: Quake) -> Table[Any]:
     """In six degrees of freedom, beside what sliding one way has."""
     newmark = {one.record.name: (one.as_recorded_m, one.reversed_m) for one in quake.shaken}
-    rows = [(one, newmark[one.record][one.way == "reversed"]) for one in quake.six]
 
     def of(name: str) -> Any:
         return lambda row: getattr(row[0], name)
@@ -172,7 +167,7 @@ def _six(quake: Quake) -> Table[Any]:
         Column("  ended", of("ended"), "ended", width=-1, about="  {}"),
         Column("", of("steps"), "steps"), Column("", of("halved"), "halved"),
     ]  # fmt: skip
-    return Table(columns, rows)
+    return Table(columns, [(one, newmark[one.record][one.way == "reversed"]) for one in quake.six])
 
 
 def _six_notes(quake: Quake) -> list[str]:

@@ -259,12 +259,11 @@ def _velocity_at(record: Record, times: Floats) -> Floats:
 
 def _blocks_of(static: Design) -> tuple[Cut, Callable[[int], ShakenBlock | None]]:
     """The block of a design, and how it is on node pairs refined so often: None where it does not come to rest."""
-    kind = kind_of(static)
     made = cut(static)
     if not isinstance(made, Cut):
         raise _none("several blocks: six degrees of freedom are those of one")
     model = made.scene_at(made.refine).model
-    strengths: Sequence[Strength] = kind.strengths(static)
+    strengths: Sequence[Strength] = kind_of(static).strengths(static)
     if model.dilates:
         raise _none("its joints dilate")
     if model.lines is not None:

@@ -244,7 +244,6 @@ def _root(level: Callable[[float], float | None], start: float, close: float, ad
 
 def _gain(static: Design, method: Method, k: float, advance: Advance) -> tuple[float | None, str]:
     """κ at a yield coefficient, or why there is none."""
-    kind = kind_of(static)
     result = analyse(with_values(static, {KEY: k * _JUST_ABOVE}))
     advance(1)
     mechanism = result.limit_state.mechanism
@@ -252,7 +251,7 @@ def _gain(static: Design, method: Method, k: float, advance: Advance) -> tuple[f
         return None, f"the block does not slide ({result.status})"
     if result.moments_govern and method == "pre_ie":
         return None, "moments govern: it turns as it slides"
-    if any(strength.dilation_deg for strength in kind.strengths(static)):
+    if any(strength.dilation_deg for strength in kind_of(static).strengths(static)):
         return None, _DILATES
     along = mechanism.displacement
     along = along / math.sqrt(float(along @ along))

@@ -77,8 +77,7 @@ def clusters_of(poles: Floats, weights: Floats, sets: int | None, rng: np.random
     """
     if sets is not None:
         return [_divided(poles, weights, sets, rng)]
-    most = min(MOST_SETS, len(poles) // LEAST_JOINTS)
-    return [_divided(poles, weights, count, rng) for count in range(most + 1)]
+    return [_divided(poles, weights, count, rng) for count in range(min(MOST_SETS, len(poles) // LEAST_JOINTS) + 1)]
 
 
 def best(clusterings: list[Clusters]) -> int:
@@ -105,10 +104,8 @@ def _divided(poles: Floats, weights: Floats, sets: int, rng: np.random.Generator
         if of.tobytes() in seen:
             break
         seen.add(of.tobytes())
-    size = np.bincount(of[of >= 0], weights[of >= 0], minlength=sets)
-    order = np.lexsort((np.arange(sets), -size))
-    rank = np.argsort(order)
-    of = np.where(of == _NO_SET, _NO_SET, rank[of])
+    order = np.lexsort((np.arange(sets), -np.bincount(of[of >= 0], weights[of >= 0], minlength=sets)))
+    of = np.where(of == _NO_SET, _NO_SET, np.argsort(order)[of])
     means, share = means[order], share[:, order]
     means = np.where(means[:, 2:] > 0.0, -means, means)
     return Clusters(means, of, share, _bic(poles, weights, mixture))
@@ -133,8 +130,7 @@ def _settled(poles: Floats, weights: Floats, means: Floats, steps: int = _STEPS)
     products = (poles[:, :, None] * poles[:, None, :]).reshape(-1, 9)
     for _ in range(steps):
         squared = _shares(poles, means) ** 2 * weights[:, None]
-        tensors = (squared.T @ products).reshape(-1, 3, 3)
-        new = np.linalg.eigh(tensors)[1][:, :, -1]
+        new = np.linalg.eigh((squared.T @ products).reshape(-1, 3, 3))[1][:, :, -1]
         moved = 1.0 - np.abs(np.einsum("mi,mi->m", new, means)).min()
         means = new
         if moved < _SETTLED:

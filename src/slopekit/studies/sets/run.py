@@ -158,8 +158,7 @@ class JointSets(StudyOutcome):
         line = None if self.scanline is None else (self.scanline.trend_deg, self.scanline.plunge_deg)
         sizes = [(one.spacing_m, one.position_m, one.trace_m, one.ends) for one in self.joints.joints]
         asked = (self.asked, line, self.bias_angle_deg, self.are_given)
-        exact = [asked, self.joints.rows(), sizes, self.joints.quantities.tolist()]
-        return digest(exact)
+        return digest([asked, self.joints.rows(), sizes, self.joints.quantities.tolist()])
 
     def to_dict(self) -> dict[str, Any]:
         """The result as JSON values."""

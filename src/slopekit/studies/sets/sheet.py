@@ -16,11 +16,10 @@ _MOST_NAMES = 24
 
 def sheet_of(joint_sets: JointSets) -> Sheet:
     """The sheet of joint sets."""
-    words = _WORDS.format(share=100.0 * CONFIDENCE)
     return Sheet(head("sets", joint_sets.joints, joint_sets.input_hash()), (
         Section("SURVEY", _survey(joint_sets)),
         Section("NUMBER", _number(joint_sets)),
-        Section("SETS", [_table(joint_sets), words] if joint_sets.sets else []),
+        Section("SETS", [_table(joint_sets), _WORDS.format(share=100.0 * CONFIDENCE)] if joint_sets.sets else []),
         Section("ANGLES", [_angles(joint_sets)] if joint_sets.sets else []),
         Section("SPACING", _spacing(joint_sets)),
         Section("TRACE", _trace(joint_sets)),

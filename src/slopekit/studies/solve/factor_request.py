@@ -97,9 +97,8 @@ class FactorRequest:
 
     def grid(self, even: int, close: int, each_decade: float) -> list[float]:
         """Values between the two: evenly, closer to the present one, and to a decade."""
-        far = self.key.role == "coordinate"
         return places(self.low, self.high, self.key.value, even=even, close=close, each_decade=each_decade,
-                      around_zero=far)  # fmt: skip
+                      around_zero=self.key.role == "coordinate")  # fmt: skip
 
 
 def runs_of(samples: Samples, kind: Callable[[Sample[Point]], object]) -> Iterator[Samples]:
@@ -158,7 +157,8 @@ def answers_of(
     candidates = [_found(method, asked, crossing) for crossing in crossings]
     own = asked.key.value
     candidates.sort(key=lambda one: one.value if own is None else asked.key.apart(one.value, own))
-    roots = tuple(one for one in candidates if one.how == "root" or _falls_in_load(asked, one))
+    # the factor of many blocks may fall past the target at once as a load comes on: they tip, an answer too
+    roots = tuple(one for one in candidates if one.how == "root" or (asked.drives_blocks and not one.rises))
     others = tuple(_together([one for one in candidates if one not in roots], search.span))
     reached = [(sample.at, factor_at(sample.found, method) or 0.0) for sample in search.defined]
     least = min(reached, key=lambda end: end[1], default=None)
@@ -169,11 +169,6 @@ def answers_of(
         reason = reason_of(asked.key, asked.target, (asked.low, asked.high), others, least, most, refused)
     looked = (search.samples[0].at, search.samples[-1].at)
     return Answers(method, roots, others, least, most, refused, looked, len(search.samples), reason)
-
-
-def _falls_in_load(asked: FactorRequest, one: SolvedValue) -> bool:
-    """Whether the factor of many blocks falls past the target at once as a load comes on: they tip, an answer too."""
-    return asked.drives_blocks and not one.rises
 
 
 def _together(jumps: list[SolvedValue], span: float) -> list[SolvedValue]:

@@ -213,9 +213,8 @@ class RootSearch(Generic[T]):
 
     def _across_gaps(self, a: Sample[T], b: Sample[T], splits: int) -> Iterator[Crossing[T]]:
         """The sides of a stretch that is undefined: what changes its sign beside it, and across it."""
-        inside = [a, *self._between(a, b), b]
         last: Sample[T] | None = None
-        for c, d in pairwise(inside):
+        for c, d in pairwise([a, *self._between(a, b), b]):
             if c.level is not None:
                 last = c
             if c.level is not None and d.level is not None and c.level * d.level < 0.0 and splits:

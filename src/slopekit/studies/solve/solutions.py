@@ -191,13 +191,12 @@ class Solution(StudyOutcome):
         }
 
     def _answers(self, answers: Answers) -> dict[str, Any]:
-        ends = {"least": answers.least, "most": answers.most}
         return {
             "roots": [self._found(crossing) for crossing in answers.roots],
             "jumps_and_gaps": [self._found(crossing) for crossing in answers.others],
             "reach": {
                 name: None if end is None else {"value": self.key.reduced(end[0]), "fos": json_of(end[1])}
-                for name, end in ends.items()
+                for name, end in {"least": answers.least, "most": answers.most}.items()
             },
             "refused": [dict(zip(("from", "to", "code", "message"), one, strict=True)) for one in answers.refused],
             "looked": list(answers.looked),

@@ -57,8 +57,7 @@ class Layout:
 def layout(site: Site, direction: Floats, force: float, capacity: float, spacing: float | None) -> Layout | Notice:
     """Bolts of at most `capacity` that carry `force` along a direction (local axes), or why there are none."""
     if not float(site.inward @ direction) > 1e-6:
-        message = "the force points out of the face: bolts with their heads on it pull the other way"
-        return Notice("E211", message)
+        return Notice("E211", "the force points out of the face: bolts with their heads on it pull the other way")
     if site.in_section:
         return _section_layout(site, direction, force, capacity, spacing)
     return _face_layout(site, direction, force, capacity, spacing)
@@ -215,6 +214,5 @@ def centre_of(polygon: Floats) -> Floats:
     """Centroid (3,) of a plane polygon (k, 3)."""
     vectors = np.cross(polygon[1:-1] - polygon[0], polygon[2:] - polygon[0])
     sizes = vectors @ vectors.sum(axis=0)
-    centres = (polygon[0] + polygon[1:-1] + polygon[2:]) / 3.0
-    centre: Floats = sizes @ centres / sizes.sum()
+    centre: Floats = sizes @ ((polygon[0] + polygon[1:-1] + polygon[2:]) / 3.0) / sizes.sum()
     return centre

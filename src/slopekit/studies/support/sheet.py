@@ -33,8 +33,7 @@ def sheet_of(support: Support) -> Sheet:
 
 def _own_bolts(design: Design) -> list[Entry]:
     """The bolts that the design has: the schedule of its result, or a few without a head one by one."""
-    of_result = schedule_entries(schedule({"inputs": design.inputs()}))
-    return of_result or [bolt_text(bolt) for bolt in design.bolts]
+    return schedule_entries(schedule({"inputs": design.inputs()})) or [bolt_text(bolt) for bolt in design.bolts]
 
 
 def line_of(support: Support) -> str:

@@ -268,9 +268,7 @@ def _why_not(design: Design, key: Key) -> str:
         return _SILENT
     if not key.given and key.value and not _counts_by_default(design, key):
         return _SILENT
-    if not key.given and not key.value:
-        return "not given: give it a range, KEY=lo:hi"
-    return ""
+    return "not given: give it a range, KEY=lo:hi" if not key.given and not key.value else ""
 
 
 def _counts_by_default(design: Design, key: Key) -> bool:

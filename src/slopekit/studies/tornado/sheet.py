@@ -13,11 +13,12 @@ from slopekit.studies.words import METHODS, cell, check_word, head, status_words
 def sheet_of(study: Tornado) -> Sheet:
     """The sheet of a tornado."""
     moved = [bar for bar in study.bars if bar.swings[study.asked[0]] != 0.0]
+    still = [bar.key.path for bar in study.bars if bar.swings[study.asked[0]] == 0.0]
     return Sheet(head(study.design, "tornado"), (
         Section("RULE", [RULE]),
         Section("NOW", [_now(study)]),
         Section("BARS", [_bars(study, moved) if moved else "no number changes the factor of safety"]),
-        Section("NOTHING", _without_effect(study)),
+        Section("NOTHING", [f"changes nothing: {', '.join(still)}"] if still else []),
         Section("LEFT OUT", _left_out(study)),
         Section("TIME", [f"{study.seconds:.2f} s"]),
         Section("NOTE", [str(notice) for notice in study.warnings]),
@@ -33,8 +34,7 @@ def line_of(study: Tornado) -> str:
 
 
 def _now(study: Tornado) -> str:
-    factors = study.base.factors
-    if factors is None:
+    if study.base.factors is None:
         return f"no block: {study.base.code} {study.base.message}"
     shown = [f"{cell(factor_at(study.base, method))} {METHODS[method]}" for method in study.asked]
     return "   ".join([status_words(study.design, status_of(study.base, study.asked[0])), *shown,
@@ -88,12 +88,6 @@ def _swing(swing: float | None) -> str:
     if swing is None:
         return "-"
     return "∞" if math.isinf(swing) else f"{swing:.4f}" if swing < 1e3 else f"{swing:.4g}"
-
-
-def _without_effect(study: Tornado) -> list[str]:
-    first = study.asked[0]
-    names = [bar.key.path for bar in study.bars if bar.swings[first] == 0.0]
-    return [f"changes nothing: {', '.join(names)}"] if names else []
 
 
 def _left_out(study: Tornado) -> list[str]:
