@@ -50,8 +50,16 @@ hand. Run it again and only the times and the versions may change: a test holds 
 def page_of(verification: Verification) -> str:
     """The page docs/verification.md: what it rests on, how to read it, the tables by source, what is not judged."""
     head, _, reading = _READING.partition("\n\n")
-    parts = ["# Verification", head, "## Result", line_of(verification) + ".", _outside(verification)]
-    parts += [standing(verification), *_moments(verification), reading]
+    parts = [
+        "# Verification",
+        head,
+        "## Result",
+        line_of(verification) + ".",
+        _outside(verification),
+        standing(verification),
+        *_moments(verification),
+        reading,
+    ]
     for source, rows in by_source(verification):
         parts += [f"## {source}", verification.sources[source], _grid(rows)]
     if verification.not_judged:

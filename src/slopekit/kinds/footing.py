@@ -166,9 +166,12 @@ def cut(design: FootingDesign) -> Cut:
     uplift = thrusts({J1: plane}, {J1: [(plane, toe + (heel - toe) * plane[:, 0] / section.bottom[0])]})
     acting = block_loads(section.block, design.rock.unit_weight_kn_m3, np.zeros(3), pushes={"footing": push} | uplift)
     bed = section_bedding(section, acting, design.strength)
-    left_out = ["bedrock (no unknowns)", "deformation of the footing and the rock", "the length of the footing "
-                "(per metre)"]  # fmt: skip
-    left_out += [] if design.rock.unit_weight_kn_m3 else ["the weight of the rock"]
+    left_out = [
+        "bedrock (no unknowns)",
+        "deformation of the footing and the rock",
+        "the length of the footing (per metre)",
+        *([] if design.rock.unit_weight_kn_m3 else ["the weight of the rock"]),
+    ]
     return Cut(
         section.block, acting, lambda refine: bed.scene(line_pairs(section, (design.pairs - 1) // 2 * 2**refine)),
         [Interface(J1, NAME, design.strength)], lambda: section_geometry(section, NAME), left_out,

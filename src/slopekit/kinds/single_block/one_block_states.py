@@ -169,6 +169,5 @@ def motion_statuses(
     carries = np.where(closed, normal, -np.inf).argsort(axis=1, kind="stable")[:, ::-1][:, :2]  # of three joints two
     names = np.array(["slides_on_" + ("both" if count == 2 and k == 3 else on) for k, on in enumerate(_JOINTS)])
     on = (2**carries * np.take_along_axis(closed, carries, axis=1)).sum(axis=1)
-    slides = names[on if count > 1 else np.ones_like(on)]
-    slides = np.where(velocity[:, translations - 1] > _RISES, "slides_up", slides)
+    slides = np.where(velocity[:, translations - 1] > _RISES, "slides_up", names[on if count > 1 else np.ones_like(on)])
     return np.where(partly.any(axis=1) | (turning > moving), "rotates", slides)

@@ -99,8 +99,7 @@ def _analysed(design: SurfaceDesign, find: Callable[[Cut, Clock], FoundLimit]) -
 
 def _made(design: SurfaceDesign, mass: SlidingMass, loads: Loads, slip: Slippage, scene: ContactModel) -> Cut:
     left_out = ["bedrock (no unknowns)", "ground surface (free)", "deformation of the mass"]
-    if design.slip.shape == "cylinder":
-        left_out.append("strength at the two ends of the cylinder")
+    left_out += ["strength at the two ends of the cylinder"] if design.slip.shape == "cylinder" else []
     if mass.pieces:
         left_out.append(f"{len(mass.pieces)} smaller pieces within the slip surface, {sum(mass.pieces):.4g} m³")
 

@@ -199,9 +199,7 @@ def without_basal(design: WedgeDesign) -> WithoutBasal | None:
     no wedge that daylights, or the basal joint leaves its toe.
     """
     basal = design.basal
-    if basal is None or basal.height_m < 0.0:
-        return None
-    if float(basal.plane.normal() @ _rock_mass(design).basal_at) <= 0.0:
+    if basal is None or basal.height_m < 0.0 or float(basal.plane.normal() @ _rock_mass(design).basal_at) <= 0.0:
         return None
     water = replace(design.water, pressures_kpa=(*design.water.pressures_kpa[:2], *design.water.pressures_kpa[3:]))
     whole = replace(design, strengths=design.strengths[:2], basal=None, water=water)

@@ -609,9 +609,7 @@ class Bed:
                 length *= 0.5
             stalled = stalled + 1 if nearest[0] > 0.75 * size and nearest[0] > 1e-8 * self.load_size else 0
             size, at, parameter, there, off = nearest
-            if downhill and stalled >= 3:
-                break
-            if not downhill and size > 1e4 * best:
+            if (downhill and stalled >= 3) or (not downhill and size > 1e4 * best):
                 break
             best = min(best, size)
         good = there.balanced(size, ROUGHLY_SETTLED) and self._each_balanced(off) and worked(at, 1e-6)

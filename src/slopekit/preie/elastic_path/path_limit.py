@@ -136,9 +136,8 @@ def _of_modes(
     outside = -min(float(here.normal.min()), float(spare.min()))
     if bed.bolted is not None:
         outside = max(outside, -float(here.friction[bed.bolted, 0].min()))
-    if parameter <= 0.0 or here.residual > EQUILIBRIUM * max(modes.largest, here.largest):
-        return None
-    if outside > ADMISSIBLE * bed.load_size:
+    is_off = here.residual > EQUILIBRIUM * max(modes.largest, here.largest)
+    if parameter <= 0.0 or is_off or outside > ADMISSIBLE * bed.load_size:
         return None
     solver = _bordered(bed, here, parameter, across)
     if solver is not None:  # the null vector of the stiffness

@@ -76,9 +76,8 @@ def _far(bed: Bed, step: NewtonStep) -> PathLimit | None:
     motion = bed.onward(step)
     while True:
         more = work * (ratio - 1.0)
-        ahead = None
-        if motion is not None:
-            ahead = stepped(bed, step.at + more * motion, step.at, step.parameter, 0.0, work + more)
+        there = None if motion is None else step.at + more * motion
+        ahead = None if there is None else stepped(bed, there, step.at, step.parameter, 0.0, work + more)
         if ahead is None or not ahead.settled or abs(ahead.parameter / step.parameter - 1.0) > OTHER_MOTION:
             ratio, fails = math.sqrt(ratio), fails + 1
             if fails > _GOES:

@@ -145,9 +145,7 @@ def with_range(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | No
     proposal : the one that the limit was found with
     """
     factor = limit.factor
-    if factor is None:
-        return limit
-    if model.lines is not None:
+    if factor is None or model.lines is not None:
         return limit  # where laws are curved other forces mean other tractions, and other lines
     try:
         span = _span(model, limit, proposal)

@@ -454,9 +454,7 @@ def _split(scene: WholeAssembly, there: Bools, part: Part) -> Part:
     """A part with contacts split where that matters until its factor stays, or its node pairs are too many."""
     for level in range(1, _MOST_SPLIT + 1):
         coarse = _too_coarse(part)
-        if not coarse.any():
-            break
-        if part.limit.basis is Basis.PEAK and _large(part.model):
+        if not coarse.any() or (part.limit.basis is Basis.PEAK and _large(part.model)):
             break
         refine = np.zeros(len(scene.assembly.patches), dtype=np.int64) if part.refined is None else part.refined.copy()
         refine[part.patch[coarse[: len(part.patch)]]] = level

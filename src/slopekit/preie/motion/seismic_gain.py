@@ -82,12 +82,11 @@ def seismic_gain(part: Part, multiplier: float, weights: Floats, gyration: Float
     one = np.array([int(np.argmax(driven))])
     few, *_ = model.among(one)
     path_end, alone = load_limit(few, few.live, 1.0 / limit.factor)
-    if not path_end.found or path_end.parameter is None:
-        return None
-    if abs(path_end.parameter / multiplier - 1.0) > _NEAR:
+    at = path_end.parameter if path_end.found else None
+    if at is None or abs(at / multiplier - 1.0) > _NEAR:
         return None
     gain = _of_all(few, mass[one], alone)
-    return None if gain is None else SeismicGain(gain[0], int(few.moving[0]), True, path_end.parameter)
+    return None if gain is None else SeismicGain(gain[0], int(few.moving[0]), True, at)
 
 
 def _just_above(

@@ -226,9 +226,8 @@ def forces_only_limit(model: Model) -> Limit:
         driving = math.sqrt(float(rest @ rest))
         touching = pushes > 0.0
         strength = line(touching * cohesion, tan_friction, pushes)
-        slips = np.ones(len(normals))
-        if driving > NO_FORCE:
-            slips = np.sqrt(((tangents @ rest) ** 2).sum(axis=1)) / driving
+        is_driven = driving > NO_FORCE
+        slips = np.sqrt(((tangents @ rest) ** 2).sum(axis=1)) / driving if is_driven else np.ones(len(normals))
         return _Resultant(
             -rest, driving, float(strength @ slips), pushes[which] * share, touching[which], pulls[bolt] * bolt_share
         )

@@ -91,9 +91,8 @@ class SparseStiffness:
             self.plans[symmetric] = self._planned(self._chosen(symmetric))
         spend(self._work)
         plan = self.plans[symmetric]
-        values = stiffness
-        if self.contacts is None:
-            values = np.matmul(self.motion_t, np.matmul(stiffness, self.motion)).ravel()
+        whole = self.contacts is not None
+        values = stiffness if whole else np.matmul(self.motion_t, np.matmul(stiffness, self.motion)).ravel()
         solve = plan.factored(values, shift, inertia)
         if solve is None and not symmetric and self.way is None and isinstance(plan.way, Fronts):
             # pivots from one front do not do: the band's come from wherever they are

@@ -266,8 +266,9 @@ def build_assembly(
         for force, moment in ((forces, moments), live or (np.zeros_like(forces), np.zeros_like(moments)))
     )
     plus_motion = _motion(axes, (middle - centroids[moving[plus]]) / length, in_section)
-    minus_motion = -_motion(axes, (middle - centroids[moving[minus]]) / length, in_section)
-    minus_motion = minus_motion * (minus >= 0)[:, None, None]
+    minus_motion = (
+        -_motion(axes, (middle - centroids[moving[minus]]) / length, in_section) * (minus >= 0)[:, None, None]
+    )
     kinematics = _kinematics(
         np.concatenate([normal_rows, slip_rows.reshape(-1, slip_rows.shape[2])]),
         np.concatenate([pair_contact, np.repeat(group_contact, slip_rows.shape[1])]),

@@ -207,8 +207,9 @@ def modes_of(
     wedge, by_friction, zone = _wedges(lines, normals, out, face, friction, dip)
 
     # edges of columns
-    off_line = beside_deg(lines.trend_deg, face.dip_direction_deg + 180.0)
-    off_line = np.where(lines.plunge_deg >= 90.0 - _ANGLE, 0.0, off_line)
+    off_line = np.where(
+        lines.plunge_deg >= 90.0 - _ANGLE, 0.0, beside_deg(lines.trend_deg, face.dip_direction_deg + 180.0)
+    )
     within = off_line <= lateral_toppling_deg + _ANGLE
     plunges = lines.down[:, 2] < -_TOUCHES
     column = np.zeros(len(lines.first), dtype=np.int8)

@@ -178,14 +178,13 @@ def _six_notes(quake: Quake) -> list[str]:
     steps, halved = sum(one.steps for one in quake.six), sum(one.halved for one in quake.six)
     assert quake.in_six is not None
     pairs, percent = quake.in_six.pairs, quake.in_six.percent
-    settled = f"the last refinement moved what slides by {percent} % at most"
-    settled = settled if percent else "finer ones gave no answer"
+    moved = f"the last refinement moved what slides by {percent} % at most"
     return [
         f"work in {most.record} ({most.way}), MJ: put in {work.put_in / 1e3:.5g} = friction {work.friction / 1e3:.5g}"
         f" + stored {work.stored / 1e3:.3g} + kinetic {work.kinetic / 1e3:.3f} + damped {work.damped / 1e3:.4g},"
         f" to {max(off, _EXACT):.0e}",
         f"{springs_in_words(quake.design)}; {steps} steps, {halved} halved; the geometry stays as it is",
-        f"{pairs} node pairs; {settled}",
+        f"{pairs} node pairs; {moved if percent else 'finer ones gave no answer'}",
     ]
 
 

@@ -164,9 +164,8 @@ def answers_of(
     least = min(reached, key=lambda end: end[1], default=None)
     most = max(reached, key=lambda end: end[1], default=None)
     refused = tuple(_refused(search.samples))
-    reason = None
-    if not roots:
-        reason = reason_of(asked.key, asked.target, (asked.low, asked.high), others, least, most, refused)
+    span = (asked.low, asked.high)
+    reason = None if roots else reason_of(asked.key, asked.target, span, others, least, most, refused)
     looked = (search.samples[0].at, search.samples[-1].at)
     return Answers(method, roots, others, least, most, refused, looked, len(search.samples), reason)
 

@@ -262,9 +262,7 @@ def _why_not(design: Design, key: Key) -> str:
         return _SILENT  # a part of a distribution that is changed as a whole
     if key.role == "coordinate":
         return "a coordinate"
-    if key.role in ("setting", "scatter"):
-        return _SILENT
-    if key.path in _CONSTANTS and not key.given:
+    if key.role in ("setting", "scatter") or (key.path in _CONSTANTS and not key.given):
         return _SILENT
     if not key.given and key.value and not _counts_by_default(design, key):
         return _SILENT
