@@ -130,8 +130,7 @@ def toppling_table(slope: ColumnSlope, factor: float = 1.0) -> TopplingTable:
         "stable" if p <= 0.0 else "topple" if s <= t < math.inf else "slide"
         for t, s, p in zip(topple, slide, force, strict=True)
     )
-    upper = np.append(row.upper[:-1], np.nan)
-    arrays = (row.heights, upper, row.lower, np.append(np.nan, topple[1:]), slide, force)
+    arrays = (row.heights, np.append(row.upper[:-1], np.nan), row.lower, np.append(np.nan, topple[1:]), slide, force)
     for array in (*arrays, normal, shear, holds):
         array.setflags(write=False)
     return TopplingTable(*arrays, modes, normal, shear, holds, max(float(topple[0]), float(slide[0])))

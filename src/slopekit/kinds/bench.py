@@ -261,8 +261,7 @@ def _slope(design: BenchDesign, result: Result) -> Section:
             f"{one.name} {one.plane}  {one.plane.in_words()}, every {one.spacing_m:.6g} m{_regularity(design, one)}  "
             f"{named_strength(design, one.strength)}{area}"
         )
-    entries.append(_surface("face", design.face))
-    entries.append(_surface("upper", design.upper))
+    entries += [_surface("face", design.face), _surface("upper", design.upper)]
     toe = "" if not any(design.origin_m) else f" (mid-toe at {coordinates(design.origin_m)[1:-1]})"
     entries.append(
         f"bench {design.length_m:.6g} m along the strike{toe}, rock modelled to {design.depth_m:.6g} m behind the crest"

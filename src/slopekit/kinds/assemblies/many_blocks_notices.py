@@ -55,7 +55,9 @@ def notices_of(
     if limit.spent:
         yield _unsettled(limit)
     elif limit.outcome is Outcome.NOT_CONVERGED:
-        yield _given_up(limit)
+        above = "" if limit.static_bound is None else f"; the upper bound is {limit.static_bound:.4g}"
+        yield Notice("W308", "the search for the limit of these blocks gave up: the motion that was followed led to no "
+                     f"state whose forces balance within strength{above}")  # fmt: skip
     yield from lost_cohesion_notices(lost_cohesion(ravelling.failures[0]), "factor of safety")
 
 
@@ -90,13 +92,6 @@ def _unsettled(limit: BlocksLimit) -> Notice:
         above = f", and no forces balance the loads beyond {limit.static_bound:.4g}, the upper bound"
     return Notice("W360", "the limit of these blocks was not settled within the effort of one analysis (work is "
                   f"counted, not timed: every machine ends here): {rests}{above}")  # fmt: skip
-
-
-def _given_up(limit: BlocksLimit) -> Notice:
-    """Why a search ended without a limit although work was left."""
-    why = "the motion that was followed led to no state whose forces balance within strength"
-    above = "" if limit.static_bound is None else f"; the upper bound is {limit.static_bound:.4g}"
-    return Notice("W308", f"the search for the limit of these blocks gave up: {why}{above}")
 
 
 def _without_rest(limit: BlocksLimit, seismic: float) -> Notice:

@@ -93,7 +93,6 @@ def kind_of_one_block(
         with clock("governs"):
             governs = tuple((name, *after(other)) for name, other in changes(design))
         found = solve(design, made, clock)
-        comparisons = Comparisons(found.analysis.forces_only.factor, {}, governs, without_basal(design))
         return result(
             words.of(vars(design)),
             design,
@@ -103,7 +102,7 @@ def kind_of_one_block(
             closed,
             resultant_forces(made, found, water_forces(made.loads, made.faces)),
             clock,
-            comparisons,
+            Comparisons(found.analysis.forces_only.factor, {}, governs, without_basal(design)),
             tuple(notices(design)),
         )
 

@@ -118,8 +118,7 @@ def _run(program: Shortfall, start: float, known: bool = False) -> StaticBound |
         most_off, unsure = -NEAR * reduction * falls, worth + float(np.abs(off.strength * at.slip).sum())
         admissible = off.outside(program) < EACH_BALANCED
         if admissible and max(abs(short), unsure) < most_off and off.gap < _SURE * most_off:
-            bound = reduction - short / falls
-            return StaticBound(1.0 / bound, False, False, at.velocity, at.normal, steps)
+            return StaticBound(1.0 / (reduction - short / falls), False, False, at.velocity, at.normal, steps)
         middle, moves = short - 0.5 * off.gap, 0.0
         if admissible and short < 0.0:
             high = min(high, reduction)

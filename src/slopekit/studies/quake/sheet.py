@@ -48,8 +48,7 @@ def line_of(quake: Quake) -> str:
     parts = [f"k_y {shown_k(k)}", f"factor {factor:.3f}" if factor is not None else "no factor"]
     mark = " (W353)" if quake.yields[0].jumps else ""
     if quake.in_six is not None:
-        parts.append(f"six degrees of freedom: {_moves(quake.leading)}")
-        parts.append(f"one way: {_moves(quake.one_way)}{mark}")
+        parts += [f"six degrees of freedom: {_moves(quake.leading)}", f"one way: {_moves(quake.one_way)}{mark}"]
     else:
         parts.append(f"{_moves(quake.leading)}{mark}")
     parts.append({True: "agree", False: "disagree", None: "not compared"}[quake.agree])

@@ -269,7 +269,9 @@ def sets(
         listed, joint_sets, of, tried, n, line, angle, weights, capped, share, angles,
         tuple(defaults), (), time.perf_counter() - began,
     )  # fmt: skip
-    return _with_notices(outcome)
+    from slopekit.studies.sets.said import notices_of
+
+    return replace(outcome, warnings=(*left_out(outcome.joints), *notices_of(outcome)))
 
 
 def _grouped(listed: JointList, tried: Sequence[Clusters]) -> tuple[Sequence[str], Ints, Floats]:
@@ -283,12 +285,6 @@ def _grouped(listed: JointList, tried: Sequence[Clusters]) -> tuple[Sequence[str
     found, of = _named(chosen)
     share[of >= 0] = chosen.share[np.flatnonzero(of >= 0), of[of >= 0]]
     return found, of, share
-
-
-def _with_notices(joint_sets: JointSets) -> JointSets:
-    from slopekit.studies.sets.said import notices_of
-
-    return replace(joint_sets, warnings=(*left_out(joint_sets.joints), *notices_of(joint_sets)))
 
 
 # -- reading ----------------------------------------------------------------------------------------------------------
