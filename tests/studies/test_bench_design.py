@@ -412,7 +412,8 @@ def test_the_lower_limit_is_accepted_or_not(found: Any, low: float, is_accepted:
     asked = replace(found.given, numbers={**found.given.numbers, "accept": 0.8})
     bench = found.benches[0]
     berms = tuple(replace(berm, reliability=replace(berm.reliability, low=low)) for berm in bench.berms)
-    assert {berm.accepted for berm in accepted(asked, replace(bench, berms=berms)).berms} == {is_accepted}
+    assert {berm.accepted for berm in accepted(asked, replace(bench, berms=berms), True).berms} == {is_accepted}
+    assert {berm.accepted for berm in accepted(asked, replace(bench, berms=berms), False).berms} == {False}
 
 
 def block_of(asked: BenchInputs, mode: int, planes: list[str], height: float) -> Any:

@@ -322,7 +322,7 @@ def test_moments_may_bring_a_pair_below_the_target() -> None:
     assert found.exit_code == 1
     assert sk.combos(**ONE_PLANE, fos=1.6, closed_form=True).exit_code == 0  # the closed form alone does not see it
     said = {notice.code: notice.message for notice in found.warnings}
-    assert said["W353"] == "moments govern 1 of 1 removable pairs, by up to 5.9 %"
+    assert said["W353"] == "1 of 1 removable pairs fail by PRE-IE alone: the closed form balances no moments"
     sheet = " ".join(str(found).split())
     assert "NOT MET, 1 of 1 removable pairs lie below (100.0 %; 100.0 % of all, 1 by PRE-IE only)" in sheet
     assert " M " in sheet

@@ -183,7 +183,7 @@ def _matters(coefficients: Sequence[tuple[str, float]]) -> str:
 def _methods(study: Probability) -> list[str]:
     if study.both is None:
         return ["the closed form alone: it balances no moments"]
-    if study.closed_form is not None:
+    if kind_of(study.design).closed_form is not None:
         return study.both.in_words()
     lost = study.both.without_answer
     return [f"there is no closed form to compare with{f'; {lost} WITHOUT ANSWER' if lost else ''}"]
