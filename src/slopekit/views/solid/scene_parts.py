@@ -223,10 +223,10 @@ def middles(corners: Floats, first: Ints) -> tuple[Floats, Floats]:
     return middle, normal / np.maximum(np.sqrt((normal * normal).sum(axis=1)), 1e-300)[:, None]
 
 
-def largest(size: Floats) -> Ints:
-    """Those of the arrows (n,) with a size that may be drawn: all, or the largest hundreds."""
-    order = np.argsort(-size, kind="stable")[:_MOST_ARROWS]
-    return np.sort(order[size[order] > 0.0])
+def spread(size: Floats) -> Ints:
+    """Those of the arrows (n,) with a size that may be drawn: all, or every second, third ... of them."""
+    some = np.flatnonzero(size > 0.0)
+    return some[:: max(1, -(-len(some) // _MOST_ARROWS))]
 
 
 def spacing(areas: Floats) -> float:

@@ -49,11 +49,11 @@ from slopekit.views.solid.scene_parts import (
     joint_faces,
     kilonewtons,
     kinds_of_loads,
-    largest,
     millimetres,
     nice,
     resultants,
     spacing,
+    spread,
     widened,
 )
 from slopekit.views.solid.stage import Stage, joint_colour
@@ -246,14 +246,14 @@ def _tractions(stage: Stage, _: int) -> Picture:
     if not size.any():
         seen.notes.append(_NO_LIMIT if len(pairs) else "no node pairs: nothing was solved")
         return seen.picture("tractions", labels=seen.names(only=shown))
-    drawn = largest(size)
+    drawn = spread(size)
     longest = float(size.max())
     body = arrows(pairs.points_m[drawn], 0.25 * scale * traction[drawn] / longest, min(0.014 * scale, 0.15 * apart))
     on = " on the block" if stage.alone else " on one of the two blocks, the other has its opposite"
     seen.add("tractions", body, DARK, f"traction{on}, longest {longest:.4g} kPa", front=0 if stage.alone else 3)
     every = int((size > 0.0).sum())
     if len(drawn) < every:
-        seen.notes.append(f"{len(drawn)} of {every} tractions are drawn, the largest")
+        seen.notes.append(f"{len(drawn)} of {every} tractions are drawn")
     seen.notes.append("tractions at the limit: normal and shear of each pair by the area that it controls")
     return seen.picture("tractions", labels=seen.names(only=shown))
 
@@ -366,7 +366,7 @@ def _mechanism(stage: Stage, step: int) -> Picture:
     seen.blocks("moving", moving, offset=moved, colours=colours)
     own = np.flatnonzero(moving)
     speed = np.sqrt((scene.velocity[own, :3] ** 2).sum(axis=1))
-    kept = largest(speed)
+    kept = spread(speed)
     own, speed = own[kept], speed[kept]
     length = 0.3 * stage.size if stage.alone else 0.8 * float(stage.sizes[moving].mean())
     starts = shapes.centroids[own] + scene.velocity[own, :3] * times
