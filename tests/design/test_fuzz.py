@@ -80,7 +80,7 @@ def test_every_key_stands_in_a_seed() -> None:
 
 def test_surveys_and_options_of_two_studies_are_run_or_refused(tmp_path) -> None:
     """`sets` and `bench-design`: lists with a cell wrong, broken files, options outside their range."""
-    each = study_outcomes(44, _SEED_OF_OTHERS, tmp_path)
+    each = study_outcomes(44, _SEED_OF_CASES, tmp_path)
     assert not [one.escaped for one in each if one.escaped]
     assert all(one.codes for one in each if one.exit_code in (2, 3))
     assert sum(one.stage == "result" for one in each) >= 10

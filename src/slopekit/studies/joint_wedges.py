@@ -23,8 +23,8 @@ def limits_of_wedges(
     slope : whose joints and height mean nothing; strengths : cohesion and friction of the joints of the list
     first, second : (m,) joints by their numbers; height : (m,) m at the trace of the first
     """
-    planes: list[Any] = [(joints.dips_deg[one], joints.dip_directions_deg[one]) for one in (first, second)]
-    own: list[Any] = [tuple(of[one] for of in strengths) for one in (first, second)]
+    planes: list[Any] = [(joints.dips_deg[joint], joints.dip_directions_deg[joint]) for joint in (first, second)]
+    own: list[Any] = [tuple(of[joint] for of in strengths) for joint in (first, second)]
     high: Any = height
     design = replace(slope, joints=(Plane(*planes[0]), Plane(*planes[1])), height_m=high)
     return limits_on_arrays(design, ON_ARRAYS, [Strength(*one) for one in own], len(first)).to_record()

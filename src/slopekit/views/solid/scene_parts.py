@@ -225,8 +225,8 @@ def middles(corners: Floats, first: Ints) -> tuple[Floats, Floats]:
 
 def spread(size: Floats) -> Ints:
     """Those of the arrows (n,) with a size that may be drawn: all, or every second, third ... of them."""
-    some = np.flatnonzero(size > 0.0)
-    return some[:: max(1, -(-len(some) // _MOST_ARROWS))]
+    arrows = np.flatnonzero(size > 0.0)
+    return arrows[:: max(1, -(-len(arrows) // _MOST_ARROWS))]
 
 
 def spacing(areas: Floats) -> float:
