@@ -21,14 +21,14 @@ import numpy as np
 
 from slopekit.design.reading.files import load
 from slopekit.design.templates import path_of
-from slopekit.studies.points import evaluation
+from slopekit.studies.outcomes import ByMethod
 from slopekit.studies.prob import prob
 from slopekit.studies.prob.sampling import METHODS, samples
 from slopekit.studies.prob.vectorised import vectorised
 from slopekit.studies.running import Crew, checked_crew, run_all
 
 _DOCS = Path(__file__).resolve().parent.parent / "docs"
-_PRE_IE = 400  # samples by PRE-IE for each crew
+_AT_ONCE = 2048  # wedges of a chunk, as `prob` hands them on
 
 
 def normal(mean: float, share: float) -> dict[str, Any]:
@@ -103,41 +103,49 @@ def cluster(workers: int) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]
                 process.wait()
 
 
-def pre_ie_rows(n: int = _PRE_IE) -> list[str]:
-    """PRE-IE samples a second: one process, two, Dask with two workers, and with one of them killed half-way."""
+def crew_rows(n: int = 200_000) -> list[str]:
+    """Wedges by PRE-IE: one process, two, Dask with two workers, one of them killed half-way; idle chunks."""
     design = load(scattering())
     drawn = samples(design.variables, design.correlation, n, 1)
-    settings = [drawn.settings(row) for row in range(n)]
-    work = partial(evaluation, design, True, False)
-    work(settings[0])
-    rows = ["| crew | samples | seconds | samples/s | against one process |", "|---|---|---|---|---|"]
-    alone: list[Any] = []
-    base = 0.0
+    fast = vectorised(design, drawn.values, drawn.settings)
+    assert fast is not None
+    forms = fast(drawn.values)
+    values = drawn.values[~ByMethod(forms.names, forms.outcome.astype(np.int16), forms.factor).among("E")]
+    chunks = [values[at : at + _AT_ONCE] for at in range(0, len(values), _AT_ONCE)]
+    rows = ["| crew | wedges | seconds | wedges/s | against one process |", "|---|---|---|---|---|"]
+    alone, base = "", 0.0
 
     def row(name: str, crew: Crew, advance: Callable[[int], None] = lambda _: None) -> None:
         nonlocal alone, base
         began = time.perf_counter()
-        found = run_all(work, settings, crew, advance=advance)
+        found = json.dumps(run_all(fast.limits, chunks, crew, advance=advance, at_once=1))
         taken = time.perf_counter() - began
         alone, base = alone or found, base or taken
         assert found == alone, "another crew, other numbers"
-        rows.append(f"| {name} | {n} | {taken:.1f} | {n / taken:.0f} | {base / taken:.2f} |")
+        rate = len(values) / taken
+        rows.append(f"| {name} | {len(values):,} | {taken:.1f} | {rate:,.0f} | {base / taken:.2f} |")
 
     row("one process", Crew())
     row("two processes (their start included)", checked_crew(2))
     with cluster(2) as (address, workers):
-        row("Dask, two workers", checked_crew(1, address))
+        dask = checked_crew(1, address)
+        run_all(fast.limits, chunks[:2], dask, at_once=1)  # the workers import
+        row("Dask, two workers", dask)
+        began = time.perf_counter()
+        run_all(np.shape, chunks, dask, at_once=1)
+        idle = time.perf_counter() - began
         done = 0
 
         def kill_half_way(count: int) -> None:
             nonlocal done
             done += count
-            if done > n / 2 and workers[0].poll() is None:
+            if done > len(chunks) / 2 and workers[0].poll() is None:
                 workers[0].send_signal(signal.SIGKILL)
 
-        row("Dask, one of two killed half-way", checked_crew(1, address), kill_half_way)
+        row("Dask, one of two killed half-way", dask, kill_half_way)
         assert workers[0].wait(10) == -signal.SIGKILL
-    return rows
+    said = f"{len(chunks)} chunks that do nothing took Dask {idle:.2f} s: {idle / len(values) * 1e6:.2g} µs a wedge"
+    return [*rows, "", said + f" in chunks of {_AT_ONCE:,}. Load average at the end: {os.getloadavg()[0]:.0f}."]
 
 
 def prob_rows() -> list[str]:
@@ -281,7 +289,7 @@ def machine() -> str:
 def main(words: list[str]) -> None:
     chapters: list[tuple[str, Callable[[], list[str]]]] = [
         ("Drawing samples beside evaluating them, one core", sampling_rows),
-        ("PRE-IE samples a second, the same numbers from every crew", pre_ie_rows),
+        ("Wedges by PRE-IE a second, the same numbers from every crew", crew_rows),
         ("Probability of failure against quadrature: the default wedge, φ = N(20, 2) on both planes", prob_rows),
         ("Samples of templates/wedge-scatter by both methods", both_rows),
         ("Joint sets: is the number that was drawn found?", set_rows),

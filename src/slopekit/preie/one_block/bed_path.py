@@ -20,7 +20,7 @@ from slopekit.preie.one_block.polygon_bed import BedSprings
 from slopekit.preie.tolerances import LEVEL, PATH_ENDS, POLISHED, ROUNDING, SETTLED, TINY
 
 #: Split of the triangles along the path: its turns are found there, and settled on finer ones.
-COARSE = 1
+COARSE = 2
 #: Elastic displacements after which a block runs, and to which one that creeps is followed. One is the size of the
 #: displacement in which a block rests as a first point slips.
 FAR = 10_000
@@ -40,11 +40,12 @@ _POINT = 12, 4, 3, 0  # to a point of the path
 _STUCK = 40, 12, math.inf, 0
 _REST = 100, 0, math.inf, 0.05  # to a rest at one strength
 _WEAKER = 0.97  # of λ at the first slip
-_STRONGER = 1, 8, 32  # times the strength of the first slip at which a block is looked for at rest
+_STRONGER = 8, 32  # times the strength of the first slip at which a block is looked for at rest where it has none
 _STRONG = 4  # times the strength that forces in balance need: blocks that do not stick start there
 #: So many times the strength that forces in balance need is the most that is tried.
 STRONGEST = 4096
 _FLOWS, _STIFFEST, _MOST_FLOW = 30, 1000, 40  # of viscous flow
+_NEAR = 0.5  # of its displacement: a rest that is further away is not the one a block flows to
 _MARCH = 0.01  # part of λ: less strength alone, where the path has a corner
 _MOST_POLISH = 20  # points to the least λ on a turn of the path
 _LEAST = 1e-10  # of ln λ: so near is the least value found
@@ -259,7 +260,9 @@ class BedPath:
             u[moves] += moved
             slow[rows] *= np.where(step.settled, 0.2, 4)
             rest = self.rests(blocks[moves], u[moves], reduction[moves])
-            u[moves[rest.settled]], rested[moves[rest.settled]] = rest.x[rest.settled, :-1], True
+            size = np.maximum(self.springs.beds.first[blocks[moves]], lengths(u[moves]))
+            near = rest.settled & (lengths(rest.x[:, :-1] - u[moves]) <= _NEAR * size)
+            u[moves[near]], rested[moves[near]] = rest.x[near, :-1], True
             ends = rested[rows] | (slow[rows] > _STIFFEST) | (lengths(u[rows]) > far[rows])
             ends[step.settled] |= ~(np.abs(moved).max(axis=1, initial=0.0) > 0.0)
             rows = rows[~ends]
@@ -277,15 +280,13 @@ class BedPath:
         u, at, rows = stuck.x[:, :-1], np.full(len(blocks), np.nan), np.arange(len(blocks))
         slips = np.clip(_WEAKER * self.springs.first_slip(blocks, u), TINY, STRONGEST * reduction)
         first = np.where(stuck.settled, slips, _STRONG * reduction)
-        tries = [(self._rest, times) for times in _STRONGER] + [
-            (self.flow, times) for times in (1, STRONGEST // _STRONG)
-        ]
-        for attempt, times in tries:
-            if not len(rows):
-                break
-            rest, settled = attempt(blocks[rows], u[rows], times * first[rows])
-            u[rows[settled]], at[rows[settled]] = rest[settled], times * first[rows[settled]]
-            rows = rows[~settled]
+        tries = [(self._rest, 1, rows[stuck.settled]), (self.flow, 1, rows)]  # others may rest in more than one state
+        tries += [(self._rest, times, rows) for times in _STRONGER] + [(self.flow, STRONGEST // _STRONG, rows)]
+        for attempt, times, those in tries:
+            some = those[np.isnan(at[those])]
+            if len(some):
+                rest, settled = attempt(blocks[some], u[some], times * first[some])
+                u[some[settled]], at[some[settled]] = rest[settled], times * first[some[settled]]
         return u, at
 
     def _rest(self, blocks: Ints, start: Floats, reduction: Floats) -> tuple[Floats, Bools]:
