@@ -172,7 +172,7 @@ class _Limits:
 
     def __init__(self, beds: Beds, splits: Sequence[int], found: BedLimits) -> None:
         self.beds, self.found = beds, found
-        self.coarse = BedPath(BedSprings(beds, COARSE), ROUGHLY_SETTLED)
+        self.whole, self.coarse = BedSprings(beds, 1), BedPath(BedSprings(beds, COARSE), ROUGHLY_SETTLED)
         self.finer = [BedPath(BedSprings(beds, split)) for split in splits]
 
     def gaps(self, blocks: Ints, opening: Floats, extreme: np.ufunc) -> Floats:
@@ -230,7 +230,7 @@ class _Limits:
         closest = self.gaps(blocks, w, np.minimum)
         good = runs.settled & (np.maximum.reduceat(closest, self.beds.contact[:-1])[blocks] < 0.0) & (lam > 0.0)
         far = w + (_FAR_OUT * np.maximum(self.beds.first[blocks], lengths(w)))[:, None] * v
-        out = self.coarse.springs.unbalanced(blocks, w, far, lam, running=True).out
+        out = self.whole.unbalanced(blocks, w, far, lam, running=True).out
         rising = good & ~(_change(runs.slopes, out) > 0.0)
         ends[blocks[rising]] = np.log(lam[rising])
         # the bed allows no less than the forces do, or the path comes down to this state
@@ -244,7 +244,7 @@ class _Limits:
         -------
         elastic displacements (n, u) by the motions that press, and whether forces balance and no corner opens (n,)
         """
-        beds, springs = self.beds, self.coarse.springs
+        beds, springs = self.beds, self.whole
         count, rest = np.diff(beds.contact)[blocks], bases[1].transpose(0, 2, 1)
         number, first = np.repeat(np.arange(len(blocks)), count), np.cumsum([0, *count[:-1]])
         which = np.arange(len(number)) + (beds.contact[blocks] - first)[number]
@@ -271,7 +271,7 @@ class _Limits:
         Where there is one, all of a contact slips one way, and the coarsest triangles are exact for straight laws.
         """
         if bases[0].shape[2] == 1 and not self.beds.laws:
-            return _run(self.coarse.springs, blocks, bases, velocity, points)
+            return _run(self.whole, blocks, bases, velocity, points)
         runs = _run(self.finer[0].springs, blocks, bases, velocity, points)
         rows = np.flatnonzero(runs.settled)
         for fine in self.finer:
@@ -362,7 +362,7 @@ class _Limits:
         motion, least = _onward(path.tangent, points), np.exp(lowest[:, -1])
         slope = np.where(is_far & ~path.turns, np.abs(path.tangent[:, -1]), 0.0)
         for rows, bases in self.alike(blocks, self.gaps(blocks, points[:, :-1], np.minimum) < 0.0):
-            nearest = _run(self.coarse.springs, blocks[rows], bases, motion[rows], points[rows])
+            nearest = _run(self.whole, blocks[rows], bases, motion[rows], points[rows])
             v, w, lam = _motions(bases, nearest.x)
             near = nearest.settled & (np.abs(lam / least[rows] - 1.0) <= POLISHED + _SETTLES * slope[rows])
             some = bases[0][near], bases[1][near]

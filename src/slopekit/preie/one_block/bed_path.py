@@ -17,7 +17,7 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.preie.one_block.polygon_bed import BedSprings
-from slopekit.preie.tolerances import LEVEL, PATH_ENDS, POLISHED, ROUNDING, SETTLED, TINY
+from slopekit.preie.tolerances import LEVEL, PATH_ENDS, ROUNDING, SETTLED, TINY
 
 #: Split of the triangles along the path: its turns are found there, and settled on finer ones.
 COARSE = 2
@@ -30,8 +30,8 @@ SNAP = 10
 EARLY = 30
 _TURNED, _BACK = math.log(1.2), math.log(20)  # ln λ so far above its least value does not come back, or sticks
 _FIRST, _LONGEST = 0.1, 0.4  # steps along the path
-_TURNS = 0.8  # cosine of the angle that a step may turn by
-_CORNER = 1e-3  # steps may turn by more where they are as short: points begin to slip
+_MISSED = 0.02  # of a step: ln λ may differ so much from what its slopes at both ends make
+_CORNER = 1e-3  # steps may miss more where they are as short: points begin to slip
 _STRAIGHT, _STRAIGHTER = 0.98, 0.9999  # where the path turns by less, the next step is twice or four times as long
 _MOST_STEPS = 150  # along one path
 # of Newton's method: steps; after so many the residual must fall; size of a step at most; damped: its shortest part
@@ -251,8 +251,8 @@ class BedPath:
         """Let blocks move slowly at one λ (n,) each; return where (n, u) they come to rest, and which of them do."""
         u, rested = start.copy(), np.zeros(len(blocks), dtype=bool)
         slow = np.ones(len(blocks))
-        stiffness, rows = self.springs.beds.stiffness[blocks], np.arange(len(blocks))
-        far = _FLOWS * np.maximum(self.springs.beds.first[blocks], lengths(start))
+        stiffness, first = self.springs.beds.stiffness[blocks], self.springs.beds.first[blocks]
+        far, rows = _FLOWS * np.maximum(first, lengths(start)), np.arange(len(blocks))
         for _ in range(_MOST_FLOW):
             step = self.rests(blocks[rows], u[rows], reduction[rows], drag=slow[rows, None, None] * stiffness[rows])
             moves = rows[step.settled]
@@ -260,9 +260,9 @@ class BedPath:
             u[moves] += moved
             slow[rows] *= np.where(step.settled, 0.2, 4)
             rest = self.rests(blocks[moves], u[moves], reduction[moves])
-            size = np.maximum(self.springs.beds.first[blocks[moves]], lengths(u[moves]))
-            near = rest.settled & (lengths(rest.x[:, :-1] - u[moves]) <= _NEAR * size)
-            u[moves[near]], rested[moves[near]] = rest.x[near, :-1], True
+            close = lengths(rest.x[:, :-1] - u[moves]) <= _NEAR * np.maximum(first[moves], lengths(u[moves]))
+            close &= rest.settled
+            u[moves[close]], rested[moves[close]] = rest.x[close, :-1], True
             ends = rested[rows] | (slow[rows] > _STIFFEST) | (lengths(u[rows]) > far[rows])
             ends[step.settled] |= ~(np.abs(moved).max(axis=1, initial=0.0) > 0.0)
             rows = rows[~ends]
@@ -278,15 +278,18 @@ class BedPath:
         """
         stuck = self.rests(blocks, self.springs.beds.bonded[blocks], reduction, sticks=True)
         u, at, rows = stuck.x[:, :-1], np.full(len(blocks), np.nan), np.arange(len(blocks))
-        slips = np.clip(_WEAKER * self.springs.first_slip(blocks, u), TINY, STRONGEST * reduction)
-        first = np.where(stuck.settled, slips, _STRONG * reduction)
-        tries = [(self._rest, 1, rows[stuck.settled]), (self.flow, 1, rows)]  # others may rest in more than one state
-        tries += [(self._rest, times, rows) for times in _STRONGER] + [(self.flow, STRONGEST // _STRONG, rows)]
-        for attempt, times, those in tries:
-            some = those[np.isnan(at[those])]
-            if len(some):
-                rest, settled = attempt(blocks[some], u[some], times * first[some])
-                u[some[settled]], at[some[settled]] = rest[settled], times * first[some[settled]]
+        first = np.clip(_WEAKER * self.springs.first_slip(blocks, u), TINY, STRONGEST * reduction)
+        first[~stuck.settled] = _STRONG * reduction[~stuck.settled]
+        for attempt, times, tried in (
+            (self._rest, 1, rows[stuck.settled]),  # others may rest in several states
+            (self.flow, 1, rows),
+            *((self._rest, stronger, rows) for stronger in _STRONGER),
+            (self.flow, STRONGEST // _STRONG, rows),
+        ):
+            lost = tried[np.isnan(at[tried])]
+            if len(lost):
+                rest, settled = attempt(blocks[lost], u[lost], times * first[lost])
+                u[lost[settled]], at[lost[settled]] = rest[settled], times * first[lost[settled]]
         return u, at
 
     def _rest(self, blocks: Ints, start: Floats, reduction: Floats) -> tuple[Floats, Bools]:
@@ -344,9 +347,8 @@ class BedPath:
         after, cosine = found.tangent, dots(found.tangent, tangent)
         after[np.abs(after[:, -1]) < ROUNDING, -1] = -ROUNDING  # level, not turned
         before_slope, slope, change = tangent[:, -1], after[:, -1], found.x[:, -1] - before[:, -1]
-        strays = cosine < _TURNS
-        # λ does between two points what its slopes at them cannot make: it turned on the way
-        strays |= (before_slope * slope > 0.0) & (before_slope * change < 0.0) & (np.abs(change) > POLISHED)
+        # between two points λ did what its slopes at them do not make: it may have turned
+        strays = np.abs(change - 0.5 * along * (before_slope + slope)) > _MISSED * along
         good = found.settled & ~(strays & (along > _CORNER))
         at.point = np.where(good[:, None], on_scale(found.x, here), before)
         ln, scale = at.point[:, -1], lengths(at.point[:, :-1])
