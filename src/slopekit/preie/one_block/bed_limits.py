@@ -362,7 +362,7 @@ class _Limits:
         motion, least = _onward(path.tangent, points), np.exp(lowest[:, -1])
         slope = np.where(is_far & ~path.turns, np.abs(path.tangent[:, -1]), 0.0)
         for rows, bases in self.alike(blocks, self.gaps(blocks, points[:, :-1], np.minimum) < 0.0):
-            nearest = _run(self.whole, blocks[rows], bases, motion[rows], points[rows])
+            nearest = _run(self.coarse.springs, blocks[rows], bases, motion[rows], points[rows])
             v, w, lam = _motions(bases, nearest.x)
             near = nearest.settled & (np.abs(lam / least[rows] - 1.0) <= POLISHED + _SETTLES * slope[rows])
             some = bases[0][near], bases[1][near]
