@@ -21,6 +21,10 @@ PLANE: dict[str, Any] = {
     "joints": {"J1": {"plane": "38/185", "strength": "s"}}, "strength": {"s": {"c": 12, "phi": 33}},
     "rock": {"unit_weight": 26},
 }  # fmt: skip
+WEDGE = PLANE | {
+    "kind": "wedge", "slope": {"face": "65/185", "upper": "12/195", "height": 20},
+    "joints": {"J1": {"plane": "45/105", "strength": "s"}, "J2": {"plane": "70/235", "strength": "s"}},
+}  # fmt: skip
 OF_PLANES: dict[str, dict[str, Any]] = {
     "dry": {}, "full": {"water": {"fill": 0.7}}, "crack": {"crack": {"depth": 4}, "water": {"fill": 0.5}},
     "water in the crack": {"crack": {"distance": 2, "water": "2 m"}},
@@ -28,6 +32,15 @@ OF_PLANES: dict[str, dict[str, Any]] = {
     "trend": {"loads": {"seismic": {"k": 0.1, "toward": 200}}},
     "forces": {"loads": {"forces": [{"force": 90, "toward": "180/20", "at": [0, 2, 9]}]},
                "support": {"bolts": [{"force": 100, "toward": "000/10", "head": [0, 2.3, 5], "length": 30}]}},
+}  # fmt: skip
+
+CUT_OFF = {"plane": "80/185", "distance": 3, "water": "30 %"}
+OF_WEDGES: dict[str, dict[str, Any]] = {
+    "crack fuller than the joints": {"crack": CUT_OFF | {"water": "80 %"}, "water": {"fill": 0.3}},
+    "crack beside pressures": {"crack": CUT_OFF, "water": {"pressures": {"J1": 20, "J2": 5}}},
+    "pressure in the crack": {"crack": CUT_OFF | {"water": None}, "water": {"pressures": {"J2": 5, "crack": 12}}},
+    "bolts and forces": {"loads": {"forces": [{"force": 90, "toward": "180/20", "at": [0, 2, 9]}]},
+                         "support": {"bolts": [{"force": 500, "toward": "000/10", "head": [-7, 6, 14], "length": 30}]}},
 }  # fmt: skip
 
 
@@ -64,6 +77,14 @@ def test_forty_ordinary_cuts_have_the_loads_of_each_by_itself() -> None:
     assert sum(design.seismic.coefficient > 0.0 for design in designs) > 5
 
 
+@pytest.mark.parametrize("name", OF_WEDGES)
+def test_loads_of_a_wedge_are_those_of_its_cut(name: str) -> None:
+    """Water in the crack of its own, mean pressures, heads of bolts: force and moment as the cut block has them."""
+    design = sk.load(WEDGE | OF_WEDGES[name])
+    single, many = blocks_of_cuts([cut(design)]), on_arrays(design)
+    assert many.load == pytest.approx(single.load, rel=0, abs=1e-9 * np.abs(single.load).max())
+
+
 @pytest.mark.parametrize("name", OF_PLANES)
 def test_a_metre_of_a_plane_has_the_loads_of_the_section(name: str) -> None:
     """Force and moment of the section, turned east, north, up; what acts along the slope is left out of both."""
@@ -91,3 +112,18 @@ def test_a_crack_cuts_the_block_and_one_behind_it_leaves_it_whole() -> None:
     assert found.status.tolist() == ["slides_on_J1", "slides_on_J1"]
     assert found.limit[1] == pytest.approx(whole.limit[0], rel=1e-12)
     assert found.limit[0] == pytest.approx(sk.run(design).fos.limit, rel=1e-6)
+
+
+def test_a_block_without_strength_has_a_status_and_no_number() -> None:
+    """Beside one with strength: a factor of 0 would be a number that no strength gives."""
+    design, bare = sk.load(PLANE), np.array([1.0, 0.0])
+    kind = kind_of(design)
+    assert kind.on_arrays is not None
+    (strength,) = kind.strengths(design)
+    cohesion: Any = 12.0 * bare
+    friction: Any = 33.0 * bare
+    strengths = [replace(strength, cohesion_kpa=cohesion, friction_angle_deg=friction)]
+    found = limits_on_arrays(design, kind.on_arrays, strengths, 2)
+    assert found.status.tolist() == ["slides_on_J1"] * 2
+    assert np.isnan(found.limit).tolist() == [False, True]
+    assert found.forces[1] == 0.0

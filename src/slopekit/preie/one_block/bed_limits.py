@@ -314,12 +314,11 @@ class _Limits:
         lowest, tangent, is_far = path.lowest.copy(), path.tangent.copy(), path.outcome == PathEnd.FAR
         path.turns &= ~is_far | (path.point[:, -1] - path.lowest[:, -1] > POLISHED)  # else it is level
         turns = np.flatnonzero(path.turns)
-        for fine in (self.coarse, *self.finer):
+        for fine in self.finer:
             at, along = fine.settle(blocks[turns], lowest[turns], path.heading[turns])
             known = np.isfinite(at[:, -1])
             lowest[turns[known]], tangent[turns[known]] = at[known], along[known]
-            if fine is not self.coarse:
-                turns = self.checked(fine, blocks, turns, lowest, tangent)
+            turns = self.checked(fine, blocks, turns, lowest, tangent)
         may_run = np.flatnonzero(path.outcome != PathEnd.TURNED)
         is_left = np.ones(len(blocks), dtype=bool)
         is_left[may_run[self.settled_runs(blocks[may_run], path.of(may_run), lowest[may_run])]] = False

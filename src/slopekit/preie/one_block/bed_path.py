@@ -32,7 +32,7 @@ _TURNED, _BACK = math.log(1.2), math.log(20)  # ln λ so far above its least val
 _FIRST, _LONGEST = 0.1, 0.4  # steps along the path
 _MISSED = 0.02  # of a step: ln λ may differ so much from what its slopes at both ends make
 _CORNER = 1e-3  # steps may miss more where they are as short: points begin to slip
-_STRAIGHT, _STRAIGHTER = 0.98, 0.9999  # where the path turns by less, the next step is twice or four times as long
+_STRAIGHT = 0.98  # cosine of the angle: where the path turns by less, the next step is twice as long
 _MOST_STEPS = 150  # along one path
 # of Newton's method: steps; after so many the residual must fall; size of a step at most; damped: its shortest part
 _POINT = 12, 4, 3, 0  # to a point of the path
@@ -360,8 +360,7 @@ class BedPath:
         inside = np.clip((1.0 - here / (EARLY * elastic)) / np.maximum(1.0 - here / scale, LEVEL), 0.0, 1.0)
         reached = np.where(here <= EARLY * elastic, before[:, -1] + inside * (ln - before[:, -1]), np.inf)
         at.early, at.steps = np.minimum(at.early, reached), at.steps + 1
-        longer = np.where((cosine > _STRAIGHTER) & (found.evaluations <= 3), 4.0, 1.0)
-        longer = np.maximum(longer, np.where((cosine > _STRAIGHT) & (found.evaluations <= 4), 2.0, 1.0))
+        longer = np.where((cosine > _STRAIGHT) & (found.evaluations <= 4), 2.0, 1.0)
         longer[found.evaluations > 6] = 0.6
         at.length = np.where(good, np.minimum(along * longer, _LONGEST), along / 4)
         at.tangent = np.where(good[:, None], units(on_scale(after, here / scale)), tangent)
