@@ -176,7 +176,7 @@ def _limits(blocks: Blocks, beds: Beds, slide: tuple[Ints, Floats, Floats], foun
     has_bed = slides[:, -1] > 0.0
     forces = np.where(status == ForcesStatus.SLIDES, np.where(has_bed, 1.0 / slides[:, -1], 0.0), np.nan)
     bed, forces_govern = found.factor, ~has_bed | (found.factor > forces * (1.0 + SAME_LIMIT))
-    rests = np.isfinite(bed)
+    rests, same = np.isfinite(bed), bed >= forces * (1.0 - SAME_LIMIT)
     velocity = np.where(forces_govern[:, None], slides[:, :-1], found.velocity)
     opens_partly, opens_wholly = np.zeros((2, *contacts.shape), dtype=bool)
     opens_partly[contacts], opens_wholly[contacts] = opened(beds, velocity)
@@ -189,7 +189,7 @@ def _limits(blocks: Blocks, beds: Beds, slide: tuple[Ints, Floats, Floats], foun
     motion[:, blocks.unknowns] = velocity
     force = lengths(blocks.load[:, blocks.unknowns[:moves]]) / lengths(beds.load[:, :moves])
     return BlockLimits(
-        factor=np.where(has_bed & ~rests, np.nan, np.fmin(forces, bed)),
+        factor=np.where(has_bed & ~rests, np.nan, np.where(same, forces, np.fmin(forces, bed))),
         forces=forces,
         forces_status=status,
         bed=bed,

@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.core.arrays import Floats, NDArray, cross
+from slopekit.core.arrays import Floats, Ints, NDArray, cross
 from slopekit.design.ground_water import SlopeDesign
 from slopekit.design.parts import Strength
 from slopekit.geometry.polytopes import Polytopes, polytopes
 from slopekit.kinds.single_block.batch_states import block_statuses
 from slopekit.kinds.single_block.closed_forms import OnArrays
 from slopekit.kinds.single_block.held_bolts import Bounds
-from slopekit.preie.batch import Blocks, limits_of_blocks
+from slopekit.preie.batch import BlockLimits, Blocks, limits_of_blocks
 
 _NO_BLOCK = "E208"  # a crack cuts it in two
 
@@ -37,6 +37,18 @@ class LimitsOfMany:
         return {name: of.tolist() for name, of in vars(self).items()}
 
 
+@dataclass(frozen=True)
+class AnswersOnArrays:
+    """PRE-IE's `limits` of n designs, the numbers `rows` (b,) of those that form blocks, and what was `found` of these.
+
+    `found` is None where none does.
+    """
+
+    limits: LimitsOfMany
+    rows: Ints
+    found: BlockLimits | None
+
+
 def limits_of(records: Sequence[Mapping[str, Sequence[Any]]]) -> LimitsOfMany:
     """Return what `LimitsOfMany.to_record` made of all parts of many designs."""
     names = ("status", "limit", "forces")
@@ -53,15 +65,22 @@ def limits_on_arrays(
     ----------
     design : whose numbers may be arrays (n,), as `OnArrays` takes it; strengths : of the joints, likewise
     """
+    return answers_on_arrays(design, on_arrays, strengths, count).limits
+
+
+def answers_on_arrays(
+    design: SlopeDesign, on_arrays: OnArrays[Any], strengths: Sequence[Strength], count: int
+) -> AnswersOnArrays:
+    """Return what `limits_on_arrays` has, and all that is known of the designs that form blocks."""
     blocks = blocks_of(design, on_arrays, strengths, count)
     there = np.flatnonzero((blocks.counts > 0).any(axis=1))
     status = np.full(count, _NO_BLOCK, dtype=object)
     limit, forces = np.full((2, count), np.nan)
-    if len(there):
-        found = limits_of_blocks(blocks.of(there))
+    found = limits_of_blocks(blocks.of(there)) if len(there) else None
+    if found is not None:
         status[there], forces[there] = block_statuses(found), found.forces
         limit[there] = np.where(found.factor > 0.0, found.factor, np.nan)  # no strength at all: a status, no number
-    return LimitsOfMany(status.astype(np.str_), limit, forces)
+    return AnswersOnArrays(LimitsOfMany(status.astype(np.str_), limit, forces), there, found)
 
 
 def blocks_of(design: SlopeDesign, on_arrays: OnArrays[Any], strengths: Sequence[Strength], count: int) -> Blocks:
@@ -88,6 +107,15 @@ def blocks_of(design: SlopeDesign, on_arrays: OnArrays[Any], strengths: Sequence
         tan_friction=np.tan(np.radians(friction)),
         load=_Loads(design, on_arrays, bounds, solids).load,
     )
+
+
+def shaken_toward(design: SlopeDesign, on_arrays: OnArrays[Any], count: int) -> Floats:
+    """Return the level unit vectors (n, 3) that an earthquake acts along."""
+    if design.seismic.trend_deg is None:
+        assert on_arrays.shaken is not None
+        return np.broadcast_to(on_arrays.shaken(design), (count, 3))
+    trend = np.radians(_each(design.seismic.trend_deg, count))
+    return np.stack([np.sin(trend), np.cos(trend), np.zeros(count)], axis=1)
 
 
 def _each(values: Any, count: int) -> Floats:
@@ -126,13 +154,7 @@ class _Loads:
         self.load[:, 2] -= weight
         if not np.any(seismic.coefficient):
             return
-        if seismic.trend_deg is None:
-            assert on_arrays.shaken is not None
-            ways = on_arrays.shaken(self.design)
-        else:
-            trend = np.radians(_each(seismic.trend_deg, self.count))
-            ways = np.stack([np.sin(trend), np.cos(trend), np.zeros(self.count)], axis=1)
-        self.load[:, :3] += (seismic.coefficient * weight)[:, None] * ways
+        self.load[:, :3] += (seismic.coefficient * weight)[:, None] * shaken_toward(self.design, on_arrays, self.count)
 
     def _forces(self) -> None:
         """Add forces and active bolts."""

@@ -11,7 +11,7 @@ from slopekit.kinds.single_block.one_block_limit import Cut, FoundLimit
 from slopekit.notices import SQUARE, bolt_notices, common_notices, mesh_notices, undrawn_notice
 from slopekit.preie.tolerances import PASSES_SETTLED
 
-_ACROSS = 0.34  # cosine of 70°
+_ACROSS, _AGAINST = 0.34, 0.1  # cosines of 70°, and of 84° the other way
 _ALL = 0.999999  # of an interface
 
 
@@ -37,7 +37,7 @@ def notices(design: Design, made: Cut, found: FoundLimit, why_not: str, block: s
             yield undrawn_notice()
     held = any(strength.cohesion_kpa or strength.friction_angle_deg for strength in strengths)
     if not held and not len(model.bolt_capacity):
-        yield Notice("W308", f"the joints have no strength: nothing holds the {block}, there is no factor of safety")
+        yield without_strength(block)
     if why_not and any(strength.dilation_deg for strength in strengths):
         yield Notice("W310", why_not)
     yield from bolt_notices(design)
@@ -45,26 +45,45 @@ def notices(design: Design, made: Cut, found: FoundLimit, why_not: str, block: s
 
 
 def _lost_contact(made: Cut, found: FoundLimit) -> Iterator[Notice]:
-    """W307: interfaces that have lost contact where the forces alone govern, or that a curved surface opens on."""
+    """W307: joints that have lost contact where the forces alone govern, or that a curved surface opens on.
+
+    A flat joint that opens on a part of its area alone has the limit of its bed, which does not jump.
+    """
     if found.analysis.moments_govern:
         return
-    area = found.scene.model.control_area
+    area, least = found.scene.model.control_area, 0.0 if found.factors is None else _ALL
     for interface in made.interfaces:
         joint = found.scene.pairs.interface == interface.key
         lost = float(area[joint & (found.limit.bond == 0.0)].sum() / area[joint].sum())
-        if interface.strength.cohesion_kpa > 0.0 and lost > 0.0:
-            opens = "has lost contact" if lost > _ALL else f"opens on {max(lost * 100, 1.0):.0f} % of its area"
-            yield Notice("W307", f"{interface.name} {opens} and loses its cohesion there: the factor of safety jumps "
-                         "where that happens")  # fmt: skip
+        if interface.strength.cohesion_kpa > 0.0 and lost > least:
+            yield lost_contact(interface.name, lost)
 
 
 def _shaking(made: Cut, found: FoundLimit) -> Iterator[Notice]:
     """W328: a seismic load that does not drive the movement."""
     seismic, model = made.loads.parts["seismic"], found.scene.model
     moved = model.moved(found.limit.velocity_of(model))[0]
-    along, size = float(seismic @ moved), float(np.linalg.norm(seismic) * np.linalg.norm(moved))
-    if along < -0.1 * size:
+    size = float(np.linalg.norm(seismic) * np.linalg.norm(moved))
+    if size:
+        yield from shaking(float(seismic @ moved) / size)
+
+
+def without_strength(block: str) -> Notice:
+    """W308: nothing holds what moves."""
+    return Notice("W308", f"the joints have no strength: nothing holds the {block}, there is no factor of safety")
+
+
+def lost_contact(joint: str, lost: float = 1.0) -> Notice:
+    """W307: a joint that has lost contact, or opens on a part of its area."""
+    opens = "has lost contact" if lost > _ALL else f"opens on {max(lost * 100, 1.0):.0f} % of its area"
+    jumps = "the factor of safety jumps where that happens"
+    return Notice("W307", f"{joint} {opens} and loses its cohesion there: {jumps}")
+
+
+def shaking(along: float) -> Iterator[Notice]:
+    """W328, where a seismic load does not drive the movement; `along`: cosine of the angle between the two."""
+    if along < -_AGAINST:
         yield Notice("W328", "the seismic load acts against the movement: it raises the factor of safety")
-    elif along < _ACROSS * size:
-        off = math.degrees(math.acos(along / size))
+    elif along < _ACROSS:
+        off = math.degrees(math.acos(along))
         yield Notice("W328", f"the seismic load acts across the movement, {off:.0f}° off it: is its trend right?")

@@ -71,9 +71,14 @@ class Vectorised:
 
     def limits(self, values: Floats) -> Record:
         """What PRE-IE says of some samples that form blocks by the closed form; as `LimitsOfMany`, in JSON values."""
+        design, strengths = self.at(values)
+        return limits_on_arrays(design, self.on_arrays, strengths, len(values)).to_record()
+
+    def at(self, values: Floats) -> tuple[SlopeDesign, Sequence[Strength]]:
+        """The design and the strengths of its joints with arrays in place of what scatters."""
         design = self._standing(values)
         assert isinstance(design, SlopeDesign)
-        return limits_on_arrays(design, self.on_arrays, self._strengths(values), len(values)).to_record()
+        return design, self._strengths(values)
 
     def _each(self, closed_forms: ClosedForms, count: int) -> ClosedForms:
         """The closed form of each sample where nothing that scatters is an argument: all are alike."""
@@ -156,12 +161,15 @@ class Vectorised:
         return strengths
 
 
-def vectorised(design: Design, values: Floats, values_at: ValuesAt) -> Vectorised | None:
+def vectorised(
+    design: Design, values: Floats, values_at: ValuesAt, keys: Sequence[str] | None = None
+) -> Vectorised | None:
     """The evaluator of a design over its samples, None where there is none.
 
     Parameters
     ----------
     values : (n, k) samples; values_at : the values of the design's file at one of them, by its number
+    keys : of the columns; None takes those of what scatters
     """
     kind = kind_of(design)
     on_arrays = kind.on_arrays
@@ -172,7 +180,7 @@ def vectorised(design: Design, values: Floats, values_at: ValuesAt) -> Vectorise
     if any(strength.named_law for strength in kind.strengths(design)):
         # curved strength asks the closed form again and again, sample by sample; straight laws have keys of their own
         return None
-    keys = [key for variable in design.variables for key in variable.columns]
+    keys = [key for variable in design.variables for key in variable.columns] if keys is None else keys
     before = as_laid_out(design)
     sizes = [key for key in keys if (field := field_at(type(design), key)) is not None and field.shape.coordinates]
     made = Vectorised(on_arrays, with_values(design, dict.fromkeys(sizes, 1.0)), keys, before)  # sizes are multiplied

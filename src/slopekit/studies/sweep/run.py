@@ -16,6 +16,8 @@ from functools import partial
 from itertools import pairwise, product
 from typing import Annotated, Any, ClassVar
 
+import numpy as np
+
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import number
@@ -35,6 +37,7 @@ from slopekit.studies.points import (
     evaluation,
     factor_at,
     kept_points,
+    kept_records,
     lines_of,
     lower_of,
     rules_left_out,
@@ -56,7 +59,9 @@ from slopekit.studies.protocol import (
 )
 from slopekit.studies.ranges import MOST, how_written, parse_values
 from slopekit.studies.running import Crew, checked_crew
+from slopekit.studies.sweep.on_arrays import points_on_arrays, probes_of
 
+_AT_ONCE = 2048  # points on arrays that are one task
 _LEVELS = (*ON_FACTOR, "fos.closed_form")  # names of the rules whose levels are looked for
 
 
@@ -307,10 +312,42 @@ def sweep(
     said += notices_of_inputs(design, [key.path for key in own])
     said += (*peak_only(design, "factors are those"), *rules_left_out(design, _LEVELS))
     swept = Sweep(design, own, values, (), methods, levels_of(design, fos), of_inputs=tuple(said))
-    tasks = [values_of(design, own, place) for place in swept.places]
-    keeps_bolts = not any(key.path.startswith("support.") for key in own)
-    points = tuple(evaluated(design, "sweep", tasks, methods, crew, desk, keeps_bolts))
+    points = _points_at(design, own, swept.places, methods, crew, desk)
     return replace(swept, points=points, seconds=time.perf_counter() - began)
+
+
+def _points_at(
+    design: Design, keys: Sequence[Key], places: Sequence[Sequence[float]], methods: str, crew: Crew, desk: Workplace
+) -> tuple[Point, ...]:
+    """The points at some values of keys: some as designs of their own, and the others on arrays where these agree."""
+    values, points = np.array(places), list[Point | None]([None] * len(places))
+    keeps_bolts = not any(key.path.startswith("support.") for key in keys)
+
+    def analyse(rows: Sequence[int]) -> None:
+        tasks = [values_of(design, keys, places[row]) for row in rows]
+        found = evaluated(design, "sweep", tasks, methods, crew, desk, keeps_bolts)
+        for row, point in zip(rows, found, strict=True):
+            points[row] = point
+
+    probes = probes_of(values)
+    analyse(probes)
+    rest = [row for row in range(len(places)) if points[row] is None]
+    known = [(row, point) for row in probes if (point := points[row]) is not None]
+    at_once = points_on_arrays(design, keys, values, known, methods != "closed-form") if rest else None
+    if at_once is not None:
+        parts = [rest[at : at + _AT_ONCE] for at in range(0, len(rest), _AT_ONCE)]
+        run = [design.input_hash(), methods, [key.path for key in keys], values.tolist(), _AT_ONCE]
+        records, journal = kept_records(
+            at_once, [values[part] for part in parts], crew, desk, "sweep", "points", run, at_once=1
+        )
+        journal.remove()
+        for part, record in zip(parts, records, strict=True):
+            for row, of in zip(part, record["points"], strict=True):
+                points[row] = None if of is None else Point.from_record(of)
+        rest = [row for row in rest if points[row] is None]
+    if rest:
+        analyse(rest)
+    return tuple(point for point in points if point is not None)
 
 
 def evaluated(

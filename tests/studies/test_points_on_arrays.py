@@ -1,0 +1,73 @@
+"""Points that a sweep takes all at once are those of runs: numbers, statuses, notices, and reasons where none forms."""
+
+from typing import Any
+
+import pytest
+
+import slopekit as sk
+from slopekit.studies.keys import key_of, values_of
+from slopekit.studies.points import point_of
+from slopekit.studies.sweep import run as sweeping
+
+WEDGE: dict[str, Any] = {
+    "slopekit": 1, "kind": "wedge", "slope": {"face": "65/185", "upper": "12/195", "height": 20},
+    "joints": {"J1": {"plane": "45/105", "strength": "a"}, "J2": {"plane": "70/235", "strength": "b"}},
+    "strength": {"a": {"c": 12, "phi": 33}, "b": {"c": 5, "phi": 30}},
+}  # fmt: skip
+PLANE: dict[str, Any] = {
+    "slopekit": 1, "kind": "plane", "slope": {"face": "65/185", "upper": "12/195", "height": 20},
+    "joints": {"J1": {"plane": "38/185", "strength": "s"}}, "strength": {"s": {"c": 12, "phi": 33}},
+    "rock": {"unit_weight": 26},
+}  # fmt: skip
+GRIDS: dict[str, tuple[dict[str, Any], dict[str, list[float]]]] = {
+    "water and friction": (WEDGE, {"water.fill": [0, 0.2, 0.5, 0.9, 1.0], "strength.a.phi": [20, 30, 40, 45]}),
+    "a joint turns until no wedge forms": (
+        WEDGE, {"joints.J1.plane.dip_direction": [60, 100, 130, 160, 200, 230, 300], "slope.face.dip": [50, 65, 85]}
+    ),
+    "shaking, across and against": (
+        WEDGE | {"loads": {"seismic": {"k": 0.1, "toward": 90}}, "water": {"fill": 0.4}},
+        {"loads.seismic.toward": [0, 40, 90, 140, 180, 270, 320], "loads.seismic.k": [0, 0.05, 0.2]},
+    ),
+    "water lifts a joint": (WEDGE | {"water": {"fill": 0.5}}, {
+        "water.fill": [0.1, 0.4, 0.7, 0.8, 0.9, 0.95, 1.0], "joints.J2.plane.dip": [55, 62, 70],
+    }),
+    "strength that is none": (WEDGE, {"strength.a.c": [0, 0.5, 1, 2, 3, 4, 5], "strength.b.phi": [0, 10, 20]}),
+    "a crack": (WEDGE | {"crack": {"plane": "80/185", "distance": 3}, "water": {"fill": 0.2}},
+                {"crack.distance": [0.5, 1, 2, 3, 5, 8, 12], "water.fill": [0, 0.3, 0.6]}),
+    "a basal joint": (WEDGE | {"basal": {"plane": "20/185", "height": 4, "strength": "a"}},
+                      {"basal.height": [1, 2, 3, 4, 6, 9, 15], "strength.a.c": [0, 10, 20]}),
+    "a plane": (PLANE | {"water": {"fill": 0.2}}, {"joints.J1.plane.dip": [25, 30, 38, 45, 60, 64, 70, 80],
+                                                   "water.fill": [0, 0.5, 1.0]}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", GRIDS)
+def test_points_at_once_are_those_of_runs(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    document, grid = GRIDS[name]
+    design, analysed = sk.load(document), list[Any]()
+    one_by_one = sweeping.evaluated
+
+    def counted(*given: Any) -> Any:
+        analysed.extend(given[2])
+        return one_by_one(*given)
+
+    monkeypatch.setattr(sweeping, "evaluated", counted)
+    swept = sk.sweep(design, grid)
+    keys = [key_of(design, path) for path in grid]
+    assert len(analysed) < len(swept.points)
+    for place, point in zip(swept.places, swept.points, strict=True):
+        run = point_of(design, values_of(design, keys, place))
+        assert (point.code, point.message) == (run.code, run.message)
+        if run.factors is None or point.factors is None:
+            assert run.factors is point.factors
+            continue
+        ours, runs = point.factors, run.factors
+        assert (ours.status, ours.closed_status, ours.agree) == (runs.status, runs.closed_status, runs.agree)
+        assert (ours.moments_govern, set(ours.notes)) == (runs.moments_govern, set(runs.notes))
+        assert (ours.also is None) == (runs.also is None)
+        pairs = [(ours.limit, runs.limit, 1e-8), (ours.closed_form, runs.closed_form, 1e-12)]
+        if ours.also is not None and runs.also is not None:
+            assert ours.also.status == runs.also.status
+            pairs.append((ours.also.factor, runs.also.factor, 1e-12))
+        for own, of_run, part in pairs:
+            assert own == (None if of_run is None else pytest.approx(of_run, rel=part))
