@@ -41,6 +41,12 @@ class ByMethod:
             names, np.array([numbers[word] for word in words], dtype=np.int16), np.array(factor, dtype=np.float64)
         )
 
+    @property
+    def words(self) -> list[str]:
+        """The outcome of each, in a word."""
+        words: list[str] = np.array(self.names, dtype=object)[self.outcome].tolist()
+        return words
+
     def among(self, *beginnings: str) -> Bools:
         """Return which outcomes begin with one of these, (n,)."""
         matches: Bools = np.array([name.startswith(beginnings) for name in self.names], dtype=bool)[self.outcome]
@@ -48,10 +54,9 @@ class ByMethod:
 
     def refused(self, words: Any) -> "ByMethod":
         """Return the same without blocks where another method forms none, by its outcomes in words (n,)."""
-        own = np.array(self.names, dtype=object)[self.outcome]
-        without = np.array([word.startswith("E") for word in words], dtype=bool)
+        without = np.char.startswith(words, "E")
         factor = np.where(without, np.nan, self.factor)
-        return ByMethod.of(np.where(without, words, own).tolist(), factor) if without.any() else self
+        return ByMethod.of(np.where(without, words, self.words).tolist(), factor) if without.any() else self
 
     @property
     def unjudged(self) -> Bools:

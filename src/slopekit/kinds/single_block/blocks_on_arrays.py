@@ -4,7 +4,7 @@ The designs are one whose numbers may be arrays (n,): what `OnArrays` takes.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from slopekit.kinds.single_block.closed_forms import OnArrays
 from slopekit.kinds.single_block.held_bolts import Bounds
 from slopekit.preie.batch import BlockLimits, Blocks, limits_of_blocks
 
+_COLUMNS = ("status", "limit", "forces")
 _NO_BLOCK = "E208"  # a crack cuts it in two
 
 
@@ -25,34 +26,24 @@ _NO_BLOCK = "E208"  # a crack cuts it in two
 class LimitsOfMany:
     """What PRE-IE says of n designs: `status` (n,) or the code of why there is no block, `limit` and `forces` (n,).
 
-    `limit` is the factor of safety, `forces` that of the forces alone; not a number where there is none.
+    `limit` is the factor of safety, `forces` that of the forces alone; not a number where there is none. `rows` (b,)
+    are the numbers of those that form blocks, and `found` is all that PRE-IE says of these, None of none.
     """
 
     status: NDArray[np.str_]
     limit: Floats
     forces: Floats
+    rows: Ints = field(default_factory=lambda: np.arange(0))
+    found: BlockLimits | None = None
 
     def to_record(self) -> dict[str, list[Any]]:
         """Return it as JSON values."""
-        return {name: of.tolist() for name, of in vars(self).items()}
-
-
-@dataclass(frozen=True)
-class AnswersOnArrays:
-    """PRE-IE's `limits` of n designs, the numbers `rows` (b,) of those that form blocks, and what was `found` of these.
-
-    `found` is None where none does.
-    """
-
-    limits: LimitsOfMany
-    rows: Ints
-    found: BlockLimits | None
+        return {name: getattr(self, name).tolist() for name in _COLUMNS}
 
 
 def limits_of(records: Sequence[Mapping[str, Sequence[Any]]]) -> LimitsOfMany:
     """Return what `LimitsOfMany.to_record` made of all parts of many designs."""
-    names = ("status", "limit", "forces")
-    status, limit, forces = ([of for record in records for of in record[name]] for name in names)
+    status, limit, forces = ([of for record in records for of in record[name]] for name in _COLUMNS)
     return LimitsOfMany(np.array(status, dtype=np.str_), np.array(limit, np.float64), np.array(forces, np.float64))
 
 
@@ -65,13 +56,6 @@ def limits_on_arrays(
     ----------
     design : whose numbers may be arrays (n,), as `OnArrays` takes it; strengths : of the joints, likewise
     """
-    return answers_on_arrays(design, on_arrays, strengths, count).limits
-
-
-def answers_on_arrays(
-    design: SlopeDesign, on_arrays: OnArrays[Any], strengths: Sequence[Strength], count: int
-) -> AnswersOnArrays:
-    """Return what `limits_on_arrays` has, and all that is known of the designs that form blocks."""
     blocks = blocks_of(design, on_arrays, strengths, count)
     there = np.flatnonzero((blocks.counts > 0).any(axis=1))
     status = np.full(count, _NO_BLOCK, dtype=object)
@@ -80,7 +64,7 @@ def answers_on_arrays(
     if found is not None:
         status[there], forces[there] = block_statuses(found), found.forces
         limit[there] = np.where(found.factor > 0.0, found.factor, np.nan)  # no strength at all: a status, no number
-    return AnswersOnArrays(LimitsOfMany(status.astype(np.str_), limit, forces), there, found)
+    return LimitsOfMany(status.astype(np.str_), limit, forces, there, found)
 
 
 def blocks_of(design: SlopeDesign, on_arrays: OnArrays[Any], strengths: Sequence[Strength], count: int) -> Blocks:

@@ -4,7 +4,7 @@ The first places and the extreme ones are analysed as designs of their own. Wher
 them what it does not say of all, or arrays find another answer there, no place is taken on arrays.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,13 +18,12 @@ from slopekit.design.reading.files import with_values
 from slopekit.evidence import WithoutBasal
 from slopekit.kinds import kind_of
 from slopekit.kinds.protocol import Factors
-from slopekit.kinds.single_block.blocks_on_arrays import AnswersOnArrays, answers_on_arrays, shaken_toward
+from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany, limits_on_arrays, shaken_toward
 from slopekit.kinds.single_block.one_block_notices import lost_contact, shaking, without_strength
 from slopekit.studies.keys import Key, values_of
 from slopekit.studies.outcomes import ByMethod, agreement
 from slopekit.studies.points import Point
 from slopekit.studies.prob.vectorised import Vectorised, vectorised
-from slopekit.studies.running import Record
 
 #: What a run says because of its answer; all else that it says follows from the inputs.
 _OF_ANSWERS = ("W307", "W308", "W328")
@@ -33,7 +32,7 @@ _SAME = 1e-6  # of a factor: what arrays and a run make of the same design
 _FIRST = 8
 
 
-def probes_of(places: Floats) -> list[int]:
+def ends_of(places: Floats) -> list[int]:
     """Return the numbers of places (n, k) that are designs of their own: the first ones, and the extreme."""
     return list(dict.fromkeys([*range(min(_FIRST, len(places))), *places.argmin(axis=0), *places.argmax(axis=0)]))
 
@@ -52,88 +51,77 @@ class PointsOnArrays:
     pre_ie: bool
     said: tuple[Notice, ...] = ()
 
-    def __call__(self, places: Floats) -> Record:
-        """Return the records of the points at places (n, k), None where no block forms: what a worker does."""
-        return {"points": [None if point is None else point.to_record() for point in self.points(places)]}
-
-    def points(self, places: Floats) -> list[Point | None]:
+    def __call__(self, places: Floats) -> list[Point | None]:
         """Return the points at places (n, k), None where no block forms: its own analysis says why."""
         forms, also = self.columns(places), self.columns.also(places)
-        closed = ByMethod.of(np.array(forms.names)[forms.outcome].tolist(), forms.factor)
-        rows, points = np.flatnonzero(~closed.among("E")), list[Point | None]([None] * len(places))
-        if not len(rows):
-            return points
-        factor = np.where(closed.factor > 0.0, closed.factor, np.nan)
-        closed = ByMethod(closed.names, closed.outcome[rows], factor[rows])
-        found = self._by_both(places[rows], closed) if self.pre_ie else _by_closed_form(closed)
-        for row, factors in zip(rows.tolist(), found, strict=True):
+        words, factor = np.array(forms.names)[forms.outcome], np.where(forms.factor > 0.0, forms.factor, np.nan)
+        rows, points = np.flatnonzero(~np.char.startswith(words, "E")), list[Point | None]([None] * len(places))
+        closed = ByMethod.of(words[rows].tolist(), factor[rows])
+        for row, factors in zip(rows.tolist(), self._factors(places[rows], closed) if len(rows) else (), strict=True):
+            whole = None
+            if also is not None and (status := also.names[also.outcome[row]]):
+                whole = WithoutBasal(status, _known(also.factor[row]))
             if factors is not None:
-                whole = None
-                if also is not None and (status := also.names[also.outcome[row]]):
-                    whole = WithoutBasal(status, _known(also.factor[row]))
                 points[row] = Point(replace(factors, also=whole, notes=_said(factors.notes, _WHOLE, whole)))
         return points
 
-    def _by_both(self, places: Floats, closed: ByMethod) -> Iterator[Factors | None]:
+    def _factors(self, places: Floats, closed: ByMethod) -> Iterator[Factors | None]:
+        if not self.pre_ie:
+            for status, factor in zip(closed.words, closed.factor, strict=True):
+                yield Factors(status, None, status, _known(factor), None, None, False, True)
+            return
         design, strengths = self.columns.at(places)
-        answers = answers_on_arrays(design, self.columns.on_arrays, strengths, len(places))
-        closed = closed.refused(answers.limits.status)
-        limit = ByMethod.of(answers.limits.status.tolist(), answers.limits.limit)
-        both = agreement(limit, answers.limits.forces, closed, design.analysis.agree_within)
-        notes = iter(self._notes(design, strengths, answers))
-        for row, (status, other) in enumerate(zip(_words(limit), _words(closed), strict=True)):
-            if status.startswith("E"):
-                yield None
-                continue
-            yield Factors(
-                status,
-                _known(limit.factor[row]),
-                other,
-                _known(closed.factor[row]),
-                _known(both.difference[row]),
-                None if both.agree[row] < 0 else bool(both.agree[row]),
-                bool(both.moments_govern[row]),
-                True,
-                notes=(*self.said, *next(notes)),
-            )
+        limits = limits_on_arrays(design, self.columns.on_arrays, strengths, len(places))
+        closed = closed.refused(limits.status)
+        limit = ByMethod.of(limits.status.tolist(), limits.limit)
+        both = agreement(limit, limits.forces, closed, design.analysis.agree_within)
+        notes = self._notes(design, strengths, limits)
+        for row, (status, other) in enumerate(zip(limit.words, closed.words, strict=True)):
+            yield None if status.startswith("E") else Factors(
+                status, _known(limit.factor[row]), other, _known(closed.factor[row]), _known(both.difference[row]),
+                bool(both.agree[row]), bool(both.moments_govern[row]), True, notes=(*self.said, *next(notes)),
+            )  # fmt: skip
 
     def _notes(
-        self, design: SlopeDesign, strengths: Sequence[Strength], answers: AnswersOnArrays
+        self, design: SlopeDesign, strengths: Sequence[Strength], limits: LimitsOfMany
     ) -> Iterator[tuple[Notice, ...]]:
         """Yield what a run says of each answer."""
-        found, rows, count = answers.found, answers.rows, len(answers.limits.status)
-        if found is None:
-            return
-        joints, block = design.wet_interfaces, kind_of(design).words.block
-        cohesion, friction = (
-            np.stack([np.broadcast_to(getattr(one, name), count)[rows] for one in strengths], axis=1)
-            for name in ("cohesion_kpa", "friction_angle_deg")
-        )
+        found, rows, count = limits.found, limits.rows, len(limits.status)
+        assert found is not None
+        cohesion, friction, shaken = (
+            np.stack([np.broadcast_to(number, count)[rows] for number in numbers], axis=1)
+            for numbers in (
+                [one.cohesion_kpa for one in strengths], [one.friction_angle_deg for one in strengths],
+                [design.seismic.coefficient],
+            )
+        )  # fmt: skip
         answered = ~np.isnan(found.factor)
         loses = (answered & ~found.moments_govern)[:, None] & (found.normal == 0.0) & (cohesion > 0.0)
         bare = np.all((cohesion == 0.0) & (friction == 0.0), axis=1)
         along = np.full(len(rows), np.nan)
-        if np.any(design.seismic.coefficient):
-            ways, moved = shaken_toward(design, self.columns.on_arrays, count)[rows], found.velocity[:, :3]
-            shaken = answered & (np.broadcast_to(design.seismic.coefficient, count)[rows] > 0.0)
+        if shaken.any():
+            moved = found.velocity[:, :3]
             size = np.sqrt((moved * moved).sum(axis=1))
-            along[shaken] = ((ways * moved).sum(axis=1) / np.where(size > 0.0, size, np.nan))[shaken]
-        for lost, own, nothing in zip(loses.tolist(), along.tolist(), bare.tolist(), strict=True):
+            ways = shaken_toward(design, self.columns.on_arrays, count)[rows]
+            shows = answered & (shaken[:, 0] > 0.0) & (size > 0.0)
+            along[shows] = (ways * moved).sum(axis=1)[shows] / size[shows]
+        joints, block = design.wet_interfaces, kind_of(design).words.block
+        for lost, cosine, nothing in zip(loses, along.tolist(), bare, strict=True):
             yield (
-                *(lost_contact(joints[k]) for k, of in enumerate(lost) if of),
-                *(shaking(own) if own == own else ()),
+                *(lost_contact(joints[k]) for k in np.flatnonzero(lost)),
+                *(() if np.isnan(cosine) else shaking(cosine)),
                 *([without_strength(block)] if nothing else ()),
             )
 
 
 def points_on_arrays(
-    design: Design, keys: Sequence[Key], places: Floats, probes: Sequence[tuple[int, Point]], pre_ie: bool
+    design: Design, keys: Sequence[Key], places: Floats, known: Mapping[int, Point], pre_ie: bool
 ) -> PointsOnArrays | None:
     """Return what finds all points of a design at once, None where it has to be asked place by place.
 
     Parameters
     ----------
-    places : (n, k) values of the keys; probes : numbers of places and their points, each analysed as a design
+    places : (n, k) values of the keys; known : points that were analysed as designs, by the numbers of their places
     """
     if any(bolt.head_m is not None for bolt in design.bolts):
         return None
@@ -144,18 +132,15 @@ def points_on_arrays(
     columns = vectorised(
         fullest, places, lambda row: values_of(design, keys, places[row].tolist()), [key.path for key in keys]
     )
-    if columns is None or (pre_ie and not columns.has_limits):
-        return None
-    said = {
+    of_inputs = {
         tuple(note for note in _said(point.notes, point.also, _WHOLE) if note.code not in _OF_ANSWERS)
-        for _, point in probes
+        for point in known.values()
         if point.factors is not None
     }
-    if len(said) != 1:
+    if columns is None or (pre_ie and not columns.has_limits) or len(of_inputs) != 1:
         return None
-    made = PointsOnArrays(columns, pre_ie, *said)
-    found = made.points(places[[row for row, _ in probes]])
-    return made if all(_alike(*both) for both in zip(found, (point for _, point in probes), strict=True)) else None
+    at_once = PointsOnArrays(columns, pre_ie, *of_inputs)
+    return at_once if all(map(_alike, at_once(places[list(known)]), known.values())) else None
 
 
 def _said(
@@ -170,25 +155,16 @@ def _said(
 
 def _alike(one: Point | None, other: Point) -> bool:
     """Whether arrays say what a run says."""
-    if one is None or one.factors is None or other.factors is None:
-        return one is None and other.factors is None
-    ours, runs = one.factors, other.factors
-    words = (ours.status, ours.closed_status, ours.agree, ours.moments_govern, set(ours.notes))
-    return words == (runs.status, runs.closed_status, runs.agree, runs.moments_govern, set(runs.notes)) and all(
-        (a is None) == (b is None) and (a is None or b is None or abs(a - b) <= _SAME * b)
-        for a, b in ((ours.limit, runs.limit), (ours.closed_form, runs.closed_form))
-    )
-
-
-def _by_closed_form(closed: ByMethod) -> Iterator[Factors]:
-    for status, factor in zip(_words(closed), closed.factor.tolist(), strict=True):
-        yield Factors(status, None, status, _known(factor), None, None, False, True)
-
-
-def _words(method: ByMethod) -> list[str]:
-    words: list[str] = np.array(method.names, dtype=object)[method.outcome].tolist()
-    return words
+    ours, runs = None if one is None else one.factors, other.factors
+    if ours is None or runs is None:
+        return ours is runs
+    (a, b), (c, d) = (
+        ([of.limit or np.nan, of.closed_form or np.nan],
+         (of.status, of.closed_status, of.agree, of.moments_govern, set(of.notes)))
+        for of in (ours, runs)
+    )  # fmt: skip
+    return b == d and np.allclose(a, c, rtol=_SAME, atol=0.0, equal_nan=True)
 
 
 def _known(value: float) -> float | None:
-    return None if value != value else float(value)
+    return None if np.isnan(value) else float(value)

@@ -37,7 +37,6 @@ from slopekit.studies.points import (
     evaluation,
     factor_at,
     kept_points,
-    kept_records,
     lines_of,
     lower_of,
     rules_left_out,
@@ -59,7 +58,7 @@ from slopekit.studies.protocol import (
 )
 from slopekit.studies.ranges import MOST, how_written, parse_values
 from slopekit.studies.running import Crew, checked_crew
-from slopekit.studies.sweep.on_arrays import points_on_arrays, probes_of
+from slopekit.studies.sweep.on_arrays import ends_of, points_on_arrays
 
 _AT_ONCE = 2048  # points on arrays that are one task
 _LEVELS = (*ON_FACTOR, "fos.closed_form")  # names of the rules whose levels are looked for
@@ -319,35 +318,24 @@ def sweep(
 def _points_at(
     design: Design, keys: Sequence[Key], places: Sequence[Sequence[float]], methods: str, crew: Crew, desk: Workplace
 ) -> tuple[Point, ...]:
-    """The points at some values of keys: some as designs of their own, and the others on arrays where these agree."""
-    values, points = np.array(places), list[Point | None]([None] * len(places))
+    """The points at some values of keys: the others on arrays where the first and the extreme ones allow it."""
+    values, points = np.array(places), dict[int, Point]()
     keeps_bolts = not any(key.path.startswith("support.") for key in keys)
 
     def analyse(rows: Sequence[int]) -> None:
         tasks = [values_of(design, keys, places[row]) for row in rows]
-        found = evaluated(design, "sweep", tasks, methods, crew, desk, keeps_bolts)
-        for row, point in zip(rows, found, strict=True):
-            points[row] = point
+        points.update(zip(rows, evaluated(design, "sweep", tasks, methods, crew, desk, keeps_bolts), strict=True))
 
-    probes = probes_of(values)
-    analyse(probes)
-    rest = [row for row in range(len(places)) if points[row] is None]
-    known = [(row, point) for row in probes if (point := points[row]) is not None]
-    at_once = points_on_arrays(design, keys, values, known, methods != "closed-form") if rest else None
+    analyse(ends_of(values))
+    rest = [row for row in range(len(places)) if row not in points]
+    at_once = points_on_arrays(design, keys, values, points, methods != "closed-form") if rest else None
     if at_once is not None:
-        parts = [rest[at : at + _AT_ONCE] for at in range(0, len(rest), _AT_ONCE)]
-        run = [design.input_hash(), methods, [key.path for key in keys], values.tolist(), _AT_ONCE]
-        records, journal = kept_records(
-            at_once, [values[part] for part in parts], crew, desk, "sweep", "points", run, at_once=1
-        )
-        journal.remove()
-        for part, record in zip(parts, records, strict=True):
-            for row, of in zip(part, record["points"], strict=True):
-                points[row] = None if of is None else Point.from_record(of)
-        rest = [row for row in rest if points[row] is None]
-    if rest:
-        analyse(rest)
-    return tuple(point for point in points if point is not None)
+        with desk.bar("points", len(rest)) as advance:
+            for some in (rest[at : at + _AT_ONCE] for at in range(0, len(rest), _AT_ONCE)):
+                points |= {row: point for row, point in zip(some, at_once(values[some]), strict=True) if point}
+                advance(len(some))
+    analyse([row for row in rest if row not in points])
+    return tuple(points[row] for row in range(len(places)))
 
 
 def evaluated(
