@@ -1,6 +1,6 @@
 """Points of a design all at once, where its kind takes arrays.
 
-The first places and the extreme ones are analysed as designs of their own. Where a run says of the inputs of one of
+A few places and the extreme ones are analysed as designs of their own. Where a run says of the inputs of one of
 them what it does not say of all, or arrays find another answer there, no place is taken on arrays.
 """
 
@@ -29,12 +29,13 @@ from slopekit.studies.prob.vectorised import Vectorised, vectorised
 _OF_ANSWERS = ("W307", "W308", "W328")
 _WHOLE = "{whole}"  # stands in a notice for what acceptance is held against besides
 _SAME = 1e-6  # of a factor: what arrays and a run make of the same design
-_FIRST = 8
+_FEW = 9
 
 
-def ends_of(places: Floats) -> list[int]:
-    """Return the numbers of places (n, k) that are designs of their own: the first ones, and the extreme."""
-    return list(dict.fromkeys([*range(min(_FIRST, len(places))), *places.argmin(axis=0), *places.argmax(axis=0)]))
+def some_of(places: Floats) -> list[int]:
+    """Return the numbers of places (n, k) that are designs of their own: a few, and the extreme ones."""
+    few = np.linspace(0, len(places) - 1, _FEW).astype(np.int64)
+    return sorted({int(row) for row in (*few, *places.argmin(axis=0), *places.argmax(axis=0))})
 
 
 @dataclass(frozen=True)

@@ -58,7 +58,7 @@ from slopekit.studies.protocol import (
 )
 from slopekit.studies.ranges import MOST, how_written, parse_values
 from slopekit.studies.running import Crew, checked_crew
-from slopekit.studies.sweep.on_arrays import ends_of, points_on_arrays
+from slopekit.studies.sweep.on_arrays import points_on_arrays, some_of
 
 _AT_ONCE = 2048  # points on arrays that are one task
 _LEVELS = (*ON_FACTOR, "fos.closed_form")  # names of the rules whose levels are looked for
@@ -318,7 +318,7 @@ def sweep(
 def _points_at(
     design: Design, keys: Sequence[Key], places: Sequence[Sequence[float]], methods: str, crew: Crew, desk: Workplace
 ) -> tuple[Point, ...]:
-    """The points at some values of keys: the others on arrays where the first and the extreme ones allow it."""
+    """The points at some values of keys: the others on arrays where a few of them and the extreme ones allow it."""
     values, points = np.array(places), dict[int, Point]()
     keeps_bolts = not any(key.path.startswith("support.") for key in keys)
 
@@ -326,7 +326,7 @@ def _points_at(
         tasks = [values_of(design, keys, places[row]) for row in rows]
         points.update(zip(rows, evaluated(design, "sweep", tasks, methods, crew, desk, keeps_bolts), strict=True))
 
-    analyse(ends_of(values))
+    analyse(some_of(values))
     rest = [row for row in range(len(places)) if row not in points]
     at_once = points_on_arrays(design, keys, values, points, methods != "closed-form") if rest else None
     if at_once is not None:
