@@ -12,9 +12,10 @@ from benchmarks.ordinary_cuts import ordinary_cut
 from slopekit.design.common import Design
 from slopekit.kinds import cut, kind_of
 from slopekit.kinds.plane import PlaneDesign
-from slopekit.kinds.single_block.blocks_on_arrays import blocks_of, limits_on_arrays
+from slopekit.kinds.single_block.blocks_on_arrays import blocks_of, limits_of, limits_on_arrays
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.preie.batch import Blocks
+from slopekit.studies.prob.vectorised import vectorised
 
 PLANE: dict[str, Any] = {
     "slopekit": 1, "kind": "plane", "slope": {"face": "65/170", "upper": "8/175", "height": 14},
@@ -127,3 +128,14 @@ def test_a_block_without_strength_has_a_status_and_no_number() -> None:
     assert found.status.tolist() == ["slides_on_J1"] * 2
     assert np.isnan(found.limit).tolist() == [False, True]
     assert found.forces[1] == 0.0
+
+
+def test_a_wedge_that_hardly_daylights_is_weighed_as_the_closed_form_weighs_it() -> None:
+    """Its line is 5e-8 rad steeper than the upper slope, and the wedge a million times as long as thick."""
+    dips = 14.767444667665846 + np.array([3e-6, 1e-5, 1e-3])
+    design = sk.load({"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}})
+    columns = vectorised(design, dips[:, None], lambda row: {"joints.J1.plane.dip": float(dips[row])},
+                         ["joints.J1.plane.dip"])  # fmt: skip
+    assert columns is not None
+    found = limits_of([columns.limits(dips[:, None])])
+    assert found.forces == pytest.approx(columns(dips[:, None]).factor, rel=1e-8)

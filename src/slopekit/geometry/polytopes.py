@@ -106,7 +106,7 @@ def polytopes(outward: Floats, offsets: Floats, size: Floats) -> Polytopes:
     used = np.arange(faces.shape[2]) < counts[:, :, None]
     faces = np.where(used[..., None], faces, faces[:, :, :1])
     counts = np.where(counts > 2, counts, 0)
-    volume, centroid = _volumes(faces, counts)
+    volume, centroid = _volumes(outward, offsets, faces, counts)
     return Polytopes(outward, offsets, faces, counts, volume, centroid)
 
 
@@ -117,14 +117,16 @@ def _across(normals: Floats) -> Floats:
     return across
 
 
-def _volumes(faces: Floats, counts: Ints) -> tuple[Floats, Floats]:
-    """Return volumes (n,) and centroids (n, 3), by the pyramids from a corner of each block over its faces."""
-    is_face = counts > 0
-    first = is_face.argmax(axis=1)
-    apex = faces[np.arange(len(faces)), first, 0]
-    arms = np.where(is_face[:, :, None, None], faces - apex[:, None, None], 0.0)
-    a, b, c = np.broadcast_to(arms[:, :, :1], arms[:, :, 2:].shape), arms[:, :, 1:-1], arms[:, :, 2:]
-    parts = (a * cross(b, c)).sum(axis=3) / 6.0
+def _volumes(outward: Floats, offsets: Floats, faces: Floats, counts: Ints) -> tuple[Floats, Floats]:
+    """Return volumes (n,) and centroids (n, 3), by pyramids on the faces from the corner nearest to the origin."""
+    rows, (is_face, corners) = np.arange(len(faces)), (counts > 0, faces.reshape(len(faces), -1, 3))
+    distance = np.where(np.repeat(is_face, faces.shape[2], axis=1), (corners * corners).sum(axis=2), np.inf)
+    apex = corners[rows, distance.argmin(axis=1)]
+    heights = np.where(is_face, offsets - (outward @ apex[:, :, None])[:, :, 0], 0.0)
+    first, second, third = np.broadcast_to(faces[:, :, :1], faces[:, :, 2:].shape), faces[:, :, 1:-1], faces[:, :, 2:]
+    doubled = (cross(second - first, third - first) * outward[:, :, None]).sum(axis=3)
+    parts = doubled * heights[:, :, None] / 6.0
     volume = parts.sum(axis=(1, 2))
     volume = np.where(volume > 0.0, volume, np.nan)
-    return volume, apex + ((parts[..., None] * (a + b + c)).sum(axis=(1, 2)) / 4.0) / volume[:, None]
+    middles = (first + second + third + apex[:, None, None]) / 4.0
+    return volume, (parts[..., None] * middles).sum(axis=(1, 2)) / volume[:, None]
