@@ -21,11 +21,14 @@ import numpy as np
 
 from slopekit.design.reading.files import load
 from slopekit.design.templates import path_of
+from slopekit.studies.keys import key_of, values_of
 from slopekit.studies.outcomes import ByMethod
+from slopekit.studies.points import point_of
 from slopekit.studies.prob import prob
 from slopekit.studies.prob.sampling import METHODS, samples
 from slopekit.studies.prob.vectorised import vectorised
 from slopekit.studies.running import Crew, checked_crew, run_all
+from slopekit.studies.sweep import sweep
 
 _DOCS = Path(__file__).resolve().parent.parent / "docs"
 _AT_ONCE = 2048  # wedges of a chunk, as `prob` hands them on
@@ -181,6 +184,24 @@ def both_rows(n: int = 20_000) -> list[str]:
     return rows
 
 
+def sweep_rows() -> list[str]:
+    """Points of a grid all at once, and each as a design of its own."""
+    design = load(str(path_of("wedge")))
+    keys = [key_of(design, path) for path in ("water.fill", "strength.weak.phi")]
+    rows = ["| points | ms of processor each | each by itself | ratio |", "|---|---|---|---|"]
+    for side in (20, 100):
+        grid = {key.path: np.linspace(*ends, side).tolist() for key, ends in zip(keys, ((0, 1), (15, 35)), strict=True)}
+        began = _processor()
+        swept = sweep(design, grid)
+        taken, began = (_processor() - began) / len(swept.points), _processor()
+        some = swept.places[:: len(swept.points) // 100]
+        for place in some:
+            point_of(design, values_of(design, keys, place))
+        alone = (_processor() - began) / len(some)
+        rows.append(f"| {side * side:,} | {taken * 1e3:.2f} | {alone * 1e3:.2f} | {alone / taken:.0f} |")
+    return rows
+
+
 def set_rows(surveys: int = 20) -> list[str]:
     """How often the number of drawn joint sets is found, by BIC, and what it costs."""
     from scipy.stats import vonmises_fisher
@@ -292,6 +313,7 @@ def main(words: list[str]) -> None:
         ("Wedges by PRE-IE a second, the same numbers from every crew", crew_rows),
         ("Probability of failure against quadrature: the default wedge, φ = N(20, 2) on both planes", prob_rows),
         ("Samples of templates/wedge-scatter by both methods", both_rows),
+        ("Points of a sweep of templates/wedge by both methods", sweep_rows),
         ("Joint sets: is the number that was drawn found?", set_rows),
         ("Bench design: 300 joints x 7 faces x 3 heights", bench_rows),
         ("Earthquakes: 20 records x 3 slopes, the sliding against its formula", quake_rows),
