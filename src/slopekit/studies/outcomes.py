@@ -54,7 +54,7 @@ class ByMethod:
 
     def refused(self, words: Any) -> "ByMethod":
         """Return the same without blocks where another method forms none, by its outcomes in words (n,)."""
-        without = np.char.startswith(words, "E")
+        without = np.char.startswith(np.asarray(words, dtype=np.str_), "E")
         factor = np.where(without, np.nan, self.factor)
         return ByMethod.of(np.where(without, words, self.words).tolist(), factor) if without.any() else self
 
