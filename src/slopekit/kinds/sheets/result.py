@@ -33,8 +33,8 @@ def sheet_of(result: Result) -> Sheet:
         bolts = schedule({"inputs": design.inputs(), "geometry": json_of(result.geometry)})
         sections.append(Section("BOLTS", schedule_entries(bolts)))
         tables[FILE] = schedule_table(bolts)
-    head = f"slopekit {__version__}   {result.kind}   sha {design.input_hash()[:6]}{title}"
-    return Sheet(head, (*sections, *_sections(result)), tables)
+    head = f"slopekit {__version__}   {result.kind}{title}"
+    return Sheet(head, (*sections, *_sections(result)), tables, design.input_hash())
 
 
 def _sections(result: Result) -> Iterator[Section]:
@@ -158,7 +158,7 @@ def _movement(result: Result) -> list[str]:
     failed, pairs = state.failed_pairs, result.model.node_pairs
     yielding = f"{failed} of {pairs} node pairs yield" if failed else "no yielding"
     return [
-        f"displacement at F = 1 on elastic joints: {short(_size_m(result) * 1e3, 3)} mm, {yielding} "
+        f"displacement at F = 1 on elastic joints: {short(_size_m(result) * 1e3)} mm, {yielding} "
         f"({result.design.stiffness.in_words()})"
     ]
 

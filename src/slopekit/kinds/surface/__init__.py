@@ -39,7 +39,7 @@ from slopekit.kinds.single_block.one_block_limit import Cut, FoundLimit, Interfa
 from slopekit.kinds.single_block.one_block_states import ContactModel
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
 from slopekit.kinds.surface.design import SurfaceDesign, read_surface
-from slopekit.kinds.words import loads_part, size_number, size_part, strength_in_words, water_in_words
+from slopekit.kinds.words import loads_part, short, size_part, strength_in_words, water_in_words
 from slopekit.loads import Loads, PointForce, block_loads
 from slopekit.notices import those_of_factors
 from slopekit.preie.one_block.limit import curved_limit_analysis
@@ -436,7 +436,7 @@ def _meshes(design: SurfaceDesign, result: Result, _: Cut) -> "Iterator[Rung]":
 def _slope(design: SurfaceDesign, result: Result) -> tuple[Section, ...]:
     geometry = result.geometry
     assert isinstance(geometry, SurfaceGeometry)
-    area = size_number(geometry.areas_m2["slip surface"])
+    area = short(geometry.areas_m2["slip surface"])
     ground = (
         f"ground mesh {design.ground_mesh.label}"
         if design.ground_mesh is not None

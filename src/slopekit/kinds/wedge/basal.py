@@ -36,7 +36,7 @@ from slopekit.kinds.wedge import bounds as wedge_bounds
 from slopekit.kinds.wedge import closed_form, closed_forms, crest_of
 from slopekit.kinds.wedge.cutting import Shape
 from slopekit.kinds.wedge.design import WedgeDesign
-from slopekit.kinds.words import line_in_words, size_number
+from slopekit.kinds.words import line_in_words, short
 
 JOINTS = ((J1, "J1"), (J2, "J2"), (BASAL, "basal"))
 _OF_THE_THIRD = ("basal_", "pressure3", "cohesion3", "friction3")  # how its arguments begin
@@ -150,7 +150,7 @@ def plane_entry(design: WedgeDesign, area_m2: float, strength: str) -> str:
     assert design.basal is not None
     plane, height = design.basal.plane, design.basal.height_m
     where = f"{abs(height):.4g} m {'above' if height >= 0.0 else 'below'} the toe along J1's trace"
-    return f"basal {plane}  {plane.in_words()}, {where}  {strength}  area {size_number(area_m2)} m²"
+    return f"basal {plane}  {plane.in_words()}, {where}  {strength}  area {short(area_m2)} m²"
 
 
 def line_entry(geometry: WedgeGeometry) -> str:
@@ -158,7 +158,7 @@ def line_entry(geometry: WedgeGeometry) -> str:
     line = line_in_words(Line(geometry.line_trend_deg, geometry.line_plunge_deg))
     if not geometry.line_length_m:
         return f"line of intersection of J1 and J2 {line}, no edge of the block"
-    length = size_number(geometry.line_length_m)
+    length = short(geometry.line_length_m)
     return f"line of intersection of J1 and J2 {line}, {length} m of it above the basal joint"
 
 
