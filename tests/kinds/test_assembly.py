@@ -331,9 +331,9 @@ def test_what_the_results_of_hard_scenes_say() -> None:
     assert "by 1.5 %" in said(mesh_change=0.015)["W312"]
     in_group = (replace(part, limit=replace(part.limit, group=3, width=7e-4)),)
     held = " ".join(room._left_out(design, scene, in_group))
-    assert "the limit is that of 3 of 1 blocks that touch, the others held" in held
-    assert "come to rest at 0.9993 of it" in held
-    assert "others held" not in " ".join(room._left_out(design, scene, (part,)))
+    assert "the limit is that of a group of 3 of 1 blocks that touch, the others fixed" in held
+    assert "all rest at 0.9993 of it" in held
+    assert "others fixed" not in " ".join(room._left_out(design, scene, (part,)))
 
 
 @pytest.mark.slow

@@ -113,7 +113,6 @@ def size_part(result: Result, height_m: float, per: str = "") -> Section:
     """
     total_m = result.geometry.total_height_m
     volume = f"volume {short(result.geometry.volume_m3)} m³{per}"
-    weight = f"weight {force_in_words(result.forces.weight)}" if result.design.rock.unit_weight_kn_m3 else "weightless"
     extent = [] if result.size is None else extents_in_words(result.size)
     traces = [] if result.size is None else traces_in_words(result.size)
     mass = [f"mass {short(result.mass_t)} t{per}"] if result.mass_t else []
@@ -121,7 +120,7 @@ def size_part(result: Result, height_m: float, per: str = "") -> Section:
     details = ["  ".join([*mass, *unit_weight_in_words(result), *total]), *traces]
     return Section(
         "SIZE",
-        ["  ".join([f"height {short(height_m)} m", volume, weight, *extent])],
+        ["  ".join([f"height {short(height_m)} m", volume, weight_in_words(result), *extent])],
         details=[result.design.in_own_names(text) for text in details if text],
     )
 
@@ -133,7 +132,7 @@ def extents_in_words(sizes: Sizes) -> list[str]:
     ['crest width 8 m, 2 m behind the crest']
     """
     width = [] if sizes.face_width_m is None else [f"crest width {short(sizes.face_width_m)} m"]
-    setback = [] if sizes.setback_m is None else [f"{short(sizes.setback_m)} m behind the crest"]
+    setback = [f"{short(sizes.setback_m)} m behind the crest"] if sizes.setback_m else []
     return [", ".join([*width, *setback])] if width or setback else []
 
 
@@ -256,10 +255,8 @@ def bolt_text(bolt: Bolt) -> str:
 
 
 def weight_in_words(result: Result) -> str:
-    """The weight of what moves, and the unit weight it comes from."""
-    if not result.design.rock.unit_weight_kn_m3:
-        return "weight left out"
-    return "  ".join([f"weight {force_in_words(result.forces.weight)}", *unit_weight_in_words(result)])
+    """The weight of what may move."""
+    return f"weight {force_in_words(result.forces.weight)}" if result.design.rock.unit_weight_kn_m3 else "weightless"
 
 
 def unit_weight_in_words(result: Result) -> list[str]:

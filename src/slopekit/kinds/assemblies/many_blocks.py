@@ -54,6 +54,7 @@ from slopekit.kinds.words import (
     short,
     shortened,
     strength_in_words,
+    unit_weight_in_words,
     weight_in_words,
 )
 from slopekit.loads import AssemblyLoads
@@ -396,9 +397,9 @@ def _left_out(
     for part in parts:
         if part.limit.group:
             said.append(
-                f"the limit is that of {part.limit.group} of {len(part.blocks)} blocks that touch, the others held; "
-                f"all of them, none held, come to rest at {1.0 - part.limit.width:.4f} of it, and there have used up "
-                f"95 % of the strength along its motion, or run 1 % beyond it"
+                f"the limit is that of a group of {part.limit.group} of {len(part.blocks)} blocks that touch, the "
+                f"others fixed; check with none fixed: all rest at {1.0 - part.limit.width:.4f} of it, where 95 % of "
+                "the strength along the motion is used up, or fail 1 % above it"
             )
     if scene.assembly.in_section:
         ends = "three node pairs a contact (Simpson's rule), its friction one force: a flat contact slips as one"
@@ -492,7 +493,7 @@ def _size(result: Result, with_areas: Container[str]) -> Section:
         f"height {height} m  volume {volume} m³  {weight_in_words(result)}",
         *_fails_first(result.size),
         *([f"contact area  {listed}"] if listed else []),
-    ])  # fmt: skip
+    ], details=unit_weight_in_words(result))  # fmt: skip
 
 
 def _fails_first(size: Sizes | None) -> list[str]:
@@ -500,8 +501,9 @@ def _fails_first(size: Sizes | None) -> list[str]:
     if size is None:
         return []
     of_all = f"height {short(size.height_m)} m  volume {short(size.volume_m3)} m³"
-    extent = extents_in_words(size)
-    return ["  ".join([f"critical block or group: {of_all}", f"mass {mass_in_words(size.mass_t)}", *extent])]
+    return [
+        "  ".join([f"critical block or group: {of_all}", f"mass {mass_in_words(size.mass_t)}", *extents_in_words(size)])
+    ]
 
 
 def _water(pressures: Sequence[tuple[str, float]]) -> list[str]:

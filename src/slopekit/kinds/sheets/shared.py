@@ -171,7 +171,7 @@ def series(result: Result) -> list[Entry]:
         Column("factor", attrgetter("factor"), "factor", show=".4f", width=-9),
         Column(f"{horizontal} / mm", across, f"{horizontal}_mm", "mm", in_millimetres, 16),
         Column("up / mm", lambda step: displacement_mm(step, 2), "up_mm", "mm", in_millimetres, 12),
-        Column(f"failed of {result.model.node_pairs}", attrgetter("failed_pairs"), "failed_pairs", width=14),
+        Column(f"failed pairs of {result.model.node_pairs}", attrgetter("failed_pairs"), "failed_pairs", width=22),
         *(Column(f"{title} / mm", partial(displacement_mm, k=k), f"{title}_mm", "mm", ".4f") for title, k in parts),
     ]
     return [Table(columns, result.series)]
@@ -181,7 +181,8 @@ def verdict(result: Result) -> str:
     """Whether the limit agrees with the closed form, and by how much it differs."""
     if result.agree is None:
         return "not compared with the closed form"
-    return judged_difference(result.difference, result.agree, result.design.analysis.agree_within)
+    judged = judged_difference(result.difference, result.agree, result.design.analysis.agree_within)
+    return judged.replace("AGREE", "AGREE on forces alone") if result.moments_govern else judged
 
 
 def judged_difference(difference: float | None, agree: bool, agree_within: float) -> str:

@@ -54,8 +54,8 @@ def _lost_contact(made: Cut, found: FoundLimit) -> Iterator[Notice]:
         lost = float(area[joint & (found.limit.bond == 0.0)].sum() / area[joint].sum())
         if interface.strength.cohesion_kpa > 0.0 and lost > 0.0:
             opens = "has lost contact" if lost > _ALL else f"opens on {max(lost * 100, 1.0):.0f} % of its area"
-            yield Notice("W307", f"{interface.name} {opens} and loses its cohesion there: the factor of safety jumps "
-                         "where that happens")  # fmt: skip
+            yield Notice("W307", f"{interface.name} {opens}, so its cohesion there does not act: with a little less "
+                         "water or seismic load it may, and the factor of safety jumps")  # fmt: skip
 
 
 def _shaking(made: Cut, found: FoundLimit) -> Iterator[Notice]:

@@ -442,11 +442,13 @@ def _slope(design: SurfaceDesign, result: Result) -> tuple[Section, ...]:
         if design.ground_mesh is not None
         else "ground profile " + " ".join(map(coordinates, design.profile_m or ()))
     )
-    lets = {0: "no motion exactly", 1: "one motion"}.get(geometry.motions, f"{geometry.motions} motions")
-    turned = f", turned by {geometry.misfit_deg:.2g}° to follow it" if geometry.misfit_deg else ""
+    rigid = {0: "no rigid motion fits", 1: "one rigid motion fits"}.get(
+        geometry.motions, f"{geometry.motions} rigid motions fit"
+    )
+    turned = f"; normals turned by {geometry.misfit_deg:.2g}° to fit one" if geometry.misfit_deg else ""
     entries = [
         f"{design.slip.in_words()}  {strength_in_words(design.strength)}  area {area} m²",
-        f"normals {geometry.normals}, edges {geometry.edge_m:.3g} m; the surface lets {lets} through{turned}",
+        f"{geometry.normals} normals, mesh edges {geometry.edge_m:.3g} m; {rigid} the surface{turned}",
         ground,
     ]
     wet = design.ground_in_words() if design.is_cut_for_loads else water_in_words(result)

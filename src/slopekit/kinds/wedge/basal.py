@@ -169,7 +169,7 @@ def notices(design: WedgeDesign) -> Iterator[Notice]:
     if basal.height_m < 0.0:
         height, meant = number(basal.height_m), number(-basal.height_m)
         yield Notice("W410", f"a socket wedge: basal.height is {height} m, so it lies under J1 and J2, below the point "
-                     "where they and the face meet; what lies above them is not looked at (is "
+                     "where they and the face meet; what lies above them is not analysed (is "
                      f"{meant} m meant?)")  # fmt: skip
     elif (whole := without_basal(design)) is not None:
         too = "; acceptance is held against it too" if any(rule.is_least for rule in design.rules) else ""
@@ -177,8 +177,8 @@ def notices(design: WedgeDesign) -> Iterator[Notice]:
         within = f" and {lost} of {counted(len(design.bolts), 'bolt')} (that end within it, or miss it)" if lost else ""
         yield Notice(
             "W410",
-            "the basal joint cuts the toe off the wedge on J1 and J2, and what lies below it is taken to stay; the "
-            f"whole wedge, without basal{within}: {whole.in_words()} by the closed form{too}",
+            "the basal joint cuts the toe off the wedge on J1 and J2, and the rock below it is taken to stay; the "
+            f"whole wedge without the basal joint{within}: {whole.in_words()} by the closed form{too}",
         )
     apart = math.radians(basal.plane.dip_direction_deg - design.face.dip_direction_deg)
     if basal.plane.dip_deg > 0.0 and math.cos(apart) < -_ACROSS:

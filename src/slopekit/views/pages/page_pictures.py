@@ -55,10 +55,9 @@ def still_pictures(document: Mapping[str, Any]) -> tuple[list[dict[str, Any]], l
 def _of_many(names: list[str], mechanisms: Sequence[Mapping[str, Any]]) -> list[str]:
     """Without pictures that would show one colour: factors and order say something where several differ."""
     factors = [row["fos"] for row in mechanisms if row["fos"] is not None and row["status"] != "not_converged"]
-    left = {"tractions"}
-    left |= set() if factors and max(factors) > 1.02 * factors[0] else {"factors"}
-    left |= set() if len(mechanisms) > 1 else {"ravelling"}
-    return [what for what in names if what not in left]
+    differ = bool(factors) and max(factors) > 1.02 * factors[0]
+    shows = {"tractions": False, "factors": differ, "ravelling": len(mechanisms) > 1}
+    return [what for what in names if shows.get(what, True)]
 
 
 def page_picture(document: Mapping[str, Any], what: str, test: str | None = None) -> str:
