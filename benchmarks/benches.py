@@ -123,7 +123,7 @@ def at_random(count: int) -> None:
         assert result.findings is not None
         if result.status == "not_converged":
             print("not_converged: seed", seed - 1)
-        if result.findings.mechanisms and result.findings.mechanisms[0].change > 1e-3:
+        if result.findings.first and result.findings.first.change > 1e-3:
             unsettled += 1
         limit, bound = result.fos.limit, result.fos.static_bound
         if limit and bound:

@@ -255,7 +255,7 @@ def test_what_goes_next_has_lost_the_anchor_of_what_went_before() -> None:
         "strength": {"joint": {"c": 0, "phi": 35}, "smooth": {"c": 0, "phi": 10}}, "support": {"bolts": [bolt]},
         "interfaces": {"default": "joint", "A/B": "smooth"}, "analysis": {"mechanisms": 2},
     })  # fmt: skip
-    first, then = (one.fos for one in found.findings.mechanisms)
+    first, then = (one.fos for one in found.mechanisms)
     assert first == pytest.approx(2.0 * math.tan(math.radians(10.0)) / 0.2, rel=1e-9)
     assert then == pytest.approx(math.tan(math.radians(35.0)) / 0.2, rel=1e-9)
 
@@ -272,6 +272,6 @@ def test_an_anchor_is_lost_by_a_block_that_touches_no_other(head) -> None:
         "interfaces": {"default": "joint", "base/A": "smooth"}, "support": {"bolts": [bolt]},
         "loads": {"seismic": {"k": 0.2, "toward": 90}}, "analysis": {"mechanisms": 2},
     })  # fmt: skip
-    first, then = (one.fos for one in found.findings.mechanisms)
+    first, then = (one.fos for one in found.mechanisms)
     assert first == pytest.approx(200.0 * math.tan(math.radians(10.0)) / (0.2 * 200.0 + 20.0), rel=1e-9)
     assert then == pytest.approx(math.tan(math.radians(35.0)) / 0.2, rel=1e-9)

@@ -124,7 +124,7 @@ def test_modes_add_up_to_those_of_the_mechanism() -> None:
     result = solved("goodman-bray")
     counted = np.bincount(result.scene.pairs.mode, minlength=3)
     assert result.findings is not None
-    assert dict(zip(MODES, counted.tolist(), strict=True)) == result.findings.mechanisms[0].pairs_by_mode
+    assert dict(zip(MODES, counted.tolist(), strict=True)) == result.findings.first.pairs_by_mode
 
 
 def test_map_coordinates_are_put_back() -> None:

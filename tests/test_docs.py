@@ -357,7 +357,7 @@ def test_defaults_of_a_kind_are_not_told_of_their_namesakes() -> None:
 
 
 #: Groups of a result whose keys are names of the design, stages or changes.
-_NAMED = {"areas_m2", "trace_lengths_m", "corners_m", "normal", "water", "methods", "factor_by_block", "checks",
+_NAMED = {"areas_m2", "trace_lengths_m", "corners_m", "normal", "water", "methods", "checks",
           "inputs", "assumed", "timing_s", "pairs_by_mode", "sheet"}  # fmt: skip
 
 

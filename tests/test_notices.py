@@ -50,7 +50,7 @@ OF_A_WEDGE = [
 # code, template, changes, what the notice says
 OF_A_FILE = [
     ("W419", "wedge", {"crack": {"plane": "80/180", "distance": 5, "water": "full"}}, "the crack holds water"),
-    ("W320", "wedge", {"strength.weak.c": {"dist": "uniform", "min": 40, "max": 60}}, "strength.weak.c is a distribu"),
+    ("W320", "wedge", {"strength.weak.c": {"dist": "uniform", "min": 40, "max": 60}}, "distributions are taken at"),
     ("W322", "paper-ellipsoid",
      {"slope.profile": [[80, 20], [62, 20], [60, 0], [40, 0], [0, 40], [-20, 40]]}, "the slip surface cuts 2 pieces"),
     ("W323", "plane", {"support": {"bolts": [{"force": 10, "toward": "090/0"}]}}, "bolts or forces act along the slo"),

@@ -135,7 +135,7 @@ class WithoutBasal:
     def in_words(self) -> str:
         """Status and factor."""
         said = self.status.replace("_", " ")
-        return said if self.closed_form is None else f"{said}, F {self.closed_form:.4g}"
+        return said if self.closed_form is None else f"{said}, FoS {self.closed_form:.4g}"
 
     def meets(self, rule: Rule) -> bool:
         """Whether it keeps a least factor of safety: what is lifted or falls keeps none."""

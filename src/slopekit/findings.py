@@ -1,14 +1,17 @@
 """What an analysis of many blocks finds beside a factor of safety: mechanisms, modes of contact, what was checked."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
+from itertools import takewhile
 from typing import Any, ClassVar
 
 import numpy as np
 
 from slopekit.block_scene import Contacts, Shapes, Sizes, Solids, joined, prism
 from slopekit.core.arrays import Floats, Ints
-from slopekit.core.codec import NO_JSON
+from slopekit.core.codec import NO_JSON, json_of
 from slopekit.geometry.solids.welding import welded
 
 #: Factors that differ by less than this part look the same.
@@ -21,19 +24,7 @@ MOTIONS: Mapping[str, str] = {
     "falls": "falls",
     "lifts": "is lifted",
 }
-
-
-@dataclass(frozen=True)
-class BlockMotion:
-    """A moving block: how it moves (a key of `MOTIONS`), displacement of its centroid and rotation about it, (3,) each.
-
-    The fastest motion of the mechanism (translation, or rotation times the size of a block) is 1.
-    """
-
-    name: str
-    how: str
-    displacement: Floats
-    rotation: Floats
+_UNMEASURED = Sizes(math.nan, None, None, {})
 
 
 @dataclass(frozen=True)
@@ -58,28 +49,47 @@ class GoverningInterface:
 
 @dataclass(frozen=True)
 class Mechanism:
-    """One mechanism of a sequence.
+    """A row of the table of mechanisms of a result.
 
     Attributes
     ----------
     status : as of a result; fos : None where there is none
+    blocks, how, displacement, rotation : (n,), (n,), (n, 3), (n, 3) of the blocks that move, the fastest first: name, a
+        key of `MOTIONS`, displacement of its centroid and rotation about it, the fastest motion of all (translation, or
+        rotation times the size of a block) 1; of one block its name alone
     change : relative change of the factor in the last passes; 0 where Newton settled it
-    blocks : those that move, the fastest first; interfaces : those that govern, the largest share first
+    interfaces : those that govern, the largest share first
     pairs_by_mode : node pairs that stick, slip and are open
     basis : what the factor is: limit (a limit state, exact), alone (one block slides by forces, no credit for turning),
         settled (the limit of the path, its motion settled), peak (where the path was last at rest; `change` then says
-        how much stronger the blocks run), or none
+        how much stronger the blocks run), closed_form, or none
     size : of the blocks that move, together; None where it was not measured
+    role : first, next, or single_block where one slides by forces; chip where it is too light to count;
+        block_above_basal and whole_wedge of a wedge on a basal joint
     """
 
     status: str
     fos: float | None
-    change: float
-    blocks: tuple[BlockMotion, ...]
-    interfaces: tuple[GoverningInterface, ...]
-    pairs_by_mode: Mapping[str, int]
+    blocks: tuple[str, ...]
+    how: tuple[str, ...] = ()
+    displacement: Floats = field(default_factory=partial(np.zeros, (0, 3)))
+    rotation: Floats = field(default_factory=partial(np.zeros, (0, 3)))
+    change: float = 0.0
+    interfaces: tuple[GoverningInterface, ...] = ()
+    pairs_by_mode: Mapping[str, int] = field(default_factory=dict)
     basis: str = "none"
     size: Sizes | None = None
+    role: str = "first"
+
+    def to_dict(self) -> dict[str, Any]:
+        """The row as JSON values, its sizes among them: null where they were not measured."""
+        row = {name: json_of(value) for name, value in vars(self).items() if name not in ("size", "role")}
+        return {"mechanism": self.role, **row, **json_of(self.size or _UNMEASURED)}
+
+
+def counted_rows(document: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """The mechanisms of many blocks in the JSON of a result, without those that are too light to count."""
+    return [row for row in document.get("mechanisms") or () if row["mechanism"] in ("first", "next", "single_block")]
 
 
 @dataclass(frozen=True)
@@ -88,21 +98,16 @@ class Findings:
 
     Attributes
     ----------
-    mechanisms : in the order in which they happen; the first is the result's
-    factor_by_block : the factor at which each block fails, by name, in the order of failure; None: without a number
+    mechanisms : in the order in which they happen, those too light to count among them
     standing : how many blocks are left after the last mechanism, and why the sequence ends there
     blocks, fixed : numbers of blocks, and of those that are bedrock; components : groups that touch only through it
     checks : what was checked with its figure (volume error, area error, largest unbalanced force, ...)
     table : Goodman & Bray's columns, empty for other kinds: `n` from the toe, y height and M, L arms of the forces on
         the upper and lower side (m), the rest in kN, their mode and that of PRE-IE
     shear_to_normal : k_t / k_n of the elastic joints of the path; None where there was none
-    chips : blocks in mechanisms too light to count before the first that does, which were taken away; None without any:
-        `blocks` in the order in which they fail, `below_t` the mass of the lightest that counts, `fos` from which they
-        fail, None where one falls whatever its strength
     """
 
-    mechanisms: tuple[Mechanism, ...]
-    factor_by_block: Mapping[str, float | None]
+    mechanisms: tuple[Mechanism, ...] = field(metadata=NO_JSON)
     standing: str
     blocks: int
     fixed: int
@@ -111,30 +116,21 @@ class Findings:
     checks: Mapping[str, float]
     table: tuple[Mapping[str, Any], ...] = ()
     shear_to_normal: float | None = None
-    chips: Mapping[str, Any] | None = None
 
     @property
-    def rows(self) -> tuple[Mapping[str, Any], ...]:
-        """The mechanisms as a table, see `mechanism_row`: first, next, or single_block where one slides by forces."""
-        return tuple(
-            mechanism_row(
-                "single_block" if one.basis == "alone" else "next" if k else "first", one.status, one.fos,
-                tuple(block.name for block in one.blocks),
-                None if one.size is None else one.size.volume_m3, None if one.size is None else one.size.mass_t,
-            )
-            for k, one in enumerate(self.mechanisms)
-        )  # fmt: skip
+    def counted(self) -> tuple[Mechanism, ...]:
+        """The mechanisms that are not too light to count."""
+        return tuple(row for row in self.mechanisms if row.role != "chip")
 
+    @property
+    def first(self) -> Mechanism | None:
+        """The mechanism that is the result's; None where all blocks stand."""
+        return next(iter(self.counted), None)
 
-def mechanism_row(
-    mechanism: str, status: str, fos: float | None, blocks: tuple[str, ...], volume_m3: float | None = None,
-    mass_t: float | None = None,
-) -> Mapping[str, Any]:  # fmt: skip
-    """A row of the table of mechanisms of a result: None where there is no factor, or no size was measured."""
-    return {
-        "mechanism": mechanism, "status": status, "fos": fos, "blocks": blocks, "volume_m3": volume_m3,
-        "mass_t": mass_t,
-    }  # fmt: skip
+    @property
+    def chips(self) -> tuple[Mechanism, ...]:
+        """The mechanisms too light to count that were taken away before the first that does."""
+        return tuple(takewhile(lambda row: row.role == "chip", self.mechanisms))
 
 
 @dataclass(frozen=True)

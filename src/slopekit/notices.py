@@ -141,9 +141,12 @@ def means_taken(design: Design, varied: Sequence[str] = ()) -> Iterator[Notice]:
 
     Of a distribution whose scatter alone is varied the mean is taken all the same.
     """
-    for name, value in design.assumed:
-        if not any(path == name or (path.startswith(f"{name}.") and not path.endswith(_SCATTER)) for path in varied):
-            yield Notice("W320", f"{name} is a distribution: this run takes {value}")
+    means = [
+        f"{name} {value}" for name, value in design.assumed
+        if not any(path == name or (path.startswith(f"{name}.") and not path.endswith(_SCATTER)) for path in varied)
+    ]  # fmt: skip
+    if means:
+        yield Notice("W320", f"distributions are taken at their means: {', '.join(means)}")
 
 
 def not_as_given(design: Design, varied: Sequence[str] = ()) -> Iterator[Notice]:

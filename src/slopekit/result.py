@@ -1,7 +1,7 @@
 """The result of an analysis: value, status and evidence, and its JSON (a contract: keys never change)."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -29,7 +29,7 @@ from slopekit.extents import Geometry
 if TYPE_CHECKING:
     from slopekit.core.sheet import Column, Sheet, Table
     from slopekit.elastic.outcome import ElasticBlocks
-    from slopekit.findings import Findings
+    from slopekit.findings import Findings, Mechanism
     from slopekit.preie.motion.all_pairs import AllPairsFailed
 
 #: Every status a block can have, as a sentence.
@@ -337,26 +337,22 @@ class Result(Shown):
         """Of what fails, of many blocks first; None where it was not measured."""
         if self.findings is None:
             return getattr(self.geometry, "sizes", None)
-        return self.findings.mechanisms[0].size if self.findings.mechanisms else None
+        return None if self.findings.first is None else self.findings.first.size
 
     @property
-    def mechanisms(self) -> tuple[Mapping[str, Any], ...]:
-        """The mechanisms in the order in which they fail, of a block above a basal joint with the whole wedge.
-
-        Each is a mapping as in the JSON.
-        """
+    def mechanisms(self) -> "tuple[Mechanism, ...]":
+        """The mechanisms in the order in which they fail, of a block above a basal joint with the whole wedge."""
         if self.findings is not None:
-            return self.findings.rows
+            return self.findings.mechanisms
         whole = self.comparisons.without_basal
         if whole is None:
             return ()
-        from slopekit.findings import mechanism_row  # few wedges have a basal joint
+        from slopekit.findings import Mechanism  # few wedges have a basal joint
 
-        block = self.words.block
-        above = mechanism_row(
-            "block_above_basal", self.status, self.fos.limit, (block,), self.geometry.volume_m3, self.mass_t
-        )
-        return above, mechanism_row("whole_wedge", whole.status, whole.closed_form, ("whole wedge",))
+        size = self.size and replace(self.size, volume_m3=self.geometry.volume_m3, mass_t=self.mass_t)
+        block, closed = (self.words.block,), whole.closed_form
+        above = Mechanism(self.status, self.fos.limit, block, basis="limit", size=size, role="block_above_basal")
+        return above, Mechanism(whole.status, closed, ("whole wedge",), basis="closed_form", role="whole_wedge")
 
     @property
     def mass_t(self) -> float:
@@ -372,12 +368,14 @@ class Result(Shown):
         displacement, settled = None, self.displacements.at_factor_one
         if self.findings is not None:
             index = {name: k for k, name in enumerate(shapes.names)}
-            for number, mechanism in enumerate(self.findings.mechanisms, 1):
-                for block in mechanism.blocks:
-                    at = index[block.name]
-                    velocity[at], order[at] = np.concatenate([block.displacement, block.rotation]), number
-            for name, value in self.findings.factor_by_block.items():
-                factor[index[name]] = np.nan if value is None else value
+            number, reached = 0, np.nan  # a block that only the one before it held fails together with it
+            for row in self.findings.mechanisms:
+                at = [index[name] for name in row.blocks]
+                if row.role != "chip":
+                    number += 1
+                    velocity[at], order[at] = np.hstack([row.displacement, row.rotation]), number
+                if row.status != "not_converged":
+                    reached = factor[at] = np.fmax(reached, np.nan if row.fos is None else row.fos)
             if settled is not None and settled.every is not None:
                 displacement = np.zeros((count, 6))
                 displacement[: len(settled.every)] = settled.every
@@ -411,14 +409,13 @@ class Result(Shown):
 
     def _mechanism(self) -> dict[str, Any] | None:
         if self.findings is not None:
-            blocks = self.findings.mechanisms[0].blocks if self.findings.mechanisms else ()
+            first = self.findings.first
+            if first is None or not first.blocks:
+                return None
+            row = first.to_dict()
             return {
-                "blocks": [block.name for block in blocks],
-                "how": [block.how for block in blocks],
-                "displacement": [block.displacement.tolist() for block in blocks],
-                "rotation": [block.rotation.tolist() for block in blocks],
-                **(json_of(self.findings.mechanisms[0].size) or {}),
-            } if blocks else None  # fmt: skip
+                name: row[name] for name in ("blocks", "how", "displacement", "rotation", *(json_of(first.size) or ()))
+            }
         moves = self.limit_state.mechanism
         return None if moves is None else {"blocks": [self.words.block], **json_of(moves)}
 

@@ -200,7 +200,7 @@ def test_how_columns_fail_does_not_depend_on_their_size(size) -> None:
     """Without cohesion nothing has a length: the status, and how each column moves, are those at size 1."""
     one, other = (sk.run(columns(size=s).design) for s in (1.0, size))
     assert other.status == one.status
-    ways = [{block.name: block.how for block in r.findings.mechanisms[0].blocks} for r in (one, other)]
+    ways = [dict(zip(r.findings.first.blocks, r.findings.first.how, strict=True)) for r in (one, other)]
     assert ways[0] == ways[1]
 
 

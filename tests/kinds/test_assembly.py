@@ -58,7 +58,7 @@ def test_one_block_on_an_incline_slides_as_the_textbook_says() -> None:
     assert result.status == "slides"
     assert result.fos.limit == pytest.approx(expected, rel=1e-6)
     assert result.fos.static_bound == pytest.approx(expected, rel=1e-6)
-    assert result.findings.mechanisms[0].blocks[0].how == "slides"
+    assert result.findings.first.how[0] == "slides"
 
 
 @pytest.mark.parametrize(("dip", "status"), [(44.9, "slides"), (45.1, "topples")])
@@ -111,14 +111,13 @@ def test_mechanisms_one_after_the_other() -> None:
     design["strength"] = {name: {"c": 0, "phi": phi} for name, phi in zip("abc", (30, 25, 35), strict=True)}
     design["interfaces"] = {"default": "a", "B/base": "b", "C/base": "c"}
     design["analysis"] = {"mechanisms": 5}
-    findings = sk.run(design).findings
-    expected = {"B": 25, "A": 30, "C": 35}
-    assert list(findings.factor_by_block) == list(expected)
-    for name, phi in expected.items():
-        assert findings.factor_by_block[name] == pytest.approx(
-            math.tan(math.radians(phi)) / math.tan(math.radians(20)), rel=1e-6
-        )
-    assert findings.standing == "none of 3 blocks is left"
+    result = sk.run(design)
+    assert [(row.blocks, row.role) for row in result.mechanisms] == [
+        (("B",), "first"), (("A",), "next"), (("C",), "next"),
+    ]  # fmt: skip
+    expected = [math.tan(math.radians(phi)) / math.tan(math.radians(20)) for phi in (25, 30, 35)]
+    assert [row.fos for row in result.mechanisms] == pytest.approx(expected, rel=1e-6)
+    assert result.findings.standing == "none of 3 blocks is left"
 
 
 def test_what_stands_without_strength() -> None:
@@ -240,7 +239,7 @@ def test_coincident_planes_and_benches_without_a_free_block() -> None:
 
 def test_loads_on_a_bench_find_their_block() -> None:
     free = the_bench()
-    name = free.findings.mechanisms[0].blocks[0].name
+    name = free.findings.first.blocks[0]
     at = free.geometry.centroids_m[free.geometry.names.index(name)]
     held = sk.run(BENCH, set={"loads.forces": [{"force": [0, 0, -1.0], "at": at.tolist()}]})
     assert held.fos.limit == pytest.approx(free.fos.limit, rel=1e-2)
@@ -332,9 +331,9 @@ def test_what_the_results_of_hard_scenes_say() -> None:
     assert "by 1.5 %" in said(mesh_change=0.015)["W312"]
     in_group = (replace(part, limit=replace(part.limit, group=3, width=7e-4)),)
     held = " ".join(room._left_out(design, scene, in_group))
-    assert "the limit is that of 3 of 1 blocks that touch, the others held" in held
-    assert "come to rest at 0.9993 of it" in held
-    assert "others held" not in " ".join(room._left_out(design, scene, (part,)))
+    assert "the limit is that of a group of 3 of 1 blocks that touch, the others fixed" in held
+    assert "all rest at 0.9993 of it" in held
+    assert "others fixed" not in " ".join(room._left_out(design, scene, (part,)))
 
 
 @pytest.mark.slow
@@ -428,7 +427,7 @@ def test_water_drains_from_joints_that_a_block_has_left() -> None:
     design = on_incline({"B1": box(0, 0, 6, 1), "B2": box(6, 0, 6, 1)}, 20, 22)
     design["water"] = {"pressures": {"B1/B2": 12}}
     design["analysis"] = {"mechanisms": 2}
-    second = sk.run(design).findings.mechanisms[1]
+    second = sk.run(design).mechanisms[1]
     assert second.fos == pytest.approx(math.tan(math.radians(22)) / math.tan(math.radians(20)), rel=1e-5)
 
 

@@ -40,14 +40,16 @@ def test_a_piece_below_a_fiftieth_of_the_median_block_is_a_chip(high, is_chip) -
     result = sk.run(design(high))
     assert result.fos.limit == pytest.approx(slides(35.0 if is_chip else 30.0), rel=1e-9)
     chips = result.findings.chips
-    assert (chips is not None) == is_chip
-    assert result.findings.factor_by_block["chip"] == pytest.approx(slides(30.0), rel=1e-9)
-    if chips is not None:
-        assert chips["blocks"] == ("chip",)
-        assert chips["fos"] == pytest.approx(slides(30.0), rel=1e-9)
-        assert chips["below_t"] == pytest.approx(0.02 * 100.0 / 9.81, rel=1e-9)
-        assert "CHIPS     mechanisms lighter than 203.9 kg: 1 block, from FoS 1.586; taken away first" in str(result)
-        assert result.to_dict()["assembly"]["chips"]["blocks"] == ["chip"]
+    assert len(chips) == is_chip
+    assert result.scene.factor[result.geometry.names.index("chip")] == pytest.approx(slides(30.0), rel=1e-9)
+    if is_chip:
+        assert chips[0].blocks == ("chip",)
+        assert chips[0].fos == pytest.approx(slides(30.0), rel=1e-9)
+        assert chips[0].size.mass_t == pytest.approx(0.0796 * 25.0 / 9.81, rel=1e-9)
+        assert "CHIPS     1 block (203 kg in all) too light to count, failing from FoS 1.586: taken" in str(result)
+        rows = result.to_dict()["mechanisms"]
+        assert next((row["mechanism"], row["blocks"]) for row in rows) == ("chip", ["chip"])
+        assert [row["fos"] for row in rows] == [chips[0].fos, result.fos.limit]
 
 
 def test_what_counts_is_set_by_the_smallest_block() -> None:
@@ -76,13 +78,13 @@ def test_where_nothing_heavier_fails_a_chip_is_the_answer() -> None:
     }
     result = sk.run(given)
     assert result.fos.limit == pytest.approx(slides(30.0), rel=1e-6)
-    assert result.findings.chips is None
+    assert not result.findings.chips
 
 
 def test_chips_of_one_factor_go_before_what_is_heavier() -> None:
     result = sk.run(design(0.1, friction=35.0))
-    assert result.findings.chips["blocks"] == ("chip",)
-    assert {block.name for block in result.findings.mechanisms[0].blocks} == {"wall1", "wall2", "wall3"}
+    assert [chip.blocks for chip in result.findings.chips] == [("chip",)]
+    assert set(result.findings.first.blocks) == {"wall1", "wall2", "wall3"}
 
 
 def test_all_numbers_are_those_of_the_blocks_without_the_chip() -> None:
@@ -93,7 +95,7 @@ def test_all_numbers_are_those_of_the_blocks_without_the_chip() -> None:
     alone = without_chip(given) | {"water": "dry", "loads": {}}
     options = {"set": {"analysis.criterion": "all-pairs"}}
     result, expected = sk.run(given, **options), sk.run(alone, **options)
-    assert result.findings.chips["fos"] < 1.0 < result.fos.limit
+    assert result.findings.chips[0].fos < 1.0 < result.fos.limit
     for name in ("limit", "static_bound", "all_pairs_failed", "lowest", "highest"):
         assert getattr(result.fos, name) == pytest.approx(getattr(expected.fos, name), rel=1e-7), name
     ours, theirs = result.displacements.at_factor_one, expected.displacements.at_factor_one
@@ -158,7 +160,7 @@ def test_chips_of_several_groups_that_do_not_stand_are_taken_from_each() -> None
     expected = math.tan(math.radians(35.0 - BETA))
     assert kind.at_load(sk.load(still), shaken, 1.0) == pytest.approx(expected, rel=1e-6)
     result = sk.run(still)
-    assert set(result.findings.chips["blocks"]) == {"chip", "chip2"}
+    assert {name for chip in result.findings.chips for name in chip.blocks} == {"chip", "chip2"}
     assert "3 slide (wall1 to wall3)" in str(result)
     assert "stay" not in str(result)
     assert result.forces.weight == pytest.approx(300.0, rel=1e-12)

@@ -62,7 +62,7 @@ def test_it_is_printed() -> None:
     lines = str(result).splitlines()
     assert lines[1:3] == [
         "PLANES    seam dips 35°, 8 m long, 2 m thick",
-        "SIZE      height 6.22692 m  volume 16 m³ per metre  weight 400 kN",  # 8 sin 35° + 2 cos 35°
+        "SIZE      height 6.23 m  volume 16 m³ per metre  weight 400 kN",  # 8 sin 35° + 2 cos 35°
     ]
     assert "LOADS     seismic 0.1 g out of the slope" in lines
     document = json.loads(json.dumps(result.to_dict()))

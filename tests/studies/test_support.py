@@ -691,7 +691,7 @@ def test_distributions_are_named_in_the_sheet() -> None:
     design = loaded(PLANE, **{"strength.s.phi": {"dist": "normal", "mean": 37, "sd": 2}})
     found = sk.support(design, 1.9, acts="active")
     assert isinstance(found.warnings[0], Notice)
-    assert "W320 strength.s.phi is a distribution" in str(found)
+    assert "W320 distributions are taken at their means: strength.s.phi 37" in str(found)
 
 
 @pytest.mark.parametrize(("rules", "target"), [(["fos >= 2.1", "fos.limit > 1.9"], 2.1), (["fos.lowest >= 3"], 1.5)])

@@ -11,7 +11,7 @@ from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety
 from slopekit.core.errors import Notice
 from slopekit.design.templates import path_of
 from slopekit.evidence import Comparisons, Displacements, FactorsOfSafety, Forces, LimitState, ModelSize
-from slopekit.findings import AssemblyGeometry, BlockMotion, Findings, GoverningInterface, Mechanism
+from slopekit.findings import AssemblyGeometry, Findings, GoverningInterface, Mechanism
 from slopekit.kinds import kind_of
 from slopekit.result import Result
 
@@ -20,15 +20,17 @@ CHECKS = {"volume_error": 3.1e-16, "area_error": 0.0, "largest_unbalanced_force"
 LEFT_OUT = ("bedrock (no unknowns)", "deformation of the rock")
 
 
-def motions(names: list[str], how: str, down: float = -0.5) -> tuple[BlockMotion, ...]:
-    """Blocks that move alike, outward along -x."""
-    return tuple(BlockMotion(name, how, np.array([-1.0, 0.0, down]), np.zeros(3)) for name in names)
+def motions(names: list[str], how: str, down: float = -0.5) -> tuple[tuple[str, str, float], ...]:
+    """Blocks that move alike, outward along -x: name, how, and how far up while it moves by one."""
+    return tuple((name, how, down) for name in names)
 
 
 def mechanism(status: str, fos: float | None, blocks, interfaces=(), **more: Any):
     """A mechanism; `more` are its other attributes."""
+    names, how, up = zip(*blocks, strict=True)
+    moved = np.array([[-1.0, 0.0, one] for one in up])
     given = {"change": 0.0, "pairs_by_mode": {"stick": 12, "slip": 30, "open": 18}} | more
-    return Mechanism(status, fos, blocks=tuple(blocks), interfaces=tuple(interfaces), **given)
+    return Mechanism(status, fos, names, how, moved, np.zeros_like(moved), interfaces=tuple(interfaces), **given)
 
 
 def interfaces(count: int) -> list[GoverningInterface]:
@@ -43,16 +45,13 @@ def interfaces(count: int) -> list[GoverningInterface]:
 def result(design, mechanisms, names, fixed=(), table=(), closed=None, standing="", **more: Any) -> Result:
     """A result of many blocks from its mechanisms."""
     first = mechanisms[0] if mechanisms else None
-    factors: dict[str, float | None] = {}
-    for one in mechanisms:
-        factors |= {block.name: one.fos for block in one.blocks}
     limit = more.pop("limit", first.fos if first else None)
     status = more.pop("status", first.status if first else "no_driving_force")
     fos = FactorsOfSafety(limit, closed, more.pop("static_bound", None), more.pop("all_pairs_failed", None))
     is_fixed = tuple(name in fixed for name in names)
     moving = len(names) - sum(is_fixed)
     findings = Findings(
-        tuple(mechanisms), factors, standing, len(names), sum(is_fixed), more.pop("contacts", 3 * moving),
+        tuple(mechanisms), standing, len(names), sum(is_fixed), more.pop("contacts", 3 * moving),
         more.pop("components", 1), more.pop("checks", CHECKS), tuple(table),
     )  # fmt: skip
     thickness = None if design.kind == "bench" else 1.0

@@ -131,9 +131,12 @@ def assemblies() -> list:
 def test_a_section_whose_second_mechanism_needs_less_strength_than_the_first() -> None:
     """B1 stands by B3 and B4: freed of them it slides at 1.2564, so it fails with them, at 1.3684."""
     result = sk.run(section(572), set={"analysis.mechanisms": 6})
-    first, second, third = result.findings.mechanisms
+    first, second, third = result.mechanisms
     assert second.fos < first.fos < third.fos
-    assert dict(result.findings.factor_by_block) == {"B3": first.fos, "B4": first.fos, "B1": first.fos, "B2": third.fos}
+    factors = dict(zip(result.geometry.names, result.scene.factor.tolist(), strict=False))
+    assert {name: factors[name] for name in ("B1", "B2", "B3", "B4")} == {
+        "B3": first.fos, "B4": first.fos, "B1": first.fos, "B2": third.fos,
+    }  # fmt: skip
     assert "at once: 1 slides (B1)" in str(result)
 
 
@@ -159,7 +162,7 @@ def test_a_rule_says_which_number_it_judged(rules, limit, pairs, criterion, said
 
 def test_a_rule_on_many_blocks_says_how_large_its_mechanism_is() -> None:
     found = sk.run(path_of("topple"), set={"acceptance.rules": ["fos >= 1.2", "fos.lowest >= 1.2"]})
-    first, lowest = found.findings.mechanisms[0].size.volume_m3, factor_text(found.fos.lowest)
+    first, lowest = found.findings.first.size.volume_m3, factor_text(found.fos.lowest)
     text = re.sub(r"\n {13}", " ", str(found))  # a folded line as one
     lines = text.splitlines()
     at = next(k for k, line in enumerate(lines) if line.startswith("ACCEPT"))

@@ -161,7 +161,7 @@ def test_tables_of_many_blocks() -> None:
     for one in found["assembly"]["table"]:
         assert f"{one['P_kn']:.2f}" in seen
         assert one["mode"] in seen
-    first = found["assembly"]["mechanisms"][0]
+    first = found["mechanisms"][0]
     assert f"{first['interfaces'][0]['name']} {first['interfaces'][0]['joint']}" in seen
     assert "10 topple (C4 to C13), 3 slide (C1 to C3)" in seen
     assert "the modes are the same in 16 of 16 columns" in seen

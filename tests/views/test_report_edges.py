@@ -59,9 +59,8 @@ def test_what_a_limit_of_many_blocks_is() -> None:
     found = document("goodman-bray")
     seen = words(report_of(found, with_pictures=False).html)
     assert f"{factor_text(found['fos']['limit'])} limit of the elastic path (k_t/k_n 0.4)" in seen
-    first = found["assembly"]["mechanisms"][0] | {"basis": "peak", "change": 0.01, "fos": 1.0}
-    peak = found["assembly"] | {"mechanisms": [first]}
-    assert limit_of(found | {"assembly": peak}).endswith("last state at rest; the blocks run at 1.010, 1 % higher")
+    first = found["mechanisms"][0] | {"basis": "peak", "change": 0.01, "fos": 1.0}
+    assert limit_of(found | {"mechanisms": [first]}).endswith("last state at rest; the blocks run at 1.010, 1 % higher")
     assert limit_of(document("wet")) == "PRE-IE"
 
 
@@ -103,8 +102,7 @@ def scenes_of_none(names: list[str]) -> dict:
         scenes.mechanism("not_converged", 1.5, scenes.motions(names[3:4], "topples")),
     ]
     result = scenes.result(sk.load(path_of("bench")), found, names, fixed=names[5:])
-    known = {names[0]: 1.25, names[1]: 1.25, names[2]: None}
-    made = json.loads(json.dumps(replace(result, findings=replace(result.findings, factor_by_block=known)).to_dict()))
+    made = json.loads(json.dumps(result.to_dict()))
     made["scene"]["shapes"]["centroids"] = packed(np.zeros((len(names), 3)))
     return made
 

@@ -108,7 +108,7 @@ def test_tractions_are_forces_by_area() -> None:
 
 def test_modes_have_their_colours() -> None:
     picture = made("goodman-bray", "tractions")
-    counts = document("goodman-bray")["assembly"]["mechanisms"][0]["pairs_by_mode"]
+    counts = document("goodman-bray")["mechanisms"][0]["pairs_by_mode"]
     for mode, count in counts.items():
         layer = next(layer for layer in picture.layers if layer.name == f"node pairs: {mode}")
         assert len(layer.triangles) == 80 * count
@@ -237,7 +237,7 @@ def test_what_falls_is_not_shown_as_standing() -> None:
 
 def test_a_mechanism_that_did_not_settle_is_not_shown_as_fact() -> None:
     changed = json.loads(json.dumps(document("wall")))
-    changed["assembly"]["mechanisms"][0] |= {"status": "not_converged"}
+    changed["mechanisms"][0] |= {"status": "not_converged"}
     scene = BlockScene.from_dict(changed["scene"])
     changed["scene"]["factor"] = packed(np.full(len(scene.factor), np.nan))
     for what in ("factors", "ravelling"):
@@ -248,7 +248,7 @@ def test_a_mechanism_that_did_not_settle_is_not_shown_as_fact() -> None:
 
 def test_a_later_mechanism_has_its_own_factor() -> None:
     result = sk.run(path_of("goodman-bray"), set={"analysis.mechanisms": 2})
-    later = result.findings.mechanisms[1].fos
+    later = result.mechanisms[1].fos
     picture = compose(result.to_dict(), "mechanism", step=2)
     factor = "no factor of safety" if later is None else f"FoS {factor_text(later)} (PRE-IE)"
     assert factor in picture.subtitle

@@ -16,6 +16,7 @@ from typing import Any
 
 from slopekit.app.controls import text_at, values_of
 from slopekit.app.session import Moment, at
+from slopekit.core.codec import json_of
 from slopekit.core.errors import Fault, Notice, SlopekitError
 from slopekit.core.orientation import parse_plane
 from slopekit.core.sheet import factor_text
@@ -103,14 +104,13 @@ def waiting(moment: Moment, final: bool, last: Answer | None) -> Answer:
 
 def scene_of(result: Result) -> dict[str, Any]:
     """What the view draws of a result."""
-    findings = result.findings
     document = {
-        "kind": result.kind, "inputs": result.design.inputs(),
+        "kind": result.kind,
+        "inputs": result.design.inputs(),
         "geometry": {"thickness_m": getattr(result.geometry, "thickness_m", None)},
-        "assembly": None if findings is None else {
-            "mechanisms": [{"fos": one.fos, "status": one.status} for one in findings.mechanisms]
-        },
-    }  # fmt: skip
+        "assembly": json_of(result.findings),
+        "mechanisms": json_of(result.mechanisms),
+    }
     return data_of(Stage(document, result.scene))
 
 

@@ -251,14 +251,16 @@ class Sheet:
 
     Attributes
     ----------
-    head : version, what it is, hash of the input, title
+    head : version, what it is, title
     sections : those without entries are not written
     tables : whole tables by the name of their file, for CSV and data frames
+    sha : hash of the input, in the full text
     """
 
     head: str
     sections: Sequence[Section]
     tables: Mapping[str, Table[Any]] = field(default_factory=dict)
+    sha: str = ""
 
     def __str__(self) -> str:
         return self._text(is_full=False)
@@ -269,7 +271,7 @@ class Sheet:
         return self._text(is_full=True)
 
     def _text(self, is_full: bool) -> str:
-        lines = _folded(self.head, " " * LABEL)
+        lines = _folded(self.head + (f"   sha {self.sha[:6]}" if is_full and self.sha else ""), " " * LABEL)
         for section in self.sections:
             if is_full or section.label != TIME:
                 lines += section.lines(is_full)

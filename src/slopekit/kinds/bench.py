@@ -26,7 +26,7 @@ from slopekit.kinds.assemblies.many_blocks_design import MOST_BLOCKS, AssemblyDe
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, with_loads
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.sizes import Crest
-from slopekit.kinds.words import BLOCKS_STATUSES, size_number
+from slopekit.kinds.words import BLOCKS_STATUSES, short
 from slopekit.preie.many_blocks.ravelling import Failure
 from slopekit.result import Result, Words
 
@@ -256,7 +256,7 @@ def _notices(design: BenchDesign, scene: AssemblyScene, first: Failure, _: Close
 def _slope(design: BenchDesign, result: Result) -> Section:
     entries, areas = [], result.geometry.areas_m2
     for one in design.sets:
-        area = f"  area {size_number(areas[one.name])} m²" if one.name in areas else ""
+        area = f"  area {short(areas[one.name])} m²" if one.name in areas else ""
         entries.append(
             f"{one.name} {one.plane}  {one.plane.in_words()}, every {one.spacing_m:.6g} m{_regularity(design, one)}  "
             f"{named_strength(design, one.strength)}{area}"

@@ -263,8 +263,8 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
 
 def _gone(scene: AssemblyScene, result: Result) -> Bools:
     """The chips (b,) that fail before the first mechanism."""
-    chips = None if result.findings is None else result.findings.chips
-    return np.isin(scene.names, () if chips is None else chips["blocks"])
+    chips = () if result.findings is None else result.findings.chips
+    return np.isin(scene.names, [name for chip in chips for name in chip.blocks])
 
 
 def _bodies(scene: AssemblyScene) -> Callable[[int], Any]:

@@ -44,7 +44,7 @@ from slopekit.kinds.solver_inputs import bolt_forces, point_force, section_beddi
 from slopekit.kinds.water import LocalSlope, for_closed_form, pushes, standing_in_crack
 from slopekit.kinds.words import (
     loads_part,
-    size_number,
+    short,
     size_part,
     strength_in_words,
     water_in_words,
@@ -484,7 +484,7 @@ def _slope(design: PlaneDesign, result: Result) -> Iterator[sheet.Section]:
     geometry, name = result.geometry, design.joint_name
     entries = [
         f"{name} {design.joint}  {design.joint.in_words()}  {strength_in_words(design.strength)}  "
-        f"{size_number(geometry.areas_m2[name])} m long",
+        f"{short(geometry.areas_m2[name])} m long",
         f"face {design.face}  {design.face.in_words()}",
         f"upper {design.upper}  {design.upper.in_words()}",
     ]

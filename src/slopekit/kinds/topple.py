@@ -261,7 +261,8 @@ def goodman_bray(design: ToppleDesign, mechanism: Mechanism | None) -> tuple[Clo
     except DesignError as error:
         why = f"Goodman & Bray's method does not take these columns: {error.faults[0].message}"
         return ClosedForm(None, "", why), ()
-    ways = {block.name: _MODES[block.how] for block in mechanism.blocks} if mechanism is not None else {}
+    moving = () if mechanism is None else zip(mechanism.blocks, mechanism.how, strict=True)
+    ways = {name: _MODES[how] for name, how in moving}
     columns = tuple(_columns(design, table, ways))
     rough = math.tan(math.radians(base.friction_angle_deg)) * math.tan(math.radians(sides.friction_angle_deg))
     if factor and rough >= factor**2:

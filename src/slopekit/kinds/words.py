@@ -7,7 +7,7 @@ from typing import TypeVar
 
 from slopekit.block_scene import Sizes
 from slopekit.core.orientation import Line, coordinates
-from slopekit.core.sheet import Section
+from slopekit.core.sheet import Section, counted
 from slopekit.design.common import Design
 from slopekit.design.fields import fields_of
 from slopekit.design.parts import Bolt, Force, Strength, listed
@@ -26,8 +26,9 @@ BLOCKS_STATUSES: Mapping[str, str] = {
 WEIGHT_ONLY = "self-weight; dry"
 _PUSHES = ("force", "surcharge")  # of what attributes do to a slope
 _NUMBERS = r"([0-9]+)"
-_FEW_BOLTS = 6
+_FEW_LOADS = 8
 _FEW_TRACES = 6
+_MANY_KN = 100_000  # a force is in MN from here on
 _HUGE = 1e9  # strengths from here on stand for joints that never fail
 _SAME_HEIGHT = 1e-6  # of a height, which files give in as many digits
 
@@ -111,18 +112,15 @@ def size_part(result: Result, height_m: float, per: str = "") -> Section:
     per : stands behind the volume
     """
     total_m = result.geometry.total_height_m
-    volume = f"volume {size_number(result.geometry.volume_m3)} m³{per}"
-    weight = f"weight {size_number(result.forces.weight)} kN" if result.design.rock.unit_weight_kn_m3 else "weightless"
+    volume = f"volume {short(result.geometry.volume_m3)} m³{per}"
     extent = [] if result.size is None else extents_in_words(result.size)
     traces = [] if result.size is None else traces_in_words(result.size)
     mass = [f"mass {short(result.mass_t)} t{per}"] if result.mass_t else []
-    total = (
-        [] if math.isclose(total_m, height_m, rel_tol=_SAME_HEIGHT) else [f"the block {size_number(total_m)} m high"]
-    )
+    total = [] if math.isclose(total_m, height_m, rel_tol=_SAME_HEIGHT) else [f"the block {short(total_m)} m high"]
     details = ["  ".join([*mass, *unit_weight_in_words(result), *total]), *traces]
     return Section(
         "SIZE",
-        ["  ".join([f"height {size_number(height_m)} m", volume, weight, *extent])],
+        ["  ".join([f"height {short(height_m)} m", volume, weight_in_words(result), *extent])],
         details=[result.design.in_own_names(text) for text in details if text],
     )
 
@@ -134,7 +132,7 @@ def extents_in_words(sizes: Sizes) -> list[str]:
     ['crest width 8 m, 2 m behind the crest']
     """
     width = [] if sizes.face_width_m is None else [f"crest width {short(sizes.face_width_m)} m"]
-    setback = [] if sizes.setback_m is None else [f"{short(sizes.setback_m)} m behind the crest"]
+    setback = [f"{short(sizes.setback_m)} m behind the crest"] if sizes.setback_m else []
     return [", ".join([*width, *setback])] if width or setback else []
 
 
@@ -161,26 +159,38 @@ def mass_in_words(mass_t: float) -> str:
     return f"{short(mass_t * 1e3)} kg" if mass_t < 1.0 else f"{short(mass_t)} t"
 
 
-def short(value: float, digits: int = 4) -> str:
-    """A number in four digits, or so many."""
-    return size_number(float(f"{value:.{digits}g}"))
+def force_in_words(force_kn: float) -> str:
+    """A force in kN, a large one in MN.
+
+    >>> force_in_words(1241.4), force_in_words(5342525.1)
+    ('1,240 kN', '5,340 MN')
+    """
+    return f"{short(force_kn)} kN" if abs(force_kn) < _MANY_KN else f"{short(force_kn / 1000)} MN"
 
 
-def loads_part(own: list[str], result: Result, x_is_east: bool = False, most: int | None = None) -> Section:
+def short(value: float) -> str:
+    """A number in three digits, as a person reads it.
+
+    >>> short(64.887), short(209461.3), short(2.5), short(1e-9)
+    ('64.9', '209,000', '2.5', '1e-09')
+    """
+    rounded = float(f"{value:.3g}")
+    return f"{rounded:,.0f}" if 1000 <= abs(rounded) < 10**9 else size_number(rounded)
+
+
+def loads_part(own: list[str], result: Result, x_is_east: bool = False) -> Section:
     """What acts beside the weight: what is the kind's own, then seismic load, forces and bolts.
 
     Parameters
     ----------
     x_is_east : the design has an x axis, which is 090
-    most : so many forces and so many bolts, and how many more there are; None: all forces, and a few bolts
     """
     design = result.design
     entries = own + seismic(design, result.words.seismic, x_is_east)
     forces, bolts = [force_text(force) for force in design.forces], [bolt_text(bolt) for bolt in design.bolts]
-    for texts, what in ((forces, "force"), (bolts, "bolt")):
-        few = _FEW_BOLTS if what == "bolt" else len(texts)
-        shown, rest, _ = first_and_last(texts, few if most is None else most, 0)
-        entries += [*shown, *([more_of(rest, what)] if rest else [])]
+    if any(bolt.head_m is not None for bolt in design.bolts):  # the schedule has them
+        bolts = [f"{counted(len(bolts), 'bolt')} (BOLTS)"]
+    entries += [*shortened(forces, _FEW_LOADS), *shortened(bolts, _FEW_LOADS)]
     entries += _further_loads(design, " ".join(entries))
     if not entries and design.water.mode != "dry":
         entries = [f"water {design.water.in_words()}"]
@@ -204,11 +214,6 @@ def _further_loads(design: Design, shown: str) -> list[str]:
     return entries
 
 
-def more_of(rest: int, what: str) -> str:
-    """How many more there are than are listed."""
-    return f"... and {rest} more {what}s"
-
-
 def water_in_words(result: Result, highest_of_mean: float = 1.0) -> list[str]:
     """Water as one block has it, a part of full with its highest pressure: so many times the mean of an interface."""
     water, areas = result.design.water, result.geometry.areas_m2
@@ -220,7 +225,7 @@ def water_in_words(result: Result, highest_of_mean: float = 1.0) -> list[str]:
         named = zip(areas, water.pressures_kpa, strict=False)
         return [f"water of mean pressure {', '.join(f'{mean:g} kPa on {name}' for name, mean in named)}"]
     means = [push / areas[name] for name, push in result.forces.water.items() if areas.get(name)]
-    return [f"water {water.in_words()}, highest {short(highest_of_mean * max(means))} kPa"]
+    return [f"water {water.in_words()}, highest {highest_of_mean * max(means):.4g} kPa"]
 
 
 def seismic(design: Design, own_way: str, x_is_east: bool) -> list[str]:
@@ -250,10 +255,8 @@ def bolt_text(bolt: Bolt) -> str:
 
 
 def weight_in_words(result: Result) -> str:
-    """The weight of what moves, and the unit weight it comes from."""
-    if not result.design.rock.unit_weight_kn_m3:
-        return "weight left out"
-    return "  ".join([f"weight {size_number(result.forces.weight)} kN", *unit_weight_in_words(result)])
+    """The weight of what may move."""
+    return f"weight {force_in_words(result.forces.weight)}" if result.design.rock.unit_weight_kn_m3 else "weightless"
 
 
 def unit_weight_in_words(result: Result) -> list[str]:

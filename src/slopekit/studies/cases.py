@@ -20,7 +20,7 @@ from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.core.sheet import Column, Section, Sheet, Table
 from slopekit.core.shown import Shown
 from slopekit.design.common import Design, LoadCase
-from slopekit.studies.words import head
+from slopekit.studies.words import study_sheet
 
 _ROOM, _LAST = 88, 16  # characters of a line beside its label; of those its last column, as it comes
 _EXITS = (0, 1, 4, 3, 2, 5)  # from good to bad
@@ -133,8 +133,9 @@ class Cases(Shown, Generic[Found]):
                 Section("EACH", [f"{case.name}: {found.line}" for case, found in rows]),
                 Section("GOVERNS", [] if first.margin is None else [self.governing]),
             ]
-        return Sheet(
-            head(self.design, f"{self.what}, {len(rows)} load case{'s' * (len(rows) != 1)}"),
+        return study_sheet(
+            self.design,
+            f"{self.what}, {len(rows)} load case{'s' * (len(rows) != 1)}",
             [*sections, Section("NOTE", [str(notice) for notice in self.warnings])],
             {own_name: table},
         )

@@ -9,7 +9,7 @@ from slopekit._version import FORMAT, __version__
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import number
-from slopekit.core.sheet import counted
+from slopekit.core.sheet import Section, Sheet, Table, counted
 from slopekit.design.joint_lists import JointList, own_or_given
 from slopekit.design.words import shown
 from slopekit.kinds.wedge.design import WedgeDesign
@@ -49,9 +49,12 @@ def survey_head(study: str, joints: JointList, sha: str) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def head(study: str, joints: JointList, sha: str) -> str:
-    """The first line of its sheet."""
-    return f"slopekit {__version__}   {study}   sha {sha[:6]}   {joints.name}"
+def study_sheet(
+    study: str, joints: JointList, sha: str, sections: Sequence[Section],
+    tables: Mapping[str, Table[Any]] = MappingProxyType({}),
+) -> Sheet:  # fmt: skip
+    """The sheet of a study of a survey."""
+    return Sheet(f"slopekit {__version__}   {study}   {joints.name}", sections, tables, sha)
 
 
 def survey_entry(joints: JointList) -> str:

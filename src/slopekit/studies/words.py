@@ -1,7 +1,11 @@
 """Words and columns that the sheets of studies share."""
 
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import Any
+
 from slopekit._version import __version__
-from slopekit.core.sheet import factor_text, is_number
+from slopekit.core.sheet import Section, Sheet, Table, factor_text, is_number
 from slopekit.design.common import Design
 from slopekit.kinds import status_text
 from slopekit.result import STATUSES
@@ -10,10 +14,12 @@ from slopekit.studies.points import Method, Point
 METHODS: dict[Method, str] = {"pre_ie": "PRE-IE", "closed_form": "closed form"}
 
 
-def head(design: Design, study: str) -> str:
-    """The first line: version, study, kind, hash, title."""
+def study_sheet(
+    design: Design, study: str, sections: Sequence[Section], tables: Mapping[str, Table[Any]] = MappingProxyType({})
+) -> Sheet:
+    """The sheet of a study: its first line has version, study, kind, title."""
     title = f"   {design.title}" if design.title else ""
-    return f"slopekit {__version__}   {study}   {design.kind}   sha {design.input_hash()[:6]}{title}"
+    return Sheet(f"slopekit {__version__}   {study}   {design.kind}{title}", sections, tables, design.input_hash())
 
 
 def status_words(design: Design, status: str) -> str:

@@ -16,7 +16,7 @@ const tone = (answer) => {
 function badge(answer) {
   if (answer.agree === true) { return el("span", { class: "badge good" }, "AGREE"); }
   if (answer.agree === false) { return el("span", { class: "badge bad" }, answer.moments_govern ? "MOMENTS GOVERN" : "DISAGREE"); }
-  return answer.lead === null ? null : el("span", { class: "badge plain" }, "not checked");
+  return answer.lead === null ? null : el("span", { class: "badge plain" }, "no closed form");
 }
 
 function faultCard(fault) {
@@ -29,7 +29,7 @@ function faultCard(fault) {
 
 function numbers(answer) {
   const rows = [["PRE-IE, limit", answer.fos.limit], ...answer.fos.lowest === null ? [] : [["lowest estimate", answer.fos.lowest]],
-    ["closed form", answer.fos.closed_form], ["upper bound (associated flow)", answer.fos.static_bound]];
+    ["closed form", answer.fos.closed_form], ["upper bound (associated flow), not for design", answer.fos.static_bound]];
   if (rows.every(([, value]) => value === null)) { return null; }
   return el("table", { class: "numbers" }, el("tbody", {}, rows.map(([name, value]) =>
     el("tr", {}, el("th", { scope: "row" }, name), el("td", { class: "num" }, factor(value))))));
@@ -69,7 +69,7 @@ export function show(answer) {
     faulty ? el("section", { class: "faults", "aria-label": "Why there is no answer" }, answer.faults.map(faultCard),
       byId("view").classList.contains("blank") ? null : el("p", { class: "soft" }, "The dimmed view is the last design that could be analysed.")) : null,
     stale(answer), numbers(answer),
-    answer.agree_words && answer.agree !== null ? el("p", { class: "soft small" }, answer.moments_govern ? "forces only: " : "", answer.agree_words.replace(/\s{2,}/g, " · ")) : null,
+    answer.agree_words && answer.agree !== null ? el("p", { class: "soft small" }, answer.agree_words.replace(/\s{2,}/g, " · ")) : null,
     answer.moments.length ? el("section", { class: "moments" }, el("h3", {}, "Moments"), answer.moments.map((line) => el("p", {}, line))) : null,
     governs(answer),
     answer.notices.length ? el("section", { class: "notices" }, el("h3", {}, "Notices"), answer.notices.map((one) =>

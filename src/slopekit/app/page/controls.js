@@ -146,7 +146,10 @@ function build(design) {
     const names = group.controls.map((own) => own.label);
     group.controls.forEach((own, k) => {
       const parts = own.path.split(".");
-      if (names.indexOf(names[k]) !== names.lastIndexOf(names[k]) && parts.length > 2) { own.label = `${own.label} of ${parts[parts.length - 2]}`; }
+      if (names.indexOf(names[k]) !== names.lastIndexOf(names[k]) && parts.length > 2) {
+        const [list, name] = parts.slice(-3), k = Number(name);
+        own.label += ` of ${Number.isNaN(k) ? name : `${list.replace(/s$/, "")} ${k + 1}`}`;
+      }
     });
   }
   if (!folded) { folded = new Set(["analysis", "title"]); }

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
-from slopekit.block_scene import Contacts
+from slopekit.block_scene import Contacts, Sizes
 from slopekit.core.arrays import frozen
 from slopekit.core.errors import Notice
 from slopekit.core.onlooker import Clock
@@ -36,7 +36,7 @@ from slopekit.kinds.assemblies.many_blocks_states import (
     assembly_pair_state,
     at_full_strength,
     mechanism,
-    with_sizes,
+    mechanisms_of,
 )
 from slopekit.kinds.protocol import (
     ClosedForm,
@@ -51,9 +51,10 @@ from slopekit.kinds.words import (
     extents_in_words,
     loads_part,
     mass_in_words,
+    short,
     shortened,
-    size_number,
     strength_in_words,
+    unit_weight_in_words,
     weight_in_words,
 )
 from slopekit.loads import AssemblyLoads
@@ -80,7 +81,6 @@ if TYPE_CHECKING:
     from slopekit.kinds.single_block.ladders import Ladder
 
 A = TypeVar("A", bound=AssemblyDesign)
-_MOST_LOADS = 8
 MOST_FOLLOWED = 24  # cohesive blocks whose history is followed unasked: it takes as long as the limit
 _HISTORY = 100.0  # seconds of work that a history may take: of 501 blocks some 60
 _DEBONDING = 0.02  # of a limit: a history that ends lower by more than this is its lowest factor (METHOD-4, 16)
@@ -179,7 +179,7 @@ def kind_of_many_blocks(
         return (
             slope(design, result),
             _size(result, with_areas(design)),
-            loads_part(wet, result, in_section, _MOST_LOADS),
+            loads_part(wet, result, in_section),
         )
 
     return Kind(
@@ -249,8 +249,8 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
         ravelling = _ravelled(design, scene, loads, design.mechanisms)
     standing = scene.without(ravelling.gone())
     with clock("mechanisms"):
-        moving = (mechanism(failure, scene) for failure in ravelling.failures)
-        mechanisms = tuple(with_sizes(moving, scene, design.rock.gravity_m_s2))
+        rows = tuple(mechanisms_of(ravelling, scene, design.rock.gravity_m_s2))
+        mechanisms = tuple(row for row in rows if row.role != "chip")
     with clock("all_pairs"):
         all_pairs = None
         if design.analysis.criterion == "all-pairs" and mechanisms and mechanisms[0].fos:
@@ -274,10 +274,8 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
         closed, table = own.closed_form(design, mechanisms[0] if mechanisms else None)
     difference, agree = compare(limit, status, closed, design.analysis.agree_within)
     findings = Findings(
-        mechanisms, _factors(ravelling, scene), _standing(ravelling, scene), len(assembly),
-        int(assembly.fixed.sum()), len(assembly.patches), len(ravelling.parts), _checks(scene, ravelling), table,
-        SHEAR_TO_NORMAL,
-        _chips(ravelling, scene, least_counted_weight(design, scene, loads) / design.rock.gravity_m_s2),
+        rows, _standing(ravelling, scene), len(assembly), int(assembly.fixed.sum()), len(assembly.patches),
+        len(ravelling.parts), _checks(scene, ravelling), table, SHEAR_TO_NORMAL,
     )  # fmt: skip
     parts = ravelling.parts
     first = ravelling.failures[0].parts if ravelling.failures else ()
@@ -351,33 +349,6 @@ def search_of_all_pairs(design: AssemblyDesign, scene: AssemblyScene, limit: flo
     return None if model is None else all_pairs_failed(model, joint_stiffness(design), limit, relative=_BRACKET)
 
 
-def _factors(ravelling: Ravelling, scene: AssemblyScene) -> dict[str, float | None]:
-    """The factor at which each block fails as strength is reduced; None where no strength holds it.
-
-    A block that only the one before it held fails together with it, however low its own factor is then.
-    """
-    out: dict[str, float | None] = {}
-    reached: float | None = None
-    for failure in ravelling.sequence:
-        if any(part.limit.outcome is Outcome.NOT_CONVERGED for part in failure.parts):
-            break
-        factor = failure.limit.factor
-        reached = factor if reached is None else max(reached, factor or 0.0)
-        for block in failure.blocks.tolist():
-            out[scene.names[block]] = reached
-    return out
-
-
-def _chips(ravelling: Ravelling, scene: AssemblyScene, below_t: float) -> Mapping[str, Any] | None:
-    """What was too light to count and failed before the first mechanism; None where nothing did."""
-    if not ravelling.chips:
-        return None
-    factors = [chip.limit.factor for chip in ravelling.chips]
-    known = [factor for factor in factors if factor is not None]
-    names = tuple(scene.names[block] for chip in ravelling.chips for block in chip.blocks.tolist())
-    return {"blocks": names, "below_t": below_t, "fos": min(known) if len(known) == len(factors) else None}
-
-
 def _standing(ravelling: Ravelling, scene: AssemblyScene) -> str:
     left = int(ravelling.left.sum())
     moving = int((~scene.assembly.fixed).sum())
@@ -426,9 +397,9 @@ def _left_out(
     for part in parts:
         if part.limit.group:
             said.append(
-                f"the limit is that of {part.limit.group} of {len(part.blocks)} blocks that touch, the others held; "
-                f"all of them, none held, come to rest at {1.0 - part.limit.width:.4f} of it, and there have used up "
-                f"95 % of the strength along its motion, or run 1 % beyond it"
+                f"the limit is that of a group of {part.limit.group} of {len(part.blocks)} blocks that touch, the "
+                f"others fixed; check with none fixed: all rest at {1.0 - part.limit.width:.4f} of it, where 95 % of "
+                "the strength along the motion is used up, or fail 1 % above it"
             )
     if scene.assembly.in_section:
         ends = "three node pairs a contact (Simpson's rule), its friction one force: a flat contact slips as one"
@@ -514,25 +485,25 @@ def _size(result: Result, with_areas: Container[str]) -> Section:
     moving = findings.blocks - findings.fixed
     bedrock = f" and {findings.fixed} of bedrock" if findings.fixed else ""
     groups = f", in {findings.components} groups that touch only through bedrock" if findings.components > 1 else ""
-    areas = [f"{name} {size_number(area)} m²" for name, area in geometry.areas_m2.items() if name not in with_areas]
+    areas = [f"{name} {short(area)} m²" for name, area in geometry.areas_m2.items() if name not in with_areas]
     listed = ", ".join(shortened(areas, 6))
-    height, volume = size_number(geometry.total_height_m), size_number(geometry.volume_m3)
+    height, volume = short(geometry.total_height_m), short(geometry.volume_m3)
     return Section("SIZE", [
         f"{counted(moving, 'block')} that can move{bedrock}, {counted(findings.contacts, 'contact')}{groups}",
         f"height {height} m  volume {volume} m³  {weight_in_words(result)}",
-        *_fails_first(findings),
+        *_fails_first(result.size),
         *([f"contact area  {listed}"] if listed else []),
-    ])  # fmt: skip
+    ], details=unit_weight_in_words(result))  # fmt: skip
 
 
-def _fails_first(findings: Findings) -> list[str]:
+def _fails_first(size: Sizes | None) -> list[str]:
     """The size of the first mechanism."""
-    size = findings.mechanisms[0].size if findings.mechanisms else None
     if size is None:
         return []
-    of_all = f"height {size_number(size.height_m)} m  volume {size_number(size.volume_m3)} m³"
-    extent = extents_in_words(size)
-    return ["  ".join([f"critical block or group: {of_all}", f"mass {mass_in_words(size.mass_t)}", *extent])]
+    of_all = f"height {short(size.height_m)} m  volume {short(size.volume_m3)} m³"
+    return [
+        "  ".join([f"critical block or group: {of_all}", f"mass {mass_in_words(size.mass_t)}", *extents_in_words(size)])
+    ]
 
 
 def _water(pressures: Sequence[tuple[str, float]]) -> list[str]:

@@ -1,6 +1,6 @@
 """The limit state of many blocks: how each moves, which interfaces govern, contact modes, loads as arrows, sizes."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
@@ -9,7 +9,7 @@ import numpy as np
 from slopekit.block_scene import OPEN, SLIP, STICK, Arrows, NodePairState, Sizes
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.evidence import AtFactorOne, Movement
-from slopekit.findings import BlockMotion, GoverningInterface, Mechanism
+from slopekit.findings import GoverningInterface, Mechanism
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene
 from slopekit.kinds.single_block.one_block_states import CLOSED, SLIPS
@@ -17,7 +17,7 @@ from slopekit.kinds.sizes import Crest, extents_of, on_plane
 from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
 from slopekit.loads import AssemblyLoads, line_of_action
 from slopekit.preie.many_blocks.blocks_limit import Basis
-from slopekit.preie.many_blocks.ravelling import Failure, Part
+from slopekit.preie.many_blocks.ravelling import Failure, Part, Ravelling
 from slopekit.preie.motion.settlement import settlement
 from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.solvers.threads import one_thread
@@ -52,12 +52,9 @@ def mechanism(failure: Failure, scene: AssemblyScene) -> Mechanism:
     """A failure in words: status, factor, blocks and governing interfaces."""
     limit = failure.limit
     size = block_sizes(scene.assembly)
-    blocks = []
-    for block, motion in zip(failure.blocks.tolist(), failure.motion, strict=True):
-        how = _how(motion, float(size[block]), limit.outcome)
-        blocks.append(BlockMotion(scene.names[block], how, motion[:3], motion[3:]))
-    blocks.sort(key=lambda block: -float(np.abs(block.displacement).max()))
-    ways = {block.how for block in blocks}
+    fastest = np.argsort(-np.abs(failure.motion[:, :3]).max(axis=1, initial=0.0), kind="stable")
+    blocks, motions = failure.blocks[fastest].tolist(), frozen(failure.motion[fastest])
+    ways = tuple(_how(motion, float(size[block]), limit.outcome) for block, motion in zip(blocks, motions, strict=True))
     if any(part.limit.outcome is Outcome.NOT_CONVERGED for part in failure.parts):
         status = "not_converged"
     elif limit.outcome in (Outcome.LIFTED, Outcome.NO_REST):
@@ -87,8 +84,11 @@ def mechanism(failure: Failure, scene: AssemblyScene) -> Mechanism:
     return Mechanism(
         status,
         limit.factor,
+        tuple(scene.names[block] for block in blocks),
+        ways,
+        motions[:, :3],
+        motions[:, 3:],
         max(part.limit.change for part in failure.parts),
-        tuple(blocks),
         governing,
         counts,
         max((part.limit.basis for part in failure.parts), key=_SUREST.index).name.lower(),
@@ -291,15 +291,17 @@ def at_full_strength(design: AssemblyDesign, scene: AssemblyScene, loads: Assemb
 # -- how large it is ---------------------------------------------------------------------------------------------------
 
 
-def with_sizes(mechanisms: Iterable[Mechanism], scene: AssemblyScene, gravity_m_s2: float) -> Iterator[Mechanism]:
-    """The mechanisms with the sizes of the blocks that move in each."""
-    index = {name: k for k, name in enumerate(scene.names)}
-    for one in mechanisms:
-        blocks = np.array([index[block.name] for block in one.blocks], dtype=np.int64)
-        yield replace(one, size=_sizes_of_blocks(blocks, scene, gravity_m_s2)) if len(blocks) else one
+def mechanisms_of(ravelling: Ravelling, scene: AssemblyScene, gravity_m_s2: float) -> Iterator[Mechanism]:
+    """The table of mechanisms: each with its role and the sizes of the blocks that move in it."""
+    role = "first"
+    for failure in ravelling.sequence:
+        size = sizes_of_blocks(failure.blocks, scene, gravity_m_s2) if len(failure.blocks) else None
+        alone = "single_block" if failure.limit.basis is Basis.ALONE else role
+        yield replace(mechanism(failure, scene), size=size, role="chip" if failure.is_chip else alone)
+        role = role if failure.is_chip else "next"
 
 
-def _sizes_of_blocks(blocks: Ints, scene: AssemblyScene, gravity_m_s2: float) -> Sizes:
+def sizes_of_blocks(blocks: Ints, scene: AssemblyScene, gravity_m_s2: float) -> Sizes:
     assembly = scene.assembly
     volumes = assembly.volumes[blocks]
     volume, mass = float(volumes.sum()), float(volumes @ scene.unit_weights[blocks]) / gravity_m_s2

@@ -66,7 +66,7 @@ def schedule_table(bolts: Sequence[ScheduledBolt]) -> Table[ScheduledBolt]:
         Column("kN", attrgetter("force_kn"), "force_kn", "kN", _plain, 1, ".3f"),
         Column("", attrgetter("slice_m"), "slice_m", "m", exact="g"),
         Column("acts", attrgetter("acts"), "acts", width=1),
-        Column("block", attrgetter("block"), "block"),
+        Column("block", attrgetter("block"), "block", width=int(any(bolt.block for bolt in bolts))),
     ]
     table = Table(columns, bolts, ends=(_FIRST, _LAST))
     left = table.left_out

@@ -71,7 +71,7 @@ def _joints(blocks: ElasticBlocks) -> Table[tuple[str, OnElasticJoint]]:
 def _moves(blocks: ElasticBlocks) -> str:
     sizes = [math.sqrt(float(one @ one)) * 1e3 for one in (blocks.displacement_m, blocks.rigid_displacement_m)]
     who = "" if blocks.block is None else f" of {blocks.block}"
-    elastic, rigid = (short(size, 3) for size in sizes)
+    elastic, rigid = (short(size) for size in sizes)
     return f"mean displacement{who} at F = {blocks.factor:.4g}: {elastic} mm, rigid {rigid} mm"
 
 
@@ -79,6 +79,6 @@ def _size(result: Result, blocks: ElasticBlocks) -> str:
     seconds = result.timing_s.get("elastic")
     took = "" if seconds is None else f"; {seconds:.2g} s"
     return (
-        f"{blocks.mesh.cells} elements of order {blocks.mesh.order}, edges up to {short(blocks.mesh.edge_m, 3)} m, "
+        f"{blocks.mesh.cells} elements of order {blocks.mesh.order}, edges up to {short(blocks.mesh.edge_m)} m, "
         f"{blocks.mesh.node_pairs} node pairs, {blocks.mesh.unknowns} unknowns, {blocks.steps} Newton steps{took}"
     )

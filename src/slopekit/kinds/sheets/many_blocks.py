@@ -10,6 +10,7 @@ import numpy as np
 from slopekit.core.orientation import line_of
 from slopekit.core.sheet import Column, Entry, Section, Table, counted, factor_text
 from slopekit.findings import MOTIONS, SAME_FACTOR, AssemblyGeometry, Findings, GoverningInterface, Mechanism
+from slopekit.kinds.sheets.shared import short_or_dash
 from slopekit.kinds.words import in_order, line_in_words, mass_in_words, names_in_runs, short, size_number
 from slopekit.result import Result
 
@@ -37,7 +38,7 @@ _MOST_ROWS, _FIRST_ROWS, _LAST_ROWS = 40, 20, 10
 
 def sections(result: Result, findings: Findings) -> Iterator[Section]:
     """What moves, in what order, the table of columns and what was checked."""
-    first = findings.mechanisms[0] if findings.mechanisms else None
+    first = findings.first
     yield Section("MOVES", (), details=_moves(result, first))
     left = [findings.standing] if findings.standing else []
     yield Section("CHIPS", _chips(findings.chips))
@@ -57,12 +58,11 @@ def _order(result: Result) -> dict[str, int]:
 
 def status(result: Result, findings: Findings) -> str:
     """The status, and which blocks move in which way."""
-    if not findings.mechanisms or not findings.mechanisms[0].blocks:
+    first = findings.first
+    if first is None or not first.blocks:
         return result.status_text
-    first = findings.mechanisms[0]
     words = _motions(first, _order(result))
-    chips = 0 if findings.chips is None else len(findings.chips["blocks"])
-    still = findings.blocks - findings.fixed - len(first.blocks) - chips
+    still = findings.blocks - findings.fixed - len(first.blocks) - sum(len(chip.blocks) for chip in findings.chips)
     if still > 0:
         words += f", {still} {'stays' if still == 1 else 'stay'}"
     return _joined(result.status_text, words)
@@ -75,8 +75,8 @@ def _joined(status: str, words: str) -> str:
 def _motions(mechanism: Mechanism, order: Mapping[str, int]) -> str:
     """How many blocks move in which way, and which: the most frequent way first."""
     ways: dict[str, list[str]] = {}
-    for block in mechanism.blocks:
-        ways.setdefault(block.how, []).append(block.name)
+    for name, how in zip(mechanism.blocks, mechanism.how, strict=True):
+        ways.setdefault(how, []).append(name)
     words = []
     for how, names in sorted(ways.items(), key=lambda way: -len(way[1])):
         verb = MOTIONS.get(how, how) if len(names) == 1 else _PLURALS.get(how, how)
@@ -90,28 +90,26 @@ def limit_in_words(result: Result) -> str:
     if findings is None:
         return "PRE-IE"
     ratio = findings.shear_to_normal
-    if not findings.mechanisms:
-        return path_in_words("none", ratio)
-    first = findings.mechanisms[0]
-    return path_in_words(first.basis, ratio, first.fos, first.change)
+    first = findings.first
+    return path_in_words("none", ratio) if first is None else path_in_words(first.basis, ratio, first.fos, first.change)
 
 
 def _moves(result: Result, first: Mechanism | None) -> list[Entry]:
     """The first mechanism: the fastest block, the interfaces that govern, the node pairs."""
     if first is None or not first.blocks:
         return [*_settles(result)]
-    fastest, toward, geometry = first.blocks[0], _toward(first), result.geometry
+    fastest, way, toward, geometry = first.blocks[0], first.how[0], _toward(first), result.geometry
     in_section = isinstance(geometry, AssemblyGeometry) and geometry.thickness_m is not None
     goes = toward and f" toward {toward}{' (x is 090)' if in_section else ''}"
     return [
-        f"fastest {fastest.name}, which {MOTIONS.get(fastest.how, fastest.how)}{goes}", *governing(first.interfaces),
+        f"fastest {fastest}, which {MOTIONS.get(way, way)}{goes}", *governing(first.interfaces),
         *_pairs(first.pairs_by_mode), *_settles(result),
     ]  # fmt: skip
 
 
 def _toward(one: Mechanism) -> str:
     """The way that the fastest block of a mechanism goes; "" where it turns alone."""
-    moved = one.blocks[0].displacement if one.blocks else np.zeros(3)
+    moved = one.displacement[0] if one.blocks else np.zeros(3)
     return line_in_words(line_of(moved)) if float(np.abs(moved).max()) > 0.0 else ""
 
 
@@ -174,18 +172,22 @@ def _pairs(by_mode: Mapping[str, int]) -> list[str]:
 # -- what comes after -----------------------------------------------------------------------------------------------
 
 
-def _chips(chips: Mapping[str, Any] | None) -> list[Entry]:
+def _chips(chips: Sequence[Mechanism]) -> list[Entry]:
     """What fails first and is too light to count."""
-    if chips is None:
+    if not chips:
         return []
-    blocks, below = counted(len(chips["blocks"]), "block"), mass_in_words(chips["below_t"])
-    fails = "whatever their strength" if chips["fos"] is None else f"from FoS {factor_text(chips['fos']).strip()}"
-    return [f"mechanisms lighter than {below}: {blocks}, {fails}; taken away first (analysis.smallest_block)"]
+    number, mass = sum(len(chip.blocks) for chip in chips), sum(chip.size.mass_t for chip in chips if chip.size)
+    factors = [chip.fos for chip in chips if chip.fos is not None]
+    at = f"from FoS {factor_text(min(factors)).strip()}" if len(factors) == len(chips) else "whatever their strength"
+    return [
+        f"{counted(number, 'block')} ({mass_in_words(mass)} in all) too light to count, failing {at}: taken away first "
+        "(analysis.smallest_block)"
+    ]
 
 
 def _mechanisms(result: Result, findings: Findings, order: Mapping[str, int]) -> list[Entry]:
     """The mechanisms in the order in which they happen, and what is left."""
-    mechanisms = findings.mechanisms
+    mechanisms = findings.counted
     if len(mechanisms) < 2:
         return []
     highest: float | None = None
@@ -200,8 +202,8 @@ def _mechanisms(result: Result, findings: Findings, order: Mapping[str, int]) ->
     columns: list[Column[tuple[int, Mechanism, str]]] = [
         Column("n", itemgetter(0), "n", width=3),
         Column("FoS", lambda row: row[1].fos, "fos", show=factor_text, width=9),
-        Column("m³", lambda row: row[1].size and row[1].size.volume_m3, "volume_m3", "m³", _volume, 9),
-        Column("t", lambda row: row[1].size and row[1].size.mass_t, "mass_t", "t", _volume, 9),
+        Column("m³", lambda row: row[1].size and row[1].size.volume_m3, "volume_m3", "m³", short_or_dash, 9),
+        Column("t", lambda row: row[1].size and row[1].size.mass_t, "mass_t", "t", short_or_dash, 9),
         Column("mode", lambda row: row[1].status, "mode", show=lambda way: _WAYS.get(way, way), width=-11,
                about="  {}"),
         Column("what fails once all before it is gone", itemgetter(2), "what", width=1),
@@ -213,10 +215,6 @@ def _mechanisms(result: Result, findings: Findings, order: Mapping[str, int]) ->
     within = f", FoS {factor_text(min(factors))} to {factor_text(max(factors))}" if factors else ""
     blocks = counted(sum(len(one.blocks) for one in hidden), "block")
     return [replace(table, rest=f"... {len(hidden)} more: {blocks}{within} ...")]
-
-
-def _volume(volume_m3: float | None) -> str:
-    return "-" if volume_m3 is None else short(volume_m3)
 
 
 def _follows_at_once(one: Mechanism, highest: float | None) -> bool:

@@ -33,8 +33,8 @@ def sheet_of(result: Result) -> Sheet:
         bolts = schedule({"inputs": design.inputs(), "geometry": json_of(result.geometry)})
         sections.append(Section("BOLTS", schedule_entries(bolts)))
         tables[FILE] = schedule_table(bolts)
-    head = f"slopekit {__version__}   {result.kind}   sha {design.input_hash()[:6]}{title}"
-    return Sheet(head, (*sections, *_sections(result)), tables)
+    head = f"slopekit {__version__}   {result.kind}{title}"
+    return Sheet(head, (*sections, *_sections(result)), tables, design.input_hash())
 
 
 def _sections(result: Result) -> Iterator[Section]:
@@ -74,7 +74,8 @@ def _status(result: Result) -> str:
         return many_blocks.status(result, result.findings)
     text, mechanism = result.status_text, result.limit_state.mechanism
     if mechanism is not None and result.status.startswith("slides") and result.words.along:
-        text += f" toward {line_in_words(line_of(mechanism.displacement))}"
+        slides, comma, rest = text.partition(",")
+        text = f"{slides} toward {line_in_words(line_of(mechanism.displacement))}{comma}{rest}"
     return text
 
 
@@ -158,7 +159,7 @@ def _movement(result: Result) -> list[str]:
     failed, pairs = state.failed_pairs, result.model.node_pairs
     yielding = f"{failed} of {pairs} node pairs yield" if failed else "no yielding"
     return [
-        f"displacement at F = 1 on elastic joints: {short(_size_m(result) * 1e3, 3)} mm, {yielding} "
+        f"displacement at F = 1 on elastic joints: {short(_size_m(result) * 1e3)} mm, {yielding} "
         f"({result.design.stiffness.in_words()})"
     ]
 
@@ -167,7 +168,10 @@ def _large_movement(result: Result) -> list[str]:
     """Return the caution of a displacement that is no small one."""
     if _size_m(result) <= 0.01 * float(result.geometry.volume_m3) ** (1.0 / 3.0):
         return []
-    return [f"{_size_m(result) * 1e3:.3g} mm at F = 1: too much for small displacements, not to be relied on"]
+    return [
+        f"displacement at F = 1 {short(_size_m(result) * 1e3)} mm: too large for the theory of small displacements, "
+        "not to be relied on"
+    ]
 
 
 def _size_m(result: Result) -> float:
@@ -185,7 +189,7 @@ def _time(timing_s: Mapping[str, float]) -> str:
 def _not_given(result: Result) -> list[str]:
     """Return the inputs that took an example value, or one by a rule of the program."""
     invented = ["φ" if name == "phi" else name for name in result.design.invented]
-    called = {"seismic.trend": "seismic trend (as under LOADS)"}
+    called = {"seismic.trend": "seismic trend (taken as under LOADS)"}
     ruled = [called.get(name, name) for name in result.design.reading.defaults if name not in result.design.invented]
     entries = [f"example values used: {', '.join(invented)}"] if invented else []
     return ["; ".join([*entries, *([", ".join(ruled)] if ruled else [])])] if invented or ruled else []

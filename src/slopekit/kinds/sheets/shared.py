@@ -1,17 +1,20 @@
 """Entries that the sheets of one block and of many blocks share."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context
 from functools import partial
 from operator import attrgetter, itemgetter
-from typing import Any
+from typing import TYPE_CHECKING
 
 from slopekit.core.sheet import Column, Entry, Table, factor_text
 from slopekit.design.parts import Rule
 from slopekit.evidence import ReductionStep
 from slopekit.kinds.words import short, size_number
 from slopekit.result import JUDGED, METHODS, STATUSES, Result
+
+if TYPE_CHECKING:
+    from slopekit.findings import Mechanism
 
 UPPER_BOUND = "upper bound (associated flow), not for design"
 LOWEST = "lowest estimate, for a joint stiffness ratio of 0.1 to 1 and where joints creep open"
@@ -60,8 +63,13 @@ def _size_or_dash(value: float | None) -> str:
     return "-" if value is None else size_number(value)
 
 
-def _rounded_or_dash(value: float | None) -> str:
+def short_or_dash(value: float | None) -> str:
+    """A size in three digits; a dash where it was not measured."""
     return "-" if value is None else short(value)
+
+
+def _rounded_or_dash(value: float | None) -> str:
+    return "-" if value is None else size_number(float(f"{value:.4g}"))
 
 
 @dataclass(frozen=True)
@@ -163,7 +171,7 @@ def series(result: Result) -> list[Entry]:
         Column("factor", attrgetter("factor"), "factor", show=".4f", width=-9),
         Column(f"{horizontal} / mm", across, f"{horizontal}_mm", "mm", in_millimetres, 16),
         Column("up / mm", lambda step: displacement_mm(step, 2), "up_mm", "mm", in_millimetres, 12),
-        Column(f"failed of {result.model.node_pairs}", attrgetter("failed_pairs"), "failed_pairs", width=14),
+        Column(f"failed pairs of {result.model.node_pairs}", attrgetter("failed_pairs"), "failed_pairs", width=22),
         *(Column(f"{title} / mm", partial(displacement_mm, k=k), f"{title}_mm", "mm", ".4f") for title, k in parts),
     ]
     return [Table(columns, result.series)]
@@ -173,7 +181,8 @@ def verdict(result: Result) -> str:
     """Whether the limit agrees with the closed form, and by how much it differs."""
     if result.agree is None:
         return "not compared with the closed form"
-    return judged_difference(result.difference, result.agree, result.design.analysis.agree_within)
+    judged = judged_difference(result.difference, result.agree, result.design.analysis.agree_within)
+    return judged.replace("AGREE", "AGREE on forces alone") if result.moments_govern else judged
 
 
 def judged_difference(difference: float | None, agree: bool, agree_within: float) -> str:
@@ -230,9 +239,8 @@ def judged_on(result: Result, rule: Rule) -> str:
     if rule.name == "fos" and result.design.analysis.criterion == "all-pairs":
         other = "the limit" if name == "all_pairs_failed" else "the factor of all pairs"
         said += f", no higher than {other}"
-    first = result.findings.mechanisms[0] if result.findings is not None and result.findings.mechanisms else None
-    if name == "limit" and first is not None and first.size is not None:
-        said += f" of the critical block or group, {short(first.size.volume_m3)} m³"
+    if name == "limit" and result.findings is not None and result.size is not None:
+        said += f" of the critical block or group, {short(result.size.volume_m3)} m³"
     return f" ({said})"
 
 
@@ -274,12 +282,12 @@ def mechanisms(result: Result) -> list[Entry]:
     """Return the mechanisms of a block above a basal joint: that block, and the whole wedge by its closed form."""
     if result.comparisons.without_basal is None:
         return []
-    columns: list[Column[Mapping[str, Any]]] = [
-        Column("FoS", itemgetter("fos"), "fos", show=factor_text, width=9),
-        Column("m³", itemgetter("volume_m3"), "volume_m3", "m³", _size_or_dash, 11),
-        Column("t", itemgetter("mass_t"), "mass_t", "t", _size_or_dash, 11),
-        Column("block", lambda row: row["blocks"][0], "block", width=-14, about="  {}"),
-        Column("status", itemgetter("status"), "status", width=1, show=result.words.status, about="{}"),
+    columns: list[Column[Mechanism]] = [
+        Column("FoS", attrgetter("fos"), "fos", show=factor_text, width=9),
+        Column("m³", lambda row: row.size and row.size.volume_m3, "volume_m3", "m³", short_or_dash, 11),
+        Column("t", lambda row: row.size and row.size.mass_t, "mass_t", "t", short_or_dash, 11),
+        Column("block", lambda row: row.blocks[0], "block", width=-14, about="  {}"),
+        Column("status", attrgetter("status"), "status", width=1, show=result.words.status, about="{}"),
     ]
     return [Table(columns, result.mechanisms)]
 

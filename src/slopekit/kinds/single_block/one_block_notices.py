@@ -76,8 +76,8 @@ def without_strength(block: str) -> Notice:
 def lost_contact(joint: str, lost: float = 1.0) -> Notice:
     """W307: a joint that has lost contact, or opens on a part of its area."""
     opens = "has lost contact" if lost > _ALL else f"opens on {max(lost * 100, 1.0):.0f} % of its area"
-    jumps = "the factor of safety jumps where that happens"
-    return Notice("W307", f"{joint} {opens} and loses its cohesion there: {jumps}")
+    jumps = "with a little less water or seismic load it may, and the factor of safety jumps"
+    return Notice("W307", f"{joint} {opens}, so its cohesion there does not act: {jumps}")
 
 
 def shaking(along: float) -> Iterator[Notice]:

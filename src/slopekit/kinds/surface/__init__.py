@@ -39,7 +39,7 @@ from slopekit.kinds.single_block.one_block_limit import Cut, FoundLimit, Interfa
 from slopekit.kinds.single_block.one_block_states import ContactModel
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
 from slopekit.kinds.surface.design import SurfaceDesign, read_surface
-from slopekit.kinds.words import loads_part, size_number, size_part, strength_in_words, water_in_words
+from slopekit.kinds.words import loads_part, short, size_part, strength_in_words, water_in_words
 from slopekit.loads import Loads, PointForce, block_loads
 from slopekit.notices import those_of_factors
 from slopekit.preie.one_block.limit import curved_limit_analysis
@@ -436,17 +436,19 @@ def _meshes(design: SurfaceDesign, result: Result, _: Cut) -> "Iterator[Rung]":
 def _slope(design: SurfaceDesign, result: Result) -> tuple[Section, ...]:
     geometry = result.geometry
     assert isinstance(geometry, SurfaceGeometry)
-    area = size_number(geometry.areas_m2["slip surface"])
+    area = short(geometry.areas_m2["slip surface"])
     ground = (
         f"ground mesh {design.ground_mesh.label}"
         if design.ground_mesh is not None
         else "ground profile " + " ".join(map(coordinates, design.profile_m or ()))
     )
-    lets = {0: "no motion exactly", 1: "one motion"}.get(geometry.motions, f"{geometry.motions} motions")
-    turned = f", turned by {geometry.misfit_deg:.2g}° to follow it" if geometry.misfit_deg else ""
+    rigid = {0: "no rigid motion fits", 1: "one rigid motion fits"}.get(
+        geometry.motions, f"{geometry.motions} rigid motions fit"
+    )
+    turned = f"; normals turned by {geometry.misfit_deg:.2g}° to fit one" if geometry.misfit_deg else ""
     entries = [
         f"{design.slip.in_words()}  {strength_in_words(design.strength)}  area {area} m²",
-        f"normals {geometry.normals}, edges {geometry.edge_m:.3g} m; the surface lets {lets} through{turned}",
+        f"{geometry.normals} normals, mesh edges {geometry.edge_m:.3g} m; {rigid} the surface{turned}",
         ground,
     ]
     wet = design.ground_in_words() if design.is_cut_for_loads else water_in_words(result)

@@ -34,7 +34,7 @@ from slopekit.kinds.wedge.design import WedgeDesign, read_wedge
 from slopekit.kinds.words import (
     line_in_words,
     loads_part,
-    size_number,
+    short,
     size_part,
     strength_in_words,
     water_in_words,
@@ -352,7 +352,7 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
         JOINTS, design.joint_names, design.joints, strengths_of(design), strict=False
     ):
         called = name if own == name else f"{name} ({own})"
-        area = size_number(geometry.areas_m2[name])
+        area = short(geometry.areas_m2[name])
         entries.append(f"{called} {plane}  {plane.in_words()}  {strength_in_words(strength)}  area {area} m²")
     if design.basal is not None:
         from slopekit.kinds.wedge import basal
@@ -368,12 +368,12 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
             f"crack {design.crack.plane}  {design.crack.plane.in_words()}, {design.crack.distance_m:.4g} m behind the "
             f"crest along J1{design.crack_in_words}"
         )
-        details.append(f"crack area {size_number(geometry.areas_m2['crack'])} m²")
+        details.append(f"crack area {short(geometry.areas_m2['crack'])} m²")
     if design.basal is not None:
         entries.append(basal.line_entry(geometry))
     else:
         line = Line(geometry.line_trend_deg, geometry.line_plunge_deg)
-        length = size_number(geometry.line_length_m)
+        length = short(geometry.line_length_m)
         entries.append(f"line of intersection {line_in_words(line)}, daylights at the toe")
         details.append(f"line of intersection {length} m long")
     yield Section("PLANES", entries, details=details)

@@ -36,7 +36,7 @@ from slopekit.kinds.wedge import bounds as wedge_bounds
 from slopekit.kinds.wedge import closed_form, closed_forms, crest_of
 from slopekit.kinds.wedge.cutting import Shape
 from slopekit.kinds.wedge.design import WedgeDesign
-from slopekit.kinds.words import line_in_words, size_number
+from slopekit.kinds.words import line_in_words, short
 
 JOINTS = ((J1, "J1"), (J2, "J2"), (BASAL, "basal"))
 _OF_THE_THIRD = ("basal_", "pressure3", "cohesion3", "friction3")  # how its arguments begin
@@ -150,7 +150,7 @@ def plane_entry(design: WedgeDesign, area_m2: float, strength: str) -> str:
     assert design.basal is not None
     plane, height = design.basal.plane, design.basal.height_m
     where = f"{abs(height):.4g} m {'above' if height >= 0.0 else 'below'} the toe along J1's trace"
-    return f"basal {plane}  {plane.in_words()}, {where}  {strength}  area {size_number(area_m2)} m²"
+    return f"basal {plane}  {plane.in_words()}, {where}  {strength}  area {short(area_m2)} m²"
 
 
 def line_entry(geometry: WedgeGeometry) -> str:
@@ -158,7 +158,7 @@ def line_entry(geometry: WedgeGeometry) -> str:
     line = line_in_words(Line(geometry.line_trend_deg, geometry.line_plunge_deg))
     if not geometry.line_length_m:
         return f"line of intersection of J1 and J2 {line}, no edge of the block"
-    length = size_number(geometry.line_length_m)
+    length = short(geometry.line_length_m)
     return f"line of intersection of J1 and J2 {line}, {length} m of it above the basal joint"
 
 
@@ -169,7 +169,7 @@ def notices(design: WedgeDesign) -> Iterator[Notice]:
     if basal.height_m < 0.0:
         height, meant = number(basal.height_m), number(-basal.height_m)
         yield Notice("W410", f"a socket wedge: basal.height is {height} m, so it lies under J1 and J2, below the point "
-                     "where they and the face meet; what lies above them is not looked at (is "
+                     "where they and the face meet; what lies above them is not analysed (is "
                      f"{meant} m meant?)")  # fmt: skip
     elif (whole := without_basal(design)) is not None:
         too = "; acceptance is held against it too" if any(rule.is_least for rule in design.rules) else ""
@@ -177,8 +177,8 @@ def notices(design: WedgeDesign) -> Iterator[Notice]:
         within = f" and {lost} of {counted(len(design.bolts), 'bolt')} (that end within it, or miss it)" if lost else ""
         yield Notice(
             "W410",
-            "the basal joint cuts the toe off the wedge on J1 and J2, and what lies below it is taken to stay; the "
-            f"whole wedge, without basal{within}: {whole.in_words()} by the closed form{too}",
+            "the basal joint cuts the toe off the wedge on J1 and J2, and the rock below it is taken to stay; the "
+            f"whole wedge without the basal joint{within}: {whole.in_words()} by the closed form{too}",
         )
     apart = math.radians(basal.plane.dip_direction_deg - design.face.dip_direction_deg)
     if basal.plane.dip_deg > 0.0 and math.cos(apart) < -_ACROSS:

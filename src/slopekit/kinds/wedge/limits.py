@@ -17,7 +17,7 @@ from slopekit.closed_form.sizes import WedgeSizes, wedge_sizes
 from slopekit.core.arrays import Floats, NDArray
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.orientation import number
-from slopekit.kinds.words import short
+from slopekit.kinds.words import short, size_number
 
 #: What made a wedge smaller.
 LIMITED_BY = ("", "trace length", "persistence", "slope length", "bench width", "max volume")
@@ -180,6 +180,6 @@ def _fault(design: Any, fit: Fitted) -> Fault:
         what, advice = LIMITED_BY[fit.by[0]], "limits.by: scale makes it smaller instead."
         message = f"the wedge is larger than the limit of {what} ({limits_in_words(design)})"
         return Fault("E486", message, "limits", advice)
-    volume = short(fit.sizes.volume_m3[0])
+    volume = size_number(fit.sizes.volume_m3[0])
     least = number(design.limits.min_volume_m3)
     return Fault("E487", f"the wedge has {volume} m³, less than the min volume of {least} m³", "limits")

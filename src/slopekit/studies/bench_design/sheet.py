@@ -10,7 +10,7 @@ from slopekit.studies.bench_design.given import UNITS
 from slopekit.studies.bench_design.outcomes import OfBench, OfBerm
 from slopekit.studies.bench_design.run import BenchDesigns
 from slopekit.studies.prob.estimates import Share
-from slopekit.studies.surveys import codes_of, head, inputs_in_words, survey_entry
+from slopekit.studies.surveys import codes_of, inputs_in_words, study_sheet, survey_entry
 
 
 def sheet_of(study: BenchDesigns) -> Sheet:
@@ -18,7 +18,7 @@ def sheet_of(study: BenchDesigns) -> Sheet:
     fails, backbreak, needed, berms = _fails(study), _backbreak(study), _needed(study), _berms(study)
     inputs = study.given.to_dict() | {"water": study.given.slope.water.in_words()}
     every = {column.key: column for table in (fails, backbreak, needed) for column in table.columns}
-    return Sheet(head("bench-design", study.joints, study.given.input_hash()), (
+    return study_sheet("bench-design", study.joints, study.given.input_hash(), (
         Section("SURVEY", [survey_entry(study.joints)]),
         Section("INPUTS", inputs_in_words(inputs, study.given.defaults, UNITS)),
         Section("FAILS", [_OF_PLACES, fails]),

@@ -10,7 +10,7 @@ from slopekit.kinds.sheets.shared import LOWEST, UPPER_BOUND, accept, has_range,
 from slopekit.kinds.single_block.ladders import Rung
 from slopekit.result import JUDGED
 from slopekit.studies.check.run import Check, Finding
-from slopekit.studies.words import head
+from slopekit.studies.words import study_sheet
 
 _MARKS = {True: "ok", False: "NO", None: "--"}
 
@@ -18,7 +18,7 @@ _MARKS = {True: "ok", False: "NO", None: "--"}
 def sheet_of(checked: Check) -> Sheet:
     """The sheet of a check."""
     result = checked.result
-    return Sheet(head(result.design, "check"), (
+    return study_sheet(result.design, "check", (
         Section("STATUS", [result.status_text]),
         Section("FoS", _factors(checked)),
         Section("LOOKED AT", [Table(_FINDING, checked.findings, headless=True)], hang=42),
@@ -65,9 +65,9 @@ def _factors(checked: Check) -> list[str]:
             "on a curved surface equilibrium alone does not fix the factor: this is that of a rigid mass on an even "
             "elastic bed; judge by all that is given"
         )
-    if checked.result.findings is not None and fos.limit is not None:
-        moving = len(checked.result.findings.mechanisms[0].blocks)
-        lines.append(f"{moving} of {checked.result.model.moving_blocks} blocks move; the ladder is that of their group")
+    if checked.result.findings is not None and (first := checked.result.findings.first) and fos.limit is not None:
+        of_all = f"{len(first.blocks)} of {checked.result.model.moving_blocks} blocks move"
+        lines.append(f"{of_all}; the ladder is that of their group")
     return lines
 
 

@@ -12,7 +12,7 @@ from slopekit.kinds.wedge.limits import LIMITED_BY
 from slopekit.kinds.words import size_number
 from slopekit.studies.combos.pairs import NOT_REMOVABLE, PAIR_OUTCOMES
 from slopekit.studies.combos.run import Combos, PairCheck
-from slopekit.studies.surveys import codes_of, head, inputs_in_words, survey_entry
+from slopekit.studies.surveys import codes_of, inputs_in_words, study_sheet, survey_entry
 
 _WHY = {
     "parallel": "the joints are parallel",
@@ -35,7 +35,7 @@ def sheet_of(combos: Combos) -> Sheet:
     """The sheet of all pairs."""
     pairs = _every_pair(combos)
     inputs = combos.given.to_dict() | {"water": combos.given.slope.water.in_words()}
-    return Sheet(head("combos", combos.joints, combos.given.input_hash()), (
+    return study_sheet("combos", combos.joints, combos.given.input_hash(), (
         Section("SURVEY", [survey_entry(combos.joints)]),
         Section("INPUTS", inputs_in_words(inputs, combos.given.defaults)),
         Section("PAIRS", [_outcomes(combos)], hang=4),

@@ -17,7 +17,7 @@ from slopekit.studies.kinematic.criteria import (
     SLIDING_BASE,
 )
 from slopekit.studies.kinematic.run import SEED, Kinematic
-from slopekit.studies.surveys import codes_of, head, inputs_in_words, survey_entry
+from slopekit.studies.surveys import codes_of, inputs_in_words, study_sheet, survey_entry
 
 _MOST_NAMES = 24
 _NONE = "single"  # joints of no set
@@ -34,7 +34,7 @@ def sheet_of(analysis: Kinematic) -> Sheet:
     parallel = analysis.pairs - m
     few = f", {analysis.pairs} of them drawn at random (seed {SEED})" if analysis.is_sample else ""
     few += f", {parallel} of them parallel, without a line of intersection" if parallel else ""
-    return Sheet(head("kinematic", analysis.joints, analysis.input_hash()), (
+    return study_sheet("kinematic", analysis.joints, analysis.input_hash(), (
         Section("SURVEY", [survey_entry(analysis.joints) + few, *_drawn(analysis)]),
         Section("INPUTS", inputs_in_words(analysis.inputs(), analysis.defaults)),
         Section("PLANAR", [

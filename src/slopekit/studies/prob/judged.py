@@ -7,6 +7,7 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.errors import Notice
+from slopekit.core.sheet import counted
 from slopekit.evidence import WithoutBasal
 from slopekit.kinds.single_block.closed_forms import ClosedForms
 from slopekit.studies.outcomes import NO_BLOCK, STANDS, UNJUDGED, ByMethod
@@ -147,4 +148,5 @@ def notices_of(target: float, judged: Judged, samples: Samples, share: Share) ->
                      "is analysed does not, or forms no block: they count as failures, as acceptance of a run is not "
                      "met")  # fmt: skip
     if share.count < _RARE and share.of:
-        yield Notice("W350", f"{share.count} failures among {share.of} samples: judge by the upper limit, or draw more")
+        yield Notice("W350", f"{counted(share.count, 'failure')} among {share.of} samples: judge by the upper limit, "
+                     "or draw more")  # fmt: skip

@@ -14,7 +14,7 @@ from slopekit.result import STATUSES
 from slopekit.studies.marginals import NEVER, tails
 from slopekit.studies.prob.estimates import Share, Summary
 from slopekit.studies.prob.run import Probability
-from slopekit.studies.words import head, status_words
+from slopekit.studies.words import status_words, study_sheet
 
 _MOST_INPUTS = 20
 _FEW = 5  # of the sensitivities on the short sheet
@@ -41,7 +41,7 @@ def sheet_of(study: Probability) -> Sheet:
     asked, summary, scaled = study.asked, study.summary, study.scaled_down
     samples = f"{len(study.samples.values)} by {_SAMPLING[asked.method]}, seed {asked.seed}; {study.judged.evaluator}"
     times = "  ".join(f"{name} {value:.3g} s" for name, value in study.timing_s.items())
-    return Sheet(head(study.design, "prob"), (
+    return study_sheet(study.design, "prob", (
         Section("RANDOM", _inputs(study), details=[
             f"rank correlation {a} / {b}: {number(value)}" for a, b, value in study.design.correlation
         ]),

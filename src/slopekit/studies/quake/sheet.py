@@ -9,7 +9,7 @@ from slopekit.core.sheet import Column, Section, Sheet, Table, counted, factor_t
 from slopekit.studies.quake.run import Quake, Shaken
 from slopekit.studies.quake.six import Shaking, springs_in_words
 from slopekit.studies.quake.yielding import Yield, shown_k
-from slopekit.studies.words import METHODS, head, status_words
+from slopekit.studies.words import METHODS, status_words, study_sheet
 
 _MOST_ROWS = 40
 _NAME = 26
@@ -22,7 +22,7 @@ def sheet_of(quake: Quake) -> Sheet:
     toward = "the way of the slope" if quake.toward_deg is None else f"{number(quake.toward_deg):0>3}"
     scaled = "" if quake.scale_pga is None else f", each scaled to {number(quake.scale_pga)} g"
     leading = f"{_moves(quake.leading)} in six degrees of freedom; one way, rigid: {_moves(quake.one_way)}"
-    return Sheet(head(quake.design, "quake"), (
+    return study_sheet(quake.design, "quake", (
         Section("RECORDS", [f"{counted(len(quake.shaken), 'record')}{scaled}; toward {toward}, and reversed"]),
         Section("NOW", [_now(quake)]),
         Section("YIELD", [*(_yield(quake, one) for one in quake.yields), *_agree(quake)], hang=14),

@@ -9,14 +9,14 @@ from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, Verbatim, 
 from slopekit.studies.sets.clustering import Clusters
 from slopekit.studies.sets.run import CONFIDENCE, FoundSet, JointSets, tenths
 from slopekit.studies.sets.sizes import metres
-from slopekit.studies.surveys import codes_of, head
+from slopekit.studies.surveys import codes_of, study_sheet
 
 _MOST_NAMES = 24
 
 
 def sheet_of(joint_sets: JointSets) -> Sheet:
     """The sheet of joint sets."""
-    return Sheet(head("sets", joint_sets.joints, joint_sets.input_hash()), (
+    return study_sheet("sets", joint_sets.joints, joint_sets.input_hash(), (
         Section("SURVEY", _survey(joint_sets)),
         Section("NUMBER", _number(joint_sets)),
         Section("SETS", [_table(joint_sets), _WORDS.format(share=100.0 * CONFIDENCE)] if joint_sets.sets else []),

@@ -11,7 +11,7 @@ from slopekit.design.common import Design
 from slopekit.studies.keys import Key, in_words
 from slopekit.studies.points import UNSETTLED, Point
 from slopekit.studies.solve.solutions import Answers, Solution, SolvedValue
-from slopekit.studies.words import head, status_words
+from slopekit.studies.words import status_words, study_sheet
 
 _MOST_REFUSED = 6
 
@@ -19,7 +19,7 @@ _MOST_REFUSED = 6
 def sheet_of(solution: Solution) -> Sheet:
     """The sheet of a value that was solved for."""
     values = _values(solution)
-    return Sheet(head(solution.design, "solve"), (
+    return study_sheet(solution.design, "solve", (
         Section("KEY", [_asked(solution.key, solution.within)]),
         *_sections(solution),
         Section("VALUES", [values] if values.rows else []),

@@ -9,7 +9,7 @@ from slopekit.kinds.words import bolt_text, line_in_words, size_number
 from slopekit.studies.support.pattern import Layout
 from slopekit.studies.support.records import BoltCase, Support, wanted_in_words
 from slopekit.studies.support.search import Answer
-from slopekit.studies.words import head, status_words
+from slopekit.studies.words import status_words, study_sheet
 
 _ROLES = {"active": "a load, in full", "passive": "strength: capacity divided by FoS"}
 _FEW = 12  # bolts that are printed to be pasted
@@ -19,7 +19,7 @@ def sheet_of(support: Support) -> Sheet:
     """The sheet of a support study."""
     cases = _cases(support)
     pressure = [] if support.pressure is None else [f"uniform, normal to the face: {size_number(support.pressure)} kPa"]
-    return Sheet(head(support.design, "support"), (
+    return study_sheet(support.design, "support", (
         Section("TARGET", _target(support)),
         Section("BOLTS", _own_bolts(support.design)),
         *(Section(case.acts.upper(), [_ROLES[case.acts], *_case(support, case)]) for case in support.cases),

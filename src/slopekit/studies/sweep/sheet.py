@@ -10,7 +10,7 @@ from slopekit.core.sheet import LABEL, WIDTH, Column, Entry, Section, Sheet, Tab
 from slopekit.studies.keys import Key, in_words
 from slopekit.studies.points import Method, Point, factor_at
 from slopekit.studies.sweep.run import Sweep
-from slopekit.studies.words import METHODS, cell, check_word, head, status_words
+from slopekit.studies.words import METHODS, cell, check_word, status_words, study_sheet
 
 _CELL = 9
 _BRIEFLY = {
@@ -26,7 +26,7 @@ def sheet_of(swept: Sweep) -> Sheet:
         for key, values in zip(swept.keys, swept.values, strict=True)
     ]
     one = len(swept.keys) == 1
-    return Sheet(head(swept.design, "sweep"), (
+    return study_sheet(swept.design, "sweep", (
         *(Section("KEY", [text]) for text in keys),
         Section("CURVE", [_curve(swept)]) if one else Section("GRID", _grid(swept), hang=0),
         Section("PASSES", _critical(swept) if one else []),

@@ -7,14 +7,14 @@ from slopekit.core.sheet import Column, Section, Sheet, Table, is_number
 from slopekit.studies.keys import listed
 from slopekit.studies.points import Method, Point, factor_at, status_of
 from slopekit.studies.tornado.run import RULE, Tornado, TornadoBar
-from slopekit.studies.words import METHODS, cell, check_word, head, status_words
+from slopekit.studies.words import METHODS, cell, check_word, status_words, study_sheet
 
 
 def sheet_of(study: Tornado) -> Sheet:
     """The sheet of a tornado."""
     moved = [bar for bar in study.bars if bar.swings[study.asked[0]] != 0.0]
     still = [bar.key.path for bar in study.bars if bar.swings[study.asked[0]] == 0.0]
-    return Sheet(head(study.design, "tornado"), (
+    return study_sheet(study.design, "tornado", (
         Section("RULE", [RULE]),
         Section("NOW", [_now(study)]),
         Section("BARS", [_bars(study, moved) if moved else "no number changes the factor of safety"]),

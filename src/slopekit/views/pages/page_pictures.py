@@ -4,11 +4,12 @@ import base64
 import io
 import re
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from slopekit.core.errors import DesignError
+from slopekit.findings import counted_rows
 from slopekit.views.charts.kinematic_charts import NETS_OF
 from slopekit.views.plots import draw, offers
 
@@ -34,7 +35,7 @@ def still_pictures(document: Mapping[str, Any]) -> tuple[list[dict[str, Any]], l
     is_result = "fos" in document and "study" not in document
     names = [what for what in _OF_RESULT if what in offered] if is_result else list(offered)
     if document.get("assembly") is not None:
-        names = _of_many(names, document["assembly"])
+        names = _of_many(names, counted_rows(document))
     asked = [(what, offered[what], "") for what in names]
     if document.get("kind") == "kinematic":  # a net for each test: four in one have no legible letter on a phone
         asked = [(what, f"{test} {'sliding' if test in ('planar', 'wedge') else 'toppling'}", test)
@@ -51,13 +52,12 @@ def still_pictures(document: Mapping[str, Any]) -> tuple[list[dict[str, Any]], l
     return pictures, [f"{', '.join(dict.fromkeys(whats))}: {why}" for why, whats in missing.items()]
 
 
-def _of_many(names: list[str], assembly: Mapping[str, Any]) -> list[str]:
+def _of_many(names: list[str], mechanisms: Sequence[Mapping[str, Any]]) -> list[str]:
     """Without pictures that would show one colour: factors and order say something where several differ."""
-    factors = [value for value in assembly["factor_by_block"].values() if value is not None]
-    left = {"tractions"}
-    left |= set() if factors and max(factors) > 1.02 * min(factors) else {"factors"}
-    left |= set() if len(assembly["mechanisms"]) > 1 else {"ravelling"}
-    return [what for what in names if what not in left]
+    factors = [row["fos"] for row in mechanisms if row["fos"] is not None and row["status"] != "not_converged"]
+    differ = bool(factors) and max(factors) > 1.02 * factors[0]
+    shows = {"tractions": False, "factors": differ, "ravelling": len(mechanisms) > 1}
+    return [what for what in names if shows.get(what, True)]
 
 
 def page_picture(document: Mapping[str, Any], what: str, test: str | None = None) -> str:

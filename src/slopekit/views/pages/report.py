@@ -26,7 +26,7 @@ _NUMBER = re.compile(r"^(none|-)$|^[-+<>]? ?[\d(∞-][\d.,e+∞ ()-]*( %| kN| mm
 _HEADINGS = {
     "FoS": "Factors of safety", "ACCEPT": "Acceptance", "FACTORED": "Partial factors", "FORCES": "Forces and moments",
     "MODEL": "Model and what it leaves out", "MOVES": "Movement", "MECHANISM": "Mechanisms in order",
-    "TABLE": "Goodman & Bray's columns", "ELASTIC": "Elastic blocks", "METHODS": "Methods of columns",
+    "TABLE": "Goodman & Bray's columns", "ELASTIC": "Elastic blocks", "METHODS": "Agreement of the methods",
     "SENSITIVITY": "What changes the factor most", "ALL PAIRS": "All-pairs search",
     "SERIES": "By strength reduction factor",
 }  # fmt: skip

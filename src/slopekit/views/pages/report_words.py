@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from slopekit.core.sheet import factor_text
+from slopekit.findings import counted_rows
 from slopekit.kinds.sheets.many_blocks import path_in_words
 from slopekit.result import JUDGED
 
@@ -74,6 +75,5 @@ def limit_of(document: Mapping[str, Any]) -> str:
     assembly = document.get("assembly")
     if not assembly:
         return "PRE-IE"
-    first = assembly["mechanisms"][0] if assembly["mechanisms"] else {}
-    basis, change = first.get("basis", "none"), first.get("change", 0.0)
-    return path_in_words(basis, assembly["shear_to_normal"], first.get("fos"), change)
+    first: Mapping[str, Any] = next(iter(counted_rows(document)), {"basis": "none", "fos": None, "change": 0.0})
+    return path_in_words(first["basis"], assembly["shear_to_normal"], first["fos"], first["change"])

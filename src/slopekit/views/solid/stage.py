@@ -12,6 +12,7 @@ from slopekit.core.arrays import Bools, Floats, Ints, cross
 from slopekit.core.orientation import Line, parse_plane
 from slopekit.core.sheet import factor_text
 from slopekit.exchange.source import ExportSource, export_source
+from slopekit.findings import counted_rows
 from slopekit.kinds import known_kind
 from slopekit.result import JUDGED
 from slopekit.views.solid.layers import (
@@ -152,7 +153,7 @@ class Stage(ExportSource):
     @property
     def mechanisms(self) -> Sequence[Mapping[str, Any]]:
         """The mechanisms of many blocks in their order."""
-        return (self.document.get("assembly") or {}).get("mechanisms") or []
+        return counted_rows(self.document)
 
     @cached_property
     def without_strength(self) -> Bools:
@@ -173,7 +174,7 @@ class Stage(ExportSource):
         """How the blocks of a mechanism move, by name."""
         if not 0 < step <= len(self.mechanisms):
             return {}
-        return {str(block.get("name")): str(block.get("how")) for block in self.mechanisms[step - 1].get("blocks", [])}
+        return dict(zip(self.mechanisms[step - 1]["blocks"], self.mechanisms[step - 1]["how"], strict=True))
 
     # -- where it is seen from ----------------------------------------------------------------------------------------
 

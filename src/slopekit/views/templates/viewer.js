@@ -325,7 +325,8 @@ function slopekitView(box, say) {
   }
   var paper = [1, 1, 1];
   function half() {  // metres from the middle of the view to its upper edge
-    return 1.2 * Math.max(reach[1], reach[0] * canvas.clientHeight / Math.max(canvas.clientWidth, 1)) / eye.zoom;
+    var tall = Math.max(canvas.clientHeight, 1), free = Math.max(tall - 80, tall / 2, 1);  // below the buttons
+    return Math.max(1.05 * reach[1] * tall / free, 1.2 * reach[0] * tall / Math.max(canvas.clientWidth, 1)) / eye.zoom;
   }
   function ticked(id) { var input = part(id); return !!input && input.checked; }
   function value(id) { var input = part(id); return input ? Number(input.value) : 0; }
@@ -497,13 +498,13 @@ function slopekitView(box, say) {
       if (isFinite(ends[0])) { parts.push(scale(RAMP.factor, ends[0], ends[1], " factor of safety")); }
       special(true);
       if (any(function (j) { return data.factor[j] === null && !data.falls[j] && !data.unsettled[j]; })) {
-        parts.push(key(GREY, "no number: stays, or not asked"));
+        parts.push(key(GREY, "no factor: stable, or not analysed"));
       }
     } else if (by === "order") {
       if (last > 1) { parts.push(scale(RAMP.order, 1, last, " (1 fails first)")); }
       if (last === 1) { parts.push(key(css(ramp(RAMP.order, 0)), "fails first")); }
       special(false);
-      if (any(function (j) { return !data.order[j]; })) { parts.push(key(GREY, last ? "stays, or not asked" : "no mechanism")); }
+      if (any(function (j) { return !data.order[j]; })) { parts.push(key(GREY, last ? "stable, or not analysed" : "no mechanism")); }
     } else if (by === "plain" && moving > 1) {
       if (any(function (j) { return data.order[j] === 1; })) { parts.push(key(BLOCK, "moves first")); }
       if (any(function (j) { return data.order[j] !== 1; })) { parts.push(key(GREY, "other blocks")); }
