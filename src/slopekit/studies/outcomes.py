@@ -8,8 +8,10 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, NDArray
 from slopekit.core.errors import Notice
+from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany
 from slopekit.preie.tolerances import SAME_LIMIT
 from slopekit.studies.points import SAME_FACTOR, UNSETTLED, Method, Point, status_of
+from slopekit.studies.running import Columns
 
 #: What an outcome that is no block begins with, but for bolts that do not hold it; and values no design can have.
 NO_BLOCK = ("E", "impossible")
@@ -41,6 +43,22 @@ class ByMethod:
             names, np.array([numbers[word] for word in words], dtype=np.int16), np.array(factor, dtype=np.float64)
         )
 
+    @classmethod
+    def joined(cls, columns: Columns, name: str) -> "ByMethod":
+        """Return what `record` made of all pieces of many designs; once, as their outcomes are numbered anew."""
+        if not columns:
+            return cls.of([], [])
+        pieces = [columns[piece] for piece in sorted(columns)]
+        names = tuple(dict.fromkeys(word for piece in pieces for word in piece[f"{name}_names"]))
+        for piece in pieces:
+            numbers = np.array([names.index(word) for word in piece[f"{name}_names"]], dtype=np.int16)
+            piece[f"{name}_outcome"][:] = numbers[piece[f"{name}_outcome"]]
+        return cls(names, columns.arrays[f"{name}_outcome"], columns.arrays[f"{name}_factor"])
+
+    def record(self, name: str) -> dict[str, Any]:
+        """Return it as parts of the record of a piece of many designs, by names that begin with this one."""
+        return {f"{name}_names": list(self.names), f"{name}_outcome": self.outcome, f"{name}_factor": self.factor}
+
     def among(self, *beginnings: str) -> Bools:
         """Return which outcomes begin with one of these, (n,)."""
         matches: Bools = np.array([name.startswith(beginnings) for name in self.names], dtype=bool)[self.outcome]
@@ -71,6 +89,16 @@ class ByMethod:
         stays = self.among(*NO_BLOCK, STANDS) & ~self.unjudged
         with np.errstate(invalid="ignore"):
             return np.asarray(~stays & ~(self.factor >= target * (1.0 - SAME_FACTOR)))
+
+
+def record_of_limits(limits: LimitsOfMany) -> dict[str, Any]:
+    """Return what PRE-IE says of a piece of many single blocks as its record."""
+    return ByMethod.of(limits.status.tolist(), limits.limit).record("limit") | {"forces": limits.forces}
+
+
+def joined_limits(columns: Columns) -> tuple[ByMethod, Floats]:
+    """Return what PRE-IE says of all pieces, and its factors of the forces alone (n,)."""
+    return ByMethod.joined(columns, "limit"), columns.arrays.get("forces", np.empty(0))
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from slopekit.evidence import WithoutBasal
 from slopekit.kinds import also_falls_short, cut, factors_of
 from slopekit.kinds.protocol import Factors
 from slopekit.notices import new_notices
-from slopekit.studies.running import Crew, Journal, Record, run_all
+from slopekit.studies.running import Columns, Crew, Journal, Record, run_all
 
 Method = Literal["closed_form", "pre_ie"]
 _BUG = "E599"
@@ -209,11 +209,11 @@ def point_of(
         return Point(None, _BUG, f"{type(error).__name__}: {error}")
 
 
-def kept_records(
+def kept_points(
     work: Callable[[Any], Record], tasks: Sequence[Any], crew: Crew, desk: Workplace, study: str, label: str,
-    run: object, at_once: int = 8, given_up: Record | None = None,
-) -> tuple[list[Record], Journal]:  # fmt: skip
-    """The records of many tasks, by whoever does the work, and the journal that keeps them until it is removed.
+    run: object, at_once: int = 8,
+) -> tuple[tuple[Point, ...], Journal]:  # fmt: skip
+    """The points of many tasks, by whoever does the work, and the journal that keeps them until it is removed.
 
     Parameters
     ----------
@@ -221,17 +221,26 @@ def kept_records(
     """
     journal = Journal.of(desk.folder or Path.cwd(), study, run, streamed=desk.folder is not None)
     with desk.bar(label, len(tasks)) as advance:
-        records = run_all(work, tasks, crew, journal=journal, advance=advance, at_once=at_once, given_up=given_up)
-    return records, journal
-
-
-def kept_points(
-    work: Callable[[Any], Record], tasks: Sequence[Any], crew: Crew, desk: Workplace, study: str, label: str,
-    run: object, at_once: int = 8,
-) -> tuple[tuple[Point, ...], Journal]:  # fmt: skip
-    """The points of many tasks: as `kept_records`."""
-    records, journal = kept_records(work, tasks, crew, desk, study, label, run, at_once, GIVEN_UP)
+        records = run_all(work, tasks, crew, journal=journal, advance=advance, at_once=at_once, given_up=GIVEN_UP)
     return tuple(Point.from_record(record) for record in records), journal
+
+
+def map_rows(
+    work: Callable[[Any], Record], tasks: Sequence[Any], ends: Sequence[int], crew: Crew, desk: Workplace, study: str,
+    label: str, run: Sequence[object],
+) -> tuple[Columns, Journal]:  # fmt: skip
+    """What is found of many rows, piece by piece, and the journal that keeps it: as `kept_points`.
+
+    Parameters
+    ----------
+    work : gives arrays (m,) of each of the tasks, which are pieces of the rows
+    ends : of the pieces, from 0
+    """
+    columns = Columns(ends)
+    journal = Journal.of(desk.folder or Path.cwd(), study, [*run, ends], desk.folder is not None, columns)
+    with desk.bar(label, len(tasks)) as advance:
+        run_all(work, tasks, crew, journal=journal, advance=advance, at_once=1)
+    return columns, journal
 
 
 def said_at(

@@ -3,7 +3,7 @@
 The designs are one whose numbers may be arrays (n,): what `OnArrays` takes.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,17 +31,6 @@ class LimitsOfMany:
     status: NDArray[np.str_]
     limit: Floats
     forces: Floats
-
-    def to_record(self) -> dict[str, list[Any]]:
-        """Return it as JSON values."""
-        return {name: of.tolist() for name, of in vars(self).items()}
-
-
-def limits_of(records: Sequence[Mapping[str, Sequence[Any]]]) -> LimitsOfMany:
-    """Return what `LimitsOfMany.to_record` made of all parts of many designs."""
-    names = ("status", "limit", "forces")
-    status, limit, forces = ([of for record in records for of in record[name]] for name in names)
-    return LimitsOfMany(np.array(status, dtype=np.str_), np.array(limit, np.float64), np.array(forces, np.float64))
 
 
 def limits_on_arrays(
