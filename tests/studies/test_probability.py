@@ -247,7 +247,7 @@ def test_where_moments_govern_pre_ie_counts_and_the_closed_form_is_said_beside_i
 @pytest.mark.slow
 @pytest.mark.parametrize("values", [WILD, PASSIVE], ids=["all at once", "one by one"])
 def test_the_same_numbers_whoever_works(values, monkeypatch) -> None:
-    monkeypatch.setattr("slopekit.studies.prob.run._AT_ONCE", 3)  # several tasks
+    monkeypatch.setattr("slopekit.studies.prob.run._PIECE", 3)  # several tasks
     design = load(values)
     alone = prob(design, 8, seed=7, by="pre-ie")
     pool = prob(design, 8, seed=7, by="pre-ie", jobs=2)
@@ -258,8 +258,11 @@ def test_the_same_numbers_whoever_works(values, monkeypatch) -> None:
 
 
 @pytest.mark.parametrize("values", [default_wedge(), PASSIVE], ids=["all at once", "one by one"])
-def test_an_interrupted_study_goes_on(values, tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr("slopekit.studies.prob.run._AT_ONCE", 1)
+@pytest.mark.parametrize("by", ["pre-ie", "closed-form"])
+def test_an_interrupted_study_goes_on(values, by, tmp_path, monkeypatch) -> None:
+    """What was done is read back as it was, also where its columns stand on disk."""
+    monkeypatch.setattr("slopekit.studies.prob.run._PIECE", 1)
+    monkeypatch.setattr("slopekit.studies.prob.run._PIECE_OF_CLOSED_FORMS", 1)
     design, calls = load(values), []
 
     def counted(work, *tasks, **options):
@@ -272,16 +275,19 @@ def test_an_interrupted_study_goes_on(values, tmp_path, monkeypatch) -> None:
 
         return running.run_all(one, *tasks, **options)
 
-    whole = prob(design, 30, by="pre-ie")
+    whole = prob(design, 30, by=by)
     monkeypatch.setattr("slopekit.studies.points.run_all", counted)
+    monkeypatch.setattr(running, "_MOST_ROWS_IN_MEMORY", 29)
     monkeypatch.chdir(tmp_path)
     with pytest.raises(Interrupted) as caught:
-        prob(design, 30, by="pre-ie")
+        prob(design, 30, by=by)
     assert "12 of 30" in str(caught.value)
     assert len(list(tmp_path.glob("prob-*.journal"))) == 1
-    again = prob(design, 30, by="pre-ie")
+    again = prob(design, 30, by=by)
     assert len(calls) == 31
     assert again.judged.factor.tobytes() == whole.judged.factor.tobytes()
+    assert again.to_dict() | {"timing_s": None} == whole.to_dict() | {"timing_s": None}
+    assert isinstance(again.judged.factor, np.memmap) == (values is not PASSIVE)
     assert not list(tmp_path.iterdir())
 
 
@@ -322,6 +328,7 @@ def test_nothing_that_speaks_against_it_is_accepted(monkeypatch) -> None:
     assert "agree on 0, disagree on 0, 6 not compared" in said
     assert "<= 99 %: NOT MET, 6 samples not judged" in said
     assert "W350" in {notice.code for notice in by_pre_ie.warnings}
+    monkeypatch.undo()
     away = default_wedge() | {"joints": {"J1": {"plane": "45/020", "strength": "a"},
                                          "J2": {"plane": "45/340", "strength": "b"}}}  # fmt: skip
     assert prob(load(away), 50).exit_code == 3

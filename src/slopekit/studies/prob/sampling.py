@@ -63,9 +63,11 @@ class Samples:
 
     def at(self, rows: Ints) -> Floats:
         """The values of samples in rising order, some of them (m, k)."""
-        parts, ends = np.searchsorted(rows, self.ends), self.ends
-        blocks = zip(self.pieces(), pairwise(parts), ends, strict=False)
-        return np.concatenate([values[rows[slice(*part)] - start] for values, part, start in blocks])
+        parts = zip(pairwise(self.ends), pairwise(np.searchsorted(rows, self.ends)), strict=True)
+        blocks = (
+            self.rows(start, stop)[rows[first:end] - start] for (start, stop), (first, end) in parts if first < end
+        )
+        return np.concatenate(list(blocks))
 
     @cached_property
     def ends(self) -> Sequence[int]:
