@@ -487,10 +487,12 @@ def test_samples_csv_has_every_digit_of_every_sample(tmp_path) -> None:
 
 
 def test_a_journal_is_kept_until_all_is_written(tmp_path) -> None:
-    """With a folder the study leaves it to whoever writes its results; `done` removes it."""
-    study = prob(load(default_wedge()), 6, by="pre-ie", desk=Workplace(tmp_path))
+    """With a folder the study leaves it to whoever writes its results."""
+    desk = Workplace(tmp_path)
+    prob(load(default_wedge()), 6, by="pre-ie", desk=desk)
     assert [path.suffix for path in tmp_path.iterdir()] == [".journal"]
-    study.done()
+    (written,) = desk.when_written
+    written()
     assert not list(tmp_path.iterdir())
 
 

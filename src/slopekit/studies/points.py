@@ -212,35 +212,52 @@ def point_of(
 def kept_points(
     work: Callable[[Any], Record], tasks: Sequence[Any], crew: Crew, desk: Workplace, study: str, label: str,
     run: object, at_once: int = 8,
-) -> tuple[tuple[Point, ...], Journal]:  # fmt: skip
-    """The points of many tasks, by whoever does the work, and the journal that keeps them until it is removed.
+) -> list[Point]:  # fmt: skip
+    """The points of many tasks, by whoever does the work; a journal keeps them until results are written.
 
     Parameters
     ----------
     study, label : names of the journal and of the bar; run : everything that the records depend on, as JSON values
     """
-    journal = Journal.of(desk.folder or Path.cwd(), study, run, streamed=desk.folder is not None)
-    with desk.bar(label, len(tasks)) as advance:
-        records = run_all(work, tasks, crew, journal=journal, advance=advance, at_once=at_once, given_up=GIVEN_UP)
-    return tuple(Point.from_record(record) for record in records), journal
+    records = _kept(work, tasks, crew, desk, study, label, run, {}, at_once, GIVEN_UP)
+    return [Point.from_record(record) for record in records]
 
 
 def map_rows(
     work: Callable[[Any], Record], tasks: Sequence[Any], ends: Sequence[int], crew: Crew, desk: Workplace, study: str,
     label: str, run: Sequence[object],
-) -> tuple[Columns, Journal]:  # fmt: skip
-    """What is found of many rows, piece by piece, and the journal that keeps it: as `kept_points`.
+) -> Columns:  # fmt: skip
+    """What is found of many rows, piece by piece, each a task: as `kept_points`.
 
     Parameters
     ----------
-    work : gives arrays (m,) of each of the tasks, which are pieces of the rows
-    ends : of the pieces, from 0
+    work : gives arrays (m,) of a task; ends : of the pieces, from 0
     """
     columns = Columns(ends)
-    journal = Journal.of(desk.folder or Path.cwd(), study, [*run, ends], desk.folder is not None, columns)
+    _kept(work, tasks, crew, desk, study, label, [*run, ends], columns, 1)
+    return columns
+
+
+def _kept(
+    work: Callable[[Any], Record],
+    tasks: Sequence[Any],
+    crew: Crew,
+    desk: Workplace,
+    study: str,
+    label: str,
+    run: object,
+    held: dict[int, Record],
+    at_once: int,
+    given_up: Record | None = None,
+) -> list[Record]:
+    journal = Journal.of(desk.folder or Path.cwd(), study, run, desk.folder is not None, held)
     with desk.bar(label, len(tasks)) as advance:
-        run_all(work, tasks, crew, journal=journal, advance=advance, at_once=1)
-    return columns, journal
+        records = run_all(work, tasks, crew, journal=journal, advance=advance, at_once=at_once, given_up=given_up)
+    if desk.folder is None:
+        journal.remove()
+    else:
+        desk.when_written.append(journal.remove)
+    return records
 
 
 def said_at(

@@ -24,7 +24,7 @@ from slopekit.studies.joint_wedges import limits_of_wedges
 from slopekit.studies.outcomes import BothMethods, ByMethod, agreement, compared, joined_limits, record_of_limits
 from slopekit.studies.points import map_rows
 from slopekit.studies.protocol import Workplace
-from slopekit.studies.running import Crew, Journal, Record
+from slopekit.studies.running import Crew, Record
 
 #: Blocks of a mode in benches with one face: their joints (m,) by number, the second of a plane means nothing; m high.
 Task: TypeAlias = tuple[int, float, Ints, Ints, Floats]
@@ -33,8 +33,8 @@ _AT_ONCE = 2048  # blocks of a task
 
 def judged_benches(
     inputs: BenchInputs, trials: Trials, crew: Crew, desk: Workplace
-) -> tuple[list[Bench], list[BothMethods], Journal]:
-    """Return all benches judged by both methods, how far these agree in each mode of each, and the journal."""
+) -> tuple[list[Bench], list[BothMethods]]:
+    """Return all benches judged by both methods, and how far these agree in each mode of each."""
     sizes = [(height, dip) for height in inputs.heights_m for dip in inputs.face_dips_deg]
     parts = [parts_of(inputs, trials, *size) for size in sizes]
     jobs, tasks, before = list[tuple[Part, int, Ints, Ints]](), list[Task](), 0
@@ -52,10 +52,10 @@ def judged_benches(
                 tasks.append((mode, face, one.astype(np.int64), two.astype(np.int64), high))
     run = [inputs.input_hash(), inputs.has_cohesion]
     ends = [0, *accumulate(len(task[-1]) for task in tasks)]
-    columns, journal = map_rows(partial(_limits, inputs), tasks, ends, crew, desk, "bench-design", "PRE-IE", run)
-    limits = joined_limits(columns)
+    work = partial(_limits, inputs)
+    limits = joined_limits(map_rows(work, tasks, ends, crew, desk, "bench-design", "PRE-IE", run))
     both = [_judge(inputs, *one, limits) for one in jobs]
-    return [bench_of(*size, of_bench) for size, of_bench in zip(sizes, parts, strict=True)], both, journal
+    return [bench_of(*size, of_bench) for size, of_bench in zip(sizes, parts, strict=True)], both
 
 
 def _is_free_of_size(inputs: BenchInputs) -> bool:

@@ -325,12 +325,11 @@ def _order(limit: ByMethod, volume_m3: Floats) -> Ints:
 def _looked_at(
     inputs: PairInputs, pairs: JointPairs, rows: Ints, closed: ByMethod, crew: Crew, desk: Workplace
 ) -> Outcomes:
-    """What both methods say of some pairs (r,); what is done is kept in a journal until all are."""
+    """What both methods say of some pairs (r,); what is done is kept in a journal."""
     parts = [rows[at : at + _AT_ONCE] for at in range(0, len(rows), _AT_ONCE)]
     tasks = [(pairs.first[part], pairs.second[part], pairs.height_m[part]) for part in parts]
     work, ends = partial(_limits, inputs), [*range(0, len(rows), _AT_ONCE), len(rows)]
-    columns, journal = map_rows(work, tasks, ends, crew, desk, "combos", "PRE-IE", [inputs.input_hash()])
-    journal.remove()
+    columns = map_rows(work, tasks, ends, crew, desk, "combos", "PRE-IE", [inputs.input_hash()])
     limit, forces = joined_limits(columns)
     return agreement(limit, forces, closed, inputs.slope.analysis.agree_within)
 

@@ -5,7 +5,7 @@ samples -> outcome and factor of each -> shares with their confidence limits.
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal
@@ -45,7 +45,7 @@ from slopekit.studies.protocol import (
     study,
     whole_number,
 )
-from slopekit.studies.running import Crew, Journal, checked_crew
+from slopekit.studies.running import Crew, checked_crew
 
 By = Literal["closed-form", "pre-ie"]
 #: Samples that are drawn where none are asked for: where all are taken at once, and where they are read one by one.
@@ -85,7 +85,6 @@ class Probability(StudyOutcome):
     all_samples, forming : the probability of failure among all possible samples, and among those that form a block
     outcomes, both : of both methods, and how far they agree; None where the closed form was asked alone
     closed_form : what that says beside PRE-IE, None as there, or where the kind has none
-    journals : of a run with a folder, kept until its results are written
     """
 
     name: ClassVar[str] = "prob"
@@ -100,7 +99,6 @@ class Probability(StudyOutcome):
     closed_form: Judged | None
     of_samples: tuple[Notice, ...]
     timing_s: Mapping[str, float]
-    journals: tuple[Journal, ...] = field(default=(), compare=False)
 
     @property
     def charts(self) -> tuple[str, ...]:
@@ -160,11 +158,6 @@ class Probability(StudyOutcome):
                 break
             scaled += int((scale < 1.0).sum())
         return scaled
-
-    def done(self) -> None:
-        """Remove what was kept for an interruption: the results are written."""
-        for journal in self.journals:
-            journal.remove()
 
     @property
     def counts(self) -> dict[str, int]:
@@ -341,14 +334,11 @@ def prob(
     all_samples = share_of(judged.fails, counted_samples, replicate, confidence)
     forming = share_of(judged.fails, counted_samples & judged.forms, replicate, confidence)
     said = () if both is None else tuple(both.notices("samples", asked.n))
-    probability = Probability(
+    return Probability(
         design, asked, rows, judged, all_samples, forming, outcomes, both, beside,
         (*notices_of(fos, judged, rows.samples, all_samples), *said, *of_bolts, *not_as_given(design),
-         *likely_slips(design)), clock.done(), (judge.journal,),
+         *likely_slips(design)), clock.done(),
     )  # fmt: skip
-    if desk.folder is None:
-        probability.done()
-    return probability
 
 
 def _figure(name: str) -> Callable[[Probability], float | None]:
@@ -410,10 +400,8 @@ class _Judge:
 
     Attributes
     ----------
-    rows : the samples, in the end with the places of their cracks; journal : of what is done, once called
+    rows : the samples, in the end with the places of their cracks
     """
-
-    journal: Journal
 
     def __init__(self, rows: SampleRows, asked: ProbabilityOptions, crew: Crew, desk: Workplace) -> None:
         self.rows, self.asked, self.crew, self.desk = rows, asked, crew, desk
@@ -441,7 +429,7 @@ class _Judge:
         self.rows, without_place = self.rows.found()
         design, alone = self.rows.design, self.asked.by == "closed-form"
         work = partial(sample_record, design, not alone, tuple(as_laid_out(design).tolist()))
-        points, self.journal = kept_points(work, self.rows, self.crew, self.desk, "prob", "samples", self._run())
+        points = kept_points(work, self.rows, self.crew, self.desk, "prob", "samples", self._run())
         besides = also_of(points, partial(_without_block, self.rows))
         if besides is not None:
             self.besides = lambda judged: with_also(judged, *besides, self.asked.target)
@@ -454,7 +442,7 @@ class _Judge:
         count, pre_ie, basal = self.asked.n, self.asked.by == "pre-ie", WithoutBasal
         ends = [*range(0, count, _PIECE if pre_ie else _PIECE_OF_CLOSED_FORMS), count]
         work, pieces = PieceJudge(self.rows, pre_ie), list(pairwise(ends))
-        columns, self.journal = map_rows(work, pieces, ends, self.crew, self.desk, "prob", "samples", self._run())
+        columns = map_rows(work, pieces, ends, self.crew, self.desk, "prob", "samples", self._run())
         arrays = columns.arrays
         self.rows = replace(self.rows, places=arrays.get("place"))
         if "also_factor" in arrays:
