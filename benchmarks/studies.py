@@ -11,9 +11,10 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
+from itertools import pairwise, product
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +22,9 @@ import numpy as np
 
 from slopekit.design.reading.files import load
 from slopekit.design.templates import path_of
-from slopekit.studies.outcomes import ByMethod
+from slopekit.studies.points import evaluation
 from slopekit.studies.prob import prob
+from slopekit.studies.prob.rows import SampleRows, judged_piece
 from slopekit.studies.prob.sampling import METHODS, samples
 from slopekit.studies.prob.vectorised import vectorised
 from slopekit.studies.running import Crew, checked_crew, run_all
@@ -103,49 +105,60 @@ def cluster(workers: int) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]
                 process.wait()
 
 
-def crew_rows(n: int = 200_000) -> list[str]:
-    """Wedges by PRE-IE: one process, two, Dask with two workers, one of them killed half-way; idle chunks."""
+def wedge_crew_rows(n: int = 200_000) -> list[str]:
+    """Samples by both methods, in pieces that each worker draws itself."""
     design = load(scattering())
-    drawn = samples(design.variables, design.correlation, n, 1)
-    fast = vectorised(design, drawn.values, drawn.settings)
-    assert fast is not None
-    forms = fast(drawn.values)
-    values = drawn.values[~ByMethod(forms.names, forms.outcome.astype(np.int16), forms.factor).among("E")]
-    chunks = [values[at : at + _AT_ONCE] for at in range(0, len(values), _AT_ONCE)]
-    rows = ["| crew | wedges | seconds | wedges/s | against one process |", "|---|---|---|---|---|"]
+    rows = SampleRows(design, samples(design.variables, design.correlation, n, 1))
+    ends = [*range(0, n, _AT_ONCE), n]
+    return crew_rows(partial(judged_piece, rows, True), list(pairwise(ends)), n, 1)
+
+
+def bench_crew_rows() -> list[str]:
+    """2,000 benches of two blocks, read, cut and solved by itself each: 40 friction angles x 50 earthquakes."""
+    design = load(str(path_of("blocks")))
+    places = product(np.linspace(25.0, 45.0, 40).tolist(), np.linspace(0.0, 0.2, 50).tolist())
+    tasks = [{"strength.joint.phi": phi, "loads.seismic.k": k} for phi, k in places]
+    return crew_rows(partial(evaluation, design, True, False), tasks, len(tasks), 8)
+
+
+def crew_rows(work: Callable[[Any], Any], tasks: Sequence[Any], count: int, at_once: int) -> list[str]:
+    """The same tasks by one process, two, Dask with two workers, one of them killed half-way; tasks that do nothing."""
+    rows = ["| crew | rows | seconds | rows/s | against one process |", "|---|---|---|---|---|"]
     alone, base = "", 0.0
 
     def row(name: str, crew: Crew, advance: Callable[[int], None] = lambda _: None) -> None:
         nonlocal alone, base
         began = time.perf_counter()
-        found = json.dumps(run_all(fast.limits, chunks, crew, advance=advance, at_once=1))
+        records = run_all(work, tasks, crew, advance=advance, at_once=at_once)
         taken = time.perf_counter() - began
+        found = json.dumps(records, default=lambda array: array.tobytes().hex())
         alone, base = alone or found, base or taken
         assert found == alone, "another crew, other numbers"
-        rate = len(values) / taken
-        rows.append(f"| {name} | {len(values):,} | {taken:.1f} | {rate:,.0f} | {base / taken:.2f} |")
+        rows.append(f"| {name} | {count:,} | {taken:.1f} | {count / taken:,.0f} | {base / taken:.2f} |")
 
     row("one process", Crew())
     row("two processes (their start included)", checked_crew(2))
     with cluster(2) as (address, workers):
         dask = checked_crew(1, address)
-        run_all(fast.limits, chunks[:2], dask, at_once=1)  # the workers import
+        run_all(work, tasks[: 4 * at_once], dask, at_once=at_once)  # the workers import
         row("Dask, two workers", dask)
         began = time.perf_counter()
-        run_all(np.shape, chunks, dask, at_once=1)
+        run_all(id, tasks, dask, at_once=at_once)
         idle = time.perf_counter() - began
         done = 0
 
-        def kill_half_way(count: int) -> None:
+        def kill_half_way(finished: int) -> None:
             nonlocal done
-            done += count
-            if done > len(chunks) / 2 and workers[0].poll() is None:
+            done += finished
+            if done > len(tasks) / 2 and workers[0].poll() is None:
                 workers[0].send_signal(signal.SIGKILL)
 
         row("Dask, one of two killed half-way", dask, kill_half_way)
         assert workers[0].wait(10) == -signal.SIGKILL
-    said = f"{len(chunks)} chunks that do nothing took Dask {idle:.2f} s: {idle / len(values) * 1e6:.2g} µs a wedge"
-    return [*rows, "", said + f" in chunks of {_AT_ONCE:,}. Load average at the end: {os.getloadavg()[0]:.0f}."]
+    chunks = -(-len(tasks) // at_once)
+    said = f"{chunks} chunks that do nothing took Dask {idle:.2f} s: {idle / chunks * 1e3:.2g} ms each, "
+    load_average = os.getloadavg()[0]
+    return [*rows, "", f"{said}{idle / count * 1e6:.2g} µs a row. Load average at the end: {load_average:.0f}."]
 
 
 def prob_rows() -> list[str]:
@@ -289,7 +302,8 @@ def machine() -> str:
 def main(words: list[str]) -> None:
     chapters: list[tuple[str, Callable[[], list[str]]]] = [
         ("Drawing samples beside evaluating them, one core", sampling_rows),
-        ("Wedges by PRE-IE a second, the same numbers from every crew", crew_rows),
+        ("Wedges by both methods a second, the same numbers from every crew", wedge_crew_rows),
+        ("Benches a second, the same numbers from every crew", bench_crew_rows),
         ("Probability of failure against quadrature: the default wedge, φ = N(20, 2) on both planes", prob_rows),
         ("Samples of templates/wedge-scatter by both methods", both_rows),
         ("Joint sets: is the number that was drawn found?", set_rows),

@@ -14,7 +14,7 @@ from slopekit.kinds import kind_of
 from slopekit.studies.points import point_of
 from slopekit.studies.prob.bolts import as_laid_out, standing
 from slopekit.studies.prob.cracks import PLACE
-from slopekit.studies.prob.rows import SampleRows, rows_of
+from slopekit.studies.prob.rows import SampleRows
 from slopekit.studies.prob.run import _asked
 from slopekit.studies.prob.sampling import samples
 
@@ -39,9 +39,9 @@ CASES = {
 }  # fmt: skip
 
 
-def placed(design: Design, count: int, seed: int) -> SampleRows:
+def rows_of(design: Design, count: int, seed: int) -> SampleRows:
     """Samples of a design, with the places of their cracks."""
-    return rows_of(design, samples(design.variables, (), count, seed))
+    return SampleRows(design, samples(design.variables, (), count, seed))
 
 
 @pytest.mark.slow
@@ -54,7 +54,7 @@ def test_as_each_sample_read_by_itself(name) -> None:
     design = sk.load(CASES[name])
     found = sk.prob(design, n=12, by="closed-form", seed=4)
     assert found.judged.evaluator == "closed form of every sample, all at once"
-    rows = placed(design, 12, 4)
+    rows = rows_of(design, 12, 4)
     drawn, places = rows.samples, rows.values(0, 12)[:, -1]
     own = kind_of(design).on_arrays
     for row in range(12):
@@ -81,7 +81,7 @@ def test_dry_planes_have_hoek_and_brays_crack() -> None:
     design = sk.load(
         {**PLANE, "slope": {"face": "60/180", "height": 12, "upper": "0/180"}, "crack": {"distance": "worst"}}
     )
-    rows = placed(design, 50, 2)
+    rows = rows_of(design, 50, 2)
     dips = np.radians(rows.samples.values[:, rows.samples.names.index("joints.J1.plane.dip")])
     slides = dips < math.radians(60.0)
     cot_f, cot_p = 1.0 / math.tan(math.radians(60.0)), 1.0 / np.tan(dips[slides])
@@ -92,7 +92,7 @@ def test_dry_planes_have_hoek_and_brays_crack() -> None:
 def test_pre_ie_is_asked_with_the_crack_at_the_place_found() -> None:
     """What a worker reads of a sample has a fixed crack there: it looks for none, and both methods agree."""
     design = sk.load(WEDGE)
-    rows = placed(design, 6, 1)
+    rows = rows_of(design, 6, 1)
     for settings in rows:
         sample = with_values(rows.design, settings)
         assert sample.crack_searched == ""
@@ -105,10 +105,10 @@ def test_what_is_looked_for_alone_still_is() -> None:
     """Passive bolts are searched sample by sample; a crack with a place is not looked for."""
     bolted = sk.load(CASES["bolted wedge"])
     passive = replace(bolted, bolts=tuple(replace(bolt, acts="passive") for bolt in bolted.bolts))
-    assert placed(bolted, 3, 1).search is not None
-    assert placed(passive, 3, 1).search is None
+    assert rows_of(bolted, 3, 1).search is not None
+    assert rows_of(passive, 3, 1).search is None
     fixed = sk.load({**WEDGE, "crack": {"plane": "80/180", "distance": 3}})
-    assert placed(fixed, 3, 1).search is None
+    assert rows_of(fixed, 3, 1).search is None
 
 
 IN_METRES = {"plane": "80/180", "distance": "worst", "water": "1 m"}

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, fields
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,8 @@ NO_BLOCK = ("E", "impossible")
 #: Outcomes that are not judged: no answer, bolts that the block does not hold, a crack that leaves two blocks.
 UNJUDGED = ("E5", "E208", "E211", "E212", UNSETTLED)
 STANDS = "no_driving_force"
+#: The arrays of `Outcomes` that compare the methods.
+COMPARED = ("difference", "agree", "moments_govern")
 _MOST = "largest"  # of `BothMethods`: no sum
 #: The methods, and what their factors are called.
 _OF_METHODS: tuple[tuple[Method, str], ...] = (("pre_ie", "limit"), ("closed_form", "closed_form"))
@@ -46,14 +49,14 @@ class ByMethod:
     @classmethod
     def joined(cls, columns: Columns, name: str) -> "ByMethod":
         """Return what `record` made of all pieces of many designs; once, as their outcomes are numbered anew."""
-        if not columns:
-            return cls.of([], [])
         pieces = [columns[piece] for piece in sorted(columns)]
         names = tuple(dict.fromkeys(word for piece in pieces for word in piece[f"{name}_names"]))
         for piece in pieces:
             numbers = np.array([names.index(word) for word in piece[f"{name}_names"]], dtype=np.int16)
             piece[f"{name}_outcome"][:] = numbers[piece[f"{name}_outcome"]]
-        return cls(names, columns.arrays[f"{name}_outcome"], columns.arrays[f"{name}_factor"])
+        none = np.empty(0)
+        outcome, factor = (columns.arrays.get(f"{name}_{what}", none) for what in ("outcome", "factor"))
+        return cls(names, outcome.astype(np.int16, copy=False), factor)
 
     def record(self, name: str) -> dict[str, Any]:
         """Return it as parts of the record of a piece of many designs, by names that begin with this one."""
@@ -76,7 +79,7 @@ class ByMethod:
         """Those without an answer."""
         return self.among(*UNJUDGED)
 
-    @property
+    @cached_property
     def forms(self) -> Bools:
         """Those that form a block, as far as is known."""
         return ~self.among(*NO_BLOCK) | self.unjudged

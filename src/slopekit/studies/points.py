@@ -209,50 +209,23 @@ def point_of(
         return Point(None, _BUG, f"{type(error).__name__}: {error}")
 
 
-def kept_points(
+def map_rows(
     work: Callable[[Any], Record], tasks: Sequence[Any], crew: Crew, desk: Workplace, study: str, label: str,
-    run: object, at_once: int = 8,
-) -> list[Point]:  # fmt: skip
-    """The points of many tasks, by whoever does the work; a journal keeps them until results are written.
+    run: object, columns: Columns | None = None, at_once: int = 8,
+) -> list[Record]:  # fmt: skip
+    """The records of many tasks, by whoever does the work; a journal keeps them until results are written.
 
     Parameters
     ----------
+    work : gives the record of a point, or arrays of the rows of a task where there are `columns` that take them
     study, label : names of the journal and of the bar; run : everything that the records depend on, as JSON values
     """
-    records = _kept(work, tasks, crew, desk, study, label, run, {}, at_once, GIVEN_UP)
-    return [Point.from_record(record) for record in records]
-
-
-def map_rows(
-    work: Callable[[Any], Record], tasks: Sequence[Any], ends: Sequence[int], crew: Crew, desk: Workplace, study: str,
-    label: str, run: Sequence[object],
-) -> Columns:  # fmt: skip
-    """What is found of many rows, piece by piece, each a task: as `kept_points`.
-
-    Parameters
-    ----------
-    work : gives arrays (m,) of a task; ends : of the pieces, from 0
-    """
-    columns = Columns(ends)
-    _kept(work, tasks, crew, desk, study, label, [*run, ends], columns, 1)
-    return columns
-
-
-def _kept(
-    work: Callable[[Any], Record],
-    tasks: Sequence[Any],
-    crew: Crew,
-    desk: Workplace,
-    study: str,
-    label: str,
-    run: object,
-    held: dict[int, Record],
-    at_once: int,
-    given_up: Record | None = None,
-) -> list[Record]:
-    journal = Journal.of(desk.folder or Path.cwd(), study, run, desk.folder is not None, held)
+    held, given_up, ends = (columns, None, columns.pieces) if columns is not None else ({}, GIVEN_UP, [])
+    journal = Journal.of(desk.folder or Path.cwd(), study, [run, ends], desk.folder is not None, held)
     with desk.bar(label, len(tasks)) as advance:
-        records = run_all(work, tasks, crew, journal=journal, advance=advance, at_once=at_once, given_up=given_up)
+        records = run_all(
+            work, tasks, crew, journal=journal, advance=advance, at_once=1 if ends else at_once, given_up=given_up
+        )
     if desk.folder is None:
         journal.remove()
     else:

@@ -328,8 +328,8 @@ def _looked_at(
     """What both methods say of some pairs (r,); what is done is kept in a journal."""
     parts = [rows[at : at + _AT_ONCE] for at in range(0, len(rows), _AT_ONCE)]
     tasks = [(pairs.first[part], pairs.second[part], pairs.height_m[part]) for part in parts]
-    work, ends = partial(_limits, inputs), [*range(0, len(rows), _AT_ONCE), len(rows)]
-    columns = map_rows(work, tasks, ends, crew, desk, "combos", "PRE-IE", [inputs.input_hash()])
+    work, columns = partial(_limits, inputs), Columns([*range(0, len(rows), _AT_ONCE), len(rows)])
+    map_rows(work, tasks, crew, desk, "combos", "PRE-IE", [inputs.input_hash()], columns)
     limit, forces = joined_limits(columns)
     return agreement(limit, forces, closed, inputs.slope.analysis.agree_within)
 

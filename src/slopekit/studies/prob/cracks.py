@@ -4,7 +4,7 @@ The place that is found is one more number of the sample. Whatever follows takes
 form, bolts, sizes, PRE-IE.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -20,32 +20,10 @@ PLACE = "crack.distance"
 FEW_ALONE = 200  # samples that are drawn where each takes a second or more
 
 
-@dataclass(frozen=True)
-class CrackSearch:
-    """The worst place of the crack of each sample.
+def crack_search(design: Design, values: Floats) -> tuple[Design, Vectorised] | None:
+    """The design with its crack at a place, one more number that scatters, and its closed form over arrays of samples.
 
-    Attributes
-    ----------
-    design : with its crack at a place, one more number that scatters; bare : its closed form over arrays of samples
-    """
-
-    design: Design
-    bare: Vectorised
-
-    def __call__(self, values: Floats) -> tuple[Floats, Bools]:
-        """Return samples (n, k) with their place (n, k + 1), and those (n,) in which no place gives a factor."""
-        worst = self.bare.worst_cracks(values)
-        assert worst is not None
-        forms, found = worst
-        blocks = ~np.array([name.startswith("E") for name in forms.names])[forms.outcome]
-        nowhere = blocks & ~np.isfinite(found)
-        # without a block any place says the same of it
-        places = np.where(blocks & ~nowhere, found, self.design.crack.distance_m)  # type: ignore[attr-defined]
-        return np.column_stack([values, places]), nowhere
-
-
-def crack_search(design: Design, values: Floats) -> CrackSearch | None:
-    """How the crack of the samples of a design is placed; None where it is not, or in each sample alone.
+    None where no crack is looked for, or in each sample alone.
 
     Parameters
     ----------
@@ -58,8 +36,19 @@ def crack_search(design: Design, values: Floats) -> CrackSearch | None:
         fixed = with_values(design, {PLACE: float(crack.distance_m)})
     except DesignError:
         return None  # written in one word, 80/180@worst
-    bare = vectorised(fixed, values, lambda row: settings_of(design.variables, values[row]))
-    if bare is None or bare.worst_cracks(values) is None:
+    fast = vectorised(fixed, values, lambda row: settings_of(design.variables, values[row]))
+    if fast is None or fast.worst_cracks(values) is None:
         return None
     variable = Variable(PLACE, Distribution("uniform", {"min": 0.0, "max": float(crack.distance_m)}, "length"))
-    return CrackSearch(replace(fixed, variables=(*fixed.variables, variable)), bare)
+    return replace(fixed, variables=(*fixed.variables, variable)), fast
+
+
+def placed(search: Vectorised, values: Floats) -> tuple[Floats, Bools]:
+    """Samples (n, k) with the worst place of their crack (n, k + 1), and in which (n,) no place gives a factor."""
+    worst, distance = search.worst_cracks(values), float(search.design.crack.distance_m)  # type: ignore[attr-defined]
+    assert worst is not None
+    forms, found = worst
+    blocks = ~np.array([name.startswith("E") for name in forms.names])[forms.outcome]
+    known = blocks & np.isfinite(found)
+    # without a block any place says the same of it
+    return np.column_stack([values, np.where(known, found, distance)]), blocks & ~known

@@ -166,25 +166,20 @@ def sample_statistics(names: Sequence[str], pieces: Callable[[], Iterable[Floats
     """
     turned = [column for column, name in enumerate(names) if _is_direction(name)]
     middle = _middle(sum(_on_the_circle(values[:, turned]) for values in pieces()))
-    count, mean, squares = 0, np.zeros(len(names)), np.zeros(len(names))
-    least, most = np.full(len(names), np.inf), np.full(len(names), -np.inf)
+    counts, parts = list[int](), list[Sequence[Floats]]()
     for piece in pieces():
         values = piece.copy()
         values[:, turned] = _about(middle, values[:, turned])
-        # sums of two parts from those of each, Chan, Golub & LeVeque (1983), The American Statistician 37
-        of_piece = values.mean(axis=0)
-        squares += ((values - of_piece) ** 2).sum(axis=0)
-        squares += (of_piece - mean) ** 2 * (count * len(values) / (count + len(values)))
-        count += len(values)
-        mean += (of_piece - mean) * (len(values) / count)
-        least, most = np.minimum(least, values.min(axis=0)), np.maximum(most, values.max(axis=0))
-    for place in (mean, least, most):
-        place[turned] %= 360.0
-    columns = zip(names, mean, np.sqrt(squares / max(count - 1, 1)), least, most, strict=True)
-    return [
-        {"path": name, "mean": float(own), "sd": float(sd), "min": float(low), "max": float(high)}
-        for name, own, sd, low, high in columns
-    ]
+        counts.append(len(values))
+        parts.append((values.mean(axis=0), values.var(axis=0), values.min(axis=0), values.max(axis=0)))
+    means, variances, least, most = np.swapaxes(parts, 0, 1)
+    mean = np.average(means, axis=0, weights=counts)
+    variance = np.average(variances + (means - mean) ** 2, axis=0, weights=counts)
+    of = np.array([mean, least.min(axis=0), most.max(axis=0)])
+    of[:, turned] %= 360.0
+    sd = np.sqrt(variance * (sum(counts) / max(sum(counts) - 1, 1)))
+    columns = zip(names, *of.tolist(), sd.tolist(), strict=True)
+    return [{"path": name, "mean": own, "sd": sd, "min": low, "max": high} for name, own, low, high, sd in columns]
 
 
 def unwrapped(path: str, values: Floats) -> Floats:

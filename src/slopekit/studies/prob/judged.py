@@ -51,14 +51,17 @@ class Judged(ByMethod):
         return self.possible if (self.possible & ~self.unjudged).any() else self.possible & ~self.unjudged
 
 
-def with_also(judged: Judged, also: ByMethod, called: str, what: str, target: float) -> Judged:
+def with_also(judged: Judged, besides: tuple[ByMethod, str, str] | None, target: float) -> Judged:
     """The same with what acceptance is held against besides: of each sample the lower of the two counts.
 
     Parameters
     ----------
-    also : of every sample, with the outcome "" where there is nothing else; called : what its outcomes begin with
-    what : what it is, in words
+    besides : of every sample, with the outcome "" where there is nothing else; what its outcomes begin with; what it
+        is, in words; None where there is nothing of any sample
     """
+    if besides is None:
+        return judged
+    also, called, what = besides
     ours, other = _levels(judged), _levels(also)
     first = (other < ours) & judged.possible & ~judged.unjudged
     first &= judged.forms | (other < target)  # where it does not fail no block is no block

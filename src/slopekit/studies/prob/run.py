@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import pairwise
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, TypeAlias
 
 import numpy as np
 
@@ -24,13 +24,13 @@ from slopekit.evidence import WithoutBasal
 from slopekit.kinds import kind_of, likely_slips, peak_only
 from slopekit.notices import new_notices, not_as_given
 from slopekit.studies.marginals import checked_limits
-from slopekit.studies.outcomes import BothMethods, ByMethod, Outcomes, compared, of_points
-from slopekit.studies.points import Point, kept_points, map_rows, point_of
+from slopekit.studies.outcomes import COMPARED, BothMethods, ByMethod, Outcomes, compared, of_points
+from slopekit.studies.points import Point, map_rows, point_of
 from slopekit.studies.prob.bolts import as_laid_out, has_heads, sample_record, standing, without_force
 from slopekit.studies.prob.cracks import FEW_ALONE
 from slopekit.studies.prob.estimates import Share, Summary, sample_statistics, share_of, summary_of
 from slopekit.studies.prob.judged import Judged, also_of, notices_of, nowhere, sensitivities, with_also
-from slopekit.studies.prob.rows import PieceJudge, SampleRows, rows_of
+from slopekit.studies.prob.rows import SampleRows, judged_piece
 from slopekit.studies.prob.sampling import METHODS, Method, Samples, samples
 from slopekit.studies.protocol import (
     DESK,
@@ -45,7 +45,7 @@ from slopekit.studies.protocol import (
     study,
     whole_number,
 )
-from slopekit.studies.running import Crew, checked_crew
+from slopekit.studies.running import Columns, Crew, checked_crew
 
 By = Literal["closed-form", "pre-ie"]
 #: Samples that are drawn where none are asked for: where all are taken at once, and where they are read one by one.
@@ -317,18 +317,23 @@ def prob(
     asked = _asked(design, n, seed, method, by, fos, confidence, accept)
     clock = Clock()
     with clock("draw"):
-        rows = _rows(design, asked)
+        drawn = samples(design.variables, design.correlation, asked.n, asked.seed, method)
+        rows = SampleRows(design, drawn)
         if n is None and _takes_all_at_once(rows, asked):
             asked = replace(asked, n=MANY)
-            rows = _rows(design, asked)
+            rows = SampleRows(design, replace(drawn, count=MANY))
     with clock("factors"):
-        judge = _Judge(rows, asked, crew, desk)
-        judged, outcomes = judge()
-        rows, of_bolts = judge.rows, tuple(_of_bolts(judge.rows, judged.forms))
+        at_once = _takes_all_at_once(rows, asked)
+        method_found, outcomes, besides, nowhere_of = (_at_once if at_once else _one_by_one)(rows, asked, crew, desk)
+        whose = "closed form" if outcomes is None else "closed form and PRE-IE"
+        whose = "PRE-IE" if outcomes is not None and outcomes.closed_form is None else whose
+        evaluator = f"{whose} of every sample{', all at once' if at_once else ''}"
+        judged = nowhere(with_also(Judged.by(method_found, fos, evaluator), besides, fos), nowhere_of)
+        of_bolts = tuple(_of_bolts(rows, judged.forms))
     both = beside = None
     if outcomes is not None:
         if outcomes.closed_form is not None:
-            beside = judge.besides(Judged.by(outcomes.closed_form, fos, ""))
+            beside = with_also(Judged.by(outcomes.closed_form, fos, ""), besides, fos)
         both = compared(outcomes, judged.fails, (beside or judged).fails)
     replicate, counted_samples = rows.samples.replicate, judged.counted
     all_samples = share_of(judged.fails, counted_samples, replicate, confidence)
@@ -343,10 +348,6 @@ def prob(
 
 def _figure(name: str) -> Callable[[Probability], float | None]:
     return lambda study: getattr(study.all_samples, name)
-
-
-def _rows(design: Design, asked: ProbabilityOptions) -> SampleRows:
-    return rows_of(design, samples(design.variables, design.correlation, asked.n, asked.seed, asked.method))
 
 
 def _takes_all_at_once(rows: SampleRows, asked: ProbabilityOptions) -> bool:
@@ -395,65 +396,42 @@ def _asked(
     return ProbabilityOptions(n, seed, method, by, target, confidence, accept)
 
 
-class _Judge:
-    """Outcome and factor of every sample, by the method that counts and by the other.
+#: What a method says that counts, what both do, what acceptance is held against besides, in words too, and the samples
+#: (n,) in which no place of a crack gives a factor.
+_Found: TypeAlias = tuple[ByMethod, Outcomes | None, tuple[ByMethod, str, str] | None, Bools]
 
-    Attributes
-    ----------
-    rows : the samples, in the end with the places of their cracks
-    """
 
-    def __init__(self, rows: SampleRows, asked: ProbabilityOptions, crew: Crew, desk: Workplace) -> None:
-        self.rows, self.asked, self.crew, self.desk = rows, asked, crew, desk
-        self.besides: Callable[[Judged], Judged] = lambda judged: judged
+def _run(rows: SampleRows, asked: ProbabilityOptions) -> list[object]:
+    """What the outcomes depend on, as JSON values."""
+    design = rows.design
+    plain = design.source.root.plain() if design.source is not None else None
+    run: list[object] = [plain, design.input_hash(), repr(design.variables), repr(design.correlation)]
+    run += ["heads on the face"] if has_heads(design) else []
+    return [*run, asked.n, asked.seed, asked.method, asked.by]
 
-    def __call__(self) -> tuple[Judged, Outcomes | None]:
-        """Return the judgement of the method that counts, and what both say: None where the closed form is alone."""
-        asked, at_once = self.asked, _takes_all_at_once(self.rows, self.asked)
-        method, outcomes, without_place = self._at_once() if at_once else self._one_by_one()
-        whose = "closed form" if outcomes is None else "closed form and PRE-IE"
-        whose = "PRE-IE" if outcomes is not None and outcomes.closed_form is None else whose
-        evaluator = f"{whose} of every sample{', all at once' if at_once else ''}"
-        judged = self.besides(Judged.by(method, asked.target, evaluator))
-        return nowhere(judged, without_place), outcomes
 
-    def _run(self) -> list[object]:
-        """What the outcomes depend on, as JSON values."""
-        design, asked = self.rows.design, self.asked
-        plain = design.source.root.plain() if design.source is not None else None
-        run: list[object] = [plain, design.input_hash(), repr(design.variables), repr(design.correlation)]
-        run += ["heads on the face"] if has_heads(design) else []
-        return [*run, asked.n, asked.seed, asked.method, asked.by]
+def _one_by_one(rows: SampleRows, asked: ProbabilityOptions, crew: Crew, desk: Workplace) -> _Found:
+    alone = asked.by == "closed-form"
+    work = partial(sample_record, rows.design, not alone, tuple(as_laid_out(rows.design).tolist()))
+    records = map_rows(work, rows, crew, desk, "prob", "samples", _run(rows, asked))
+    points = [Point.from_record(record) for record in records]
+    outcomes, besides = of_points(points), also_of(points, partial(_without_block, rows))
+    nowhere_of = np.concatenate([rows.placed(*block)[1] for block in pairwise(rows.samples.ends)])
+    method = outcomes.closed_form if alone and outcomes.closed_form is not None else outcomes.limit
+    return method, None if alone else outcomes, besides, nowhere_of
 
-    def _one_by_one(self) -> tuple[ByMethod, Outcomes | None, Bools]:
-        self.rows, without_place = self.rows.found()
-        design, alone = self.rows.design, self.asked.by == "closed-form"
-        work = partial(sample_record, design, not alone, tuple(as_laid_out(design).tolist()))
-        points = kept_points(work, self.rows, self.crew, self.desk, "prob", "samples", self._run())
-        besides = also_of(points, partial(_without_block, self.rows))
-        if besides is not None:
-            self.besides = lambda judged: with_also(judged, *besides, self.asked.target)
-        outcomes = of_points(points)
-        if alone and outcomes.closed_form is not None:
-            return outcomes.closed_form, None, without_place
-        return outcomes.limit, None if alone else outcomes, without_place
 
-    def _at_once(self) -> tuple[ByMethod, Outcomes | None, Bools]:
-        count, pre_ie, basal = self.asked.n, self.asked.by == "pre-ie", WithoutBasal
-        ends = [*range(0, count, _PIECE if pre_ie else _PIECE_OF_CLOSED_FORMS), count]
-        work, pieces = PieceJudge(self.rows, pre_ie), list(pairwise(ends))
-        columns = map_rows(work, pieces, ends, self.crew, self.desk, "prob", "samples", self._run())
-        arrays = columns.arrays
-        self.rows = replace(self.rows, places=arrays.get("place"))
-        if "also_factor" in arrays:
-            also = ByMethod.joined(columns, "also")  # the only one that closed forms know is without a basal joint
-            self.besides = lambda judged: with_also(judged, also, basal.NAME, basal.WHAT, self.asked.target)
-        closed, without_place = ByMethod.joined(columns, "closed_form"), arrays.get("nowhere", np.zeros(count, bool))
-        if not pre_ie:
-            return closed, None, without_place
-        parts = (arrays[name] for name in ("difference", "agree", "moments_govern"))
-        outcomes = Outcomes(ByMethod.joined(columns, "limit"), closed, *parts)
-        return outcomes.limit, outcomes, without_place
+def _at_once(rows: SampleRows, asked: ProbabilityOptions, crew: Crew, desk: Workplace) -> _Found:
+    pre_ie, basal = asked.by == "pre-ie", WithoutBasal  # the only one that closed forms know
+    columns = Columns([*range(0, asked.n, _PIECE if pre_ie else _PIECE_OF_CLOSED_FORMS), asked.n])
+    work, arrays = partial(judged_piece, rows, pre_ie), columns.arrays
+    map_rows(work, columns.pieces, crew, desk, "prob", "samples", _run(rows, asked), columns)
+    besides = (ByMethod.joined(columns, "also"), basal.NAME, basal.WHAT) if "also_factor" in arrays else None
+    closed = ByMethod.joined(columns, "closed_form")
+    if not pre_ie:
+        return closed, None, besides, arrays["nowhere"]
+    outcomes = Outcomes(ByMethod.joined(columns, "limit"), closed, *(arrays[name] for name in COMPARED))
+    return outcomes.limit, outcomes, besides, arrays["nowhere"]
 
 
 def _without_block(rows: SampleRows, row: int) -> WithoutBasal | None:

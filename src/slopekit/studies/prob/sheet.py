@@ -1,13 +1,11 @@
 """The sheet of a study of probability: the estimate, what it rests on, how far the methods agree."""
 
 from collections.abc import Iterator, Sequence
-from functools import cached_property
 from operator import itemgetter
 from typing import Any
 
 import numpy as np
 
-from slopekit.core.arrays import Bools
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted
 from slopekit.design.scatter.distributions import Angles, Distribution
@@ -17,7 +15,6 @@ from slopekit.result import STATUSES
 from slopekit.studies.marginals import NEVER, tails
 from slopekit.studies.prob.estimates import Share, Summary
 from slopekit.studies.prob.run import Probability
-from slopekit.studies.prob.sampling import BLOCK
 from slopekit.studies.words import head, status_words
 
 _MOST_INPUTS = 20
@@ -97,11 +94,6 @@ class _Lines(Sequence[tuple[Any, ...]]):
     def __init__(self, study: Probability) -> None:
         self.study = study
 
-    @cached_property
-    def forms(self) -> Bools:
-        """Which samples form a block (n,)."""
-        return self.study.judged.forms
-
     def __len__(self) -> int:
         return self.study.samples.count
 
@@ -113,14 +105,10 @@ class _Lines(Sequence[tuple[Any, ...]]):
         names = np.array(judged.names, dtype=object)
         columns = [np.arange(start, stop), *study.samples.rows(start, stop).T, names[judged.outcome[rows]]]
         columns += [judged.factor[rows], judged.fails[rows].astype(int)]
-        columns += study.rows.sizes(rows, self.forms[rows]).values()
+        columns += study.rows.sizes(rows, judged.forms[rows]).values()
         if outcomes is not None and study.closed_form is not None:
             columns += [study.closed_form.factor[rows], outcomes.moments_govern[rows].astype(int)]
         return list(zip(*(column.tolist() for column in columns), strict=True))
-
-    def __iter__(self) -> Iterator[tuple[Any, ...]]:
-        for start in range(0, len(self), BLOCK):
-            yield from self[start : start + BLOCK]
 
 
 def _inputs(study: Probability) -> list[Entry]:
