@@ -30,6 +30,16 @@ from slopekit.studies.prob.vectorised import vectorised
 from slopekit.studies.running import Crew, checked_crew, run_all
 
 _DOCS = Path(__file__).resolve().parent.parent / "docs"
+_MEASURED = """
+import resource, sys
+import slopekit as sk
+from slopekit.design.templates import path_of
+
+found = sk.prob(str(path_of("wedge-scatter")), int(sys.argv[1]), by=sys.argv[2])
+found.to_dict()
+use = resource.getrusage(resource.RUSAGE_SELF)
+print(found.all_samples.share, use.ru_utime + use.ru_stime, use.ru_maxrss / 1024)
+"""
 _AT_ONCE = 2048  # wedges of a chunk, as `prob` hands them on
 
 
@@ -159,6 +169,21 @@ def crew_rows(work: Callable[[Any], Any], tasks: Sequence[Any], count: int, at_o
     said = f"{chunks} chunks that do nothing took Dask {idle:.2f} s: {idle / chunks * 1e3:.2g} ms each, "
     load_average = os.getloadavg()[0]
     return [*rows, "", f"{said}{idle / count * 1e6:.2g} µs a row. Load average at the end: {load_average:.0f}."]
+
+
+def memory_rows() -> list[str]:
+    """Processor time and the most memory that a process held, of samples of a template with all that is said of them."""
+    rows = ["| by | samples | P(F < 1) | seconds of processor | most memory, MB |", "|---|---|---|---|---|"]
+    for n, by in ((1_000_000, "closed-form"), (10_000_000, "closed-form"), (200_000, "pre-ie")):
+        command = [sys.executable, "-c", _MEASURED, str(n), by]
+        share, seconds, most = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
+        rows.append(f"| {by} | {n:,} | {float(share):.5f} | {float(seconds):.0f} | {float(most):.0f} |")
+    return rows
+
+
+def plan_rows() -> list[str]:
+    """What 100,000,000 rows would take, by the rates above; on paper."""
+    return _PLAN.strip().splitlines()
 
 
 def prob_rows() -> list[str]:
@@ -304,6 +329,8 @@ def main(words: list[str]) -> None:
         ("Drawing samples beside evaluating them, one core", sampling_rows),
         ("Wedges by both methods a second, the same numbers from every crew", wedge_crew_rows),
         ("Benches a second, the same numbers from every crew", bench_crew_rows),
+        ("Memory: samples of templates/wedge-scatter, probability, quantiles, histogram and sensitivities", memory_rows),
+        ("A plan for 100,000,000 rows", plan_rows),
         ("Probability of failure against quadrature: the default wedge, φ = N(20, 2) on both planes", prob_rows),
         ("Samples of templates/wedge-scatter by both methods", both_rows),
         ("Joint sets: is the number that was drawn found?", set_rows),

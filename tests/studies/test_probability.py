@@ -464,7 +464,7 @@ def test_what_is_accepted_is_a_probability_and_the_old_word_is_understood(tmp_pa
 
 
 @pytest.mark.slow
-def test_samples_csv_has_every_digit_of_every_sample(tmp_path) -> None:
+def test_samples_csv_has_every_digit_of_every_sample(tmp_path, monkeypatch) -> None:
     """The table of the sheet, its file and its records are the same; the journal goes when all is written."""
     file = tmp_path / "wedge.json.yaml"
     file.write_text(json.dumps(WILD))
@@ -484,6 +484,9 @@ def test_samples_csv_has_every_digit_of_every_sample(tmp_path) -> None:
             assert (float(row[key]) if row[key] else None) == record[key]
             assert float(row[key] or "nan") == pytest.approx(factor[k], rel=0, abs=0, nan_ok=True)
         assert row["moments_govern"] == str(int(study.outcomes.moments_govern[k]))
+    monkeypatch.setattr("slopekit.core.sheet._AT_ONCE", 7)
+    assert study.sheet.tables["samples.csv"].csv() == table.csv()
+    assert list(table.rows)[17] == table.rows[17]
 
 
 def test_a_journal_is_kept_until_all_is_written(tmp_path) -> None:

@@ -423,9 +423,10 @@ def _one_by_one(rows: SampleRows, asked: ProbabilityOptions, crew: Crew, desk: W
 
 def _at_once(rows: SampleRows, asked: ProbabilityOptions, crew: Crew, desk: Workplace) -> _Found:
     pre_ie, basal = asked.by == "pre-ie", WithoutBasal  # the only one that closed forms know
-    columns = Columns([*range(0, asked.n, _PIECE if pre_ie else _PIECE_OF_CLOSED_FORMS), asked.n])
-    work, arrays = partial(judged_piece, rows, pre_ie), columns.arrays
-    map_rows(work, columns.pieces, crew, desk, "prob", "samples", _run(rows, asked), columns)
+    size = _PIECE if pre_ie else _PIECE_OF_CLOSED_FORMS
+    columns, work = Columns([*range(0, asked.n, size), asked.n]), partial(judged_piece, rows, pre_ie)
+    map_rows(work, columns.pieces, crew, desk, "prob", f"pieces of {size} samples", _run(rows, asked), columns)
+    arrays = columns.arrays
     besides = (ByMethod.joined(columns, "also"), basal.NAME, basal.WHAT) if "also_factor" in arrays else None
     closed = ByMethod.joined(columns, "closed_form")
     if not pre_ie:
