@@ -16,7 +16,7 @@ import pytest
 
 from slopekit.core.errors import DesignError, SolverError
 from slopekit.studies import running
-from slopekit.studies.running import Columns, Crew, Interrupted, Journal, checked_crew, run_all
+from slopekit.studies.running import Crew, Interrupted, Journal, RowArrays, checked_crew, run_all
 from tests.studies.workers import DiesAlways, DiesOnce, InterruptedAt, dies, one_over, slow_square, square
 
 SQUARES = [number * number for number in range(60)]
@@ -144,11 +144,11 @@ def test_arrays_of_pieces_are_parts_of_columns_in_memory_or_on_disk(most, tmp_pa
     """The journal gives them back bit by bit; arrays of another length than their piece are passed over."""
     monkeypatch.setattr(running, "_MOST_ROWS_IN_MEMORY", most)
     factor, outcome = np.array([1.5, np.nan, -0.0]), np.array([2, 0, 1], dtype=np.int16)
-    journal = Journal.of(tmp_path, "prob", "x", held=Columns([0, 1, 3]))
+    journal = Journal.of(tmp_path, "prob", "x", held=RowArrays([0, 1, 3]))
     for piece, rows in ((1, slice(1, 3)), (0, slice(0, 1))):
         journal.keep([piece], [{"words": ["a"], "factor": factor[rows], "outcome": outcome[rows]}])
     journal.save()
-    again = Journal.of(tmp_path, "prob", "x", held=Columns([0, 1, 3]))
+    again = Journal.of(tmp_path, "prob", "x", held=RowArrays([0, 1, 3]))
     assert again.read(2)[1]["words"] == ["a"]
     for columns in (journal.held, again.held):
         assert columns.arrays["factor"].tobytes() == factor.tobytes()
@@ -156,7 +156,7 @@ def test_arrays_of_pieces_are_parts_of_columns_in_memory_or_on_disk(most, tmp_pa
         assert columns.arrays["outcome"].dtype == outcome.dtype
         assert isinstance(columns.arrays["factor"], np.memmap) == (most == 2)
     journal.path.write_text(journal.path.read_text().replace(f'"index": {1}', '"index": 0'))
-    assert list(Journal.of(tmp_path, "prob", "x", held=Columns([0, 1, 3])).read(2)) == [0]
+    assert list(Journal.of(tmp_path, "prob", "x", held=RowArrays([0, 1, 3])).read(2)) == [0]
 
 
 def test_a_journal_that_cannot_be_written_says_so(tmp_path) -> None:

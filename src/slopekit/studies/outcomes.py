@@ -12,7 +12,7 @@ from slopekit.core.errors import Notice
 from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany
 from slopekit.preie.tolerances import SAME_LIMIT
 from slopekit.studies.points import SAME_FACTOR, UNSETTLED, Method, Point, status_of
-from slopekit.studies.running import Columns
+from slopekit.studies.running import RowArrays
 
 #: What an outcome that is no block begins with, but for bolts that do not hold it; and values no design can have.
 NO_BLOCK = ("E", "impossible")
@@ -47,7 +47,7 @@ class ByMethod:
         )
 
     @classmethod
-    def joined(cls, columns: Columns, name: str) -> "ByMethod":
+    def joined(cls, columns: RowArrays, name: str) -> "ByMethod":
         """Return what `record` made of all pieces of many designs; once, as their outcomes are numbered anew."""
         pieces = [columns[piece] for piece in sorted(columns)]
         names = tuple(dict.fromkeys(word for piece in pieces for word in piece[f"{name}_names"]))
@@ -99,7 +99,7 @@ def record_of_limits(limits: LimitsOfMany) -> dict[str, Any]:
     return ByMethod.of(limits.status.tolist(), limits.limit).record("limit") | {"forces": limits.forces}
 
 
-def joined_limits(columns: Columns) -> tuple[ByMethod, Floats]:
+def joined_limits(columns: RowArrays) -> tuple[ByMethod, Floats]:
     """Return what PRE-IE says of all pieces, and its factors of the forces alone (n,)."""
     return ByMethod.joined(columns, "limit"), columns.arrays.get("forces", np.empty(0))
 

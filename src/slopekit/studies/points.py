@@ -19,7 +19,7 @@ from slopekit.evidence import WithoutBasal
 from slopekit.kinds import also_falls_short, cut, factors_of
 from slopekit.kinds.protocol import Factors
 from slopekit.notices import new_notices
-from slopekit.studies.running import Columns, Crew, Journal, Record, run_all
+from slopekit.studies.running import Crew, Journal, Record, RowArrays, run_all
 
 Method = Literal["closed_form", "pre_ie"]
 _BUG = "E599"
@@ -211,7 +211,7 @@ def point_of(
 
 def map_rows(
     work: Callable[[Any], Record], tasks: Sequence[Any], crew: Crew, desk: Workplace, study: str, label: str,
-    run: object, columns: Columns | None = None, at_once: int = 8,
+    run: object, columns: RowArrays | None = None, at_once: int = 8,
 ) -> list[Record]:  # fmt: skip
     """The records of many tasks, by whoever does the work; a journal keeps them until results are written.
 

@@ -43,7 +43,7 @@ _MOST_ROWS_IN_MEMORY = 100_000
 _MB = 2**20
 
 
-class Columns(dict[int, Record]):
+class RowArrays(dict[int, Record]):
     """Records of pieces of many rows, by the number of the piece: their arrays are parts of one array of all rows.
 
     Above 100,000 rows these arrays are files without a name, which end with them: the system keeps in memory what fits.
@@ -53,7 +53,7 @@ class Columns(dict[int, Record]):
     ends : of the pieces, from 0; pieces : first row and end of each
     arrays : of all rows (n,), by name; 0 where a piece is not done
 
-    >>> columns = Columns([0, 2, 3])
+    >>> columns = RowArrays([0, 2, 3])
     >>> columns[1], columns[0] = {"factor": np.array([1.5])}, {"factor": np.array([1.0, 2.0])}
     >>> columns.arrays["factor"].tolist(), columns[1]["factor"].tolist()
     ([1.0, 2.0, 1.5], [1.5])

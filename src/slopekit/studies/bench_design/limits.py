@@ -24,7 +24,7 @@ from slopekit.studies.joint_wedges import limits_of_wedges
 from slopekit.studies.outcomes import BothMethods, ByMethod, agreement, compared, joined_limits, record_of_limits
 from slopekit.studies.points import map_rows
 from slopekit.studies.protocol import Workplace
-from slopekit.studies.running import Columns, Crew, Record
+from slopekit.studies.running import Crew, Record, RowArrays
 
 #: Blocks of a mode in benches with one face: their joints (m,) by number, the second of a plane means nothing; m high.
 Task: TypeAlias = tuple[int, float, Ints, Ints, Floats]
@@ -51,7 +51,7 @@ def judged_benches(
                 one, two, high = different[where_in : where_in + _AT_ONCE].T
                 tasks.append((mode, face, one.astype(np.int64), two.astype(np.int64), high))
     run = [inputs.input_hash(), inputs.has_cohesion]
-    columns = Columns([0, *accumulate(len(task[-1]) for task in tasks)])
+    columns = RowArrays([0, *accumulate(len(task[-1]) for task in tasks)])
     map_rows(partial(_limits, inputs), tasks, crew, desk, "bench-design", "PRE-IE", run, columns)
     limits = joined_limits(columns)
     both = [_judge(inputs, *one, limits) for one in jobs]

@@ -45,7 +45,7 @@ from slopekit.studies.protocol import (
     Workplace,
     documented,
 )
-from slopekit.studies.running import Crew, Record, checked_crew
+from slopekit.studies.running import Crew, Record, RowArrays, checked_crew
 from slopekit.studies.surveys import AFace, AJointList, Columns, Convention, SkipBad, left_out, survey_head
 
 _AT_ONCE = 2048  # pairs that PRE-IE takes as one task
@@ -328,7 +328,7 @@ def _looked_at(
     """What both methods say of some pairs (r,); what is done is kept in a journal."""
     parts = [rows[at : at + _AT_ONCE] for at in range(0, len(rows), _AT_ONCE)]
     tasks = [(pairs.first[part], pairs.second[part], pairs.height_m[part]) for part in parts]
-    work, columns = partial(_limits, inputs), Columns([*range(0, len(rows), _AT_ONCE), len(rows)])
+    work, columns = partial(_limits, inputs), RowArrays([*range(0, len(rows), _AT_ONCE), len(rows)])
     map_rows(work, tasks, crew, desk, "combos", "PRE-IE", [inputs.input_hash()], columns)
     limit, forces = joined_limits(columns)
     return agreement(limit, forces, closed, inputs.slope.analysis.agree_within)

@@ -45,7 +45,7 @@ from slopekit.studies.protocol import (
     study,
     whole_number,
 )
-from slopekit.studies.running import Columns, Crew, checked_crew
+from slopekit.studies.running import Crew, RowArrays, checked_crew
 
 By = Literal["closed-form", "pre-ie"]
 #: Samples that are drawn where none are asked for: where all are taken at once, and where they are read one by one.
@@ -424,7 +424,7 @@ def _one_by_one(rows: SampleRows, asked: ProbabilityOptions, crew: Crew, desk: W
 def _at_once(rows: SampleRows, asked: ProbabilityOptions, crew: Crew, desk: Workplace) -> _Found:
     pre_ie, basal = asked.by == "pre-ie", WithoutBasal  # the only one that closed forms know
     size = _PIECE if pre_ie else _PIECE_OF_CLOSED_FORMS
-    columns, work = Columns([*range(0, asked.n, size), asked.n]), partial(judged_piece, rows, pre_ie)
+    columns, work = RowArrays([*range(0, asked.n, size), asked.n]), partial(judged_piece, rows, pre_ie)
     map_rows(work, columns.pieces, crew, desk, "prob", f"pieces of {size} samples", _run(rows, asked), columns)
     arrays = columns.arrays
     besides = (ByMethod.joined(columns, "also"), basal.NAME, basal.WHAT) if "also_factor" in arrays else None
