@@ -51,20 +51,21 @@ Nobody has run it; the figures are the rates of this page, times 100,000,000.
 - **Time.** Closed form: 4.2 µs of processor a row with all that is said of it, 7 minutes of one core. Both
   methods: 0.15 to 0.2 ms a row, 4 to 6 hours of one core, 20 minutes of 16. Samples that are read one by one
   take 10 to 100 ms: 12 to 120 days of one core. Do not.
-- **Scheduler.** The tables of crews above say what a chunk costs Dask. With 2,048 rows a chunk is 0.3 to 0.4 s
-  of work, so that one scheduler feeds some dozens of workers; for more, chunks of 8,192 rows (`_PIECE` in
-  `studies/prob/run.py`), which cost PRE-IE nothing. A worker that dies loses the chunk that it had, no more.
+- **Scheduler.** On an idle machine Dask took 10 ms for a chunk that does nothing (98 chunks, 0.95 s), against
+  0.28 s of work in a chunk of 2,048 rows: 48,829 chunks are 8 minutes of the scheduler, which feeds some 30
+  workers. For more workers: chunks of 8,192 rows (`_PIECE` in `studies/prob/run.py`), which cost PRE-IE
+  nothing. A worker that dies loses the chunk that it had, no more.
 - **Disk.** The columns are a temporary file: 1.1 or 3.1 GB; TMPDIR must not be a file system in memory. The
   journal (with `-o`, or after Ctrl-C) is text of the same arrays, a third larger: 1.5 or 4.1 GB. `samples.csv`
-  would have some 250 bytes a row, 25 GB, and be written at some 20 µs a row, half an hour: ask without `-o`,
-  and let `--json` say the rest.
+  would have some 250 bytes a row, 25 GB, and be written at 35 µs a row, an hour: ask without `-o`, and let
+  `--json` say the rest.
 - **Memory.** Workers hold one chunk, 100 to 150 MB with Python and NumPy. The process that asks maps the
   columns (pages that the system may drop) and copies the factors for mean and quantiles: some 32 bytes a row,
   3.2 GB.
 - **What stops first.** (1) The limits of `-n`: 10,000,000 by the closed form, 1,000,000 by both. (2) The memory
   of the quantiles, on a machine of 4 GB. They would come from two passes: counts in 65,536 classes, then the
   exact values within the seven classes that hold a quantile. (3) `samples.csv`. (4) The scheduler, beyond some
-  dozens of workers.
+  30 workers.
 - **What it tells.** m failures among n samples give the probability to ± 2 / √m: 400 failures are 10 %.
   100,000,000 rows pay for probabilities below 1e-5 alone, and there the tails of the distributions are guesses.
 """
@@ -205,7 +206,7 @@ def crew_rows(work: Callable[[Any], Any], tasks: Sequence[Any], count: int, at_o
 def memory_rows() -> list[str]:
     """Processor time and most memory of a process for samples of a template and all that is said of them."""
     rows = ["| by | samples | P(F < 1) | seconds of processor | most memory, MB |", "|---|---|---|---|---|"]
-    for n, by in ((1_000_000, "closed-form"), (10_000_000, "closed-form"), (200_000, "pre-ie")):
+    for n, by in ((1_000_000, "closed-form"), (10_000_000, "closed-form"), (100_000, "pre-ie")):
         command = [sys.executable, "-c", _MEASURED, str(n), by]
         share, seconds, most = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
         rows.append(f"| {by} | {n:,} | {float(share):.5f} | {float(seconds):.0f} | {float(most):.0f} |")
