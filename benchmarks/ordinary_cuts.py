@@ -14,7 +14,6 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -22,10 +21,10 @@ import numpy as np
 import slopekit as sk
 from slopekit.core.arrays import Floats
 from slopekit.design.reading.files import load
-from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany, limits_of
+from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany
 from slopekit.studies.outcomes import ByMethod
 from slopekit.studies.prob.sampling import samples
-from slopekit.studies.prob.vectorised import Vectorised, vectorised
+from slopekit.studies.prob.vectorised import vectorised
 
 #: Part of the limit that rounding, and points of the bed that begin to slip, may take from it.
 LEAST_FALL = 1e-6
@@ -105,12 +104,7 @@ def limits_of_cuts(count: int, seed: int) -> Iterator[tuple[Sequence[str], Float
             assert fast is not None
             forms = fast(drawn.values)
             values = drawn.values[~ByMethod(forms.names, forms.outcome.astype(np.int16), forms.factor).among("E")]
-            limits = partial(_limits, fast)
-            yield drawn.names, values[limits(values).limit > 0.0], limits
-
-
-def _limits(fast: Vectorised, values: Floats) -> LimitsOfMany:
-    return limits_of([fast.limits(values)])
+            yield drawn.names, values[fast.limits(values).limit > 0.0], fast.limits
 
 
 def broken_rules(count: int, seed: int) -> tuple[int, list[tuple[str, float, float]]]:

@@ -11,26 +11,66 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
+from itertools import pairwise, product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import psutil
 
 from slopekit.design.reading.files import load
 from slopekit.design.templates import path_of
 from slopekit.studies.keys import key_of, values_of
-from slopekit.studies.outcomes import ByMethod
-from slopekit.studies.points import point_of
+from slopekit.studies.points import evaluation, point_of
 from slopekit.studies.prob import prob
+from slopekit.studies.prob.rows import SampleRows, judged_piece
 from slopekit.studies.prob.sampling import METHODS, samples
 from slopekit.studies.prob.vectorised import vectorised
 from slopekit.studies.running import Crew, checked_crew, run_all
 from slopekit.studies.sweep import sweep
 
 _DOCS = Path(__file__).resolve().parent.parent / "docs"
+_MEASURED = """
+import resource, sys
+import slopekit as sk
+from slopekit.design.templates import path_of
+
+found = sk.prob(str(path_of("wedge-scatter")), int(sys.argv[1]), by=sys.argv[2])
+found.to_dict()
+use = resource.getrusage(resource.RUSAGE_SELF)
+print(found.all_samples.share, use.ru_utime + use.ru_stime, use.ru_maxrss / 1024)
+"""
+_PLAN = """
+Nobody has run it; the figures are the rates of this page, times 100,000,000.
+
+- **Chunks.** A task is a pair of row numbers: 2,048 rows by both methods, 65,536 by the closed form, so 48,829
+  or 1,526 tasks. A worker draws its rows itself from the seed; what travels is the design (some 20 kB with
+  every task) and, back, 11 bytes a row by the closed form, 31 by both methods. Results do not depend on who
+  does which task.
+- **Time.** Closed form: 4.2 µs of processor a row with all that is said of it, 7 minutes of one core. Both
+  methods: 0.15 to 0.2 ms a row, 4 to 6 hours of one core, 20 minutes of 16. Samples that are read one by one
+  take 10 to 100 ms: 12 to 120 days of one core. Do not.
+- **Scheduler.** On an idle machine Dask took 10 ms for a chunk that does nothing (98 chunks, 0.95 s), against
+  0.28 s of work in a chunk of 2,048 rows: 48,829 chunks are 8 minutes of the scheduler, which feeds some 30
+  workers. For more workers: chunks of 8,192 rows (`_PIECE` in `studies/prob/run.py`), which cost PRE-IE
+  nothing. A worker that dies loses the chunk that it had, no more.
+- **Disk.** The columns are a temporary file: 1.1 or 3.1 GB; TMPDIR must not be a file system in memory. The
+  journal (with `-o`, or after Ctrl-C) is text of the same arrays, a third larger: 1.5 or 4.1 GB. `samples.csv`
+  would have some 250 bytes a row, 25 GB, and be written at 35 µs a row, an hour: ask without `-o`, and let
+  `--json` say the rest.
+- **Memory.** Workers hold one chunk, 100 to 150 MB with Python and NumPy. The process that asks maps the
+  columns (pages that the system may drop) and copies the factors for mean and quantiles: some 32 bytes a row,
+  3.2 GB.
+- **What stops first.** (1) The limits of `-n`: 10,000,000 by the closed form, 1,000,000 by both. (2) The memory
+  of the quantiles, on a machine of 4 GB. They would come from two passes: counts in 65,536 classes, then the
+  exact values within the seven classes that hold a quantile. (3) `samples.csv`. (4) The scheduler, beyond some
+  30 workers.
+- **What it tells.** m failures among n samples give the probability to ± 2 / √m: 400 failures are 10 %.
+  100,000,000 rows pay for probabilities below 1e-5 alone, and there the tails of the distributions are guesses.
+"""
 _AT_ONCE = 2048  # wedges of a chunk, as `prob` hands them on
 
 
@@ -86,7 +126,7 @@ def sampling_rows(n: int = 200_000) -> list[str]:
 
 @contextmanager
 def cluster(workers: int) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
-    """A Dask scheduler and its workers on this machine, as a user starts them."""
+    """A Dask scheduler and its workers on this machine, as a user starts them; these processes, the scheduler first."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "scheduler.json"
         quiet: dict[str, Any] = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": folder}
@@ -99,56 +139,85 @@ def cluster(workers: int) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]
             while not (file.exists() and file.stat().st_size):
                 time.sleep(0.05)
             time.sleep(3.0)  # the workers import
-            yield json.loads(file.read_text())["address"], started[1:]
+            yield json.loads(file.read_text())["address"], started
         finally:
             for process in reversed(started):
                 process.kill()
                 process.wait()
 
 
-def crew_rows(n: int = 200_000) -> list[str]:
-    """Wedges by PRE-IE: one process, two, Dask with two workers, one of them killed half-way; idle chunks."""
+def wedge_crew_rows(n: int = 200_000) -> list[str]:
+    """Samples by both methods, in pieces that each worker draws itself."""
     design = load(scattering())
-    drawn = samples(design.variables, design.correlation, n, 1)
-    fast = vectorised(design, drawn.values, drawn.settings)
-    assert fast is not None
-    forms = fast(drawn.values)
-    values = drawn.values[~ByMethod(forms.names, forms.outcome.astype(np.int16), forms.factor).among("E")]
-    chunks = [values[at : at + _AT_ONCE] for at in range(0, len(values), _AT_ONCE)]
-    rows = ["| crew | wedges | seconds | wedges/s | against one process |", "|---|---|---|---|---|"]
-    alone, base = "", 0.0
+    rows = SampleRows(design, samples(design.variables, design.correlation, n, 1))
+    ends = [*range(0, n, _AT_ONCE), n]
+    return crew_rows(partial(judged_piece, rows, True), list(pairwise(ends)), n, 1)
+
+
+def bench_crew_rows() -> list[str]:
+    """2,000 benches of two blocks, read, cut and solved by itself each: 40 friction angles x 50 earthquakes."""
+    design = load(str(path_of("blocks")))
+    places = product(np.linspace(25.0, 45.0, 40).tolist(), np.linspace(0.0, 0.2, 50).tolist())
+    tasks = [{"strength.joint.phi": phi, "loads.seismic.k": k} for phi, k in places]
+    return crew_rows(partial(evaluation, design, True, False), tasks, len(tasks), 8)
+
+
+def crew_rows(work: Callable[[Any], Any], tasks: Sequence[Any], count: int, at_once: int) -> list[str]:
+    """The same tasks by one process, two, Dask with two workers, one of them killed half-way; tasks that do nothing."""
+    rows = ["| crew | rows | seconds | against one process | seconds of processor |", "|---|---|---|---|---|"]
+    alone, base, processes = "", 0.0, list[subprocess.Popen[bytes]]()
 
     def row(name: str, crew: Crew, advance: Callable[[int], None] = lambda _: None) -> None:
         nonlocal alone, base
-        began = time.perf_counter()
-        found = json.dumps(run_all(fast.limits, chunks, crew, advance=advance, at_once=1))
+        began, processor = time.perf_counter(), _processor(processes)
+        records = run_all(work, tasks, crew, advance=advance, at_once=at_once)
         taken = time.perf_counter() - began
+        found = json.dumps(records, default=lambda array: array.tobytes().hex())
         alone, base = alone or found, base or taken
         assert found == alone, "another crew, other numbers"
-        rate = len(values) / taken
-        rows.append(f"| {name} | {len(values):,} | {taken:.1f} | {rate:,.0f} | {base / taken:.2f} |")
+        used = _processor(processes) - processor
+        rows.append(f"| {name} | {count:,} | {taken:.1f} | {base / taken:.2f} | {used:.1f} |")
 
     row("one process", Crew())
     row("two processes (their start included)", checked_crew(2))
-    with cluster(2) as (address, workers):
+    with cluster(2) as (address, started):
+        processes, workers = started, started[1:]
         dask = checked_crew(1, address)
-        run_all(fast.limits, chunks[:2], dask, at_once=1)  # the workers import
+        run_all(work, tasks[: 4 * at_once], dask, at_once=at_once)  # the workers import
         row("Dask, two workers", dask)
-        began = time.perf_counter()
-        run_all(np.shape, chunks, dask, at_once=1)
-        idle = time.perf_counter() - began
+        began = _processor(started)
+        run_all(id, tasks, dask, at_once=at_once)
+        idle = _processor(started) - began
         done = 0
 
-        def kill_half_way(count: int) -> None:
+        def kill_half_way(finished: int) -> None:
             nonlocal done
-            done += count
-            if done > len(chunks) / 2 and workers[0].poll() is None:
+            done += finished
+            if done > len(tasks) / 2 and workers[0].poll() is None:
                 workers[0].send_signal(signal.SIGKILL)
 
-        row("Dask, one of two killed half-way", dask, kill_half_way)
+        processes = [started[0], started[2]]
+        row("Dask, one of two killed half-way (its processor time left out)", dask, kill_half_way)
         assert workers[0].wait(10) == -signal.SIGKILL
-    said = f"{len(chunks)} chunks that do nothing took Dask {idle:.2f} s: {idle / len(values) * 1e6:.2g} µs a wedge"
-    return [*rows, "", said + f" in chunks of {_AT_ONCE:,}. Load average at the end: {os.getloadavg()[0]:.0f}."]
+    chunks = -(-len(tasks) // at_once)
+    said = f"{chunks} chunks that do nothing took {idle:.2f} s of processor: {idle / chunks * 1e3:.2g} ms each, "
+    load_average = os.getloadavg()[0]
+    return [*rows, "", f"{said}{idle / count * 1e6:.2g} µs a row. Load average at the end: {load_average:.0f}."]
+
+
+def memory_rows() -> list[str]:
+    """Processor time and most memory of a process for samples of a template and all that is said of them."""
+    rows = ["| by | samples | P(F < 1) | seconds of processor | most memory, MB |", "|---|---|---|---|---|"]
+    for n, by in ((1_000_000, "closed-form"), (10_000_000, "closed-form"), (100_000, "pre-ie")):
+        command = [sys.executable, "-c", _MEASURED, str(n), by]
+        share, seconds, most = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
+        rows.append(f"| {by} | {n:,} | {float(share):.5f} | {float(seconds):.0f} | {float(most):.0f} |")
+    return rows
+
+
+def plan_rows() -> list[str]:
+    """What 100,000,000 rows would take, by the rates above; on paper."""
+    return _PLAN.strip().splitlines()
 
 
 def prob_rows() -> list[str]:
@@ -296,10 +365,11 @@ def quake_rows(records: int = 20, samples: int = 4000) -> list[str]:
     return rows
 
 
-def _processor() -> float:
-    """Seconds of processor of this process and of those that it started and that have ended."""
-    times = os.times()
-    return times.user + times.system + times.children_user + times.children_system
+def _processor(processes: Sequence[subprocess.Popen[bytes]] = ()) -> float:
+    """Seconds of processor of this process, of those that it started and that have ended, and of some that run."""
+    own = os.times()
+    running = (psutil.Process(process.pid).cpu_times() for process in processes)
+    return sum(own[:4]) + sum(times.user + times.system for times in running)
 
 
 def machine() -> str:
@@ -310,7 +380,10 @@ def machine() -> str:
 def main(words: list[str]) -> None:
     chapters: list[tuple[str, Callable[[], list[str]]]] = [
         ("Drawing samples beside evaluating them, one core", sampling_rows),
-        ("Wedges by PRE-IE a second, the same numbers from every crew", crew_rows),
+        ("Wedges by both methods a second, the same numbers from every crew", wedge_crew_rows),
+        ("Benches a second, the same numbers from every crew", bench_crew_rows),
+        ("Memory: samples of templates/wedge-scatter with quantiles, histogram and sensitivities", memory_rows),
+        ("A plan for 100,000,000 rows", plan_rows),
         ("Probability of failure against quadrature: the default wedge, φ = N(20, 2) on both planes", prob_rows),
         ("Samples of templates/wedge-scatter by both methods", both_rows),
         ("Points of a sweep of templates/wedge by both methods", sweep_rows),

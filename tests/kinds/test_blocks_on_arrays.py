@@ -12,7 +12,7 @@ from benchmarks.ordinary_cuts import ordinary_cut
 from slopekit.design.common import Design
 from slopekit.kinds import cut, kind_of
 from slopekit.kinds.plane import PlaneDesign
-from slopekit.kinds.single_block.blocks_on_arrays import blocks_of, limits_of, limits_on_arrays
+from slopekit.kinds.single_block.blocks_on_arrays import blocks_of, limits_on_arrays
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.preie.batch import Blocks
 from slopekit.studies.prob.vectorised import vectorised
@@ -137,5 +137,5 @@ def test_a_wedge_that_hardly_daylights_is_weighed_as_the_closed_form_weighs_it()
     columns = vectorised(design, dips[:, None], lambda row: {"joints.J1.plane.dip": float(dips[row])},
                          ["joints.J1.plane.dip"])  # fmt: skip
     assert columns is not None
-    found = limits_of([columns.limits(dips[:, None])])
+    found = columns.limits(dips[:, None])
     assert found.forces == pytest.approx(columns(dips[:, None]).factor, rel=1e-8)

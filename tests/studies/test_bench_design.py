@@ -435,7 +435,7 @@ def test_blocks_fail_as_single_designs_of_them_do() -> None:
     planes = [joint.plane for joint in asked.joints.joints]
     trials = drawn_trials(asked.joints, 1000, 4, anywhere=True)
     closed = closed_bench(asked, trials, HEIGHT, FACE)
-    (both,), said, _ = limits.judged_benches(asked, trials, checked_crew(1, None), DESK)
+    (both,), said = limits.judged_benches(asked, trials, checked_crew(1, None), DESK)
     assert (both.fails >= closed.fails).all()
     seen = set[tuple[int, bool, bool]]()
     for mode in (WEDGE, PLANE):
@@ -461,7 +461,7 @@ def test_planes_as_steep_as_their_friction_stand_by_both_methods() -> None:
     asked = replace(asked, cohesion_kpa=np.zeros(25), friction_deg=np.array(dips, dtype=float))
     first = np.arange(25)
     trials = Trials(first, np.roll(first, 1), np.zeros(25))
-    (bench,), both, _ = limits.judged_benches(asked, trials, checked_crew(1, None), DESK)
+    (bench,), both = limits.judged_benches(asked, trials, checked_crew(1, None), DESK)
     assert bench.factor[PLANE] == pytest.approx(np.ones(25), rel=1e-12)
     assert bench.forms[PLANE].all()
     assert not bench.fails[PLANE].any()

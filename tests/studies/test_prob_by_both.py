@@ -11,9 +11,7 @@ import slopekit as sk
 from slopekit.design.common import Design
 from slopekit.studies.points import point_of
 from slopekit.studies.prob.bolts import as_laid_out, standing
-from slopekit.studies.prob.cracks import cracked
 from slopekit.studies.prob.run import Probability
-from slopekit.studies.prob.sampling import samples
 from tests.studies.test_prob_cracks import CASES as WORST
 from tests.studies.test_probability import SHELF, WILD
 
@@ -99,6 +97,5 @@ def test_worst_cracks_all_at_once_are_cracks_at_those_places(name: str, met: set
     """Forty samples, each cut by a crack at the place that was found."""
     design = sk.load(WORST[name])
     study = sk.prob(design, 40, seed=4)
-    placed = cracked(design, samples(design.variables, (), 40, 4))
-    assert placed is not None
-    assert checked(study, placed[1].settings, 40, 1, placed[0]) == met
+    assert study.rows.search is not None
+    assert checked(study, study.rows.__getitem__, 40, 1, study.rows.design) == met

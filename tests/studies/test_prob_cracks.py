@@ -8,11 +8,13 @@ import pytest
 
 import slopekit as sk
 from slopekit.core.errors import GeometryError
+from slopekit.design.common import Design
 from slopekit.design.reading.files import with_values
 from slopekit.kinds import kind_of
 from slopekit.studies.points import point_of
 from slopekit.studies.prob.bolts import as_laid_out, standing
-from slopekit.studies.prob.cracks import PLACE, cracked
+from slopekit.studies.prob.cracks import PLACE
+from slopekit.studies.prob.rows import SampleRows
 from slopekit.studies.prob.run import _asked
 from slopekit.studies.prob.sampling import samples
 
@@ -37,6 +39,11 @@ CASES = {
 }  # fmt: skip
 
 
+def rows_of(design: Design, count: int, seed: int) -> SampleRows:
+    """Samples of a design, with the places of their cracks."""
+    return SampleRows(design, samples(design.variables, (), count, seed))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_as_each_sample_read_by_itself(name) -> None:
@@ -47,8 +54,8 @@ def test_as_each_sample_read_by_itself(name) -> None:
     design = sk.load(CASES[name])
     found = sk.prob(design, n=12, by="closed-form", seed=4)
     assert found.judged.evaluator == "closed form of every sample, all at once"
-    drawn = samples(design.variables, (), 12, 4)
-    at = cracked(design, drawn)
+    rows = rows_of(design, 12, 4)
+    drawn, places = rows.samples, rows.values(0, 12)[:, -1]
     own = kind_of(design).on_arrays
     for row in range(12):
         sample = standing(with_values(design, drawn.settings(row)), as_laid_out(design))
@@ -64,9 +71,9 @@ def test_as_each_sample_read_by_itself(name) -> None:
             continue
         assert found.judged.factor[row] == pytest.approx(single.factor, rel=1e-9)
         if sample.crack_searched == "inside":
-            assert at[1].values[row, -1] == pytest.approx(sample.crack.distance_m, rel=1e-4)
+            assert places[row] == pytest.approx(sample.crack.distance_m, rel=1e-4)
         else:
-            assert at[1].values[row, -1] == pytest.approx(sample.crack.distance_m, rel=1e-9)
+            assert places[row] == pytest.approx(sample.crack.distance_m, rel=1e-9)
 
 
 def test_dry_planes_have_hoek_and_brays_crack() -> None:
@@ -74,23 +81,20 @@ def test_dry_planes_have_hoek_and_brays_crack() -> None:
     design = sk.load(
         {**PLANE, "slope": {"face": "60/180", "height": 12, "upper": "0/180"}, "crack": {"distance": "worst"}}
     )
-    drawn = samples(design.variables, (), 50, 2)
-    at = cracked(design, drawn)
-    dips = np.radians(drawn.values[:, drawn.names.index("joints.J1.plane.dip")])
+    rows = rows_of(design, 50, 2)
+    dips = np.radians(rows.samples.values[:, rows.samples.names.index("joints.J1.plane.dip")])
     slides = dips < math.radians(60.0)
     cot_f, cot_p = 1.0 / math.tan(math.radians(60.0)), 1.0 / np.tan(dips[slides])
-    np.testing.assert_allclose(at[1].values[slides, -1], 12.0 * (np.sqrt(cot_f * cot_p) - cot_f), rtol=1e-5)
+    np.testing.assert_allclose(rows.values(0, 50)[slides, -1], 12.0 * (np.sqrt(cot_f * cot_p) - cot_f), rtol=1e-5)
     assert 20 < slides.sum() < 50
 
 
 def test_pre_ie_is_asked_with_the_crack_at_the_place_found() -> None:
     """What a worker reads of a sample has a fixed crack there: it looks for none, and both methods agree."""
     design = sk.load(WEDGE)
-    drawn = samples(design.variables, (), 6, 1)
-    at = cracked(design, drawn)
-    for row in range(6):
-        settings = at[1].settings(row)
-        sample = with_values(at[0], settings)
+    rows = rows_of(design, 6, 1)
+    for settings in rows:
+        sample = with_values(rows.design, settings)
         assert sample.crack_searched == ""
         assert sample.crack.distance_m == settings[PLACE]
     found = sk.prob(design, n=6)
@@ -101,10 +105,10 @@ def test_what_is_looked_for_alone_still_is() -> None:
     """Passive bolts are searched sample by sample; a crack with a place is not looked for."""
     bolted = sk.load(CASES["bolted wedge"])
     passive = replace(bolted, bolts=tuple(replace(bolt, acts="passive") for bolt in bolted.bolts))
-    assert cracked(bolted, samples(bolted.variables, (), 3, 1)) is not None
-    assert cracked(passive, samples(passive.variables, (), 3, 1)) is None
+    assert rows_of(bolted, 3, 1).search is not None
+    assert rows_of(passive, 3, 1).search is None
     fixed = sk.load({**WEDGE, "crack": {"plane": "80/180", "distance": 3}})
-    assert cracked(fixed, samples(fixed.variables, (), 3, 1)) is None
+    assert rows_of(fixed, 3, 1).search is None
 
 
 IN_METRES = {"plane": "80/180", "distance": "worst", "water": "1 m"}

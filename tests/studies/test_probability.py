@@ -247,7 +247,7 @@ def test_where_moments_govern_pre_ie_counts_and_the_closed_form_is_said_beside_i
 @pytest.mark.slow
 @pytest.mark.parametrize("values", [WILD, PASSIVE], ids=["all at once", "one by one"])
 def test_the_same_numbers_whoever_works(values, monkeypatch) -> None:
-    monkeypatch.setattr("slopekit.studies.prob.run._AT_ONCE", 3)  # several tasks
+    monkeypatch.setattr("slopekit.studies.prob.run._PIECE", 3)  # several tasks
     design = load(values)
     alone = prob(design, 8, seed=7, by="pre-ie")
     pool = prob(design, 8, seed=7, by="pre-ie", jobs=2)
@@ -258,8 +258,11 @@ def test_the_same_numbers_whoever_works(values, monkeypatch) -> None:
 
 
 @pytest.mark.parametrize("values", [default_wedge(), PASSIVE], ids=["all at once", "one by one"])
-def test_an_interrupted_study_goes_on(values, tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr("slopekit.studies.prob.run._AT_ONCE", 1)
+@pytest.mark.parametrize("by", ["pre-ie", "closed-form"])
+def test_an_interrupted_study_goes_on(values, by, tmp_path, monkeypatch) -> None:
+    """What was done is read back as it was, also where its columns stand on disk."""
+    monkeypatch.setattr("slopekit.studies.prob.run._PIECE", 1)
+    monkeypatch.setattr("slopekit.studies.prob.run._PIECE_OF_CLOSED_FORMS", 1)
     design, calls = load(values), []
 
     def counted(work, *tasks, **options):
@@ -272,16 +275,19 @@ def test_an_interrupted_study_goes_on(values, tmp_path, monkeypatch) -> None:
 
         return running.run_all(one, *tasks, **options)
 
-    whole = prob(design, 30, by="pre-ie")
+    whole = prob(design, 30, by=by)
     monkeypatch.setattr("slopekit.studies.points.run_all", counted)
+    monkeypatch.setattr(running, "_MOST_ROWS_IN_MEMORY", 29)
     monkeypatch.chdir(tmp_path)
     with pytest.raises(Interrupted) as caught:
-        prob(design, 30, by="pre-ie")
+        prob(design, 30, by=by)
     assert "12 of 30" in str(caught.value)
     assert len(list(tmp_path.glob("prob-*.journal"))) == 1
-    again = prob(design, 30, by="pre-ie")
+    again = prob(design, 30, by=by)
     assert len(calls) == 31
     assert again.judged.factor.tobytes() == whole.judged.factor.tobytes()
+    assert again.to_dict() | {"timing_s": None} == whole.to_dict() | {"timing_s": None}
+    assert isinstance(again.judged.factor, np.memmap) == (values is not PASSIVE)
     assert not list(tmp_path.iterdir())
 
 
@@ -322,6 +328,7 @@ def test_nothing_that_speaks_against_it_is_accepted(monkeypatch) -> None:
     assert "agree on 0, disagree on 0, 6 not compared" in said
     assert "<= 99 %: NOT MET, 6 samples not judged" in said
     assert "W350" in {notice.code for notice in by_pre_ie.warnings}
+    monkeypatch.undo()
     away = default_wedge() | {"joints": {"J1": {"plane": "45/020", "strength": "a"},
                                          "J2": {"plane": "45/340", "strength": "b"}}}  # fmt: skip
     assert prob(load(away), 50).exit_code == 3
@@ -457,7 +464,7 @@ def test_what_is_accepted_is_a_probability_and_the_old_word_is_understood(tmp_pa
 
 
 @pytest.mark.slow
-def test_samples_csv_has_every_digit_of_every_sample(tmp_path) -> None:
+def test_samples_csv_has_every_digit_of_every_sample(tmp_path, monkeypatch) -> None:
     """The table of the sheet, its file and its records are the same; the journal goes when all is written."""
     file = tmp_path / "wedge.json.yaml"
     file.write_text(json.dumps(WILD))
@@ -477,13 +484,18 @@ def test_samples_csv_has_every_digit_of_every_sample(tmp_path) -> None:
             assert (float(row[key]) if row[key] else None) == record[key]
             assert float(row[key] or "nan") == pytest.approx(factor[k], rel=0, abs=0, nan_ok=True)
         assert row["moments_govern"] == str(int(study.outcomes.moments_govern[k]))
+    monkeypatch.setattr("slopekit.core.sheet._AT_ONCE", 7)
+    assert study.sheet.tables["samples.csv"].csv() == table.csv()
+    assert list(table.rows)[17] == table.rows[17]
 
 
 def test_a_journal_is_kept_until_all_is_written(tmp_path) -> None:
-    """With a folder the study leaves it to whoever writes its results; `done` removes it."""
-    study = prob(load(default_wedge()), 6, by="pre-ie", desk=Workplace(tmp_path))
+    """With a folder the study leaves it to whoever writes its results."""
+    desk = Workplace(tmp_path)
+    prob(load(default_wedge()), 6, by="pre-ie", desk=desk)
     assert [path.suffix for path in tmp_path.iterdir()] == [".journal"]
-    study.done()
+    (written,) = desk.when_written
+    written()
     assert not list(tmp_path.iterdir())
 
 

@@ -11,11 +11,12 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from slopekit.core.errors import DesignError, SolverError
 from slopekit.studies import running
-from slopekit.studies.running import Crew, Interrupted, Journal, checked_crew, run_all
+from slopekit.studies.running import Crew, Interrupted, Journal, RowArrays, checked_crew, run_all
 from tests.studies.workers import DiesAlways, DiesOnce, InterruptedAt, dies, one_over, slow_square, square
 
 SQUARES = [number * number for number in range(60)]
@@ -47,7 +48,7 @@ def test_what_goes_wrong_does_not_take_along_what_is_done(tmp_path) -> None:
     journal = Journal.of(tmp_path, "prob", 3, streamed=False)
     with pytest.raises(ZeroDivisionError):
         run_all(one_over, [3, 2, 1, 0, 5], journal=journal)
-    assert len(dict(Journal.of(tmp_path, "prob", 3).records(5))) == 3
+    assert len(Journal.of(tmp_path, "prob", 3).read(5)) == 3
 
 
 def test_an_interrupted_run_goes_on_where_it_stopped(tmp_path) -> None:
@@ -117,9 +118,9 @@ def test_a_journal_of_records_of_another_layout_is_not_taken(tmp_path, monkeypat
     older = Journal.of(tmp_path, "prob", "x")
     older.keep([0], [SQUARES[0]])
     older.save()
-    assert list(Journal.of(tmp_path, "prob", "x").records(1)) == [(0, SQUARES[0])]
+    assert Journal.of(tmp_path, "prob", "x").read(1) == {0: SQUARES[0]}
     monkeypatch.undo()
-    assert list(Journal.of(tmp_path, "prob", "x").records(1)) == []
+    assert Journal.of(tmp_path, "prob", "x").read(1) == {}
 
 
 def test_a_journal_that_was_cut_short_is_read_as_far_as_it_goes(tmp_path) -> None:
@@ -128,14 +129,34 @@ def test_a_journal_that_was_cut_short_is_read_as_far_as_it_goes(tmp_path) -> Non
         journal.keep([number], [SQUARES[number]])
         journal.save()
     text = journal.path.read_text()
-    journal.path.write_text(text[: text.rindex('"records": [[9') + 12])
+    journal.path.write_text(text[: text.rindex('"index": 9') + 12])
     again = Journal.of(tmp_path, "sweep", "x")
-    assert dict(again.records(60)) == dict(enumerate(SQUARES[:9]))
+    assert again.read(60) == dict(enumerate(SQUARES[:9]))
     again.keep([9], [81])
     again.save()
-    assert dict(Journal.of(tmp_path, "sweep", "x").records(60)) == dict(enumerate(SQUARES[:10]))
+    assert Journal.of(tmp_path, "sweep", "x").read(60) == dict(enumerate(SQUARES[:10]))
     again.remove()
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("most", [2, 3])
+def test_arrays_of_pieces_are_parts_of_columns_in_memory_or_on_disk(most, tmp_path, monkeypatch) -> None:
+    """The journal gives them back bit by bit; arrays of another length than their piece are passed over."""
+    monkeypatch.setattr(running, "_MOST_ROWS_IN_MEMORY", most)
+    factor, outcome = np.array([1.5, np.nan, -0.0]), np.array([2, 0, 1], dtype=np.int16)
+    journal = Journal.of(tmp_path, "prob", "x", held=RowArrays([0, 1, 3]))
+    for piece, rows in ((1, slice(1, 3)), (0, slice(0, 1))):
+        journal.keep([piece], [{"words": ["a"], "factor": factor[rows], "outcome": outcome[rows]}])
+    journal.save()
+    again = Journal.of(tmp_path, "prob", "x", held=RowArrays([0, 1, 3]))
+    assert again.read(2)[1]["words"] == ["a"]
+    for columns in (journal.held, again.held):
+        assert columns.arrays["factor"].tobytes() == factor.tobytes()
+        assert columns.arrays["outcome"].tobytes() == outcome.tobytes()
+        assert columns.arrays["outcome"].dtype == outcome.dtype
+        assert isinstance(columns.arrays["factor"], np.memmap) == (most == 2)
+    journal.path.write_text(journal.path.read_text().replace(f'"index": {1}', '"index": 0'))
+    assert list(Journal.of(tmp_path, "prob", "x", held=RowArrays([0, 1, 3])).read(2)) == [0]
 
 
 def test_a_journal_that_cannot_be_written_says_so(tmp_path) -> None:

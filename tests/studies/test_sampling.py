@@ -17,6 +17,7 @@ from slopekit.design.reading.files import with_values
 from slopekit.design.scatter.distributions import Angles, Distribution, Fisher, Variable
 from slopekit.studies.marginals import checked_limits, marginal, tails
 from slopekit.studies.prob import sampling, sources
+from slopekit.studies.prob.estimates import sample_statistics, unwrapped
 from slopekit.studies.prob.sampling import METHODS, ends_of_blocks, samples
 from slopekit.studies.prob.sources import fisher, folded_lines, folded_planes
 
@@ -366,6 +367,24 @@ def test_a_longer_run_begins_with_a_shorter_one() -> None:
         shorter = samples(MIXED, PAIRS, n, 5)
         assert (longer.values[:n] == shorter.values).all()
         assert (shorter.replicate == 0).all()
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_some_rows_are_those_of_all(method, monkeypatch) -> None:
+    """Also across blocks; their statistics are those of all values in one array."""
+    monkeypatch.setattr(sampling, "BLOCK", 64)
+    drawn = samples(MIXED, PAIRS, 300, 5, method)
+    for start, stop in ((0, 300), (0, 1), (63, 65), (64, 128), (130, 299)):
+        assert (drawn.rows(start, stop) == drawn.values[start:stop]).all()
+    some = np.array([0, 3, 64, 65, 299])
+    assert (drawn.at(some) == drawn.values[some]).all()
+    for found, name, values in zip(
+        sample_statistics(drawn.names, drawn.pieces), drawn.names, drawn.values.T, strict=True
+    ):
+        own = unwrapped(name, values)
+        around = 360.0 if name.endswith("dip_direction") else math.inf
+        expected = [own.mean() % around, own.std(ddof=1), own.min() % around, own.max() % around]
+        assert [found[key] for key in ("mean", "sd", "min", "max")] == pytest.approx(expected, rel=1e-12, abs=1e-9)
 
 
 @pytest.mark.parametrize("n", [1, 2, 7, 10, 127, 128, 129, 1000, 2**14, 20000, 600_000])

@@ -177,7 +177,7 @@ def _probability(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Resu
     if histogram is not None:
         histogram["limit"] = histogram["counts"]
     return {
-        "samples": len(study.samples.values), "pf": share.share, "low": share.low, "high": share.high,
+        "samples": study.samples.count, "pf": share.share, "low": share.low, "high": share.high,
         "pf_closed_form": None if other is None else other.share,
         "confidence": study.asked.confidence, "target": target, "histogram": histogram, "outcomes": study.counts,
         "sensitivity": [{"label": name, "rank_correlation": value} for name, value in study.sensitivities],

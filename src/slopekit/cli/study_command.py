@@ -153,16 +153,18 @@ def _drive(function: Callable[..., Any], given: Mapping[str, Any], variant: str)
         if given[name] not in (None, False, []) and name not in taken:
             option = "--" + name.replace("_", "-")
             faults.append(Fault("E313", f"{option} says nothing of a {variant}", option, "Leave it out."))
+    flags = {key: _flag(key, how) for key, one in parameters.items() if isinstance(how := given_by(one), Option)}
+    desk = Workplace(folder, progress, lambda key: flags.get(key) or "--" + key.replace("_", "-"))
     if "desk" in parameters:
-        flags = {key: _flag(key, how) for key, one in parameters.items() if isinstance(how := given_by(one), Option)}
-        values["desk"] = Workplace(folder, progress, lambda key: flags.get(key) or "--" + key.replace("_", "-"))
+        values["desk"] = desk
     if is_twice and function is api.wedge:
         faults.of(api.design_of_wedge, values)
     faults.refuse()
     with watched():
         outcome = function(**values)
         _deliver(outcome, folder, image, given)
-    outcome.done()
+        for step in desk.when_written:
+            step()
     raise typer.Exit(outcome.exit_code)
 
 

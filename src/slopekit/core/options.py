@@ -8,7 +8,7 @@ import inspect
 import re
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar, get_args
 
@@ -78,12 +78,16 @@ def _silent(_done: int) -> None:
 
 @dataclass(frozen=True)
 class Workplace:
-    """Where a study works: the folder of its journal, None for the present one; how progress is shown."""
+    """Where a study works: the folder of its results, None without one; how progress is shown.
+
+    Once results are written what `when_written` has is called: what was kept for an interruption goes.
+    """
 
     folder: Path | None = None
     bar: Bar = lambda _label, _total: nullcontext(_silent)
     #: How a parameter is called where a fault names it.
     named: Callable[[str], str] = str
+    when_written: list[Callable[[], None]] = field(default_factory=list)
 
 
 DESK = Workplace()

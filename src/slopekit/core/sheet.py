@@ -17,7 +17,7 @@ JOINTS    joint      FoS
 
 import math
 import textwrap
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from io import StringIO
 from typing import Any, Generic, TextIO, TypeAlias, TypeVar
@@ -166,13 +166,16 @@ class Table(Generic[Row]):
         columns = [column for column in self.columns if column.key]
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([without_formula(column.key) for column in columns])
-        for start in range(0, len(self.rows), _AT_ONCE):
-            rows = self.rows[start : start + _AT_ONCE]
+        for rows in self._pieces():
             writer.writerows(zip(*(column.cells(rows) for column in columns), strict=True))
 
     def records(self) -> list[dict[str, Any]]:
         """Every row by the keys of its columns: what data frames are made of."""
-        return [{column.key: json_of(column.of(row)) for column in self.columns if column.key} for row in self.rows]
+        columns = [column for column in self.columns if column.key]
+        return [{column.key: json_of(column.of(row)) for column in columns} for rows in self._pieces() for row in rows]
+
+    def _pieces(self) -> Iterator[Sequence[Row]]:
+        return (self.rows[start : start + _AT_ONCE] for start in range(0, len(self.rows), _AT_ONCE))
 
     def to_dict(self) -> dict[str, Any]:
         """What a person is shown as JSON values: heads with units, cells as numbers and as they are shown."""

@@ -64,10 +64,6 @@ class Shown:
         """Further files by name, beside its tables."""
         return {}
 
-    def done(self) -> None:
-        """Called when all of it is written: what was kept for an interruption goes."""
-        return
-
     def __str__(self) -> str:
         return str(self.sheet)
 

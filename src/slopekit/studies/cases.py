@@ -140,11 +140,6 @@ class Cases(Shown, Generic[Found]):
             {own_name: table},
         )
 
-    def done(self) -> None:
-        """All cases are written."""
-        for one in self.cases.values():
-            one.done()
-
     def to_dict(self) -> dict[str, Any]:
         """The cases as JSON values: each as it would stand alone."""
         return {

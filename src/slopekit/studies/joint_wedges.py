@@ -7,16 +7,15 @@ from slopekit.core.arrays import Floats, Ints
 from slopekit.core.orientation import Plane
 from slopekit.design.joint_lists import JointList
 from slopekit.design.parts import Strength
-from slopekit.kinds.single_block.blocks_on_arrays import limits_on_arrays
+from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany, limits_on_arrays
 from slopekit.kinds.wedge import ON_ARRAYS
 from slopekit.kinds.wedge.design import WedgeDesign
-from slopekit.studies.running import Record
 
 
 def limits_of_wedges(
     slope: WedgeDesign, joints: JointList, strengths: tuple[Floats, Floats], first: Ints, second: Ints, height: Floats
-) -> Record:
-    """Return PRE-IE's limits of wedges that all form, in JSON values.
+) -> LimitsOfMany:
+    """Return PRE-IE's limits of wedges that all form.
 
     Parameters
     ----------
@@ -27,4 +26,4 @@ def limits_of_wedges(
     own: list[Any] = [tuple(of[joint] for of in strengths) for joint in (first, second)]
     high: Any = height
     design = replace(slope, joints=(Plane(*planes[0]), Plane(*planes[1])), height_m=high)
-    return limits_on_arrays(design, ON_ARRAYS, [Strength(*one) for one in own], len(first)).to_record()
+    return limits_on_arrays(design, ON_ARRAYS, [Strength(*one) for one in own], len(first))

@@ -2,20 +2,25 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, fields
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, NDArray
 from slopekit.core.errors import Notice
+from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany
 from slopekit.preie.tolerances import SAME_LIMIT
 from slopekit.studies.points import SAME_FACTOR, UNSETTLED, Method, Point, status_of
+from slopekit.studies.running import RowArrays
 
 #: What an outcome that is no block begins with, but for bolts that do not hold it; and values no design can have.
 NO_BLOCK = ("E", "impossible")
 #: Outcomes that are not judged: no answer, bolts that the block does not hold, a crack that leaves two blocks.
 UNJUDGED = ("E5", "E208", "E211", "E212", UNSETTLED)
 STANDS = "no_driving_force"
+#: The arrays of `Outcomes` that compare the methods.
+COMPARED = ("difference", "agree", "moments_govern")
 _MOST = "largest"  # of `BothMethods`: no sum
 #: The methods, and what their factors are called.
 _OF_METHODS: tuple[tuple[Method, str], ...] = (("pre_ie", "limit"), ("closed_form", "closed_form"))
@@ -41,6 +46,22 @@ class ByMethod:
             names, np.array([numbers[word] for word in words], dtype=np.int16), np.array(factor, dtype=np.float64)
         )
 
+    @classmethod
+    def joined(cls, columns: RowArrays, name: str) -> "ByMethod":
+        """Return what `record` made of all pieces of many designs; once, as their outcomes are numbered anew."""
+        pieces = [columns[piece] for piece in sorted(columns)]
+        names = tuple(dict.fromkeys(word for piece in pieces for word in piece[f"{name}_names"]))
+        for piece in pieces:
+            numbers = np.array([names.index(word) for word in piece[f"{name}_names"]], dtype=np.int16)
+            piece[f"{name}_outcome"][:] = numbers[piece[f"{name}_outcome"]]
+        none = np.empty(0)
+        outcome, factor = (columns.arrays.get(f"{name}_{what}", none) for what in ("outcome", "factor"))
+        return cls(names, outcome.astype(np.int16, copy=False), factor)
+
+    def record(self, name: str) -> dict[str, Any]:
+        """Return it as parts of the record of a piece of many designs, by names that begin with this one."""
+        return {f"{name}_names": list(self.names), f"{name}_outcome": self.outcome, f"{name}_factor": self.factor}
+
     @property
     def words(self) -> list[str]:
         """The outcome of each, in a word."""
@@ -63,7 +84,7 @@ class ByMethod:
         """Those without an answer."""
         return self.among(*UNJUDGED)
 
-    @property
+    @cached_property
     def forms(self) -> Bools:
         """Those that form a block, as far as is known."""
         return ~self.among(*NO_BLOCK) | self.unjudged
@@ -76,6 +97,16 @@ class ByMethod:
         stays = self.among(*NO_BLOCK, STANDS) & ~self.unjudged
         with np.errstate(invalid="ignore"):
             return np.asarray(~stays & ~(self.factor >= target * (1.0 - SAME_FACTOR)))
+
+
+def record_of_limits(limits: LimitsOfMany) -> dict[str, Any]:
+    """Return what PRE-IE says of a piece of many single blocks as its record."""
+    return ByMethod.of(limits.status.tolist(), limits.limit).record("limit") | {"forces": limits.forces}
+
+
+def joined_limits(columns: RowArrays) -> tuple[ByMethod, Floats]:
+    """Return what PRE-IE says of all pieces, and its factors of the forces alone (n,)."""
+    return ByMethod.joined(columns, "limit"), columns.arrays.get("forces", np.empty(0))
 
 
 @dataclass(frozen=True)

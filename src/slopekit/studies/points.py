@@ -19,7 +19,7 @@ from slopekit.evidence import WithoutBasal
 from slopekit.kinds import also_falls_short, cut, factors_of
 from slopekit.kinds.protocol import Factors
 from slopekit.notices import new_notices
-from slopekit.studies.running import Crew, Journal, Record, run_all
+from slopekit.studies.running import Crew, Journal, Record, RowArrays, run_all
 
 Method = Literal["closed_form", "pre_ie"]
 _BUG = "E599"
@@ -209,29 +209,28 @@ def point_of(
         return Point(None, _BUG, f"{type(error).__name__}: {error}")
 
 
-def kept_records(
+def map_rows(
     work: Callable[[Any], Record], tasks: Sequence[Any], crew: Crew, desk: Workplace, study: str, label: str,
-    run: object, at_once: int = 8, given_up: Record | None = None,
-) -> tuple[list[Record], Journal]:  # fmt: skip
-    """The records of many tasks, by whoever does the work, and the journal that keeps them until it is removed.
+    run: object, columns: RowArrays | None = None, at_once: int = 8,
+) -> list[Record]:  # fmt: skip
+    """The records of many tasks, by whoever does the work; a journal keeps them until results are written.
 
     Parameters
     ----------
+    work : gives the record of a point, or arrays of the rows of a task where there are `columns` that take them
     study, label : names of the journal and of the bar; run : everything that the records depend on, as JSON values
     """
-    journal = Journal.of(desk.folder or Path.cwd(), study, run, streamed=desk.folder is not None)
+    held, given_up, ends = (columns, None, columns.pieces) if columns is not None else ({}, GIVEN_UP, [])
+    journal = Journal.of(desk.folder or Path.cwd(), study, [run, ends], desk.folder is not None, held)
     with desk.bar(label, len(tasks)) as advance:
-        records = run_all(work, tasks, crew, journal=journal, advance=advance, at_once=at_once, given_up=given_up)
-    return records, journal
-
-
-def kept_points(
-    work: Callable[[Any], Record], tasks: Sequence[Any], crew: Crew, desk: Workplace, study: str, label: str,
-    run: object, at_once: int = 8,
-) -> tuple[tuple[Point, ...], Journal]:  # fmt: skip
-    """The points of many tasks: as `kept_records`."""
-    records, journal = kept_records(work, tasks, crew, desk, study, label, run, at_once, GIVEN_UP)
-    return tuple(Point.from_record(record) for record in records), journal
+        records = run_all(
+            work, tasks, crew, journal=journal, advance=advance, at_once=1 if ends else at_once, given_up=given_up
+        )
+    if desk.folder is None:
+        journal.remove()
+    else:
+        desk.when_written.append(journal.remove)
+    return records
 
 
 def said_at(

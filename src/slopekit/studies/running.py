@@ -1,26 +1,30 @@
 """Many tasks, one after the other, on several processes or on a Dask cluster: the same results in the same order.
 
-What is done goes to a journal, so that an interrupted run goes on where it
-stopped; a worker that dies loses no task.
-
-A journal keeps what is done line by line, so that an interrupted study goes on where it stopped.
+What is done goes to a journal, line by line, so that an interrupted study goes on where it stopped; a worker that dies
+loses no task. Tasks of many rows give arrays, which stand on disk where there are many.
 """
 
+import base64
 import hashlib
 import json
 import multiprocessing
 import os
 import signal
+import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor, as_completed
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+import numpy as np
+
 from slopekit._version import __version__
+from slopekit.core.arrays import NDArray
 from slopekit.core.errors import DesignError, Fault, SlopekitError, SolverError, writing
 
 if TYPE_CHECKING:
@@ -28,13 +32,63 @@ if TYPE_CHECKING:
     from distributed import Future as DaskFuture
 
 _EVERY_S = 1.0
-#: What a task gives: JSON values, as the journal keeps them.
+#: What a task gives: JSON values and arrays, as the journal keeps them.
 Record: TypeAlias = Any
 Advance = Callable[[int], None]
 _MOST_LOSSES = 3  # times that workers may die without a task being finished in between
 _CONNECT_S = 10.0
 _MOST_JOBS = 512
-_LAYOUT = 3  # of records, to be raised with them: since 3 those of points have names
+_LAYOUT = 4  # of records, to be raised with them: since 4 those of many rows are arrays
+_MOST_ROWS_IN_MEMORY = 100_000
+_MB = 2**20
+
+
+class RowArrays(dict[int, Record]):
+    """Records of pieces of many rows, by the number of the piece: their arrays are parts of one array of all rows.
+
+    Above 100,000 rows these arrays are files without a name, which end with them: the system keeps in memory what fits.
+
+    Attributes
+    ----------
+    ends : of the pieces, from 0; pieces : first row and end of each
+    arrays : of all rows (n,), by name; 0 where a piece is not done
+
+    >>> columns = RowArrays([0, 2, 3])
+    >>> columns[1], columns[0] = {"factor": np.array([1.5])}, {"factor": np.array([1.0, 2.0])}
+    >>> columns.arrays["factor"].tolist(), columns[1]["factor"].tolist()
+    ([1.0, 2.0, 1.5], [1.5])
+    """
+
+    def __init__(self, ends: Sequence[int]) -> None:
+        super().__init__()
+        self.count, self.pieces = ends[-1], list(pairwise(ends))
+        self.arrays: dict[str, NDArray[Any]] = {}
+
+    def __setitem__(self, piece: int, record: Record) -> None:
+        rows, views = slice(*self.pieces[piece]), dict(record)
+        for name, values in record.items():
+            if isinstance(values, np.ndarray):
+                if name not in self.arrays:
+                    self.arrays[name] = _empty(self.count, values.dtype)
+                self.arrays[name][rows] = values
+                views[name] = self.arrays[name][rows]
+        super().__setitem__(piece, views)
+
+
+def _empty(count: int, dtype: Any) -> NDArray[Any]:
+    """Return an array (n,) of zeros, on disk where there are many.
+
+    Raises
+    ------
+    DesignError
+        E129 where the disk is full.
+    """
+    if count <= _MOST_ROWS_IN_MEMORY:
+        return np.zeros(count, dtype)
+    with writing(Path(tempfile.gettempdir())), tempfile.TemporaryFile() as file:
+        for _ in range(0, count * dtype.itemsize, _MB):
+            file.write(bytes(_MB))  # a map of a file with holes ends the process where the disk is full
+        return np.memmap(file, dtype, "r+", shape=(count,))
 
 
 @dataclass
@@ -46,17 +100,20 @@ class Journal:
     path : the file; another run (other inputs, seed, version, layout of records) has another name, so that none takes
         what is not its own
     streamed : whether records are written as they come, a second at a time; else only when `save` is called
+    held : the records; unwritten : the numbers of those that the file does not have
     """
 
     path: Path
     key: str
     streamed: bool = True
-    held: dict[int, Any] = field(default_factory=dict)
+    held: dict[int, Record] = field(default_factory=dict)
     unwritten: list[int] = field(default_factory=list)
     last: float = field(default_factory=time.monotonic)
 
     @classmethod
-    def of(cls, folder: Path, study: str, run: Any, streamed: bool = True) -> "Journal":
+    def of(
+        cls, folder: Path, study: str, run: Any, streamed: bool = True, held: dict[int, Record] | None = None
+    ) -> "Journal":
         """The journal of a run.
 
         Parameters
@@ -65,25 +122,25 @@ class Journal:
         """
         text = json.dumps([__version__, _LAYOUT, study, run], sort_keys=True, default=str)
         key = hashlib.sha256(text.encode()).hexdigest()
-        return cls(folder / f"{study}-{key[:12]}.journal", key, streamed)
+        return cls(folder / f"{study}-{key[:12]}.journal", key, streamed, {} if held is None else held)
 
-    def records(self, count: int) -> Iterator[tuple[int, Any]]:
-        """What an earlier run of the same name has done; a last line cut short is passed over."""
+    def read(self, count: int) -> dict[int, Record]:
+        """What an earlier run of the same name has done of so many tasks; a last line cut short is passed over."""
         if self.path.is_file():
-            for line in self.path.read_text(encoding="utf-8").splitlines():
-                try:
-                    entry = json.loads(line)
-                    if entry["key"] != self.key:
+            with self.path.open(encoding="utf-8") as file:
+                for line in file:
+                    try:
+                        entry = json.loads(line, object_hook=_array_of)
+                        if entry["key"] == self.key and 0 <= entry["index"] < count:
+                            self.held[entry["index"]] = entry["record"]
+                    except (ValueError, KeyError, TypeError):
                         continue
-                    by_index = {int(index): record for index, record in entry["records"]}
-                except (ValueError, KeyError, TypeError):
-                    continue
-                self.held |= {index: record for index, record in by_index.items() if 0 <= index < count}
-        yield from sorted(self.held.items())
+        return self.held
 
-    def keep(self, indices: Sequence[int], records: Sequence[Any]) -> None:
+    def keep(self, indices: Sequence[int], records: Sequence[Record]) -> None:
         """Take records in, as they come."""
-        self.held |= dict(zip(indices, records, strict=True))
+        for index, record in zip(indices, records, strict=True):
+            self.held[index] = record
         self.unwritten += indices
         if self.streamed and time.monotonic() - self.last > _EVERY_S:
             self.save()
@@ -98,14 +155,28 @@ class Journal:
         """
         if not self.unwritten:
             return
-        line = json.dumps({"key": self.key, "records": [[index, self.held[index]] for index in self.unwritten]})
         with writing(self.path), self.path.open("a", encoding="utf-8") as file:
-            file.write(f"\n{line}\n")  # a line that an interruption cut short ends here
+            file.write("\n")  # a line that an interruption cut short ends here
+            for index in self.unwritten:
+                entry = {"key": self.key, "index": index, "record": self.held[index]}
+                file.write(f"{json.dumps(entry, default=_text_of)}\n")
         self.unwritten, self.last = [], time.monotonic()
 
     def remove(self) -> None:
         """The run is complete: its results are written elsewhere."""
         self.path.unlink(missing_ok=True)
+
+
+def _text_of(array: NDArray[Any]) -> dict[str, str]:
+    """Return an array (n,) as JSON values."""
+    return {"array": array.dtype.str, "base64": base64.b64encode(array.tobytes()).decode()}
+
+
+def _array_of(values: dict[str, Any]) -> Any:
+    """Return the array that `_text_of` made such values of, other values as they are."""
+    if "base64" not in values:
+        return values
+    return np.frombuffer(base64.b64decode(values["base64"], validate=True), values["array"])
 
 
 @dataclass(frozen=True)
@@ -169,7 +240,7 @@ def run_all(
 
     Parameters
     ----------
-    work : a function that pickles (of a module, or an instance with `__call__`); returns JSON values
+    work : a function that pickles (of a module, or an instance with `__call__`); returns JSON values and arrays
     journal : where records are kept as they come; those that it holds already are not asked for again
     advance : told how many tasks are done
     at_once : tasks that a worker takes at a time; results do not depend on it
@@ -187,13 +258,14 @@ def run_all(
     >>> run_all(abs, [-1, 2, -3])
     [1, 2, 3]
     """
-    done: dict[int, Record] = {} if journal is None else dict(journal.records(len(tasks)))
+    done: dict[int, Record] = {} if journal is None else journal.read(len(tasks))
     advance(len(done))
     open_tasks = [index for index in range(len(tasks)) if index not in done]
 
     def keep(indices: Sequence[int], records: Sequence[Record]) -> None:
-        done.update(zip(indices, records, strict=True))
-        if journal is not None:
+        if journal is None:
+            done.update(zip(indices, records, strict=True))
+        else:
             journal.keep(indices, records)
         advance(len(indices))
 
@@ -239,7 +311,7 @@ def _on_workers(
                 for chunk in left:
                     futures[executor.submit(_several, work, [tasks[index] for index in chunk])] = chunk
                 for future in as_completed(futures):
-                    chunk = futures[future]
+                    chunk = futures.pop(future)  # with its results, which are kept elsewhere
                     try:
                         keep(chunk, future.result())
                     except BrokenExecutor:

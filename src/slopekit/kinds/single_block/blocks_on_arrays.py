@@ -3,7 +3,7 @@
 The designs are one whose numbers may be arrays (n,): what `OnArrays` takes.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,7 +18,6 @@ from slopekit.kinds.single_block.closed_forms import OnArrays
 from slopekit.kinds.single_block.held_bolts import Bounds
 from slopekit.preie.batch import BlockLimits, Blocks, limits_of_blocks
 
-_COLUMNS = ("status", "limit", "forces")
 _NO_BLOCK = "E208"  # a crack cuts it in two
 
 
@@ -35,16 +34,6 @@ class LimitsOfMany:
     forces: Floats
     rows: Ints = field(default_factory=lambda: np.arange(0))
     found: BlockLimits | None = None
-
-    def to_record(self) -> dict[str, list[Any]]:
-        """Return it as JSON values."""
-        return {name: getattr(self, name).tolist() for name in _COLUMNS}
-
-
-def limits_of(records: Sequence[Mapping[str, Sequence[Any]]]) -> LimitsOfMany:
-    """Return what `LimitsOfMany.to_record` made of all parts of many designs."""
-    status, limit, forces = ([of for record in records for of in record[name]] for name in _COLUMNS)
-    return LimitsOfMany(np.array(status, dtype=np.str_), np.array(limit, np.float64), np.array(forces, np.float64))
 
 
 def limits_on_arrays(

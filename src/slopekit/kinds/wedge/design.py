@@ -165,11 +165,6 @@ class WedgeDesign(SlopeDesign):
         """The friction angle of each joint."""
         return tuple(strength.friction_angle_deg for strength in self.strengths)
 
-    def with_c_and_phi(self, cohesion_kpa: Sequence[float], friction_deg: Sequence[float]) -> tuple[Strength, ...]:
-        """The strengths of its joints, with other cohesion and friction."""
-        joints = zip(self.strengths, cohesion_kpa, friction_deg, strict=True)
-        return tuple(replace(one, cohesion_kpa=c, friction_angle_deg=phi) for one, c, phi in joints)
-
     @property
     def is_cut_for_loads(self) -> bool:
         """Whether water, of a depth in the crack too, or surcharge are integrated over the faces of the block."""

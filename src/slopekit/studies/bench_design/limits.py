@@ -5,6 +5,7 @@ A limit is never above the factor of the forces, so that what fails by the close
 
 from dataclasses import fields, replace
 from functools import partial
+from itertools import accumulate
 from typing import Any, TypeAlias, cast
 
 import numpy as np
@@ -15,15 +16,15 @@ from slopekit.design.common import Design
 from slopekit.design.parts import Strength, Water
 from slopekit.kinds.plane import ON_ARRAYS as PLANES
 from slopekit.kinds.plane import PlaneDesign
-from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany, limits_of, limits_on_arrays
+from slopekit.kinds.single_block.blocks_on_arrays import limits_on_arrays
 from slopekit.studies.bench_design.bench import CLOSED_OUTCOMES, PLANE, WEDGE, Bench, Part, bench_of, parts_of
 from slopekit.studies.bench_design.given import BenchInputs
 from slopekit.studies.bench_design.trials import Trials
 from slopekit.studies.joint_wedges import limits_of_wedges
-from slopekit.studies.outcomes import BothMethods, ByMethod, agreement, compared
-from slopekit.studies.points import kept_records
+from slopekit.studies.outcomes import BothMethods, ByMethod, agreement, compared, joined_limits, record_of_limits
+from slopekit.studies.points import map_rows
 from slopekit.studies.protocol import Workplace
-from slopekit.studies.running import Crew, Journal, Record
+from slopekit.studies.running import Crew, Record, RowArrays
 
 #: Blocks of a mode in benches with one face: their joints (m,) by number, the second of a plane means nothing; m high.
 Task: TypeAlias = tuple[int, float, Ints, Ints, Floats]
@@ -32,8 +33,8 @@ _AT_ONCE = 2048  # blocks of a task
 
 def judged_benches(
     inputs: BenchInputs, trials: Trials, crew: Crew, desk: Workplace
-) -> tuple[list[Bench], list[BothMethods], Journal]:
-    """Return all benches judged by both methods, how far these agree in each mode of each, and the journal."""
+) -> tuple[list[Bench], list[BothMethods]]:
+    """Return all benches judged by both methods, and how far these agree in each mode of each."""
     sizes = [(height, dip) for height in inputs.heights_m for dip in inputs.face_dips_deg]
     parts = [parts_of(inputs, trials, *size) for size in sizes]
     jobs, tasks, before = list[tuple[Part, int, Ints, Ints]](), list[Task](), 0
@@ -49,11 +50,12 @@ def judged_benches(
             for where_in in range(0, len(different), _AT_ONCE):
                 one, two, high = different[where_in : where_in + _AT_ONCE].T
                 tasks.append((mode, face, one.astype(np.int64), two.astype(np.int64), high))
-    run = [inputs.input_hash(), inputs.has_cohesion, _AT_ONCE]
-    records, journal = kept_records(partial(_limits, inputs), tasks, crew, desk, "bench-design", "PRE-IE", run, 1)
-    limits = limits_of(records)
+    run = [inputs.input_hash(), inputs.has_cohesion]
+    columns = RowArrays([0, *accumulate(len(task[-1]) for task in tasks)])
+    map_rows(partial(_limits, inputs), tasks, crew, desk, "bench-design", "PRE-IE", run, columns)
+    limits = joined_limits(columns)
     both = [_judge(inputs, *one, limits) for one in jobs]
-    return [bench_of(*size, of_bench) for size, of_bench in zip(sizes, parts, strict=True)], both, journal
+    return [bench_of(*size, of_bench) for size, of_bench in zip(sizes, parts, strict=True)], both
 
 
 def _is_free_of_size(inputs: BenchInputs) -> bool:
@@ -62,7 +64,7 @@ def _is_free_of_size(inputs: BenchInputs) -> bool:
 
 
 def _judge(
-    inputs: BenchInputs, blocks: Part, mode: int, rows: Ints, where_in: Ints, limits: LimitsOfMany
+    inputs: BenchInputs, blocks: Part, mode: int, rows: Ints, where_in: Ints, limits: tuple[ByMethod, Floats]
 ) -> BothMethods:
     """Note what fails by PRE-IE among the blocks `rows` of a mode; return how far the methods agree on them.
 
@@ -71,21 +73,22 @@ def _judge(
     where_in : (m,) the places of these blocks in what was found of all
     """
     target = inputs.number("fos")
-    limit = ByMethod.of(limits.status[where_in].tolist(), limits.limit[where_in])
+    found, forces = limits
+    limit = ByMethod(found.names, found.outcome[where_in], found.factor[where_in])
     closed = ByMethod(CLOSED_OUTCOMES[mode], blocks["outcome"][rows], blocks["factor"][rows])
-    outcomes = agreement(limit, limits.forces[where_in], closed, inputs.slope.analysis.agree_within)
+    outcomes = agreement(limit, forces[where_in], closed, inputs.slope.analysis.agree_within)
     blocks["fails"][rows] = limit.falls_short(target)
     return compared(outcomes, blocks["fails"][rows], closed.falls_short(target))
 
 
 def _limits(inputs: BenchInputs, task: Task) -> Record:
-    """What PRE-IE says of the blocks of a task, in JSON values."""
+    """What PRE-IE says of the blocks of a task."""
     mode, face_dip, first, second, height = task
     toward, strengths = inputs.toward_deg, (inputs.cohesion_kpa, inputs.friction_deg)
     face, upper = Plane(face_dip, toward), Plane(0.0, toward)
     slope = replace(inputs.slope, face=face, upper=upper)
     if mode == WEDGE:
-        return limits_of_wedges(slope, inputs.joints, strengths, first, second, height)
+        return record_of_limits(limits_of_wedges(slope, inputs.joints, strengths, first, second, height))
     common = {field.name: getattr(slope, field.name) for field in fields(Design)}
     if slope.water.mode == "pressures":
         common["water"] = Water("pressures", 0.0, slope.water.pressures_kpa[:1])
@@ -95,4 +98,4 @@ def _limits(inputs: BenchInputs, task: Task) -> Record:
     plane = PlaneDesign(
         **common, joint=Plane(dip, toward), joint_name="J1", face=face, upper=upper, height_m=high, strength=strength
     )
-    return limits_on_arrays(plane, PLANES, [strength], len(first)).to_record()
+    return record_of_limits(limits_on_arrays(plane, PLANES, [strength], len(first)))

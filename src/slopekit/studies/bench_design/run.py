@@ -26,7 +26,7 @@ from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, outcome_of, 
 from slopekit.studies.bench_design.trials import drawn_trials
 from slopekit.studies.outcomes import BothMethods, total
 from slopekit.studies.protocol import DESK, Argument, Jobs, Option, Scheduler, StudyOutcome, Workplace, documented
-from slopekit.studies.running import Journal, checked_crew
+from slopekit.studies.running import checked_crew
 from slopekit.studies.surveys import Columns, Convention, SkipBad, left_out, survey_head
 
 _FEW = 30  # joints: below it, a survey says little of its sets
@@ -120,17 +120,11 @@ class BenchDesigns(StudyOutcome):
     both: BothMethods
     warnings: tuple[Notice, ...]
     seconds: float = field(default=0.0, compare=False)
-    journals: tuple[Journal, ...] = field(default=(), compare=False)
 
     @property
     def charts(self) -> tuple[str, ...]:
         """Cumulative curves of backbreak."""
         return ("backbreak",)
-
-    def done(self) -> None:
-        """Remove what was kept for an interruption: the results are written."""
-        for journal in self.journals:
-            journal.remove()
 
     @property
     def joints(self) -> JointList:
@@ -261,23 +255,19 @@ def bench_design(
     crew = checked_crew(jobs, scheduler)
     inputs = bench_inputs(given, desk.named)
     trials = drawn_trials(inputs.joints, int(inputs.number("n")), int(inputs.number("seed")), inputs.toe == "anywhere")
-    benches, both, journal = judged_benches(inputs, trials, crew, desk)
+    benches, both = judged_benches(inputs, trials, crew, desk)
     outcomes = [outcome_of(inputs, trials, bench) for bench in benches]
-    journals, said = [journal], total(both)
+    said = total(both)
     if inputs.has_cohesion:
         bare = replace(inputs, cohesion_kpa=np.zeros(len(inputs.joints)))
-        without, _, journal = judged_benches(bare, trials, crew, desk)
-        journals.append(journal)
+        without, _ = judged_benches(bare, trials, crew, desk)
         outcomes = [
             replace(of, bare=without_cohesion(bare, bench, of)) for bench, of in zip(without, outcomes, strict=True)
         ]
     is_sure = not (said.disagree or said.without_answer)
     outcomes = [accepted(inputs, outcome, is_sure) for outcome in outcomes]
     notices = tuple(notices_of(inputs, outcomes, said))
-    study = BenchDesigns(inputs, tuple(outcomes), said, notices, time.perf_counter() - began, tuple(journals))
-    if desk.folder is None:
-        study.done()
-    return study
+    return BenchDesigns(inputs, tuple(outcomes), said, notices, time.perf_counter() - began)
 
 
 def accepted(inputs: BenchInputs, bench: OfBench, is_sure: bool) -> OfBench:

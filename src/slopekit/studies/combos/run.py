@@ -21,12 +21,20 @@ from slopekit.core.codec import json_of
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import Line, Plane
 from slopekit.design.joint_lists import JointList
-from slopekit.kinds.single_block.blocks_on_arrays import limits_of
 from slopekit.kinds.wedge.limits import LIMITED_BY
 from slopekit.studies.combos.pairs import NEVER, PAIR_OUTCOMES, JointPairs, PairInputs, evaluated, pair_inputs
 from slopekit.studies.joint_wedges import limits_of_wedges
-from slopekit.studies.outcomes import STANDS, BothMethods, ByMethod, Outcomes, agreement, compared
-from slopekit.studies.points import kept_records
+from slopekit.studies.outcomes import (
+    STANDS,
+    BothMethods,
+    ByMethod,
+    Outcomes,
+    agreement,
+    compared,
+    joined_limits,
+    record_of_limits,
+)
+from slopekit.studies.points import map_rows
 from slopekit.studies.protocol import (
     DESK,
     ClosedFormAlone,
@@ -37,7 +45,7 @@ from slopekit.studies.protocol import (
     Workplace,
     documented,
 )
-from slopekit.studies.running import Crew, Record, checked_crew
+from slopekit.studies.running import Crew, Record, RowArrays, checked_crew
 from slopekit.studies.surveys import AFace, AJointList, Columns, Convention, SkipBad, left_out, survey_head
 
 _AT_ONCE = 2048  # pairs that PRE-IE takes as one task
@@ -317,17 +325,16 @@ def _order(limit: ByMethod, volume_m3: Floats) -> Ints:
 def _looked_at(
     inputs: PairInputs, pairs: JointPairs, rows: Ints, closed: ByMethod, crew: Crew, desk: Workplace
 ) -> Outcomes:
-    """What both methods say of some pairs (r,); what is done is kept in a journal until all are."""
+    """What both methods say of some pairs (r,); what is done is kept in a journal."""
     parts = [rows[at : at + _AT_ONCE] for at in range(0, len(rows), _AT_ONCE)]
     tasks = [(pairs.first[part], pairs.second[part], pairs.height_m[part]) for part in parts]
-    run = [inputs.input_hash(), _AT_ONCE]
-    records, journal = kept_records(partial(_limits, inputs), tasks, crew, desk, "combos", "PRE-IE", run, 1)
-    journal.remove()
-    outcomes = limits_of(records)
-    limit = ByMethod.of(outcomes.status.tolist(), outcomes.limit)
-    return agreement(limit, outcomes.forces, closed, inputs.slope.analysis.agree_within)
+    work, columns = partial(_limits, inputs), RowArrays([*range(0, len(rows), _AT_ONCE), len(rows)])
+    map_rows(work, tasks, crew, desk, "combos", "PRE-IE", [inputs.input_hash()], columns)
+    limit, forces = joined_limits(columns)
+    return agreement(limit, forces, closed, inputs.slope.analysis.agree_within)
 
 
 def _limits(inputs: PairInputs, task: tuple[Ints, Ints, Floats]) -> Record:
-    """What PRE-IE says of some pairs, in JSON values."""
-    return limits_of_wedges(inputs.slope, inputs.joints, (inputs.cohesion_kpa, inputs.friction_deg), *task)
+    """What PRE-IE says of some pairs."""
+    limits = limits_of_wedges(inputs.slope, inputs.joints, (inputs.cohesion_kpa, inputs.friction_deg), *task)
+    return record_of_limits(limits)

@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats
+from slopekit.core.arrays import Bools, Floats, NDArray
 from slopekit.core.errors import Notice, SlopekitError
 from slopekit.core.sheet import counted
 from slopekit.design.common import Design
@@ -74,18 +74,18 @@ def holding(design: Design, samples: Sequence[Mapping[str, object]]) -> Bools:
     return holds
 
 
-def without_force(design: Design, holds: Bools, forms: Bools) -> Iterator[Notice]:
+def without_force(design: Design, bolts: NDArray[np.int16], forms: Bools) -> Iterator[Notice]:
     """W311: in how many samples bolts give no force.
 
     Parameters
     ----------
-    holds : (b, n); forms : (n,) samples that form a block
+    bolts : (n,) how many do not hold the block of each; forms : (n,) samples that form one
     """
-    left, most = (~holds & forms).sum(axis=0), sum(bolt.head_m is not None for bolt in design.bolts)
-    if most and left.any():
-        lost, of = int((left > 0).sum()), counted(int(forms.sum()), "sample")
+    most = sum(bolt.head_m is not None for bolt in design.bolts)
+    if most and bolts.any():
+        lost, of = int((bolts > 0).sum()), counted(int(forms.sum()), "sample")
         yield Notice(
             "W311",
-            f"bolts give no force in {lost} of {of} that form a block (up to {int(left.max())} of {most}): there they "
+            f"bolts give no force in {lost} of {of} that form a block (up to {int(bolts.max())} of {most}): there they "
             "miss it, or end within it. Heads stand on each sample's own face",
         )

@@ -13,17 +13,21 @@ from slopekit.core.errors import DesignError
 from slopekit.design.common import Design
 from slopekit.design.reading.files import with_values
 from slopekit.design.scatter.distributions import Distribution, Variable
-from slopekit.studies.prob.sampling import Samples
-from slopekit.studies.prob.vectorised import vectorised
+from slopekit.studies.prob.sampling import settings_of
+from slopekit.studies.prob.vectorised import Vectorised, vectorised
 
 PLACE = "crack.distance"
 FEW_ALONE = 200  # samples that are drawn where each takes a second or more
 
 
-def cracked(design: Design, samples: Samples) -> tuple[Design, Samples, Bools] | None:
-    """A design with its crack at a place, which its samples say, and those (n,) in which no place gives a factor.
+def crack_search(design: Design, values: Floats) -> tuple[Design, Vectorised] | None:
+    """The design with its crack at a place, one more number that scatters, and its closed form over arrays of samples.
 
-    None where no crack was looked for, or it is looked for in each sample alone.
+    None where no crack is looked for, or in each sample alone.
+
+    Parameters
+    ----------
+    values : (n, k) some samples
     """
     searched, crack = getattr(design, "crack_searched", ""), getattr(design, "crack", None)
     if not searched or crack is None or any(bolt.acts == "passive" for bolt in design.bolts):
@@ -32,18 +36,19 @@ def cracked(design: Design, samples: Samples) -> tuple[Design, Samples, Bools] |
         fixed = with_values(design, {PLACE: float(crack.distance_m)})
     except DesignError:
         return None  # written in one word, 80/180@worst
-    fast = vectorised(fixed, samples.values, samples.settings)
-    worst = None if fast is None else fast.worst_cracks(samples.values)
-    if worst is None:
+    fast = vectorised(fixed, values, lambda row: settings_of(design.variables, values[row]))
+    if fast is None or fast.worst_cracks(values) is None:
         return None
-    bare, at = worst
-    blocks = ~np.array([name.startswith("E") for name in bare.names])[bare.outcome]
-    known = blocks & np.isfinite(at)
+    variable = Variable(PLACE, Distribution("uniform", {"min": 0.0, "max": float(crack.distance_m)}, "length"))
+    return replace(fixed, variables=(*fixed.variables, variable)), fast
+
+
+def placed(search: Vectorised, values: Floats) -> tuple[Floats, Bools]:
+    """Samples (n, k) with the worst place of their crack (n, k + 1), and in which (n,) no place gives a factor."""
+    worst, distance = search.worst_cracks(values), float(search.design.crack.distance_m)  # type: ignore[attr-defined]
+    assert worst is not None
+    forms, found = worst
+    blocks = ~np.array([name.startswith("E") for name in forms.names])[forms.outcome]
+    known = blocks & np.isfinite(found)
     # without a block any place says the same of it
-    places: Floats = np.where(known, at, crack.distance_m)
-    own = places[known] if known.any() else places
-    variable = Variable(PLACE, Distribution("uniform", {"min": float(own.min()), "max": float(own.max())}, "length"))
-    values = np.asfortranarray(np.column_stack([samples.values, places]))
-    values.setflags(write=False)
-    placed = Samples((*samples.variables, variable), (*samples.names, PLACE), values, samples.replicate)
-    return replace(fixed, variables=(*fixed.variables, variable)), placed, blocks & ~known
+    return np.column_stack([values, np.where(known, found, distance)]), blocks & ~known

@@ -1,8 +1,9 @@
 """Shares counted in samples, with their confidence limits; what is said of a sample of numbers."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -151,28 +152,55 @@ def rank_correlation(a: Floats, b: Floats) -> float | None:
     return float(first @ second) / size if size > 0.0 else None
 
 
-def sample_statistics(path: str, values: Floats) -> dict[str, str | float]:
-    """What was drawn of a number: (n,) values. Of a direction the mean is the mean direction, the sd about it.
+def sample_statistics(names: Sequence[str], pieces: Callable[[], Iterable[Floats]]) -> list[dict[str, str | float]]:
+    """What was drawn of some numbers. Of a direction the mean is the mean direction, the sd about it.
 
-    >>> found = sample_statistics("joints.J1.plane.dip_direction", np.array([350.0, 20.0]))
+    Parameters
+    ----------
+    names : paths of the numbers; pieces : gives all values piece by piece (m, k), whenever it is called
+
+    >>> pieces = [np.array([[350.0]]), np.array([[20.0]])]
+    >>> (found,) = sample_statistics(["joints.J1.plane.dip_direction"], lambda: pieces)
     >>> [round(found[name], 9) for name in ("mean", "sd", "min", "max")]
     [5.0, 21.213203436, 350.0, 20.0]
     """
-    values = unwrapped(path, values)
-    sd = float(values.std(ddof=1)) if len(values) > 1 else 0.0
-    of = [float(value) for value in (values.mean(), values.min(), values.max())]
-    mean, least, most = [value % 360.0 for value in of] if _is_direction(path) else of
-    return {"path": path, "mean": mean, "sd": sd, "min": least, "max": most}
+    turned = [column for column, name in enumerate(names) if _is_direction(name)]
+    middle = _middle(sum(_on_the_circle(values[:, turned]) for values in pieces()))
+    counts, parts = list[int](), list[Sequence[Floats]]()
+    for piece in pieces():
+        values = piece.copy()
+        values[:, turned] = _about(middle, values[:, turned])
+        counts.append(len(values))
+        parts.append((values.mean(axis=0), values.var(axis=0), values.min(axis=0), values.max(axis=0)))
+    means, variances, least, most = np.swapaxes(parts, 0, 1)
+    mean = np.average(means, axis=0, weights=counts)
+    variance = np.average(variances + (means - mean) ** 2, axis=0, weights=counts)
+    of = np.array([mean, least.min(axis=0), most.max(axis=0)])
+    of[:, turned] %= 360.0
+    sd = np.sqrt(variance * (sum(counts) / max(sum(counts) - 1, 1)))
+    columns = zip(names, *of.tolist(), sd.tolist(), strict=True)
+    return [{"path": name, "mean": own, "sd": sd, "min": low, "max": high} for name, own, low, high, sd in columns]
 
 
 def unwrapped(path: str, values: Floats) -> Floats:
     """Values (n,) of a direction without the jump from 360 to 0, within 180° of their mean; others as they are."""
-    if not _is_direction(path):
-        return values
-    turned = np.radians(values)
-    middle = math.degrees(math.atan2(float(np.sin(turned).mean()), float(np.cos(turned).mean()))) % 360.0
-    directions_deg: Floats = middle + (values - middle + 180.0) % 360.0 - 180.0
-    return directions_deg
+    return _about(_middle(_on_the_circle(values)), values) if _is_direction(path) else values
+
+
+def _on_the_circle(directions_deg: Floats) -> Any:
+    """Return the sum of directions (n, ...) as points of the unit circle, complex (...)."""
+    return np.exp(1j * np.radians(directions_deg)).sum(axis=0)
+
+
+def _middle(point: Any) -> Any:
+    """Return the direction of points of the plane in degrees."""
+    return np.degrees(np.angle(point)) % 360.0
+
+
+def _about(middle_deg: Any, directions_deg: Floats) -> Floats:
+    """Return directions within 180° of others."""
+    turned: Floats = middle_deg + (directions_deg - middle_deg + 180.0) % 360.0 - 180.0
+    return turned
 
 
 def _is_direction(path: str) -> bool:

@@ -9,7 +9,6 @@ from slopekit.core.arrays import Bools, Floats
 from slopekit.core.errors import Notice
 from slopekit.core.sheet import counted
 from slopekit.evidence import WithoutBasal
-from slopekit.kinds.single_block.closed_forms import ClosedForms
 from slopekit.studies.outcomes import NO_BLOCK, STANDS, UNJUDGED, ByMethod
 from slopekit.studies.points import Point
 from slopekit.studies.prob.estimates import Share, rank_correlation, unwrapped
@@ -53,14 +52,17 @@ class Judged(ByMethod):
         return self.possible if (self.possible & ~self.unjudged).any() else self.possible & ~self.unjudged
 
 
-def with_also(judged: Judged, also: ClosedForms, called: str, what: str, target: float) -> Judged:
+def with_also(judged: Judged, besides: tuple[ByMethod, str, str] | None, target: float) -> Judged:
     """The same with what acceptance is held against besides: of each sample the lower of the two counts.
 
     Parameters
     ----------
-    also : of every sample, with the outcome "" where there is nothing else; called : what its outcomes begin with
-    what : what it is, in words
+    besides : of every sample, with the outcome "" where there is nothing else; what its outcomes begin with; what it
+        is, in words; None where there is nothing of any sample
     """
+    if besides is None:
+        return judged
+    also, called, what = besides
     ours, other = _levels(judged), _levels(also)
     first = (other < ours) & judged.possible & ~judged.unjudged
     first &= judged.forms | (other < target)  # where it does not fail no block is no block
@@ -76,7 +78,7 @@ def with_also(judged: Judged, also: ClosedForms, called: str, what: str, target:
 
 def also_of(
     points: Sequence[Point], without_block: Callable[[int], WithoutBasal | None]
-) -> tuple[ClosedForms, str, str] | None:  # fmt: skip
+) -> tuple[ByMethod, str, str] | None:  # fmt: skip
     """What acceptance of points is held against besides, what its outcomes begin with, and what it is in words.
 
     Parameters
@@ -92,13 +94,11 @@ def also_of(
     if known is None:
         return None
     words = ["" if one is None else one.status for one in every]
-    names = tuple(dict.fromkeys(words))
-    outcome = np.array([names.index(word) for word in words], dtype=np.int8)
-    factor = np.array([np.nan if one is None or one.factor is None else one.factor for one in every])
-    return ClosedForms(names, outcome, factor), known.NAME, known.WHAT
+    factors = [None if one is None else one.factor for one in every]
+    return ByMethod.of(words, factors), known.NAME, known.WHAT
 
 
-def _levels(method: ByMethod | ClosedForms) -> Floats:
+def _levels(method: ByMethod) -> Floats:
     """Factors to compare: infinite where nothing drives or no block forms, 0 where nothing holds."""
     stands = np.array([not name or name.startswith((*NO_BLOCK, STANDS)) for name in method.names])[method.outcome]
     levels: Floats = np.where(stands, np.inf, np.nan_to_num(method.factor, nan=0.0))
@@ -120,8 +120,9 @@ def sensitivities(samples: Samples, factor: Floats) -> tuple[tuple[str, float], 
     if len(has_one) < 3:
         return ()
     has_one = has_one[:: -(-len(has_one) // _RANKED)]
+    values = samples.at(has_one)
     coefficients = [
-        (path, rank_correlation(unwrapped(path, samples.values[has_one, column]), factor[has_one]))
+        (path, rank_correlation(unwrapped(path, values[:, column]), factor[has_one]))
         for column, path in enumerate(samples.names)
     ]
     known = [(path, value) for path, value in coefficients if value is not None]
@@ -135,16 +136,16 @@ def notices_of(target: float, judged: Judged, samples: Samples, share: Share) ->
     """Yield what a reader must know: W350 and W507."""
     impossible = int(judged.among("E1", IMPOSSIBLE).sum())
     if impossible:
-        yield Notice("W350", f"{impossible} of {len(samples.values)} samples have a value that no design can have, "
+        yield Notice("W350", f"{impossible} of {samples.count} samples have a value that no design can have, "
                      "and count nowhere: bound the distribution with min or max")  # fmt: skip
     unsolved = int(judged.unjudged.sum())
     if unsolved:
         said = "counted as failures, but may be none" if judged.counted.any() else "there is no probability"
-        yield Notice("W350", f"{unsolved} of {len(samples.values)} samples gave no answer (not_converged, an error, a "
+        yield Notice("W350", f"{unsolved} of {samples.count} samples gave no answer (not_converged, an error, a "
                      f"crack that cuts the block in two, a bolt that misses it or is too short): {said}")  # fmt: skip
     what, only = judged.also
     if only:
-        yield Notice("W507", f"in {only} of {len(samples.values)} samples {what} falls short of {target:g}, and what "
+        yield Notice("W507", f"in {only} of {samples.count} samples {what} falls short of {target:g}, and what "
                      "is analysed does not, or forms no block: they count as failures, as acceptance of a run is not "
                      "met")  # fmt: skip
     if share.count < _RARE and share.of:

@@ -4,10 +4,11 @@ samples -> outcome and factor of each -> shares with their confidence limits.
 """
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Annotated, Any, ClassVar, Literal
+from itertools import pairwise
+from typing import Annotated, Any, ClassVar, Literal, TypeAlias
 
 import numpy as np
 
@@ -18,28 +19,19 @@ from slopekit.core.onlooker import Clock
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, counted
 from slopekit.design.common import Design
-from slopekit.design.fields import field_in
 from slopekit.design.reading.files import with_values
 from slopekit.evidence import WithoutBasal
 from slopekit.kinds import kind_of, likely_slips, peak_only
-from slopekit.kinds.single_block.blocks_on_arrays import limits_of
 from slopekit.notices import new_notices, not_as_given
 from slopekit.studies.marginals import checked_limits
-from slopekit.studies.outcomes import BothMethods, ByMethod, Outcomes, agreement, compared, of_points
-from slopekit.studies.points import Point, kept_points, kept_records, point_of
-from slopekit.studies.prob.bolts import (
-    as_laid_out,
-    has_heads,
-    holding,
-    sample_record,
-    standing,
-    without_force,
-)
-from slopekit.studies.prob.cracks import FEW_ALONE, cracked
+from slopekit.studies.outcomes import COMPARED, BothMethods, ByMethod, Outcomes, compared, of_points
+from slopekit.studies.points import Point, map_rows, point_of
+from slopekit.studies.prob.bolts import as_laid_out, has_heads, sample_record, standing, without_force
+from slopekit.studies.prob.cracks import FEW_ALONE
 from slopekit.studies.prob.estimates import Share, Summary, sample_statistics, share_of, summary_of
-from slopekit.studies.prob.judged import IMPOSSIBLE, Judged, also_of, notices_of, nowhere, sensitivities, with_also
+from slopekit.studies.prob.judged import Judged, also_of, notices_of, nowhere, sensitivities, with_also
+from slopekit.studies.prob.rows import SampleRows, judged_piece
 from slopekit.studies.prob.sampling import METHODS, Method, Samples, samples
-from slopekit.studies.prob.vectorised import Vectorised, vectorised
 from slopekit.studies.protocol import (
     DESK,
     ADesign,
@@ -53,13 +45,13 @@ from slopekit.studies.protocol import (
     study,
     whole_number,
 )
-from slopekit.studies.running import Crew, Journal, checked_crew
+from slopekit.studies.running import Crew, RowArrays, checked_crew
 
 By = Literal["closed-form", "pre-ie"]
 #: Samples that are drawn where none are asked for: where all are taken at once, and where they are read one by one.
 MANY, FEW = 20_000, 1_000
-_MOST, _MOST_BY_PRE_IE = 5_000_000, 1_000_000
-_AT_ONCE = 2048  # samples that PRE-IE takes as one task
+_MOST, _MOST_BY_PRE_IE = 10_000_000, 1_000_000
+_PIECE, _PIECE_OF_CLOSED_FORMS = 2**11, 2**16  # samples of a task
 
 
 @dataclass(frozen=True)
@@ -89,19 +81,16 @@ class Probability(StudyOutcome):
 
     Attributes
     ----------
-    samples : what was drawn; judged : the outcome of each, its factor by the method that counts, whether it fails
+    rows : what was drawn; judged : the outcome of each, its factor by the method that counts, whether it fails
     all_samples, forming : the probability of failure among all possible samples, and among those that form a block
     outcomes, both : of both methods, and how far they agree; None where the closed form was asked alone
     closed_form : what that says beside PRE-IE, None as there, or where the kind has none
-    journals : of a run with a folder, kept until its results are written
-    sizes : volume, height, width and setback of each sample (n,) by their keys, nan where none forms; empty where they
-        are not known
     """
 
     name: ClassVar[str] = "prob"
     design: Design
     asked: ProbabilityOptions
-    samples: Samples
+    rows: SampleRows
     judged: Judged
     all_samples: Share
     forming: Share
@@ -110,21 +99,31 @@ class Probability(StudyOutcome):
     closed_form: Judged | None
     of_samples: tuple[Notice, ...]
     timing_s: Mapping[str, float]
-    journals: tuple[Journal, ...] = field(default=(), compare=False)
-    sizes: Mapping[str, Floats] = field(default_factory=dict)
 
     @property
     def charts(self) -> tuple[str, ...]:
         """Its histogram."""
         return ("histogram",)
 
+    @property
+    def samples(self) -> Samples:
+        """What was drawn."""
+        return self.rows.samples
+
     # what is asked of a study that is shown, and of none of the many that a range of means makes
 
     @cached_property
     def variables(self) -> tuple[dict[str, Any], ...]:
         """What was drawn of each number, in short."""
-        samples = self.samples
-        return tuple(sample_statistics(*column) for column in zip(samples.names, samples.values.T, strict=True))
+        return tuple(sample_statistics(self.samples.names, self.samples.pieces))
+
+    @cached_property
+    def sizes(self) -> Mapping[str, Floats]:
+        """Volume, height, width and setback of each sample (n,) by their keys; empty where they are not known.
+
+        Where no block forms they are nan.
+        """
+        return self.rows.sizes(slice(0, self.samples.count), self.judged.forms)
 
     @cached_property
     def summary(self) -> Summary | None:
@@ -149,15 +148,16 @@ class Probability(StudyOutcome):
         """Column and Spearman's coefficient with the factor, the strongest first."""
         return sensitivities(self.samples, self.judged.factor)
 
-    @property
+    @cached_property
     def scaled_down(self) -> int:
         """How many samples limits of size made smaller."""
-        return int((self.sizes["scale"] < 1.0).sum()) if "scale" in self.sizes else 0
-
-    def done(self) -> None:
-        """Remove what was kept for an interruption: the results are written."""
-        for journal in self.journals:
-            journal.remove()
+        scaled = 0
+        for piece in self.rows.pieces(self.judged.forms):
+            scale = self.rows.sizes(*piece).get("scale")
+            if scale is None:  # no limits of size
+                break
+            scaled += int((scale < 1.0).sum())
+        return scaled
 
     @property
     def counts(self) -> dict[str, int]:
@@ -228,7 +228,7 @@ class Probability(StudyOutcome):
         asked, summary, judged = self.asked, self.summary, self.judged
         return {
             **self.head(self.design),
-            "n": len(self.samples.values), "replicates": int(self.samples.replicate.max()) + 1, "seed": asked.seed,
+            "n": self.samples.count, "replicates": int(self.samples.replicate.max()) + 1, "seed": asked.seed,
             "sampling": asked.method, "by": asked.by, "evaluator": self.judged.evaluator, "target": asked.target,
             "probability_of_failure": {
                 "all_samples": record_of(self.all_samples), "samples_that_form_a_block": record_of(self.forming),
@@ -317,74 +317,51 @@ def prob(
     asked = _asked(design, n, seed, method, by, fos, confidence, accept)
     clock = Clock()
     with clock("draw"):
-        drawn = _Drawn(design, asked)
-        if n is None and drawn.takes_all_at_once(asked.by):
+        drawn = samples(design.variables, design.correlation, asked.n, asked.seed, method)
+        rows = SampleRows(design, drawn)
+        if n is None and _takes_all_at_once(rows, asked):
             asked = replace(asked, n=MANY)
-            drawn = _Drawn(design, asked)
-    placed, those, fast = drawn.design, drawn.samples, drawn.fast
+            rows = SampleRows(design, replace(drawn, count=MANY))
     with clock("factors"):
-        journals = list[Journal]()
-        judge = _Judge(drawn, asked, crew, desk, journals)
-        judged, outcomes = judge()
-        of_bolts = without_force(placed, _holding(those, placed, fast), judged.forms)
-        sizes = {} if fast is None else fast.sizes(those.values, judged.forms)
+        at_once = _takes_all_at_once(rows, asked)
+        method_found, outcomes, besides, nowhere_of = (_at_once if at_once else _one_by_one)(rows, asked, crew, desk)
+        whose = "closed form" if outcomes is None else "closed form and PRE-IE"
+        whose = "PRE-IE" if outcomes is not None and outcomes.closed_form is None else whose
+        evaluator = f"{whose} of every sample{', all at once' if at_once else ''}"
+        judged = nowhere(with_also(Judged.by(method_found, fos, evaluator), besides, fos), nowhere_of)
+        of_bolts = tuple(_of_bolts(rows, judged.forms))
     both = beside = None
     if outcomes is not None:
         if outcomes.closed_form is not None:
-            beside = judge.besides(Judged.by(outcomes.closed_form, fos, ""))
+            beside = with_also(Judged.by(outcomes.closed_form, fos, ""), besides, fos)
         both = compared(outcomes, judged.fails, (beside or judged).fails)
-    all_samples = share_of(judged.fails, judged.counted, those.replicate, confidence)
-    forming = share_of(judged.fails, judged.counted & judged.forms, those.replicate, confidence)
-    said = () if both is None else tuple(both.notices("samples", len(those.values)))
-    probability = Probability(
-        design, asked, drawn.as_drawn, judged, all_samples, forming, outcomes, both, beside,
-        (*notices_of(fos, judged, those, all_samples), *said, *of_bolts, *not_as_given(design),
-         *likely_slips(design)), clock.done(), tuple(journals), sizes,
+    replicate, counted_samples = rows.samples.replicate, judged.counted
+    all_samples = share_of(judged.fails, counted_samples, replicate, confidence)
+    forming = share_of(judged.fails, counted_samples & judged.forms, replicate, confidence)
+    said = () if both is None else tuple(both.notices("samples", asked.n))
+    return Probability(
+        design, asked, rows, judged, all_samples, forming, outcomes, both, beside,
+        (*notices_of(fos, judged, rows.samples, all_samples), *said, *of_bolts, *not_as_given(design),
+         *likely_slips(design)), clock.done(),
     )  # fmt: skip
-    if desk.folder is None:
-        probability.done()
-    return probability
 
 
 def _figure(name: str) -> Callable[[Probability], float | None]:
     return lambda study: getattr(study.all_samples, name)
 
 
-class _Drawn:
-    """Samples of a design, and how they are taken.
-
-    Attributes
-    ----------
-    as_drawn : the samples; samples : these with the place of their crack, where one was looked for
-    design : the same with its crack at such a place; nowhere : (n,) samples in which none gives a factor
-    fast : takes all at once, None where they are read one by one
-    """
-
-    def __init__(self, design: Design, asked: ProbabilityOptions) -> None:
-        self.as_drawn = samples(design.variables, design.correlation, asked.n, asked.seed, asked.method)
-        cracks = cracked(design, self.as_drawn)
-        none: Bools = np.zeros(asked.n, dtype=bool)
-        self.design, self.samples, self.nowhere = (design, self.as_drawn, none) if cracks is None else cracks
-        self.fast = vectorised(self.design, self.samples.values, self.samples.settings)
-
-    def takes_all_at_once(self, by: By) -> bool:
-        """Whether the method that counts does."""
-        if self.fast is None or any(bolt.acts == "passive" for bolt in self.design.bolts):
-            return False
-        return by == "closed-form" or self.fast.has_limits
+def _takes_all_at_once(rows: SampleRows, asked: ProbabilityOptions) -> bool:
+    """Whether the method that counts does."""
+    if rows.fast is None or any(bolt.acts == "passive" for bolt in rows.design.bolts):
+        return False
+    return asked.by == "closed-form" or rows.fast.has_limits
 
 
-class _Settings(Sequence[Mapping[str, object]]):
-    """The samples as settings, each made when it is asked for."""
-
-    def __init__(self, samples: Samples) -> None:
-        self.samples = samples
-
-    def __len__(self) -> int:
-        return len(self.samples.values)
-
-    def __getitem__(self, row: Any) -> Any:
-        return self.samples.settings(row)
+def _of_bolts(rows: SampleRows, forms: Bools) -> Iterator[Notice]:
+    """W311 where bolts with heads do not hold the block of every sample."""
+    if has_heads(rows.design):
+        bolts = np.concatenate([rows.without_force(*piece).astype(np.int16) for piece in rows.pieces(forms)])
+        yield from without_force(rows.design, bolts, forms)
 
 
 def _asked(
@@ -419,104 +396,49 @@ def _asked(
     return ProbabilityOptions(n, seed, method, by, target, confidence, accept)
 
 
-class _Judge:
-    """Outcome and factor of every sample, by the method that counts and by the other."""
-
-    def __init__(
-        self, drawn: _Drawn, asked: ProbabilityOptions, crew: Crew, desk: Workplace, journals: list[Journal]
-    ) -> None:
-        self.drawn, self.asked, self.crew, self.desk, self.journals = drawn, asked, crew, desk, journals
-        self.besides: Callable[[Judged], Judged] = lambda judged: judged
-
-    def __call__(self) -> tuple[Judged, Outcomes | None]:
-        """Return the judgement of the method that counts, and what both say: None where the closed form is alone."""
-        drawn, asked = self.drawn, self.asked
-        alone, at_once = asked.by == "closed-form", drawn.takes_all_at_once(asked.by)
-        outcomes = None
-        if at_once:
-            assert drawn.fast is not None
-            method = self._closed_forms(drawn.fast)
-            if not alone:
-                outcomes = self._at_once(drawn.fast, method)
-                method = outcomes.limit
-        else:
-            outcomes = self._one_by_one()
-            method = outcomes.closed_form if alone and outcomes.closed_form is not None else outcomes.limit
-        has_closed_form = alone or (outcomes is not None and outcomes.closed_form is not None)
-        whose = "closed form" if alone else "closed form and PRE-IE" if has_closed_form else "PRE-IE"
-        evaluator = f"{whose} of every sample{', all at once' if at_once else ''}"
-        judged = self.besides(Judged.by(method, asked.target, evaluator))
-        return nowhere(judged, drawn.nowhere), None if alone else outcomes
-
-    def _run(self) -> list[object]:
-        """What the outcomes depend on, as JSON values."""
-        design, asked = self.drawn.design, self.asked
-        plain = design.source.root.plain() if design.source is not None else None
-        run: list[object] = [plain, design.input_hash(), repr(design.variables), repr(design.correlation)]
-        run += ["heads on the face"] if has_heads(design) else []
-        return [*run, asked.n, asked.seed, asked.method, asked.by]
-
-    def _one_by_one(self) -> Outcomes:
-        design, samples = self.drawn.design, self.drawn.samples
-        work = partial(sample_record, design, self.asked.by == "pre-ie", tuple(as_laid_out(design).tolist()))
-        settings = _Settings(samples)
-        points, journal = kept_points(work, settings, self.crew, self.desk, "prob", "samples", self._run())
-        self.journals.append(journal)
-        besides = also_of(points, partial(_without_block, design, samples))
-        if besides is not None:
-            self.besides = lambda judged: with_also(judged, *besides, self.asked.target)
-        return of_points(points)
-
-    def _at_once(self, fast: Vectorised, closed: ByMethod) -> Outcomes:
-        """What both methods say where they take all samples at once."""
-        values = self.drawn.samples.values
-        rows = np.flatnonzero(~closed.among("E", IMPOSSIBLE))
-        parts = [values[rows[at : at + _AT_ONCE]] for at in range(0, len(rows), _AT_ONCE)]
-        run = [*self._run(), _AT_ONCE]
-        records, journal = kept_records(fast.limits, parts, self.crew, self.desk, "prob", "PRE-IE", run, at_once=1)
-        self.journals.append(journal)
-        limits, words = limits_of(records), np.array(closed.names, dtype=object)[closed.outcome]
-        factor, forces = np.full((2, len(words)), np.nan)
-        words[rows], factor[rows], forces[rows] = limits.status, limits.limit, limits.forces
-        limit, closed = ByMethod.of(words.tolist(), factor), closed.refused(words)
-        return agreement(limit, forces, closed, self.drawn.design.analysis.agree_within)
-
-    def _closed_forms(self, fast: Vectorised) -> ByMethod:
-        """What the closed form says of all samples, and what else acceptance is held against."""
-        values, basal = self.drawn.samples.values, WithoutBasal  # the only one that closed forms know
-        forms, also = fast(values), fast.also(values)
-        if also is not None:
-            self.besides = lambda judged: with_also(judged, also, basal.NAME, basal.WHAT, self.asked.target)
-        names, outcome, factor = (*forms.names, IMPOSSIBLE), forms.outcome.astype(np.int16), forms.factor
-        impossible = _impossible(self.drawn.design, self.drawn.samples)
-        outcome[impossible], factor[impossible] = len(names) - 1, np.nan
-        factor[factor == 0.0] = np.nan  # no strength at all: a status, no number (UX.md rule 2)
-        return ByMethod(names, outcome, factor)
+#: What a method says that counts, what both do, what acceptance is held against besides, in words too, and the samples
+#: (n,) in which no place of a crack gives a factor.
+_Found: TypeAlias = tuple[ByMethod, Outcomes | None, tuple[ByMethod, str, str] | None, Bools]
 
 
-def _without_block(design: Design, samples: Samples, row: int) -> WithoutBasal | None:
+def _run(rows: SampleRows, asked: ProbabilityOptions) -> list[object]:
+    """What the outcomes depend on, as JSON values."""
+    design = rows.design
+    plain = design.source.root.plain() if design.source is not None else None
+    run: list[object] = [plain, design.input_hash(), repr(design.variables), repr(design.correlation)]
+    run += ["heads on the face"] if has_heads(design) else []
+    return [*run, asked.n, asked.seed, asked.method, asked.by]
+
+
+def _one_by_one(rows: SampleRows, asked: ProbabilityOptions, crew: Crew, desk: Workplace) -> _Found:
+    alone = asked.by == "closed-form"
+    work = partial(sample_record, rows.design, not alone, tuple(as_laid_out(rows.design).tolist()))
+    records = map_rows(work, rows, crew, desk, "prob", "samples", _run(rows, asked))
+    points = [Point.from_record(record) for record in records]
+    outcomes, besides = of_points(points), also_of(points, partial(_without_block, rows))
+    nowhere_of = np.concatenate([rows.placed(*block)[1] for block in pairwise(rows.samples.ends)])
+    method = outcomes.closed_form if alone and outcomes.closed_form is not None else outcomes.limit
+    return method, None if alone else outcomes, besides, nowhere_of
+
+
+def _at_once(rows: SampleRows, asked: ProbabilityOptions, crew: Crew, desk: Workplace) -> _Found:
+    pre_ie, basal = asked.by == "pre-ie", WithoutBasal  # the only one that closed forms know
+    size = _PIECE if pre_ie else _PIECE_OF_CLOSED_FORMS
+    columns, work = RowArrays([*range(0, asked.n, size), asked.n]), partial(judged_piece, rows, pre_ie)
+    map_rows(work, columns.pieces, crew, desk, "prob", f"pieces of {size} samples", _run(rows, asked), columns)
+    arrays = columns.arrays
+    besides = (ByMethod.joined(columns, "also"), basal.NAME, basal.WHAT) if "also_factor" in arrays else None
+    closed = ByMethod.joined(columns, "closed_form")
+    if not pre_ie:
+        return closed, None, besides, arrays["nowhere"]
+    outcomes = Outcomes(ByMethod.joined(columns, "limit"), closed, *(arrays[name] for name in COMPARED))
+    return outcomes.limit, outcomes, besides, arrays["nowhere"]
+
+
+def _without_block(rows: SampleRows, row: int) -> WithoutBasal | None:
     """What acceptance is held against besides, of a sample that forms no block."""
     try:
-        sample = with_values(design, samples.settings(row))
-        return kind_of(sample).without_basal(standing(sample, as_laid_out(design)))
+        sample = with_values(rows.design, rows[row])
+        return kind_of(sample).without_basal(standing(sample, as_laid_out(rows.design)))
     except SlopekitError:
         return None
-
-
-def _holding(samples: Samples, design: Design, fast: Vectorised | None) -> Bools:
-    """Which bolts (b, n) hold the block of each sample."""
-    if not has_heads(design):
-        return np.ones((len(design.bolts), len(samples.values)), dtype=bool)
-    return holding(design, _Settings(samples)) if fast is None else fast.holds(samples.values)
-
-
-def _impossible(design: Design, samples: Samples) -> Bools:
-    """Samples with a value that no design can have."""
-    impossible = np.zeros(len(samples.values), dtype=bool)
-    root = None if design.source is None else design.source.root
-    for column, path in enumerate(samples.names):
-        field = field_in(type(design), root, path)
-        if field is not None and not field.limits.turns:
-            drawn = samples.values[:, column]
-            impossible |= (drawn < field.limits.least) | (drawn > field.limits.most)
-    return impossible

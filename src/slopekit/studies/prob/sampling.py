@@ -1,17 +1,18 @@
 """Samples of what scatters in a design: Monte Carlo or Latin hypercube, correlated by a Gaussian copula.
 
-They are drawn in blocks, each with random numbers of its own.
+They are drawn in blocks, each with random numbers of its own, whenever they are asked for.
 """
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, lru_cache, partial
 from itertools import pairwise
 from typing import Literal, TypeAlias
 
 import numpy as np
 
-from slopekit.core.arrays import Floats, NDArray
+from slopekit.core.arrays import Floats, Ints, NDArray
 from slopekit.core.orientation import Line, Plane
 from slopekit.design.common import Pair
 from slopekit.design.reading.nodes import as_text
@@ -25,40 +26,93 @@ METHODS: tuple[Method, ...] = ("monte-carlo", "latin-hypercube")
 #: Samples of a Monte Carlo block, which is the most of a Latin hypercube.
 BLOCK = 8192
 REPLICATES, FEWEST_IN_REPLICATE, MOST_REPLICATES = 16, 8, 32767
+_HELD = 16  # blocks: of no more than 131,072 samples none is drawn twice
 _PIECE = 4096  # samples whose angles stay in the innermost cache
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Samples:
-    """Values drawn for what scatters.
+    """Values drawn for what scatters, again and again: nothing is kept of them but where they come from.
 
     Attributes
     ----------
-    variables : that were drawn
+    variables : that are drawn
     names : of the columns, k of them: the path of a number; two of an orientation, `<path>.dip` and
         `<path>.dip_direction` (of a line `<path>.trend` and `<path>.plunge`), also where only one of them scatters
-    values : (n, k), each column contiguous, read-only
-    replicate : (n,) int16, which of the independent replicates each sample belongs to; Monte Carlo: all 0
+    count : n, how many; source : of the numbers of each block, by its number and size
     """
 
     variables: tuple[Variable, ...]
     names: tuple[str, ...]
-    values: Floats
-    replicate: NDArray[np.int16]
+    count: int
+    method: Method
+    source: sources.Source
+
+    def rows(self, start: int, stop: int) -> Floats:
+        """The values of some samples (stop - start, k), each column contiguous, read-only."""
+        ends = self.ends
+        blocks = range(bisect_right(ends, start) - 1, bisect_left(ends, stop))
+        parts = [_block(self, block)[:, max(start - ends[block], 0) : stop - ends[block]] for block in blocks]
+        columns = parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
+        columns.setflags(write=False)
+        return columns.T
+
+    def pieces(self) -> Iterator[Floats]:
+        """The values of all samples, block by block."""
+        return (self.rows(*block) for block in pairwise(self.ends))
+
+    def at(self, rows: Ints) -> Floats:
+        """The values of samples in rising order, some of them (m, k)."""
+        parts = zip(pairwise(self.ends), pairwise(np.searchsorted(rows, self.ends)), strict=True)
+        blocks = (
+            self.rows(start, stop)[rows[first:end] - start] for (start, stop), (first, end) in parts if first < end
+        )
+        return np.concatenate(list(blocks))
+
+    @cached_property
+    def ends(self) -> Sequence[int]:
+        """The ends of the blocks that are drawn each by itself, from 0."""
+        return ends_of_blocks(self.count, self.method)
+
+    @cached_property
+    def values(self) -> Floats:
+        """The values of all samples (n, k), each column contiguous, read-only."""
+        return self.rows(0, self.count)
+
+    @cached_property
+    def replicate(self) -> NDArray[np.int16]:
+        """Which of the independent replicates each sample belongs to (n,); Monte Carlo: all 0."""
+        if self.method == "monte-carlo":
+            return np.zeros(self.count, dtype=np.int16)
+        return np.repeat(np.arange(len(self.ends) - 1, dtype=np.int16), np.diff(self.ends))
 
     def settings(self, row: int) -> dict[str, float | str]:
         """A sample as values by dotted path, as `slopekit.design.reading.files.with_values` takes them."""
-        by_path: dict[str, float | str] = {}
-        column = 0
-        for variable in self.variables:
-            of, first = variable.of, float(self.values[row, column])
-            if of is None:
-                by_path[variable.path] = first
-            else:
-                second = float(self.values[row, column + 1])
-                by_path[variable.path] = as_text(Plane(first, second) if of == "plane" else Line(first, second))
-            column += len(variable.columns)
-        return by_path
+        return settings_of(self.variables, self.rows(row, row + 1)[0])
+
+
+def settings_of(variables: Iterable[Variable], values: Iterable[float]) -> dict[str, float | str]:
+    """The values (k,) of the columns of variables by dotted path, as `with_values` takes them."""
+    by_path, columns = dict[str, float | str](), map(float, values)
+    for variable in variables:
+        own = [next(columns) for _ in variable.columns]
+        if variable.of is not None:
+            by_path[variable.path] = as_text(Plane(*own) if variable.of == "plane" else Line(*own))
+        else:
+            (by_path[variable.path],) = own
+    return by_path
+
+
+@lru_cache(_HELD)
+def _block(samples: Samples, block: int) -> Floats:
+    """The columns (k, count) of a block."""
+    start, stop = samples.ends[block], samples.ends[block + 1]
+    columns, size = np.empty((len(samples.names), stop - start)), stop - start
+    # a block of Monte Carlo is drawn whole: a longer run begins with a shorter one
+    column = samples.source(block, BLOCK if samples.method == "monte-carlo" else size)
+    marginals = [one for variable in samples.variables for one in _marginals(variable)]
+    _fill(columns, samples.variables, (column(k, own)[:size] for k, own in enumerate(marginals)))
+    return columns
 
 
 def samples(
@@ -81,20 +135,10 @@ def samples(
         replicate would pass 8192
     seed : whole number from 0
     """
-    made, pairs = tuple(variables), tuple(correlation)
+    made = tuple(variables)
     coordinates = [name for variable in made for name in variable.coordinates]
-    marginals = [one for variable in made for one in _marginals(variable)]
-    source = sources.source(method, coordinates, pairs, seed)
-    names = tuple(name for variable in made for name in variable.columns)
-    columns, replicate = np.empty((len(names), n)), np.zeros(n, dtype=np.int16)
-    for block, (start, stop) in enumerate(pairwise(ends_of_blocks(n, method))):
-        # a block of Monte Carlo is drawn whole: a longer run begins with a shorter one
-        column = source(block, BLOCK if method == "monte-carlo" else stop - start)
-        _fill(columns[:, start:stop], made, (column(k, own)[: stop - start] for k, own in enumerate(marginals)))
-        replicate[start:stop] = 0 if method == "monte-carlo" else block
-    columns.setflags(write=False)
-    replicate.setflags(write=False)
-    return Samples(made, names, columns.T, replicate)
+    source = sources.source(method, coordinates, tuple(correlation), seed)
+    return Samples(made, tuple(name for variable in made for name in variable.columns), n, method, source)
 
 
 def ends_of_blocks(n: int, method: Method) -> list[int]:

@@ -1,10 +1,11 @@
 """The sheet of a study of probability: the estimate, what it rests on, how far the methods agree."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from operator import itemgetter
 from typing import Any
 
-from slopekit.core.arrays import Floats
+import numpy as np
+
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted
 from slopekit.design.scatter.distributions import Angles, Distribution
@@ -39,7 +40,7 @@ _SAMPLING = {"monte-carlo": "Monte Carlo", "latin-hypercube": "Latin hypercube"}
 def sheet_of(study: Probability) -> Sheet:
     """The sheet of a study of probability."""
     asked, summary, scaled = study.asked, study.summary, study.scaled_down
-    samples = f"{len(study.samples.values)} by {_SAMPLING[asked.method]}, seed {asked.seed}; {study.judged.evaluator}"
+    samples = f"{study.samples.count} by {_SAMPLING[asked.method]}, seed {asked.seed}; {study.judged.evaluator}"
     times = "  ".join(f"{name} {value:.3g} s" for name, value in study.timing_s.items())
     return study_sheet(study.design, "prob", (
         Section("RANDOM", _inputs(study), details=[
@@ -76,28 +77,38 @@ def line_of(study: Probability) -> str:
     return "  ".join(parts)
 
 
-def _every_sample(study: Probability) -> Table[int]:
+def _every_sample(study: Probability) -> Table[tuple[Any, ...]]:
     """Every sample on a line of its own, by its number: values, outcome, factors."""
-    values, judged, outcomes = study.samples.values, study.judged, study.outcomes
-    columns: list[Column[int]] = [Column("sample", int, "sample")]
-    columns += [Column(path, _item_of(values[:, column]), path) for column, path in enumerate(study.samples.names)]
-    columns += [
-        Column("outcome", lambda row: judged.names[judged.outcome[row]], "outcome"),
-        Column("FoS", judged.factor.item, "fos_closed_form" if study.asked.by == "closed-form" else "fos_limit"),
-        Column("fails", lambda row: int(judged.fails[row]), "fails"),
-    ]
-    columns += [Column(key, _item_of(column), key) for key, column in study.sizes.items()]
-    if outcomes is not None and study.closed_form is not None:
-        closed, governs = study.closed_form.factor, outcomes.moments_govern
-        columns += [
-            Column("closed form", closed.item, "fos_closed_form"),
-            Column("moments govern", lambda row: int(governs[row]), "moments_govern"),
-        ]
-    return Table(columns, range(len(values)))
+    samples, by = study.samples, "fos_closed_form" if study.asked.by == "closed-form" else "fos_limit"
+    sizes = study.rows.sizes(slice(0, 1), study.judged.forms[:1])
+    titles = [(name, name) for name in ("sample", *samples.names, "outcome", "fails", *sizes)]
+    titles.insert(-1 - len(sizes), ("FoS", by))
+    if study.closed_form is not None:
+        titles += [("closed form", "fos_closed_form"), ("moments govern", "moments_govern")]
+    return Table([Column(title, itemgetter(k), key) for k, (title, key) in enumerate(titles)], _Lines(study))
 
 
-def _item_of(column: Floats) -> Callable[[int], float]:
-    return lambda row: float(column[row])
+class _Lines(Sequence[tuple[Any, ...]]):
+    """The lines of all samples, made when they are asked for."""
+
+    def __init__(self, study: Probability) -> None:
+        self.study = study
+
+    def __len__(self) -> int:
+        return self.study.samples.count
+
+    def __getitem__(self, row: Any) -> Any:
+        if not isinstance(row, slice):
+            return self[row : row + 1][0]
+        start, stop, _ = row.indices(len(self))
+        rows, study, judged, outcomes = slice(start, stop), self.study, self.study.judged, self.study.outcomes
+        names = np.array(judged.names, dtype=object)
+        columns = [np.arange(start, stop), *study.samples.rows(start, stop).T, names[judged.outcome[rows]]]
+        columns += [judged.factor[rows], judged.fails[rows].astype(int)]
+        columns += study.rows.sizes(rows, judged.forms[rows]).values()
+        if outcomes is not None and study.closed_form is not None:
+            columns += [study.closed_form.factor[rows], outcomes.moments_govern[rows].astype(int)]
+        return list(zip(*(column.tolist() for column in columns), strict=True))
 
 
 def _inputs(study: Probability) -> list[Entry]:
@@ -128,7 +139,7 @@ def _outcomes(study: Probability) -> Table[tuple[str, int]]:
         said = status_words(study.design, name) if name in STATUSES else NO_BLOCK.get(name, "")
         return f"  {f'{name}: ' if name.startswith('E') else ''}{said or name}"
 
-    of = len(study.samples.values)
+    of = study.samples.count
     columns: list[Column[tuple[str, int]]] = [
         Column("samples", itemgetter(1), "samples", width=9),
         Column("share", lambda outcome: outcome[1] / of * 100, "share", "%", lambda share: f"{share:.2f} %", 10),

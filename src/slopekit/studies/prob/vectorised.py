@@ -21,12 +21,11 @@ from slopekit.design.parts import Strength
 from slopekit.design.reading.files import with_values
 from slopekit.design.reading.reader import strength_of
 from slopekit.kinds import kind_of
-from slopekit.kinds.single_block.blocks_on_arrays import limits_on_arrays
+from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany, limits_on_arrays
 from slopekit.kinds.single_block.closed_forms import Arguments, ClosedForms, OnArrays
 from slopekit.kinds.single_block.held_bolts import held
 from slopekit.kinds.single_block.worst_crack import worst_of_many
 from slopekit.studies.prob.bolts import as_laid_out, standing
-from slopekit.studies.running import Record
 
 #: A design's values at a sample: what `with_values` takes.
 ValuesAt = Callable[[int], Mapping[str, object]]
@@ -69,10 +68,10 @@ class Vectorised:
             and not any(key.endswith(".dilation") for key in self.keys)
         )
 
-    def limits(self, values: Floats) -> Record:
-        """What PRE-IE says of some samples that form blocks by the closed form; as `LimitsOfMany`, in JSON values."""
+    def limits(self, values: Floats) -> LimitsOfMany:
+        """What PRE-IE says of some samples that form blocks by the closed form."""
         design, strengths = self.at(values)
-        return limits_on_arrays(design, self.on_arrays, strengths, len(values)).to_record()
+        return limits_on_arrays(design, self.on_arrays, strengths, len(values))
 
     def at(self, values: Floats) -> tuple[SlopeDesign, Sequence[Strength]]:
         """The design and the strengths of its joints with arrays in place of what scatters."""

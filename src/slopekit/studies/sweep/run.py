@@ -36,9 +36,9 @@ from slopekit.studies.points import (
     code_without_blocks,
     evaluation,
     factor_at,
-    kept_points,
     lines_of,
     lower_of,
+    map_rows,
     rules_left_out,
     said_at,
     status_of,
@@ -342,7 +342,7 @@ def evaluated(
     design: Design, name: str, tasks: Sequence[Mapping[str, object]], methods: str, crew: Crew, desk: Workplace,
     keeps_bolts: bool = False,
 ) -> list[Point]:  # fmt: skip
-    """The points of a study, by whoever does the work; what is done is kept in a journal until all are.
+    """The points of a study, by whoever does the work; what is done is kept in a journal.
 
     Parameters
     ----------
@@ -352,9 +352,8 @@ def evaluated(
     run = [plain, design.input_hash(), methods, [list(task.items()) for task in tasks]]
     at_once = 64 if methods == "closed-form" else 1 if kind_of(design).closed_form is None else 8
     work = partial(evaluation, design, methods != "closed-form", keeps_bolts)
-    points, journal = kept_points(work, tasks, crew, desk, name, "points", run, at_once)
-    journal.remove()
-    return list(points)
+    records = map_rows(work, tasks, crew, desk, name, "points", run, at_once=at_once)
+    return [Point.from_record(record) for record in records]
 
 
 def one_or_two(keys: Mapping[str, object]) -> None:
