@@ -34,6 +34,18 @@ TWO_RESTS: dict[str, Any] = {
     "dips": ("64.1665/162.3389", "70.6841/235.7764"), "face": "71.1272/180", "upper": "14.9323/180", "height": 19.0663,
     "c": (40.0728, 56.2273), "unit_weight": 26.7532, "water": "32.75%",
 }  # fmt: skip
+#: Flowing while it sticks the first comes to a rest, the second to none; Newton's method found one of the first by
+#: chance, and of the second one that it does not come back to.
+STICKS: dict[str, Any] = {
+    "dips": ("62.6766/175.4116", "56.0103/200.3259"), "face": "70.2125/180", "upper": "7.4847/180", "height": 25.9183,
+    "c": (29.2414, 6.3515), "phi": (21.3384, 27.8679), "unit_weight": 24.3566,
+}  # fmt: skip
+TIPS: dict[str, Any] = {
+    "dips": ((47.45159093165458, 173.9519811788936), (45.718311607193456, 189.28036230709355)),
+    "face": (76.9317182875105, 180.0), "upper": (6.229757068392599, 180.0), "height": 21.67288849579461,
+    "c": (19.229410426052, 37.34170949393074), "phi": (38.17735468117479, 44.442750970693055),
+    "unit_weight": 23.214370193902155, "crack": "89.33/180@4.13m",
+}  # fmt: skip
 
 
 def limits(inputs: dict[str, Any], key: str, values: list[Any]) -> list[float]:
@@ -94,3 +106,11 @@ def test_a_block_that_does_not_stick_starts_from_the_rest_that_it_flows_to() -> 
     found = [sk.wedge(**TWO_RESTS, phi=(38.363 + more, 23.0541 + more)).fos.limit for more in (-1.0, -0.1, 0.5, 2.0)]
     assert found == sorted(found)
     assert found[0] == pytest.approx(0.9727, abs=2e-3)
+
+
+def test_a_block_has_a_limit_where_it_comes_to_rest_while_it_sticks() -> None:
+    """Once 0.1513, none, 0.1020, none; and none, 0.1596, none: more water takes a limit away once, or leaves none."""
+    found = limits(STICKS, "water", [0.3282, 0.3364, 0.361, 0.3692])
+    assert all(0.6 * before < after < before for before, after in pairwise(found))
+    water = 0.47222750784769046
+    assert limits(TIPS, "water", [0.9 * water, water, 1.05 * water]) == [None] * 3

@@ -4,8 +4,8 @@ Each block rests on its no-tension elastic bed (`polygon_bed`) at λ = 1/F. From
 and the displacement u is followed by arc length in x = (u / |u|, ln λ). F_bed = 1/λ at the least λ on the way. All
 blocks take a step together, each of its own length; NumPy's calls are shared by them, which makes n blocks cheap.
 
-Where no step leads on (a corner of the path), or no rest is found, the blocks flow: dashpots in parts of the bonded
-stiffness, implicit steps, until they rest or run.
+The path starts where the block rests while nothing slips: from the bonded displacement it flows, held back by dashpots
+in parts of the bonded stiffness, in implicit steps, until it rests or runs. So it does at corners of the path.
 """
 
 import math
@@ -17,7 +17,7 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.preie.one_block.polygon_bed import BedSprings
-from slopekit.preie.tolerances import LEVEL, PATH_ENDS, ROUNDING, SETTLED, TINY
+from slopekit.preie.tolerances import FARTHEST, LEVEL, PATH_ENDS, ROUNDING, SETTLED, TINY
 
 #: Split of the triangles along the path: its turns are found there, and settled on finer ones.
 COARSE = 2
@@ -40,12 +40,14 @@ _POINT = 12, 4, 3, 0  # to a point of the path
 _STUCK = 40, 12, math.inf, 0
 _REST = 100, 0, math.inf, 0.05  # to a rest at one strength
 _WEAKER = 0.97  # of λ at the first slip
-_STRONGER = 8, 32  # times the strength of the first slip at which a block is looked for at rest where it has none
-_STRONG = 4  # times the strength that forces in balance need: blocks that do not stick start there
+_STRONGER = 1, 8, 32  # times the strength of the first slip at which a block is looked for at rest
 #: So many times the strength that forces in balance need is the most that is tried.
 STRONGEST = 4096
-_FLOWS, _STIFFEST, _MOST_FLOW = 30, 1000, 40  # of viscous flow
-_NEAR = 0.5  # of its displacement: a rest that is further away is not the one a block flows to
+# of viscous flow: most dashpots, in parts of the bonded stiffness, and steps
+_STIFFEST, _MOST_FLOW = 1000, 200
+# of its displacement: a step at most, and a rest that it leads to; one after which that rest is looked for
+_FLOW_STEP, _FLOW_ENDS = 0.5, 0.1
+_FLOW_CHANGE = 0.2, 4.0  # of the dashpots from one step to the next
 _MARCH = 0.01  # part of λ: less strength alone, where the path has a corner
 _MOST_POLISH = 20  # points to the least λ on a turn of the path
 _LEAST = 1e-10  # of ln λ: so near is the least value found
@@ -247,64 +249,60 @@ class BedPath:
         planes[:, -1] = 1.0
         return self.on_planes(blocks, planes, np.ones(len(x)), x, _STUCK if sticks else _REST, sticks, drag)
 
-    def flow(self, blocks: Ints, start: Floats, reduction: Floats) -> tuple[Floats, Bools]:
-        """Let blocks move slowly at one λ (n,) each; return where (n, u) they come to rest, and which of them do."""
+    def flow(
+        self, blocks: Ints, start: Floats, reduction: Floats, farthest: Floats, sticks: bool = False
+    ) -> tuple[Floats, Bools]:
+        """Let blocks move slowly at one λ (n,) each; return where (n, u) they come to rest, and which of them do.
+
+        Parameters
+        ----------
+        start : (n, u); farthest : (n,) displacement beyond which a block runs; sticks : no point slips
+        """
         u, rested = start.copy(), np.zeros(len(blocks), dtype=bool)
-        slow = np.ones(len(blocks))
+        slow, rows = np.ones(len(blocks)), np.arange(len(blocks))
         stiffness, first = self.springs.beds.stiffness[blocks], self.springs.beds.first[blocks]
-        far, rows = _FLOWS * np.maximum(first, lengths(start)), np.arange(len(blocks))
         for _ in range(_MOST_FLOW):
-            step = self.rests(blocks[rows], u[rows], reduction[rows], drag=slow[rows, None, None] * stiffness[rows])
-            moves = rows[step.settled]
-            moved = step.x[step.settled, :-1] - u[moves]
-            u[moves] += moved
-            slow[rows] *= np.where(step.settled, 0.2, 4)
-            rest = self.rests(blocks[moves], u[moves], reduction[moves])
-            close = lengths(rest.x[:, :-1] - u[moves]) <= _NEAR * np.maximum(first[moves], lengths(u[moves]))
-            close &= rest.settled
-            u[moves[close]], rested[moves[close]] = rest.x[close, :-1], True
-            ends = rested[rows] | (slow[rows] > _STIFFEST) | (lengths(u[rows]) > far[rows])
-            ends[step.settled] |= ~(np.abs(moved).max(axis=1, initial=0.0) > 0.0)
-            rows = rows[~ends]
+            drag = slow[rows, None, None] * stiffness[rows]
+            step = self.rests(blocks[rows], u[rows], reduction[rows], sticks, drag)
+            moved = lengths(step.x[:, :-1] - u[rows]) / np.maximum(first[rows], lengths(u[rows]))
+            good = step.settled & (moved <= _FLOW_STEP)
+            u[rows[good]] = step.x[good, :-1]
+            slow[rows] *= np.where(step.settled, np.clip(2.0 * moved / _FLOW_STEP, *_FLOW_CHANGE), _FLOW_CHANGE[1])
+            slows = rows[good & (moved <= _FLOW_ENDS)]
+            rest = self.rests(blocks[slows], u[slows], reduction[slows], sticks)
+            leads = lengths(rest.x[:, :-1] - u[slows]) <= _FLOW_STEP * np.maximum(first[slows], lengths(u[slows]))
+            leads &= rest.settled
+            u[slows[leads]], rested[slows[leads]] = rest.x[leads, :-1], True
+            rows = rows[~rested[rows] & (slow[rows] <= _STIFFEST) & (lengths(u[rows]) <= farthest[rows])]
             if not len(rows):
                 break
         return u, rested
 
     def start(self, blocks: Ints, reduction: Floats) -> tuple[Floats, Floats]:
-        """Find each block at rest a little below the strength at which a first point slips.
+        """Find each block at rest a little below the strength at which a first point slips, or at more.
 
-        Else at a strength that is that of `reduction` or larger. Returns displacements (n, u), and λ (n,), not a number
-        where a block rests at no strength.
+        A block that comes to no rest while it sticks tips over, whatever its strength. Returns displacements (n, u),
+        and λ (n,), not a number where a block rests at no strength.
         """
-        stuck = self.rests(blocks, self.springs.beds.bonded[blocks], reduction, sticks=True)
-        u, at, rows = stuck.x[:, :-1], np.full(len(blocks), np.nan), np.arange(len(blocks))
+        bonded = self.springs.beds.bonded[blocks]
+        u, sticks = self.flow(blocks, bonded, reduction, FARTHEST**2 * self.springs.beds.first[blocks], sticks=True)
         first = np.clip(_WEAKER * self.springs.first_slip(blocks, u), TINY, STRONGEST * reduction)
-        first[~stuck.settled] = _STRONG * reduction[~stuck.settled]
-        for attempt, times, tried in (
-            (self._rest, 1, rows[stuck.settled]),  # others may rest in several states
-            (self.flow, 1, rows),
-            *((self._rest, stronger, rows) for stronger in _STRONGER),
-            (self.flow, STRONGEST // _STRONG, rows),
-        ):
-            lost = tried[np.isnan(at[tried])]
-            if len(lost):
-                rest, settled = attempt(blocks[lost], u[lost], times * first[lost])
-                u[lost[settled]], at[lost[settled]] = rest[settled], times * first[lost[settled]]
-        return u, at
-
-    def _rest(self, blocks: Ints, start: Floats, reduction: Floats) -> tuple[Floats, Bools]:
-        """Return where (n, u) blocks rest at one λ (n,) each, and which of them do, as `flow` does."""
-        found = self.rests(blocks, start, reduction)
-        return found.x[:, :-1], found.settled
+        reduced = np.full(len(blocks), np.nan)
+        for stronger in _STRONGER:
+            lost = np.flatnonzero(sticks & np.isnan(reduced))
+            rest = self.rests(blocks[lost], u[lost], stronger * first[lost])
+            lost, points = lost[rest.settled], rest.x[rest.settled]
+            u[lost], reduced[lost] = points[:, :-1], np.exp(points[:, -1])
+        return u, reduced
 
     def lower(self, blocks: Ints, points: Floats, elastic: Floats) -> tuple[Floats, Floats]:
         """Lower λ alone from rests (n, u + 1) at corners of the path; return rests (n, u) and λ, not a number without.
 
         A rest more than `SNAP` elastic displacements away is none.
         """
-        lower = np.exp(points[:, -1]) * (1.0 - _MARCH)
-        rest, settled = self.flow(blocks, points[:, :-1], lower)
-        lower[~settled | (lengths(rest - points[:, :-1]) > SNAP * elastic)] = np.nan
+        lower, begin = np.exp(points[:, -1]) * (1.0 - _MARCH), points[:, :-1]
+        rest, settled = self.flow(blocks, begin, lower, lengths(begin) + SNAP * elastic)
+        lower[~settled | (lengths(rest - begin) > SNAP * elastic)] = np.nan
         return rest, lower
 
     def follow(self, blocks: Ints, u: Floats, reduction: Floats, elastic: Floats, ends: Floats) -> Paths:
