@@ -99,7 +99,8 @@ class _Lines(Sequence[tuple[Any, ...]]):
 
     def __getitem__(self, row: Any) -> Any:
         if not isinstance(row, slice):
-            return self[row : row + 1][0]
+            place = range(len(self))[row]
+            return self[place : place + 1][0]
         start, stop, _ = row.indices(len(self))
         rows, study, judged, outcomes = slice(start, stop), self.study, self.study.judged, self.study.outcomes
         names = np.array(judged.names, dtype=object)
