@@ -1,74 +1,130 @@
-"""Water and surcharge on one block: one model for every kind, read from its design and integrated over its faces.
+"""Water and surcharge on single blocks, n at once: one model for every kind, integrated over their faces.
 
 On each face the pressure is linear piece by piece, whatever says it: even (given means), falling from a peak (full
 water), falling from the crack in which it stands, or hydrostatic below a table or a pond. PRE-IE gets the resultants
 where they act, a closed form the mean pressure of each joint and the sum of the rest as a force: moments are beyond it.
+
+The block of a single run is n = 1.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, TypeAlias
 
 import numpy as np
 
-from slopekit.core.arrays import Floats, cross
+from slopekit.core.arrays import Bools, Floats, cross
 from slopekit.core.errors import Fault, MisfitError
 from slopekit.core.orientation import coordinates
 from slopekit.design.common import Design
 from slopekit.design.ground_water import SlopeDesign
 from slopekit.geometry.pressure import Height, Pieces, Pressure, even, in_strips, plane_table, resultant, under_planes
 from slopekit.geometry.rock.cutting import Block
-from slopekit.kinds.single_block.closed_forms import Arguments
 from slopekit.loads import PointForce
 
 _ABOVE = 1e-6  # of the height: a table that lies no more above the ground is on it
 _ON = 1e-9  # of the size of the block: a corner this near to a plane lies on it
+_TINY = float(np.finfo(np.float64).tiny)  # m²: a face without area
 _BRIM = 1e-9  # of the depth of the crack: water that stands no higher does not run out
 _GIVE_MEANS = "Give the mean pressures: water: {pressures: ...}."
+
+#: Which (n,) blocks a value does not fit, and the fault of the first of them.
+Misfit: TypeAlias = tuple[Bools, Fault]
+
+
+#: The pressures of full water on the joints and the crack, by face: of a slope and the unit weight of water.
+FullWater: TypeAlias = 'Callable[["LocalSlope", Any], Mapping[int, Pieces]]'
 
 
 @dataclass(frozen=True)
 class LocalSlope:
-    """The block in its slope, in local axes with the toe at the origin and z up.
+    """Blocks in their slopes, n of them, in local axes with the toe at the origin and z up.
 
     Attributes
     ----------
-    joints : faces of rock on rock; crack : the one of the tension crack, which the block need not have
+    faces : (n, k, 3) m by plane, anticlockwise from outside, the first corner again where there are fewer than k
+    corners : (n, m, 3) m of the blocks, nan where there are fewer
+    joints : faces of rock on rock; crack : the one of the tension crack, which blocks need not have
     free : the face and the upper slope, that one last
-    normals, offsets : of these two, `normal · x = offset`, outward
-    axes : (3, 3) rows are the local axes in east, north, up; into : (3,) level unit vector into the slope
-    full : the pressures of full water on joints and crack, by face
-    level : elevation of the toe, m; in_section : nothing changes along the slope
+    normals, offsets : of these two, (2, n, 3) and (2, n), `normal · x = offset`, outward
+    into : (n, 3) level unit vectors into the slope; along : (n, 3) along it where nothing changes that way, else None
+    full : of the kind; axes : (3, 3) rows are the local axes in east, north, up
+    level : elevation of the toe, m
     """
 
-    block: Block
+    faces: Mapping[int, Floats]
+    corners: Floats
     joints: Sequence[int]
     crack: int
     free: tuple[int, int]
     normals: Floats
     offsets: Floats
-    axes: Floats
     into: Floats
-    full: Callable[["LocalSlope"], Mapping[int, Pieces]]
-    level: float = 0.0
-    in_section: bool = False
+    along: Floats | None
+    full: "FullWater"
+    axes: Floats
+    level: float
+
+    @classmethod
+    def of_cut(
+        cls, block: Block, joints: Sequence[int], crack: int, free: tuple[int, int], normals: Floats, offsets: Floats,
+        *others: Any,
+    ) -> "LocalSlope":  # fmt: skip
+        """One block that was cut; the others as the attributes follow."""
+        faces = {face: polygon[None] for face, polygon in block.faces.items()}
+        return cls(faces, block.corners[None], joints, crack, free, normals[:, None], offsets[:, None], *others)
 
     @property
     def interfaces(self) -> list[int]:
-        """The faces of rock on rock that the block has, the crack last."""
-        return [face for face in (*self.joints, self.crack) if face in self.block.faces]
+        """The faces of rock on rock that the blocks have, the crack last."""
+        return [face for face in (*self.joints, self.crack) if face in self.faces]
+
+    @property
+    def ground(self) -> list[int]:
+        """The free faces that the blocks have."""
+        return [face for face in self.free if face in self.faces]
+
+    @cached_property
+    def outward(self) -> Mapping[int, Floats]:
+        """The outward unit normals (n, 3) of the faces; nothing of a face without area."""
+        return {face: outward_normals(polygons)[0] for face, polygons in self.faces.items()}
+
+    @property
+    def height(self) -> Floats:
+        """From the lowest to the highest corner of each block, (n,) m."""
+        return self._extents()[:, 2]
+
+    @property
+    def size(self) -> Floats:
+        """The largest extent of each block along an axis, (n,) m."""
+        size: Floats = self._extents().max(axis=1)
+        return size
+
+    def _extents(self) -> Floats:
+        extents: Floats = np.fmax.reduce(self.corners, axis=1) - np.fmin.reduce(self.corners, axis=1)
+        return extents
+
+
+def outward_normals(polygons: Floats) -> tuple[Floats, Floats]:
+    """The unit normals (n, 3) and areas (n,) of flat polygons (n, k, 3) anticlockwise from outside (Newell)."""
+    arms = polygons - polygons[:, :1]
+    turns: Floats = cross(arms[:, :-1], arms[:, 1:]).sum(axis=1)
+    sizes = np.sqrt((turns * turns).sum(axis=1))
+    return turns / np.maximum(sizes, _TINY)[:, None], sizes / 2.0
 
 
 def pressure_below(
-    design: Design, axes: Floats, into: Floats, level: float, at_depth: Callable[[float], tuple[Height, ...]],
-    in_section: bool = False,
+    design: Design, axes: Floats, into: Floats, level: float, at_depth: Callable[[Any], tuple[Height, ...]],
+    along: Floats | None = None,
 ) -> Pressure:  # fmt: skip
     """The pressure below the table and the pond of a design.
 
     Parameters
     ----------
     axes : (3, 3) rows are the local axes in east, north, up; level : elevation of the origin, m
-    into : (3,) level unit vector that the places of points count along
-    at_depth : the table so many metres below the ground
+    into : (3,) or (n, 3) level unit vector that the places of points count along
+    at_depth : the table so many metres below the ground; along : as of `LocalSlope`
     """
     water, heights = design.water, tuple[Height, ...]()
     if water.table_depth_m is not None:
@@ -78,92 +134,120 @@ def pressure_below(
         heights = in_strips(into, places, [one - level for one in levels])
     elif water.table_plane is not None:
         plane = water.table_plane
-        heights = plane_table(axes @ plane.plane.normal(), plane.level_m - level, in_section)
+        heights = plane_table(axes @ plane.plane.normal(), plane.level_m - level, along)
     return Pressure(heights, None if water.pond_m is None else water.pond_m - level, design.water_unit_weight_kn_m3)
 
 
-def refuse_above(water: Pressure, free: Sequence[Floats], size: float, axes: Floats) -> None:
+def above_ground(water: Pressure, free: Sequence[Floats], size: Any, axes: Floats) -> list[Misfit]:
     """E456 where the table stands above the ground and no pond does.
 
     Parameters
     ----------
-    free : polygons (k, 3) of the ground; size : m, of what it is the ground of; axes : as of `pressure_below`
+    free : polygons (n, k, 3) of the ground; size : (n,) or m, of what it is the ground of
+    axes : as of `pressure_below`
     """
-    over, at = max((water.above(polygon) for polygon in free), key=lambda excess: excess[0], default=(0.0, np.zeros(3)))
-    if over > _ABOVE * size:
-        message = f"the water table lies {over:.4g} m above the ground at {coordinates(at @ axes)}"
-        advice = "Give a table at or below the ground; open water at the toe is a pond."
-        raise MisfitError([Fault("E456", message, "", advice)])
+    over, at = (np.stack(own) for own in zip(*map(water.above, free), strict=True))
+    face, row = np.unravel_index(int((over / size).argmax()), over.shape)
+    message = f"the water table lies {over[face, row]:.4g} m above the ground at {coordinates(at[face, row] @ axes)}"
+    advice = "Give a table at or below the ground; open water at the toe is a pond."
+    return [((over > _ABOVE * size).any(axis=0), Fault("E456", message, "", advice))]
 
 
-def pushes(design: SlopeDesign, slope: LocalSlope) -> dict[str, PointForce]:
-    """What water and surcharge do to the block, by the names that loads have for them: `water 0`, `surcharge`.
+def refuse(misfits: Sequence[Misfit]) -> None:
+    """MisfitError with the first that is one."""
+    for where, fault in misfits:
+        if where.any():
+            raise MisfitError([fault])
+
+
+def pushes(design: SlopeDesign, slope: LocalSlope) -> tuple[dict[str, PointForce], list[Misfit]]:
+    """What water and surcharge do to n blocks, by the names that loads have for them: `water 0`, `surcharge`.
+
+    The forces and points of each are (n, 3). Misfits are E207 where the crack is not so deep, E456 where the table lies
+    above the ground, or a joint or the crack ends in the rock.
+    """
+    by_face, misfits = _pressures(design, slope)
+    loads, upper = thrusts(slope.faces, by_face), slope.faces.get(slope.free[1])
+    if upper is not None and np.any(design.surcharge_kpa):
+        a, b, c = upper[:, :1], upper[:, 1:-1], upper[:, 2:]
+        plan = cross(b - a, c - a)[..., 2] / 2.0
+        whole = plan.sum(axis=1)[:, None]
+        at = (plan[..., None] * (a + b + c)).sum(axis=1) / np.maximum(3.0 * whole, _TINY)
+        loads["surcharge"] = PointForce(np.asarray(design.surcharge_kpa)[..., None] * whole * [0.0, 0.0, -1.0], at)
+    return loads, misfits
+
+
+def pushes_of_cut(design: SlopeDesign, slope: LocalSlope) -> dict[str, PointForce]:
+    """`pushes` of one block, each (3,).
 
     Raises
     ------
-    GeometryError
-        E207 the crack is not so deep, E456 the table lies above the ground, or a joint or the crack ends in the rock.
+    MisfitError
+        The first misfit.
     """
-    faces = slope.block.faces
-    loads = thrusts(faces, _pressures(design, slope))
-    upper = faces.get(slope.free[1])
-    if design.surcharge_kpa and upper is not None:
-        a, b, c = upper[:1], upper[1:-1], upper[2:]
-        plan = cross(b - a, c - a)[:, 2] / 2.0
-        at = plan @ (a + b + c) / (3.0 * plan.sum())
-        loads["surcharge"] = PointForce(np.array([0.0, 0.0, -design.surcharge_kpa * float(plan.sum())]), at)
-    return loads
+    loads, misfits = pushes(design, slope)
+    refuse(misfits)
+    return of_one(loads)
+
+
+def of_one(loads: Mapping[str, PointForce]) -> dict[str, PointForce]:
+    """The loads (1, 3) on one block, each (3,)."""
+    return {name: PointForce(push.force[0], None if push.at is None else push.at[0]) for name, push in loads.items()}
 
 
 def thrusts(faces: Mapping[int, Floats], by_face: Mapping[int, Pieces]) -> dict[str, PointForce]:
-    """What pressures on faces of a block do to it, by the names that loads have for water: `water 0`."""
+    """What pressures on faces of n blocks do to them, by the names that loads have for water: `water 0`."""
     loads: dict[str, PointForce] = {}
     for face, pieces in by_face.items():
         thrust, at = resultant(pieces, faces[face])
-        if thrust:
-            loads[f"water {face}"] = PointForce(-thrust * outward_normal(faces[face]), at)
+        if thrust.any():
+            loads[f"water {face}"] = PointForce(-thrust[:, None] * outward_normals(faces[face])[0], at)
     return loads
 
 
-def _pressures(design: SlopeDesign, slope: LocalSlope) -> Mapping[int, Pieces]:
-    """The pressures on the faces of the block that are wet."""
-    water, faces = design.water, slope.block.faces
+def _pressures(design: SlopeDesign, slope: LocalSlope) -> tuple[Mapping[int, Pieces], list[Misfit]]:
+    """The pressures on the faces of the blocks that are wet."""
+    water, faces, weight = design.water, slope.faces, design.water_unit_weight_kn_m3
     by_face: Mapping[int, Pieces] = {}
+    misfits = list[Misfit]()
     if water.has_table:
-        by_face = _below_table(design, slope)
-    elif water.crack_water_m:
-        by_face = standing_in_crack(slope, water.crack_water_m, design.water_unit_weight_kn_m3)
+        by_face, misfits = _below_table(design, slope)
+    elif np.any(water.crack_water_m):
+        by_face = standing_in_crack(slope, weight, water.crack_water_m)
+        misfits = beyond_crack(slope, water.crack_water_m)
     elif water.mode == "pressures":
         given = zip(slope.interfaces, water.pressures_kpa, strict=False)
         by_face = {face: even(faces[face], mean) for face, mean in given}
-    elif water.mode == "full":
-        by_face = _scaled(slope.full(slope), water.fill)
+    elif np.any(water.fill):
+        by_face = _scaled(slope.full(slope, weight), water.fill)
     if water.crack_fill is not None and slope.crack in faces:
-        by_face = {**by_face, **_scaled({slope.crack: slope.full(slope)[slope.crack]}, water.crack_fill)}
-    return by_face
+        by_face = {**by_face, **_scaled({slope.crack: slope.full(slope, weight)[slope.crack]}, water.crack_fill)}
+    return by_face, misfits
 
 
-def _scaled(full: Mapping[int, Pieces], part: float) -> dict[int, Pieces]:
-    return {face: [(polygon, part * pressures) for polygon, pressures in pieces] for face, pieces in full.items()}
+def _scaled(full: Mapping[int, Pieces], part: Any) -> dict[int, Pieces]:
+    share = np.asarray(part)[..., None]
+    return {face: [(polygon, share * pressures) for polygon, pressures in pieces] for face, pieces in full.items()}
 
 
-def _below_table(design: SlopeDesign, slope: LocalSlope) -> Mapping[int, Pieces]:
+def _below_table(design: SlopeDesign, slope: LocalSlope) -> tuple[Mapping[int, Pieces], list[Misfit]]:
     """The pressures of a table on joints and crack, and of a pond on the ground too."""
-    faces = slope.block.faces
+    faces = slope.faces
     water = pressure_below(
         design, slope.axes, slope.into, slope.level,
-        lambda depth: under_planes(slope.normals, slope.offsets, depth), slope.in_section,
+        lambda depth: under_planes(slope.normals, slope.offsets, depth), slope.along,
     )  # fmt: skip
-    free = [face for face in slope.free if face in faces]
-    refuse_above(water, [faces[face] for face in free], float(np.ptp(slope.block.corners[:, 2])), slope.axes)
-    by_face = {face: list(water.pieces(faces[face])) for face in slope.interfaces}
-    if water.pond is None:
-        return by_face
-    outside = Pressure((), water.pond, water.unit_weight)
-    return by_face | {face: list(outside.pieces(faces[face])) for face in free}
+    by_face: dict[int, Pieces] = {face: list(water.pieces(faces[face])) for face in slope.interfaces}
+    if water.pond is not None:
+        outside = replace(water, heights=())
+        by_face |= {face: list(outside.pieces(faces[face])) for face in slope.ground}
+    return by_face, above_ground(water, [faces[face] for face in slope.ground], slope.height, slope.axes)
 
 
-def standing_in_crack(slope: LocalSlope, depth: float | None, unit_weight: float) -> dict[int, Pieces]:
+# -- water that stands in the tension crack --------------------------------------------------------------------------
+
+
+def standing_in_crack(slope: LocalSlope, unit_weight: Any, depth: Any = None) -> dict[int, Pieces]:
     """The pressures of water that stands in the tension crack, as a plane failure has it.
 
     In the crack it is still water. On a joint the pressure falls from the wet edge that it shares with the crack to
@@ -172,80 +256,92 @@ def standing_in_crack(slope: LocalSlope, depth: float | None, unit_weight: float
 
     Parameters
     ----------
-    depth : over the lowest point of the crack, m; None for a full one; unit_weight : of the water, kN/m³
-
-    Raises
-    ------
-    GeometryError
-        E207 the crack is not so deep, E456 a joint has a corner inside the rock away from the crack, or the crack has
-        no edge on the slope.
+    unit_weight : of the water, kN/m³; depth : over the lowest point of the crack, m; None for a full one
     """
-    faces = slope.block.faces
-    if slope.crack not in faces:
+    if slope.crack not in slope.faces:
         return {}
-    polygon, size = faces[slope.crack], float(np.ptp(slope.block.corners, axis=0).max())
-    ground = [faces[face] for face in slope.free if face in faces]
-    at_ground = np.array([any(_lies_on(face, corner, size) for face in ground) for corner in polygon])
-    if not at_ground.any():
-        message = "the crack ends inside the rock, below the slope: how high water stands in it is not told"
-        raise MisfitError([Fault("E456", message, "", _GIVE_MEANS)])
-    lowest = float(polygon[:, 2].min())
-    holds = float(polygon[at_ground, 2].min()) - lowest
-    if depth is not None and depth > holds * (1.0 + _BRIM):
-        message = f"the water stands {depth:.6g} m deep in a crack of {holds:.6g} m"
-        raise MisfitError([Fault("E207", message, "", "Give at most its depth where its upper edge is lowest.")])
+    lowest, holds = _brim(slope)
     level = lowest + (holds if depth is None else depth)
-    by_face = {joint: _from_crack(slope, joint, level, unit_weight, [*ground, polygon], size) for joint in slope.joints}
-    return by_face | {slope.crack: list(Pressure((), level, unit_weight).pieces(polygon))}
+    by_face = {joint: _from_crack(slope, joint, level, unit_weight) for joint in slope.joints}
+    return by_face | {slope.crack: list(Pressure((), level, unit_weight).pieces(slope.faces[slope.crack]))}
 
 
-def _from_crack(
-    slope: LocalSlope, joint: int, level: float, unit_weight: float, known: Sequence[Floats], size: float
-) -> Pieces:
-    """The pressures on one joint; none where its edge at the crack is dry.
+def beyond_crack(slope: LocalSlope, depth: Any) -> list[Misfit]:
+    """What does not fit water of a depth (m, a number or (n,)) in the tension crack.
+
+    E207 the crack is not so deep, E456 a joint has a corner inside the rock away from the crack, or the crack has no
+    edge on the slope.
+    """
+    if slope.crack not in slope.faces:
+        return []
+    holds, depth = _brim(slope)[1], np.asarray(depth)
+    too_deep = depth > holds * (1.0 + _BRIM)
+    first = int(too_deep.argmax())
+    own, most = (float(np.broadcast_to(values, too_deep.shape)[first]) for values in (depth, holds))
+    known = (*slope.free, slope.crack)
+    inside = np.stack([~_lies_on(slope, joint, *known).all(axis=1) for joint in slope.joints]).any(axis=0)
+    ends = "the crack ends inside the rock, below the slope: how high water stands in it is not told"
+    deep = f"the water stands {own:.6g} m deep in a crack of {most:.6g} m"
+    meet = "the joints meet inside the rock, away from the crack: how high its water stands there is not told"
+    faults = [
+        (np.isinf(holds), Fault("E456", ends, "", _GIVE_MEANS)),
+        (too_deep, Fault("E207", deep, "", "Give at most its depth where its upper edge is lowest.")),
+        (inside, Fault("E456", meet, "", _GIVE_MEANS)),
+    ]
+    return [(where & (depth > 0.0), fault) for where, fault in faults]
+
+
+def _brim(slope: LocalSlope) -> tuple[Floats, Floats]:
+    """The lowest elevation of each crack, and how deep water can stand in it: (n,) m, infinite below the slope."""
+    heights = slope.faces[slope.crack][..., 2]
+    lowest, at_ground = heights.min(axis=1), _lies_on(slope, slope.crack, *slope.free)
+    return lowest, np.where(at_ground, heights, np.inf).min(axis=1) - lowest
+
+
+def _from_crack(slope: LocalSlope, joint: int, level: Floats, unit_weight: Any) -> Pieces:
+    """The pressures on a joint of each block; none where its edge at the crack is dry.
 
     Parameters
     ----------
-    level : of the water in the crack; known : faces on which the pressure is known, the crack last
+    level : (n,) of the water in the crack
     """
-    polygon = slope.block.faces[joint]
-    at_crack = np.array([_lies_on(known[-1], corner, size) for corner in polygon])
-    if not all(any(_lies_on(face, corner, size) for face in known) for corner in polygon):
-        message = "the joints meet inside the rock, away from the crack: how high its water stands there is not told"
-        raise MisfitError([Fault("E456", message, "", _GIVE_MEANS)])
-    heads = np.where(at_crack, level - polygon[:, 2], 0.0)
-    if at_crack.sum() != 2 or float(heads.max()) <= 0.0:
-        return []
-    low, high = sorted(np.flatnonzero(at_crack).tolist(), key=lambda k: float(polygon[k, 2]))
-    if heads[high] < 0.0:  # the water ends on the edge: above it the joint is dry
-        share = heads[low] / (heads[low] - heads[high])
-        polygon, heads = polygon.copy(), heads.copy()
-        polygon[high], heads[high] = polygon[low] + share * (polygon[high] - polygon[low]), 0.0
-    return [(np.roll(polygon, -low, axis=0), unit_weight * np.roll(heads, -low))]
+    polygons = slope.faces[joint]
+    at_crack = _lies_on(slope, joint, slope.crack)
+    heads = np.where(at_crack, level[:, None] - polygons[..., 2], 0.0)
+    rows = np.arange(len(heads))[:, None]
+    low = np.where(at_crack, heads, -np.inf).argmax(axis=1)[:, None]
+    deepest, arms = heads[rows, low], polygons - polygons[rows, low]
+    has_edge = at_crack & ((arms * arms).sum(axis=2) > (_ON * slope.size[:, None]) ** 2)
+    is_wet = (deepest > 0.0) & has_edge.any(axis=1)[:, None]
+    # where the water ends on the edge the joint is dry above it
+    share = np.where(heads < 0.0, deepest / np.where(heads < 0.0, deepest - heads, 1.0), 1.0)
+    polygons = polygons[rows, low] + share[..., None] * arms
+    around = (np.arange(heads.shape[1]) + low) % heads.shape[1]
+    pressures = np.where(is_wet, np.maximum(heads, 0.0), 0.0) * np.asarray(unit_weight)[..., None]
+    return [(polygons[rows, around], pressures[rows, around])]
 
 
-def _lies_on(polygon: Floats, corner: Floats, size: float) -> bool:
-    """Whether a point lies on the plane of a face of the block."""
-    return abs(float((corner - polygon[0]) @ outward_normal(polygon))) <= _ON * size
+def _lies_on(slope: LocalSlope, face: int, *planes: int) -> Bools:
+    """Whether corners of a face (n, k) lie on one of some planes."""
+    corners, on = slope.faces[face], np.zeros(slope.faces[face].shape[:2], dtype=bool)
+    for plane in planes:
+        if plane in slope.free:
+            normal, offset = (own[slope.free.index(plane)] for own in (slope.normals, slope.offsets))
+        else:
+            normal = slope.outward[plane]
+            offset = (normal * slope.faces[plane][:, 0]).sum(axis=1)
+        on |= np.abs((corners * normal[..., None, :]).sum(axis=2) - offset[..., None]) <= _ON * slope.size[:, None]
+    return on
 
 
-def outward_normal(polygon: Floats) -> Floats:
-    """The unit normal of a face anticlockwise from outside (Newell)."""
-    whole = cross(polygon - polygon[0], np.roll(polygon, -1, axis=0) - polygon[0]).sum(axis=0)
-    unit: Floats = whole / np.sqrt(float(whole @ whole))
-    return unit
-
-
-def for_closed_form(design: SlopeDesign, slope: LocalSlope, force: Arguments) -> tuple[list[float | None], Arguments]:
-    """Mean pressures of the joints and the crack (kPa), and the force (east, north, up) with the sum of all else."""
-    loads = pushes(design, slope)
-    faces = (*slope.joints, slope.crack)
-    on_joints = {face: loads.pop(f"water {face}") for face in faces if f"water {face}" in loads}
-    means: list[float | None] = [
-        float(np.linalg.norm(on_joints[face].force)) / slope.block.areas[face] if face in on_joints else 0.0
-        for face in faces
-    ]
-    rest = np.sum([np.zeros(3), *(push.force for push in loads.values())], axis=0) @ slope.axes
-    if not rest.any():
-        return means, force
-    return means, {name: (value or 0.0) + float(more) for (name, value), more in zip(force.items(), rest, strict=True)}
+def means_and_rest(design: SlopeDesign, slope: LocalSlope) -> tuple[list[Any], Floats, list[Misfit]]:
+    """Of n blocks the mean pressures of the joints and the crack (kPa), and the sum of all else (n, 3), kN."""
+    loads, misfits = pushes(design, slope)
+    means: list[Any] = []
+    for face in (*slope.joints, slope.crack):
+        push = loads.pop(f"water {face}", None)
+        force = np.zeros((1, 3)) if push is None else push.force
+        area = np.maximum(outward_normals(slope.faces[face])[1], _TINY) if push is not None else 1.0
+        means.append(np.sqrt((force * force).sum(axis=1)) / area)
+    rest = sum((push.force for push in loads.values()), np.zeros((1, 3))) @ slope.axes
+    return means, rest, misfits

@@ -12,10 +12,12 @@ import numpy as np
 from slopekit.core.arrays import Floats, NDArray, cross
 from slopekit.design.ground_water import SlopeDesign
 from slopekit.design.parts import Strength
-from slopekit.geometry.polytopes import Polytopes, polytopes
+from slopekit.geometry.polytopes import Polytopes
 from slopekit.kinds.single_block.batch_states import block_statuses
 from slopekit.kinds.single_block.closed_forms import OnArrays
 from slopekit.kinds.single_block.held_bolts import Bounds
+from slopekit.kinds.single_block.loads_on_arrays import blocks_within, slope_of
+from slopekit.kinds.water import pushes
 from slopekit.preie.batch import Blocks, limits_of_blocks
 
 _NO_BLOCK = "E208"  # a crack cuts it in two
@@ -67,15 +69,7 @@ def limits_on_arrays(
 def blocks_of(design: SlopeDesign, on_arrays: OnArrays[Any], strengths: Sequence[Strength], count: int) -> Blocks:
     """Return the blocks of n designs, as `limits_on_arrays` takes them; without contacts where planes cut none."""
     bounds = on_arrays.bounds(design)
-    outward, offsets = list(bounds.outward), list(bounds.offsets)
-    if bounds.along is not None:  # a metre of the slope
-        outward += [bounds.along, -bounds.along]
-        offsets += [np.full(1, 0.5)] * 2
-    solids = polytopes(
-        np.stack([np.broadcast_to(normals, (count, 3)) for normals in outward], axis=1),
-        np.stack([np.broadcast_to(offset, count) for offset in offsets], axis=1),
-        np.broadcast_to(bounds.size, count),
-    )
+    solids = blocks_within(bounds, count)
     joints = list(bounds.joints)
     cohesion, friction = (
         np.stack([_each(getattr(own, name), count) for own in strengths], axis=1)
@@ -113,11 +107,15 @@ class _Loads:
         """Return a vector of the design for each block, (n, 3)."""
         return np.stack([_each(part, self.count) for part in parts], axis=1)
 
-    def _add(self, force: Floats, at_m: Any) -> None:
-        """Add forces (n, 3) through a point in the coordinates of the user, or through the centroids."""
+    def _add(self, force: Floats, at: Floats | None) -> None:
+        """Add forces (n, 3) through points (n, 3) from the origin, or through the centroids."""
         self.load[:, :3] += force
-        if at_m is not None:
-            self.load[:, 3:] += cross(self._vectors(at_m) - self.bounds.origin - self.solids.centroid, force)
+        if at is not None:
+            self.load[:, 3:] += cross(at - self.solids.centroid, force)
+
+    def _place(self, at_m: Any) -> Floats | None:
+        """Return a point of the design from the origin, (n, 3)."""
+        return None if at_m is None else self._vectors(at_m) - self.bounds.origin
 
     def _weight(self, on_arrays: OnArrays[Any]) -> None:
         """Add the weight, and what an earthquake makes of it."""
@@ -137,36 +135,16 @@ class _Loads:
     def _forces(self) -> None:
         """Add forces and active bolts."""
         for force in self.design.forces:
-            self._add(self._vectors(force.components_kn), force.at_m)
+            self._add(self._vectors(force.components_kn), self._place(force.at_m))
         for bolt in self.design.bolts:
-            self._add(_each(bolt.force_kn, self.count)[:, None] * bolt.toward.vector(), bolt.head_m)
+            self._add(_each(bolt.force_kn, self.count)[:, None] * bolt.toward.vector(), self._place(bolt.head_m))
 
     def _water(self, on_arrays: OnArrays[Any]) -> None:
-        """Add water on the joints and in the crack."""
-        water, bounds = self.design.water, self.bounds
-        crack = [plane for plane in range(len(bounds.outward)) if plane not in (*bounds.joints, *bounds.free)]
-        wet = [*bounds.joints, *crack]
-        given = water.mode == "pressures"
-        if given:
-            for plane, mean in zip(wet, water.pressures_kpa, strict=False):
-                self._press(1.0, *self.solids.even(plane, _each(mean, self.count)))
-        fill = 1.0 if water.crack_water_m is not None else 0.0 if given else water.fill
-        parts = dict.fromkeys(wet, fill) | dict.fromkeys(crack, fill if water.crack_fill is None else water.crack_fill)
-        if any(np.any(part) for part in parts.values()):
-            assert on_arrays.full is not None
-            for plane, triangles, pressures in on_arrays.full(self.design, self.solids):
-                self._press(parts[plane], plane, triangles, pressures)
-
-    def _press(self, part: Any, plane: int, triangles: Floats, pressures: Floats) -> None:
-        """Add a part of pressures (n, t, 3) at the corners of triangles (n, t, 3, 3) of the faces of a plane.
-
-        In a triangle of area A with pressures p_i at its corners x_i: ∫ p dA = A Σp / 3,
-        ∫ p x dA = A (Σp Σx + Σ p_i x_i) / 12.
-        """
-        sides = cross(triangles[:, :, 1] - triangles[:, :, 0], triangles[:, :, 2] - triangles[:, :, 0])
-        areas, total = 0.5 * np.sqrt((sides * sides).sum(axis=2)), pressures.sum(axis=2)
-        arms = triangles - self.solids.centroid[:, None, None]
-        weighed = total[:, :, None] * arms.sum(axis=2) + (pressures[..., None] * arms).sum(axis=2)
-        inward = -_each(part, self.count)[:, None] * self.solids.outward[:, plane]
-        self.load[:, :3] += (areas * total).sum(axis=1)[:, None] / 3.0 * inward
-        self.load[:, 3:] += cross((areas[:, :, None] * weighed).sum(axis=1) / 12.0, inward)
+        """Add water and surcharge."""
+        if not (self.design.is_wet or np.any(self.design.surcharge_kpa)):
+            return
+        assert on_arrays.full is not None
+        with np.errstate(divide="ignore", invalid="ignore"):
+            loads, _ = pushes(self.design, slope_of(self.bounds, self.solids, on_arrays.full))
+        for push in loads.values():
+            self._add(push.force, push.at)

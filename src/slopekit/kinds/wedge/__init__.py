@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,8 +15,7 @@ from slopekit.core.sheet import Section
 from slopekit.design.parts import Strength, Water
 from slopekit.evidence import WithoutBasal
 from slopekit.extents import WedgeGeometry
-from slopekit.geometry.polytopes import Polytopes
-from slopekit.geometry.rock.rockmass import CRACK, FACE, J1, J2, UPPER
+from slopekit.geometry.rock.rockmass import FACE, J1, J2, UPPER
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.single_block.closed_forms import (
     Arguments,
@@ -29,7 +28,7 @@ from slopekit.kinds.single_block.closed_forms import (
 from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of, upward
 from slopekit.kinds.single_block.one_block import DILATES, kind_of_one_block, other_strengths
 from slopekit.kinds.wedge import limits
-from slopekit.kinds.wedge.cutting import JOINTS, cut, for_closed_form, height_of, rock_mass, shape_of, size_scale
+from slopekit.kinds.wedge.cutting import JOINTS, cut, height_of, rock_mass, shape_of, size_scale
 from slopekit.kinds.wedge.design import WedgeDesign, read_wedge
 from slopekit.kinds.words import (
     line_in_words,
@@ -40,6 +39,10 @@ from slopekit.kinds.words import (
     water_in_words,
 )
 from slopekit.result import Result, Words
+
+if TYPE_CHECKING:
+    from slopekit.geometry.pressure import Pieces
+    from slopekit.kinds.water import LocalSlope
 
 _NEARLY_PARALLEL_DEG = 5.0
 _ON = 1e-12  # of the size of a wedge: its crest is on the crack
@@ -81,13 +84,13 @@ def arguments(design: WedgeDesign) -> Arguments:
     for name, plane in planes.items():
         columns |= {f"{name}_dip_deg": plane.dip_deg, f"{name}_dip_direction_deg": plane.dip_direction_deg}
     crack, basal = design.crack, design.basal
-    pressures, force = pressures_and_force(design, len(design.strengths), lambda force: for_closed_form(design, force))
+    pressures, loads = pressures_and_force(design, len(design.strengths), bounds, _full_water)
     if basal is not None:
         columns |= {
             "basal_dip_deg": basal.plane.dip_deg, "basal_dip_direction_deg": basal.plane.dip_direction_deg,
             "basal_height_m": basal.height_m, "pressure3": pressures[2],
         }  # fmt: skip
-    return columns | force | {
+    return columns | loads | {
         **_of_strengths(strengths_of(design)),
         "unit_weight_kn_m3": design.rock.unit_weight_kn_m3, "fill": design.water.fill if pressures[0] is None else 0.0,
         "water_unit_weight_kn_m3": design.water_unit_weight_kn_m3, "crack_fill": design.water.crack_fill,
@@ -112,7 +115,7 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]])
     bolts : east, north and up of the passive ones
     """
     given = dict(arguments)
-    why = given.pop("left_out")
+    why, misfit = given.pop("left_out"), given.pop("misfit")
     pressures = [given.pop(name) for name in _PRESSURES if name in given]
     force = [given.pop(name) for name in ("force_east", "force_north", "force_up")]
     given |= {
@@ -123,12 +126,14 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]])
         from slopekit.closed_form import basal
 
         three = basal.basal_wedges(basal.BasalWedgeArrays(**given))
-        return ClosedForms(basal.OUTCOMES, three.outcome, three.factor, list(three.normal_kn), list(three.areas_m2[:3]))
+        forces = list(three.normal_kn), list(three.areas_m2[:3])
+        return ClosedForms(basal.OUTCOMES, three.outcome, three.factor, *forces).refused(misfit)
     wedges = hoek_bray_wedges(WedgeArrays(**given))
     outcome, factor = wedges.outcome, wedges.factor
     if why is not None:
         outcome, factor = limits.without(outcome, factor, why, len(OUTCOMES), OUTCOMES.index("E201"))
-    return ClosedForms(_OUTCOMES, outcome, factor, list(wedges.normal_kn), list(wedges.areas_m2[:2]))
+    forces = list(wedges.normal_kn), list(wedges.areas_m2[:2])
+    return ClosedForms(_OUTCOMES, outcome, factor, *forces).refused(misfit)
 
 
 def crest_of(design: WedgeDesign) -> tuple[list[Floats], list[Floats], Floats, Floats]:
@@ -191,31 +196,18 @@ def crack_reach(design: WedgeDesign) -> Floats | None:
     return reach_m
 
 
-def _also_of_many(design: WedgeDesign, arguments: Arguments, before: Floats) -> ClosedForms | None:
+def _also_of_many(design: WedgeDesign, strengths: Arguments, before: Floats) -> ClosedForms | None:
     if design.basal is None:
         return None
     from slopekit.kinds.wedge import basal
 
-    return basal.without_basal_of_many(design, arguments, before)
+    return basal.without_basal_of_many(design, strengths, before)
 
 
-def full_water(design: WedgeDesign, solids: Polytopes) -> list[tuple[int, Floats, Floats]]:
-    """Full water on the joints and the crack of wedges: Hoek & Bray's pyramids, as `cutting` has them of one."""
-    if design.basal is not None:
-        from slopekit.kinds.wedge import basal
+def _full_water(slope: "LocalSlope", unit_weight: Any) -> "Mapping[int, Pieces]":
+    from slopekit.kinds.wedge.water import full_water  # plain wedges do not pay
 
-        return basal.full_water(design, solids)
-    outward, offsets = solids.outward, solids.offsets
-    line = cross(outward[:, J1], outward[:, J2])
-    end = UPPER if design.crack is None else CRACK
-    back = line * (offsets[:, end] / (outward[:, end] * line).sum(axis=1))[:, None]
-    if design.crack is None:
-        mean = design.water_unit_weight_kn_m3 * solids.height() / 6.0
-        return [solids.pyramid(joint, back / 2.0, mean) for joint in (J1, J2)]
-    upper = outward[:, UPPER]
-    depth = (offsets[:, UPPER] - (upper * back).sum(axis=1)) / upper[:, 2]
-    mean = design.water_unit_weight_kn_m3 * depth / 3.0
-    return [solids.pyramid(face, back, mean) for face in (J1, J2, CRACK)]
+    return full_water(slope, unit_weight)
 
 
 def _shaken(design: WedgeDesign) -> Floats:
@@ -235,7 +227,7 @@ def _level(ways: Floats) -> Floats:
 
 ON_ARRAYS = OnArrays(
     arguments, passive_bolts, strengths_of, _of_strengths, closed_forms, bounds, _sizes, crack_reach, _also_of_many,
-    full_water, _shaken,
+    _full_water, _shaken,
 )  # fmt: skip
 
 

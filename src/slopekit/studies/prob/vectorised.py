@@ -54,7 +54,8 @@ class Vectorised:
         """What acceptance of every sample is held against besides; None where there is nothing."""
         if self.on_arrays.also is None:
             return None
-        forms = self.on_arrays.also(self._standing(values), self.arguments(values), self.before)
+        strengths = self.on_arrays.of_strengths(self._strengths(values))
+        forms = self.on_arrays.also(self._standing(values), strengths, self.before)
         return None if forms is None else self._each(forms, len(values))
 
     @property
@@ -106,13 +107,21 @@ class Vectorised:
 
         Bolts pull as they were laid out: those that a place of the crack frees are found with it.
         """
-        on_arrays, design = self.on_arrays, self._scattered(values)
+        on_arrays = self.on_arrays
+        design: Any = self._scattered(values)
         reach = None if on_arrays.crack_reach_m is None else on_arrays.crack_reach_m(design)
         if reach is None or on_arrays.bolts(self.design):
             return None
-        arguments = on_arrays.arguments(design) | on_arrays.of_strengths(self._strengths(values))
+
+        def arguments(rows: slice, places: Floats) -> Arguments:
+            each = np.repeat(values[rows], places.shape[1], axis=0)
+            at: Any = self._scattered(each)
+            at = replace(at, crack=replace(at.crack, distance_m=places.ravel()))
+            return on_arrays.arguments(at) | on_arrays.of_strengths(self._strengths(each))
+
         places = worst_of_many(on_arrays, arguments, (), np.broadcast_to(reach, len(values)))
-        whole = on_arrays.closed_forms({name: None if "crack" in name else own for name, own in arguments.items()}, ())
+        bare = on_arrays.arguments(replace(design, crack=None)) | on_arrays.of_strengths(self._strengths(values))
+        whole = on_arrays.closed_forms({name: None if "crack" in name else own for name, own in bare.items()}, ())
         return self._each(whole, len(values)), places
 
     def arguments(self, values: Floats) -> Arguments:
@@ -166,8 +175,6 @@ def vectorised(design: Design, values: Floats, values_at: ValuesAt) -> Vectorise
     kind = kind_of(design)
     on_arrays = kind.on_arrays
     if on_arrays is None:
-        return None
-    if design.is_cut_for_loads:
         return None
     if any(strength.named_law for strength in kind.strengths(design)):
         # curved strength asks the closed form again and again, sample by sample; straight laws have keys of their own
