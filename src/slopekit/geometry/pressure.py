@@ -231,6 +231,11 @@ def _clipped(polygons: Floats, normal: Floats, offset: Any, is_open: bool) -> Fl
     size = np.abs(normal).max(axis=-1) * np.abs(polygons).max(axis=(1, 2)) + np.abs(offset)
     side = np.where((np.abs(side).max(axis=1) <= _ON_EDGE * size)[:, None], 1.0 if is_open else 0.0, side)
     polygons = np.broadcast_to(polygons, (*side.shape, 3))
+    is_out = side > 0.0
+    if not is_out.any():
+        return polygons
+    if is_out.all():
+        return np.full((len(side), 3, 3), np.nan)
     before = np.arange(-1, side.shape[1] - 1)
     start, ahead, is_in = polygons[:, before], side[:, before], side <= 0.0
     crosses = (ahead <= 0.0) != is_in

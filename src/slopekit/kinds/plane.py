@@ -269,7 +269,7 @@ def _full_water(slope: LocalSlope, unit_weight: Any) -> Mapping[int, Pieces]:
     """Full water: as high as the crack; without one γ_w H/2 half way along the plane, nothing at its ends."""
     if slope.crack in slope.faces:
         return standing_in_crack(slope, unit_weight)
-    return {joint: even(slope.faces[joint], unit_weight * slope.height / 4.0) for joint in slope.joints}
+    return {joint: even(slope.faces[joint], unit_weight * slope.extents[:, 2] / 4.0) for joint in slope.joints}
 
 
 def _loads(design: PlaneDesign, section: PlaneSection) -> Loads:

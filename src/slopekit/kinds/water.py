@@ -90,18 +90,9 @@ class LocalSlope:
         """The outward unit normals (n, 3) of the faces; nothing of a face without area."""
         return {face: outward_normals(polygons)[0] for face, polygons in self.faces.items()}
 
-    @property
-    def height(self) -> Floats:
-        """From the lowest to the highest corner of each block, (n,) m."""
-        return self._extents()[:, 2]
-
-    @property
-    def size(self) -> Floats:
-        """The largest extent of each block along an axis, (n,) m."""
-        size: Floats = self._extents().max(axis=1)
-        return size
-
-    def _extents(self) -> Floats:
+    @cached_property
+    def extents(self) -> Floats:
+        """Of each block along the axes, (n, 3) m."""
         extents: Floats = np.fmax.reduce(self.corners, axis=1) - np.fmin.reduce(self.corners, axis=1)
         return extents
 
@@ -241,7 +232,7 @@ def _below_table(design: SlopeDesign, slope: LocalSlope) -> tuple[Mapping[int, P
     if water.pond is not None:
         outside = replace(water, heights=())
         by_face |= {face: list(outside.pieces(faces[face])) for face in slope.ground}
-    return by_face, above_ground(water, [faces[face] for face in slope.ground], slope.height, slope.axes)
+    return by_face, above_ground(water, [faces[face] for face in slope.ground], slope.extents[:, 2], slope.axes)
 
 
 # -- water that stands in the tension crack --------------------------------------------------------------------------
@@ -311,10 +302,11 @@ def _from_crack(slope: LocalSlope, joint: int, level: Floats, unit_weight: Any) 
     rows = np.arange(len(heads))[:, None]
     low = np.where(at_crack, heads, -np.inf).argmax(axis=1)[:, None]
     deepest, arms = heads[rows, low], polygons - polygons[rows, low]
-    has_edge = at_crack & ((arms * arms).sum(axis=2) > (_ON * slope.size[:, None]) ** 2)
+    has_edge = at_crack & ((arms * arms).sum(axis=2) > (_ON * slope.extents.max(axis=1)[:, None]) ** 2)
     is_wet = (deepest > 0.0) & has_edge.any(axis=1)[:, None]
     # where the water ends on the edge the joint is dry above it
-    share = np.where(heads < 0.0, deepest / np.where(heads < 0.0, deepest - heads, 1.0), 1.0)
+    is_above = is_wet & (heads < 0.0)
+    share = np.where(is_above, deepest / np.where(is_above, deepest - heads, 1.0), 1.0)
     polygons = polygons[rows, low] + share[..., None] * arms
     around = (np.arange(heads.shape[1]) + low) % heads.shape[1]
     pressures = np.where(is_wet, np.maximum(heads, 0.0), 0.0) * np.asarray(unit_weight)[..., None]
@@ -330,7 +322,10 @@ def _lies_on(slope: LocalSlope, face: int, *planes: int) -> Bools:
         else:
             normal = slope.outward[plane]
             offset = (normal * slope.faces[plane][:, 0]).sum(axis=1)
-        on |= np.abs((corners * normal[..., None, :]).sum(axis=2) - offset[..., None]) <= _ON * slope.size[:, None]
+        on |= (
+            np.abs((corners * normal[..., None, :]).sum(axis=2) - offset[..., None])
+            <= _ON * slope.extents.max(axis=1)[:, None]
+        )
     return on
 
 

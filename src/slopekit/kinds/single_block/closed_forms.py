@@ -122,7 +122,7 @@ class OnArrays(Generic[D]):
     bounds: Callable[[D], Bounds]
     sizes: Callable[[D], SizesOfMany | None] | None = None
     crack_reach_m: Callable[[D], Floats | None] | None = None
-    also: Callable[[D, Arguments, Floats], ClosedForms | None] | None = None
+    also: Callable[[D, Arguments, Floats], ClosedForms] | None = None
     full: "FullWater | None" = None
     shaken: Callable[[D], Floats] | None = None
 

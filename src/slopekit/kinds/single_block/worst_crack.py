@@ -101,22 +101,25 @@ def lowest_of_many(
     return place, where
 
 
-def worst_of_many(
-    on_arrays: OnArrays[D], arguments: ArgumentsAt, bolts: Sequence[Sequence[float]], reach: Floats
-) -> Floats:
+def worst_of_many(design: SlopeDesign, on_arrays: OnArrays[Any], arguments: ArgumentsAt, reach: Floats) -> Floats:
     """Where (n,) the crack of each of n designs lowers the closed form most, as `with_worst_crack` finds it one by one.
 
     Parameters
     ----------
-    arguments : of the closed form; bolts : passive
+    design : of which the n differ in numbers, without passive bolts
     reach : (n,) the longest distances, nan where there is no block
     """
     parts = []
     for at in range(0, len(reach), _AT_ONCE):
         part = slice(at, at + _AT_ONCE)
-        factors = partial(_factors, on_arrays, partial(arguments, part), bolts)
-        parts.append(lowest_of_many(factors, reach[part], _MANY, _ROUNDS)[0])
+        factors = partial(_factors, on_arrays, partial(arguments, part), ())
+        parts.append(lowest_of_many(factors, reach[part], *_sweeps(design.is_cut_for_loads))[0])
     return np.concatenate(parts)
+
+
+def _sweeps(is_dear: bool) -> tuple[int, int]:
+    """Places of the first sweep, and the narrower sweeps: fewer where a place is cut, or asked again and again."""
+    return (_FEW, 5) if is_dear else (_MANY, _ROUNDS)
 
 
 def _factors(
@@ -169,7 +172,7 @@ def with_worst_crack(design: D, on_arrays: OnArrays[D], reach: float, place: str
 
     distance, where = 0.0, "none"
     if reach > 0.0:
-        distance, where = lowest(factors, reach, *((_MANY, _ROUNDS) if together else (_FEW, 5)))
+        distance, where = lowest(factors, reach, *_sweeps(design.is_cut_for_loads or not together))
     if where == "none":
         message = "no place of the crack behind the crest gives a factor of safety: none is the worst"
         raise DesignError([Fault("E459", message, place, "Give its distance, or leave the crack out.")])

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from slopekit.kinds.single_block.closed_forms import (
 from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of, upward
 from slopekit.kinds.single_block.one_block import DILATES, kind_of_one_block, other_strengths
 from slopekit.kinds.wedge import limits
-from slopekit.kinds.wedge.cutting import JOINTS, cut, height_of, rock_mass, shape_of, size_scale
+from slopekit.kinds.wedge.cutting import JOINTS, cut, full_water, height_of, rock_mass, shape_of, size_scale
 from slopekit.kinds.wedge.design import WedgeDesign, read_wedge
 from slopekit.kinds.words import (
     line_in_words,
@@ -39,10 +39,6 @@ from slopekit.kinds.words import (
     water_in_words,
 )
 from slopekit.result import Result, Words
-
-if TYPE_CHECKING:
-    from slopekit.geometry.pressure import Pieces
-    from slopekit.kinds.water import LocalSlope
 
 _NEARLY_PARALLEL_DEG = 5.0
 _ON = 1e-12  # of the size of a wedge: its crest is on the crack
@@ -84,7 +80,7 @@ def arguments(design: WedgeDesign) -> Arguments:
     for name, plane in planes.items():
         columns |= {f"{name}_dip_deg": plane.dip_deg, f"{name}_dip_direction_deg": plane.dip_direction_deg}
     crack, basal = design.crack, design.basal
-    pressures, loads = pressures_and_force(design, len(design.strengths), bounds, _full_water)
+    pressures, loads = pressures_and_force(design, len(design.strengths), bounds, full_water)
     if basal is not None:
         columns |= {
             "basal_dip_deg": basal.plane.dip_deg, "basal_dip_direction_deg": basal.plane.dip_direction_deg,
@@ -196,18 +192,10 @@ def crack_reach(design: WedgeDesign) -> Floats | None:
     return reach_m
 
 
-def _also_of_many(design: WedgeDesign, strengths: Arguments, before: Floats) -> ClosedForms | None:
-    if design.basal is None:
-        return None
+def _also_of_many(design: WedgeDesign, strengths: Arguments, before: Floats) -> ClosedForms:
     from slopekit.kinds.wedge import basal
 
     return basal.without_basal_of_many(design, strengths, before)
-
-
-def _full_water(slope: "LocalSlope", unit_weight: Any) -> "Mapping[int, Pieces]":
-    from slopekit.kinds.wedge.water import full_water  # plain wedges do not pay
-
-    return full_water(slope, unit_weight)
 
 
 def _shaken(design: WedgeDesign) -> Floats:
@@ -227,7 +215,7 @@ def _level(ways: Floats) -> Floats:
 
 ON_ARRAYS = OnArrays(
     arguments, passive_bolts, strengths_of, _of_strengths, closed_forms, bounds, _sizes, crack_reach, _also_of_many,
-    _full_water, _shaken,
+    full_water, _shaken,
 )  # fmt: skip
 
 

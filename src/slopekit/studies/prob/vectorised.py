@@ -32,6 +32,7 @@ from slopekit.studies.running import Record
 ValuesAt = Callable[[int], Mapping[str, object]]
 _EXACT = 1e-12
 _PROBES = 8
+_AT_ONCE = 32768
 
 
 @dataclass(frozen=True)
@@ -48,15 +49,16 @@ class Vectorised:
 
     def __call__(self, values: Floats) -> ClosedForms:
         """Outcome and factor of every sample; of a design without passive bolts."""
-        return self._each(self.on_arrays.closed_forms(self.arguments(values), ()), len(values))
+        return _in_parts(lambda part: self.on_arrays.closed_forms(self.arguments(part), ()), values)
 
     def also(self, values: Floats) -> ClosedForms | None:
         """What acceptance of every sample is held against besides; None where there is nothing."""
-        if self.on_arrays.also is None:
+        also, strengths_of = self.on_arrays.also, self.on_arrays.of_strengths
+        if also is None or getattr(self.design, "basal", None) is None:
             return None
-        strengths = self.on_arrays.of_strengths(self._strengths(values))
-        forms = self.on_arrays.also(self._standing(values), strengths, self.before)
-        return None if forms is None else self._each(forms, len(values))
+        return _in_parts(
+            lambda part: also(self._standing(part), strengths_of(self._strengths(part)), self.before), values
+        )
 
     @property
     def has_limits(self) -> bool:
@@ -75,14 +77,6 @@ class Vectorised:
         design = self._standing(values)
         assert isinstance(design, SlopeDesign)
         return limits_on_arrays(design, self.on_arrays, self._strengths(values), len(values)).to_record()
-
-    def _each(self, closed_forms: ClosedForms, count: int) -> ClosedForms:
-        """The closed form of each sample where nothing that scatters is an argument: all are alike."""
-        if len(closed_forms.factor) == count:
-            return closed_forms
-        return ClosedForms(
-            closed_forms.names, np.repeat(closed_forms.outcome, count), np.repeat(closed_forms.factor, count)
-        )
 
     def sizes(self, values: Floats, forms: Bools) -> dict[str, Floats]:
         """The sizes of the blocks of every sample (n,) by their keys, nan where none forms; empty where none are known.
@@ -119,10 +113,10 @@ class Vectorised:
             at = replace(at, crack=replace(at.crack, distance_m=places.ravel()))
             return on_arrays.arguments(at) | on_arrays.of_strengths(self._strengths(each))
 
-        places = worst_of_many(on_arrays, arguments, (), np.broadcast_to(reach, len(values)))
+        places = worst_of_many(design, on_arrays, arguments, np.broadcast_to(reach, len(values)))
         bare = on_arrays.arguments(replace(design, crack=None)) | on_arrays.of_strengths(self._strengths(values))
         whole = on_arrays.closed_forms({name: None if "crack" in name else own for name, own in bare.items()}, ())
-        return self._each(whole, len(values)), places
+        return _one_each(whole, len(values)), places
 
     def arguments(self, values: Floats) -> Arguments:
         """The arguments of all samples: (n,) of those that scatter."""
@@ -163,6 +157,19 @@ class Vectorised:
                     for name, strength in zip(used, strengths, strict=True)
                 ]
         return strengths
+
+
+def _in_parts(forms: Callable[[Floats], ClosedForms], values: Floats) -> ClosedForms:
+    """The closed forms of all samples, so many at once that the faces of their blocks stay small in memory."""
+    parts = [values[at : at + _AT_ONCE] for at in range(0, len(values), _AT_ONCE)]
+    found = [_one_each(forms(part), len(part)) for part in parts]
+    outcome, factor = (np.concatenate([getattr(own, name) for own in found]) for name in ("outcome", "factor"))
+    return ClosedForms(found[0].names, outcome, factor)
+
+
+def _one_each(forms: ClosedForms, count: int) -> ClosedForms:
+    """The closed form of each sample where nothing that scatters is an argument: all are alike."""
+    return ClosedForms(forms.names, np.broadcast_to(forms.outcome, count), np.broadcast_to(forms.factor, count))
 
 
 def vectorised(design: Design, values: Floats, values_at: ValuesAt) -> Vectorised | None:
