@@ -5,10 +5,9 @@ import pytest
 
 import slopekit as sk
 from slopekit.geometry.interfaces import node_pairs
-from slopekit.geometry.pressure import Pieces, even, pyramid
+from slopekit.geometry.pressure import Pieces, even, pyramid, resultant
 from slopekit.geometry.rock.cutting import Block, cut_wedge
 from slopekit.geometry.rock.rockmass import J1, J2
-from slopekit.kinds.water import of_one, thrusts
 from slopekit.kinds.wedge.cutting import rock_mass
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import Loads, PointForce, block_loads
@@ -24,8 +23,11 @@ def moment_of(block: Block, forces=(), active=()) -> np.ndarray:
 
 
 def loads_of_water(block: Block, joint: int, pieces: Pieces) -> Loads:
-    pushes = of_one(thrusts({joint: block.faces[joint][None]}, {joint: pieces}))
-    return block_loads(block, 0.0, np.zeros(3), pushes=pushes)
+    polygon = block.faces[joint]
+    (thrust,), (at,) = resultant(pieces, polygon[None])
+    outward = np.cross(polygon[1] - polygon[0], polygon[2] - polygon[0])
+    push = PointForce(-thrust * outward / np.linalg.norm(outward), at)
+    return block_loads(block, 0.0, np.zeros(3), pushes={f"water {joint}": push})
 
 
 def test_weight_and_seismic_act_at_the_centroid(block) -> None:

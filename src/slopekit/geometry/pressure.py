@@ -6,8 +6,8 @@ exact: of a triangle of area A with corners x_i and pressures p_i
 
     ∫ p dA = A Σp / 3        ∫ p x dA = A (Σp Σx + Σ p_i x_i) / 12
 
-Polygons come n at a time, (n, k, 3), as the faces of `Polytopes` do: the first corner stands again where one has fewer
-than k. Slopes, levels, borders and ponds are one for all or one for each.
+Polygons come n at a time, (n, k, 3), or several faces of n blocks, (f, n, k, 3); the first corner stands again where a
+polygon has fewer than k. Slopes, levels, borders and ponds are one for all or one for each of the n.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -146,18 +146,18 @@ class Pressure:
 
     def above(self, polygons: Floats) -> tuple[Floats, Floats]:
         """By how much (n,) m the table stands above flat convex polygons, and no pond does; where most, (n, 3)."""
-        worst, place = np.zeros(1), np.zeros((1, 3))
+        excess, place = np.zeros(polygons.shape[:-2]), polygons[..., 0, :]
         if self.pond is not None:
             polygons = _clipped(polygons, np.array([0.0, 0.0, -1.0]), np.negative(self.pond), False)
         for height in self.heights:
-            part = self._within(polygons, height)
-            over = height.at(part) - part[..., 2]
+            corners = self._within(polygons, height)
+            over = height.at(corners) - corners[..., 2]
             over = np.where(np.isnan(over), -np.inf, over)
-            highest = over.argmax(axis=1)[:, None]
-            most = np.take_along_axis(over, highest, axis=1)[:, 0]
-            at = np.take_along_axis(part, highest[..., None], axis=1)[:, 0]
-            worst, place = np.where(most > worst, most, worst), np.where((most > worst)[:, None], at, place)
-        return worst, place
+            highest = over.argmax(axis=-1)[..., None]
+            corner = np.take_along_axis(corners, highest[..., None], axis=-2)[..., 0, :]
+            most = over.max(axis=-1)
+            place, excess = np.where((most > excess)[..., None], corner, place), np.maximum(most, excess)
+        return excess, place
 
     def pieces(self, polygons: Floats) -> Iterator[tuple[Floats, Floats]]:
         """The wet parts of polygons (n, k, 3) on which the pressure is linear, with the pressures at their corners."""
@@ -180,13 +180,13 @@ class Pressure:
 
     def _wet(self, part: Floats, height: Height) -> Iterator[tuple[Floats, Floats]]:
         wet = _clipped(part, np.array([0.0, 0.0, 1.0]) - height.slope, height.level, True)
-        if not np.isnan(wet[:, 0, 0]).all():
+        if not np.isnan(wet[..., 0, 0]).all():
             yield wet, np.asarray(self.unit_weight)[..., None] * np.maximum(height.at(wet) - wet[..., 2], 0.0)
 
 
 def even(polygons: Floats, mean: Any) -> Pieces:
     """The same pressure, a number or (n,), all over each of flat convex polygons (n, k, 3)."""
-    return [(polygons, np.asarray(mean)[..., None] + np.zeros(polygons.shape[:2]))]
+    return [(polygons, np.asarray(mean)[..., None] + np.zeros(polygons.shape[:-1]))]
 
 
 def pyramid(polygons: Floats, mean: Any, apex: Floats) -> Pieces:
@@ -194,9 +194,10 @@ def pyramid(polygons: Floats, mean: Any, apex: Floats) -> Pieces:
 
     On each triangle (apex, a, b) the mean, a number or (n,), is a third of the peak.
     """
-    ring = np.concatenate([np.broadcast_to(apex[:, None], polygons[:, :1].shape), polygons, polygons[:, :1]], axis=1)
-    pressures = np.zeros(ring.shape[:2])
-    pressures[:, 0] = 3.0 * mean
+    peak = np.broadcast_to(apex[..., None, :], polygons[..., :1, :].shape)
+    ring = np.concatenate([peak, polygons, polygons[..., :1, :]], axis=-2)
+    pressures = np.zeros(ring.shape[:-1])
+    pressures[..., 0] = 3.0 * mean
     return [(ring, pressures)]
 
 
@@ -209,17 +210,17 @@ def resultant(pieces: Pieces, polygons: Floats) -> tuple[Floats, Floats]:
     >>> resultant([(corner, np.array([[12.0, 0.0, 0.0]]))], corner)
     (array([12.]), array([[0.75, 0.5 , 0.  ]]))
     """
-    thrust, moment = np.zeros(len(polygons)), np.zeros((len(polygons), 3))
-    for part, pressures in pieces:
-        corners = part[:, :1], part[:, 1:-1], part[:, 2:]
-        at = pressures[:, :1], pressures[:, 1:-1], pressures[:, 2:]
-        normals = cross(corners[1] - corners[0], corners[2] - corners[0])
-        areas, total = np.sqrt((normals * normals).sum(axis=2)) / 2.0, at[0] + at[1] + at[2]
-        first, second, third = ((total + one)[..., None] * own for own, one in zip(corners, at, strict=True))
-        thrust = thrust + np.nansum(areas * total, axis=1) / 3.0
-        moment = moment + np.nansum(areas[..., None] * (first + second + third), axis=1) / 12.0
-    is_pressed = (thrust > 0.0)[:, None]
-    return thrust, np.where(is_pressed, moment / np.where(is_pressed, thrust[:, None], 1.0), polygons.mean(axis=1))
+    thrust, moment = np.zeros(polygons.shape[:-2]), np.zeros((*polygons.shape[:-2], 3))
+    for corners, pressures in pieces:
+        a, b, c = corners[..., :1, :], corners[..., 1:-1, :], corners[..., 2:, :]
+        p, q, r = pressures[..., :1], pressures[..., 1:-1], pressures[..., 2:]
+        normals = cross(b - a, c - a)
+        areas, total = np.sqrt((normals * normals).sum(axis=-1)) / 2.0, p + q + r
+        weighed = (total + p)[..., None] * a + (total + q)[..., None] * b + (total + r)[..., None] * c
+        thrust = thrust + np.nansum(areas * total, axis=-1) / 3.0
+        moment = moment + np.nansum(areas[..., None] * weighed, axis=-2) / 12.0
+    is_pressed = (thrust > 0.0)[..., None]
+    return thrust, np.where(is_pressed, moment / np.where(is_pressed, thrust[..., None], 1.0), polygons.mean(axis=-2))
 
 
 def _clipped(polygons: Floats, normal: Floats, offset: Any, is_open: bool) -> Floats:
@@ -228,23 +229,24 @@ def _clipped(polygons: Floats, normal: Floats, offset: Any, is_open: bool) -> Fl
     A polygon that lies in the border is of the closed side.
     """
     side = _beyond(polygons, normal, offset)
-    size = np.abs(normal).max(axis=-1) * np.abs(polygons).max(axis=(1, 2)) + np.abs(offset)
-    side = np.where((np.abs(side).max(axis=1) <= _ON_EDGE * size)[:, None], 1.0 if is_open else 0.0, side)
+    size = np.abs(normal).max(axis=-1) * np.abs(polygons).max(axis=(-2, -1)) + np.abs(offset)
+    side = np.where((np.abs(side).max(axis=-1) <= _ON_EDGE * size)[..., None], 1.0 if is_open else 0.0, side)
     polygons = np.broadcast_to(polygons, (*side.shape, 3))
     is_out = side > 0.0
     if not is_out.any():
         return polygons
     if is_out.all():
-        return np.full((len(side), 3, 3), np.nan)
-    before = np.arange(-1, side.shape[1] - 1)
-    start, ahead, is_in = polygons[:, before], side[:, before], side <= 0.0
+        return np.full((*side.shape[:-1], 3, 3), np.nan)
+    before = np.arange(-1, side.shape[-1] - 1)
+    start, ahead, is_in = polygons[..., before, :], side[..., before], side <= 0.0
     crosses = (ahead <= 0.0) != is_in
     share = np.where(crosses, ahead / np.where(crosses, ahead - side, 1.0), 0.0)[..., None]
-    count, corners = side.shape
-    both = np.stack([start + share * (polygons - start), polygons], axis=2).reshape(count, 2 * corners, 3)
-    is_there = np.stack([crosses, is_in], axis=2).reshape(count, 2 * corners)
-    most = max(int(is_there.sum(axis=1).max(initial=0)), 3)
-    order = np.argsort(~is_there, axis=1, kind="stable")[:, :most, None]
-    left = np.take_along_axis(both, order, axis=1)
-    first = np.where((is_there.sum(axis=1) > 0)[:, None, None], left[:, :1], np.nan)
-    return np.where(np.take_along_axis(is_there, order[..., 0], axis=1)[..., None], left, first)
+    crossings = np.stack([start + share * (polygons - start), polygons], axis=-2)
+    corners = crossings.reshape(*side.shape[:-1], -1, 3)
+    remains = np.stack([crosses, is_in], axis=-1).reshape(corners.shape[:-1])
+    counts = remains.sum(axis=-1)[..., None, None]
+    most = max(int(counts.max(initial=0)), 3)
+    order = np.argsort(~remains, axis=-1, kind="stable")[..., :most, None]
+    corners = np.take_along_axis(corners, order, axis=-2)
+    first = np.where(counts > 0, corners[..., :1, :], np.nan)
+    return np.where(np.arange(most)[:, None] < counts, corners, first)

@@ -23,7 +23,7 @@ from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.reader import Reader
 from slopekit.design.sections import read_common, read_water
 from slopekit.extents import SectionGeometry
-from slopekit.geometry.pressure import Pieces, even
+from slopekit.geometry.pressure import even
 from slopekit.geometry.rock.cutting import Block
 from slopekit.geometry.sections.section import CRACK, FACE, J1, UPPER, PlaneSection, line_pairs, plane_section
 from slopekit.kinds.protocol import ClosedForm
@@ -40,7 +40,7 @@ from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of, upward
 from slopekit.kinds.single_block.one_block import DILATES, kind_of_one_block, left_out_of_slope, other_strengths
 from slopekit.kinds.single_block.one_block_limit import Cut, Interface
 from slopekit.kinds.solver_inputs import bolt_forces, point_force, section_bedding, section_geometry
-from slopekit.kinds.water import LocalSlope, pushes_of_cut, standing_in_crack
+from slopekit.kinds.water import LocalSlope, OnFaces, pushes_of_cut, standing_in_crack
 from slopekit.kinds.words import (
     loads_part,
     size_number,
@@ -260,16 +260,16 @@ def _local_slope(design: PlaneDesign, section: PlaneSection) -> LocalSlope:
     normals = np.array([[math.sin(dip), 0.0, math.cos(dip)] for dip in (face, upper)])
     offsets = np.array([0.0, float(normals[1] @ _crest_point(design))])
     return LocalSlope.of_cut(
-        section.block, (J1,), CRACK, (FACE, UPPER), normals, offsets, np.array([[-1.0, 0.0, 0.0]]),
+        section.block, (J1,), CRACK, (FACE, UPPER), normals[:, None], offsets[:, None], np.array([[-1.0, 0.0, 0.0]]),
         np.array([0.0, 1.0, 0.0]), _full_water, _axes(design.face), 0.0,
     )  # fmt: skip
 
 
-def _full_water(slope: LocalSlope, unit_weight: Any) -> Mapping[int, Pieces]:
+def _full_water(slope: LocalSlope, unit_weight: Any) -> list[OnFaces]:
     """Full water: as high as the crack; without one γ_w H/2 half way along the plane, nothing at its ends."""
-    if slope.crack in slope.faces:
+    if slope.crack is not None:
         return standing_in_crack(slope, unit_weight)
-    return {joint: even(slope.faces[joint], unit_weight * slope.extents[:, 2] / 4.0) for joint in slope.joints}
+    return [(slope.joints, even(slope.faces[list(slope.joints)], unit_weight * slope.extents[:, 2] / 4.0))]
 
 
 def _loads(design: PlaneDesign, section: PlaneSection) -> Loads:

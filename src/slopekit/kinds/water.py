@@ -7,7 +7,7 @@ where they act, a closed form the mean pressure of each joint and the sum of the
 The block of a single run is n = 1.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, TypeAlias
@@ -33,8 +33,10 @@ _GIVE_MEANS = "Give the mean pressures: water: {pressures: ...}."
 Misfit: TypeAlias = tuple[Bools, Fault]
 
 
-#: The pressures of full water on the joints and the crack, by face: of a slope and the unit weight of water.
-FullWater: TypeAlias = 'Callable[["LocalSlope", Any], Mapping[int, Pieces]]'
+#: Pressures on several faces of the blocks, by the planes of these.
+OnFaces: TypeAlias = tuple[Sequence[int], Pieces]
+#: Those of full water on the joints and the crack: of a slope and the unit weight of water.
+FullWater: TypeAlias = 'Callable[["LocalSlope", Any], list[OnFaces]]'
 
 
 @dataclass(frozen=True)
@@ -43,9 +45,10 @@ class LocalSlope:
 
     Attributes
     ----------
-    faces : (n, k, 3) m by plane, anticlockwise from outside, the first corner again where there are fewer than k
+    faces : (p, n, k, 3) m on each plane, anticlockwise from outside, the first corner again where there are fewer than
+        k; without area where a block has none
     corners : (n, m, 3) m of the blocks, nan where there are fewer
-    joints : faces of rock on rock; crack : the one of the tension crack, which blocks need not have
+    joints : planes of rock on rock; crack : the one of the tension crack, None without any
     free : the face and the upper slope, that one last
     normals, offsets : of these two, (2, n, 3) and (2, n), `normal · x = offset`, outward
     into : (n, 3) level unit vectors into the slope; along : (n, 3) along it where nothing changes that way, else None
@@ -53,56 +56,57 @@ class LocalSlope:
     level : elevation of the toe, m
     """
 
-    faces: Mapping[int, Floats]
+    faces: Floats
     corners: Floats
     joints: Sequence[int]
-    crack: int
+    crack: int | None
     free: tuple[int, int]
     normals: Floats
     offsets: Floats
     into: Floats
     along: Floats | None
-    full: "FullWater"
+    full: FullWater
     axes: Floats
     level: float
 
     @classmethod
-    def of_cut(
-        cls, block: Block, joints: Sequence[int], crack: int, free: tuple[int, int], normals: Floats, offsets: Floats,
-        *others: Any,
-    ) -> "LocalSlope":  # fmt: skip
-        """One block that was cut; the others as the attributes follow."""
-        faces = {face: polygon[None] for face, polygon in block.faces.items()}
-        return cls(faces, block.corners[None], joints, crack, free, normals[:, None], offsets[:, None], *others)
+    def of_cut(cls, block: Block, joints: Sequence[int], crack: int, *attributes: Any) -> "LocalSlope":
+        """One block that was cut; the attributes follow as they do above."""
+        polygons = block.faces
+        most = max(map(len, polygons.values()))
+        faces = np.zeros((1 + max(polygons), 1, most, 3))
+        for plane, polygon in polygons.items():
+            faces[plane, 0] = polygon[:1]
+            faces[plane, 0, : len(polygon)] = polygon
+        return cls(faces, block.corners[None], joints, crack if crack in polygons else None, *attributes)
 
     @property
     def interfaces(self) -> list[int]:
-        """The faces of rock on rock that the blocks have, the crack last."""
-        return [face for face in (*self.joints, self.crack) if face in self.faces]
-
-    @property
-    def ground(self) -> list[int]:
-        """The free faces that the blocks have."""
-        return [face for face in self.free if face in self.faces]
+        """The planes of rock on rock, the crack last."""
+        return [*self.joints, *(() if self.crack is None else (self.crack,))]
 
     @cached_property
-    def outward(self) -> Mapping[int, Floats]:
-        """The outward unit normals (n, 3) of the faces; nothing of a face without area."""
-        return {face: outward_normals(polygons)[0] for face, polygons in self.faces.items()}
+    def _normals_and_areas(self) -> tuple[Floats, Floats]:
+        arms = self.faces - self.faces[:, :, :1]
+        turns: Floats = cross(arms[:, :, :-1], arms[:, :, 1:]).sum(axis=2)  # Newell
+        sizes = np.sqrt((turns * turns).sum(axis=2))
+        return turns / np.maximum(sizes, _TINY)[..., None], sizes / 2.0
+
+    @property
+    def outward(self) -> Floats:
+        """The outward unit normals (p, n, 3) of the faces; nothing of a face without area."""
+        return self._normals_and_areas[0]
+
+    @property
+    def areas(self) -> Floats:
+        """The areas (p, n) of the faces, m²."""
+        return self._normals_and_areas[1]
 
     @cached_property
     def extents(self) -> Floats:
         """Of each block along the axes, (n, 3) m."""
         extents: Floats = np.fmax.reduce(self.corners, axis=1) - np.fmin.reduce(self.corners, axis=1)
         return extents
-
-
-def outward_normals(polygons: Floats) -> tuple[Floats, Floats]:
-    """The unit normals (n, 3) and areas (n,) of flat polygons (n, k, 3) anticlockwise from outside (Newell)."""
-    arms = polygons - polygons[:, :1]
-    turns: Floats = cross(arms[:, :-1], arms[:, 1:]).sum(axis=1)
-    sizes = np.sqrt((turns * turns).sum(axis=1))
-    return turns / np.maximum(sizes, _TINY)[:, None], sizes / 2.0
 
 
 def pressure_below(
@@ -129,19 +133,20 @@ def pressure_below(
     return Pressure(heights, None if water.pond_m is None else water.pond_m - level, design.water_unit_weight_kn_m3)
 
 
-def above_ground(water: Pressure, free: Sequence[Floats], size: Any, axes: Floats) -> list[Misfit]:
+def above_ground(water: Pressure, free: Floats, height: Any, axes: Floats) -> list[Misfit]:
     """E456 where the table stands above the ground and no pond does.
 
     Parameters
     ----------
-    free : polygons (n, k, 3) of the ground; size : (n,) or m, of what it is the ground of
+    free : polygons (f, n, k, 3) of the ground of n; height : (n,) or m, of what it is the ground of
     axes : as of `pressure_below`
     """
-    over, at = (np.stack(own) for own in zip(*map(water.above, free), strict=True))
-    face, row = np.unravel_index(int((over / size).argmax()), over.shape)
-    message = f"the water table lies {over[face, row]:.4g} m above the ground at {coordinates(at[face, row] @ axes)}"
+    over, place = water.above(free)
+    face, row = np.unravel_index(int((over / height).argmax()), over.shape)
+    corner = coordinates(place[face, row] @ axes)
+    message = f"the water table lies {over[face, row]:.4g} m above the ground at {corner}"
     advice = "Give a table at or below the ground; open water at the toe is a pond."
-    return [((over > _ABOVE * size).any(axis=0), Fault("E456", message, "", advice))]
+    return [((over > _ABOVE * height).any(axis=0), Fault("E456", message, "", advice))]
 
 
 def refuse(misfits: Sequence[Misfit]) -> None:
@@ -157,14 +162,21 @@ def pushes(design: SlopeDesign, slope: LocalSlope) -> tuple[dict[str, PointForce
     The forces and points of each are (n, 3). Misfits are E207 where the crack is not so deep, E456 where the table lies
     above the ground, or a joint or the crack ends in the rock.
     """
-    by_face, misfits = _pressures(design, slope)
-    loads, upper = thrusts(slope.faces, by_face), slope.faces.get(slope.free[1])
-    if upper is not None and np.any(design.surcharge_kpa):
-        a, b, c = upper[:, :1], upper[:, 1:-1], upper[:, 2:]
-        plan = cross(b - a, c - a)[..., 2] / 2.0
-        whole = plan.sum(axis=1)[:, None]
-        at = (plan[..., None] * (a + b + c)).sum(axis=1) / np.maximum(3.0 * whole, _TINY)
-        loads["surcharge"] = PointForce(np.asarray(design.surcharge_kpa)[..., None] * whole * [0.0, 0.0, -1.0], at)
+    pressures, misfits = _pressures(design, slope)
+    loads: dict[str, PointForce] = {}
+    for planes, pieces in pressures:
+        forces, points = resultant(pieces, slope.faces[list(planes)])
+        for plane, force, point in zip(planes, forces, points, strict=True):
+            if force.any():
+                loads[f"water {plane}"] = PointForce(-force[:, None] * slope.outward[plane], point)
+    upper = slope.free[1]
+    if np.any(design.surcharge_kpa) and slope.areas[upper : upper + 1].any():
+        corners = slope.faces[upper]
+        a, b, c = corners[:, :1], corners[:, 1:-1], corners[:, 2:]
+        plans = cross(b - a, c - a)[..., 2] / 2.0
+        total = plans.sum(axis=1)[:, None]
+        middle = (plans[..., None] * (a + b + c)).sum(axis=1) / np.maximum(3.0 * total, _TINY)
+        loads["surcharge"] = PointForce(np.asarray(design.surcharge_kpa)[..., None] * total * [0.0, 0.0, -1.0], middle)
     return loads, misfits
 
 
@@ -178,67 +190,52 @@ def pushes_of_cut(design: SlopeDesign, slope: LocalSlope) -> dict[str, PointForc
     """
     loads, misfits = pushes(design, slope)
     refuse(misfits)
-    return of_one(loads)
+    return {name: PointForce(load.force[0], load.at[0]) for name, load in loads.items() if load.at is not None}
 
 
-def of_one(loads: Mapping[str, PointForce]) -> dict[str, PointForce]:
-    """The loads (1, 3) on one block, each (3,)."""
-    return {name: PointForce(push.force[0], None if push.at is None else push.at[0]) for name, push in loads.items()}
-
-
-def thrusts(faces: Mapping[int, Floats], by_face: Mapping[int, Pieces]) -> dict[str, PointForce]:
-    """What pressures on faces of n blocks do to them, by the names that loads have for water: `water 0`."""
-    loads: dict[str, PointForce] = {}
-    for face, pieces in by_face.items():
-        thrust, at = resultant(pieces, faces[face])
-        if thrust.any():
-            loads[f"water {face}"] = PointForce(-thrust[:, None] * outward_normals(faces[face])[0], at)
-    return loads
-
-
-def _pressures(design: SlopeDesign, slope: LocalSlope) -> tuple[Mapping[int, Pieces], list[Misfit]]:
+def _pressures(design: SlopeDesign, slope: LocalSlope) -> tuple[list[OnFaces], list[Misfit]]:
     """The pressures on the faces of the blocks that are wet."""
-    water, faces, weight = design.water, slope.faces, design.water_unit_weight_kn_m3
-    by_face: Mapping[int, Pieces] = {}
-    misfits = list[Misfit]()
+    water, faces, weight = design.water, slope.interfaces, design.water_unit_weight_kn_m3
     if water.has_table:
-        by_face, misfits = _below_table(design, slope)
-    elif np.any(water.crack_water_m):
-        by_face = standing_in_crack(slope, weight, water.crack_water_m)
-        misfits = beyond_crack(slope, water.crack_water_m)
-    elif water.mode == "pressures":
-        given = zip(slope.interfaces, water.pressures_kpa, strict=False)
-        by_face = {face: even(faces[face], mean) for face, mean in given}
-    elif np.any(water.fill):
-        by_face = _scaled(slope.full(slope, weight), water.fill)
-    if water.crack_fill is not None and slope.crack in faces:
-        by_face = {**by_face, **_scaled({slope.crack: slope.full(slope, weight)[slope.crack]}, water.crack_fill)}
-    return by_face, misfits
+        return _below_table(design, slope)
+    if np.any(water.crack_water_m):
+        return standing_in_crack(slope, weight, water.crack_water_m), beyond_crack(slope, water.crack_water_m)
+    pressures = list[OnFaces]()
+    if water.mode == "pressures":
+        faces = faces[: len(water.pressures_kpa)]
+        pressures = [(faces, even(slope.faces[faces], _stacked(water.pressures_kpa[: len(faces)])))]
+    shares = dict.fromkeys(slope.interfaces, water.fill)
+    if slope.crack is not None and water.crack_fill is not None:
+        shares[slope.crack] = water.crack_fill
+    if any(np.any(share) for share in shares.values()):
+        for planes, pieces in slope.full(slope, weight):
+            filled = _stacked([shares[plane] for plane in planes])[..., None]
+            pressures.append((planes, [(corners, filled * peak) for corners, peak in pieces]))
+    return pressures, []
 
 
-def _scaled(full: Mapping[int, Pieces], part: Any) -> dict[int, Pieces]:
-    share = np.asarray(part)[..., None]
-    return {face: [(polygon, share * pressures) for polygon, pressures in pieces] for face, pieces in full.items()}
+def _stacked(numbers: Sequence[Any]) -> Floats:
+    """Numbers of f faces, each one for all or (n,): (f, 1) or (f, n)."""
+    return np.stack(np.broadcast_arrays(*map(np.atleast_1d, numbers)))
 
 
-def _below_table(design: SlopeDesign, slope: LocalSlope) -> tuple[Mapping[int, Pieces], list[Misfit]]:
+def _below_table(design: SlopeDesign, slope: LocalSlope) -> tuple[list[OnFaces], list[Misfit]]:
     """The pressures of a table on joints and crack, and of a pond on the ground too."""
-    faces = slope.faces
     water = pressure_below(
         design, slope.axes, slope.into, slope.level,
         lambda depth: under_planes(slope.normals, slope.offsets, depth), slope.along,
     )  # fmt: skip
-    by_face: dict[int, Pieces] = {face: list(water.pieces(faces[face])) for face in slope.interfaces}
+    ground = slope.faces[list(slope.free)]
+    pressures: list[OnFaces] = [(slope.interfaces, water.pieces(slope.faces[slope.interfaces]))]
     if water.pond is not None:
-        outside = replace(water, heights=())
-        by_face |= {face: list(outside.pieces(faces[face])) for face in slope.ground}
-    return by_face, above_ground(water, [faces[face] for face in slope.ground], slope.extents[:, 2], slope.axes)
+        pressures.append((slope.free, replace(water, heights=()).pieces(ground)))
+    return pressures, above_ground(water, ground, slope.extents[:, 2], slope.axes)
 
 
 # -- water that stands in the tension crack --------------------------------------------------------------------------
 
 
-def standing_in_crack(slope: LocalSlope, unit_weight: Any, depth: Any = None) -> dict[int, Pieces]:
+def standing_in_crack(slope: LocalSlope, unit_weight: Any, depth: Any = None) -> list[OnFaces]:
     """The pressures of water that stands in the tension crack, as a plane failure has it.
 
     In the crack it is still water. On a joint the pressure falls from the wet edge that it shares with the crack to
@@ -249,12 +246,13 @@ def standing_in_crack(slope: LocalSlope, unit_weight: Any, depth: Any = None) ->
     ----------
     unit_weight : of the water, kN/m³; depth : over the lowest point of the crack, m; None for a full one
     """
-    if slope.crack not in slope.faces:
-        return {}
-    lowest, holds = _brim(slope)
+    if slope.crack is None:
+        return []
+    lowest, holds = _brim(slope, slope.crack)
     level = lowest + (holds if depth is None else depth)
-    by_face = {joint: _from_crack(slope, joint, level, unit_weight) for joint in slope.joints}
-    return by_face | {slope.crack: list(Pressure((), level, unit_weight).pieces(slope.faces[slope.crack]))}
+    crack = [slope.crack]
+    on_joints = _from_crack(slope, slope.crack, level, unit_weight)
+    return [(slope.joints, on_joints), (crack, Pressure((), level, unit_weight).pieces(slope.faces[crack]))]
 
 
 def beyond_crack(slope: LocalSlope, depth: Any) -> list[Misfit]:
@@ -263,80 +261,75 @@ def beyond_crack(slope: LocalSlope, depth: Any) -> list[Misfit]:
     E207 the crack is not so deep, E456 a joint has a corner inside the rock away from the crack, or the crack has no
     edge on the slope.
     """
-    if slope.crack not in slope.faces:
+    if slope.crack is None:
         return []
-    holds, depth = _brim(slope)[1], np.asarray(depth)
+    holds, depth = _brim(slope, slope.crack)[1], np.asarray(depth)
     too_deep = depth > holds * (1.0 + _BRIM)
     first = int(too_deep.argmax())
-    own, most = (float(np.broadcast_to(values, too_deep.shape)[first]) for values in (depth, holds))
-    known = (*slope.free, slope.crack)
-    inside = np.stack([~_lies_on(slope, joint, *known).all(axis=1) for joint in slope.joints]).any(axis=0)
+    stands, most = (float(np.broadcast_to(values, too_deep.shape)[first]) for values in (depth, holds))
+    inside = ~_lies_on(slope, list(slope.joints), *slope.free, slope.crack).all(axis=2).all(axis=0)
     ends = "the crack ends inside the rock, below the slope: how high water stands in it is not told"
-    deep = f"the water stands {own:.6g} m deep in a crack of {most:.6g} m"
+    deep = f"the water stands {stands:.6g} m deep in a crack of {most:.6g} m"
     meet = "the joints meet inside the rock, away from the crack: how high its water stands there is not told"
     faults = [
         (np.isinf(holds), Fault("E456", ends, "", _GIVE_MEANS)),
         (too_deep, Fault("E207", deep, "", "Give at most its depth where its upper edge is lowest.")),
         (inside, Fault("E456", meet, "", _GIVE_MEANS)),
     ]
-    return [(where & (depth > 0.0), fault) for where, fault in faults]
+    return [(is_misfit & (depth > 0.0), fault) for is_misfit, fault in faults]
 
 
-def _brim(slope: LocalSlope) -> tuple[Floats, Floats]:
+def _brim(slope: LocalSlope, crack: int) -> tuple[Floats, Floats]:
     """The lowest elevation of each crack, and how deep water can stand in it: (n,) m, infinite below the slope."""
-    heights = slope.faces[slope.crack][..., 2]
-    lowest, at_ground = heights.min(axis=1), _lies_on(slope, slope.crack, *slope.free)
-    return lowest, np.where(at_ground, heights, np.inf).min(axis=1) - lowest
+    heights = slope.faces[crack][..., 2]
+    lowest, is_ground = heights.min(axis=1), _lies_on(slope, crack, *slope.free)
+    return lowest, np.where(is_ground, heights, np.inf).min(axis=1) - lowest
 
 
-def _from_crack(slope: LocalSlope, joint: int, level: Floats, unit_weight: Any) -> Pieces:
-    """The pressures on a joint of each block; none where its edge at the crack is dry.
+def _from_crack(slope: LocalSlope, crack: int, level: Floats, unit_weight: Any) -> Pieces:
+    """The pressures on the joints of each block; none on one whose edge at the crack is dry.
 
     Parameters
     ----------
     level : (n,) of the water in the crack
     """
-    polygons = slope.faces[joint]
-    at_crack = _lies_on(slope, joint, slope.crack)
-    heads = np.where(at_crack, level[:, None] - polygons[..., 2], 0.0)
-    rows = np.arange(len(heads))[:, None]
-    low = np.where(at_crack, heads, -np.inf).argmax(axis=1)[:, None]
-    deepest, arms = heads[rows, low], polygons - polygons[rows, low]
-    has_edge = at_crack & ((arms * arms).sum(axis=2) > (_ON * slope.extents.max(axis=1)[:, None]) ** 2)
-    is_wet = (deepest > 0.0) & has_edge.any(axis=1)[:, None]
+    joints = list(slope.joints)
+    polygons, in_crack = slope.faces[joints], _lies_on(slope, joints, crack)
+    heads = np.where(in_crack, level[:, None] - polygons[..., 2], 0.0)
+    low = np.where(in_crack, heads, -np.inf).argmax(axis=2)[..., None]
+    deepest, lowest = (np.take_along_axis(heads, low, axis=2), np.take_along_axis(polygons, low[..., None], axis=2))
+    arms = polygons - lowest
+    has_edge = in_crack & ((arms * arms).sum(axis=3) > (_ON * slope.extents.max(axis=1)[:, None]) ** 2)
+    is_wet = (deepest > 0.0) & has_edge.any(axis=2)[..., None]
     # where the water ends on the edge the joint is dry above it
     is_above = is_wet & (heads < 0.0)
     share = np.where(is_above, deepest / np.where(is_above, deepest - heads, 1.0), 1.0)
-    polygons = polygons[rows, low] + share[..., None] * arms
-    around = (np.arange(heads.shape[1]) + low) % heads.shape[1]
+    polygons = lowest + share[..., None] * arms
+    around = (np.arange(heads.shape[2]) + low) % heads.shape[2]
     pressures = np.where(is_wet, np.maximum(heads, 0.0), 0.0) * np.asarray(unit_weight)[..., None]
-    return [(polygons[rows, around], pressures[rows, around])]
+    return [(np.take_along_axis(polygons, around[..., None], axis=2), np.take_along_axis(pressures, around, axis=2))]
 
 
-def _lies_on(slope: LocalSlope, face: int, *planes: int) -> Bools:
-    """Whether corners of a face (n, k) lie on one of some planes."""
-    corners, on = slope.faces[face], np.zeros(slope.faces[face].shape[:2], dtype=bool)
+def _lies_on(slope: LocalSlope, faces: Any, *planes: int) -> Bools:
+    """Whether corners of faces ([f,] n, k) lie on one of some planes."""
+    corners, nearest = slope.faces[faces], np.inf
     for plane in planes:
         if plane in slope.free:
-            normal, offset = (own[slope.free.index(plane)] for own in (slope.normals, slope.offsets))
+            normal, offset = (numbers[slope.free.index(plane)] for numbers in (slope.normals, slope.offsets))
         else:
             normal = slope.outward[plane]
             offset = (normal * slope.faces[plane][:, 0]).sum(axis=1)
-        on |= (
-            np.abs((corners * normal[..., None, :]).sum(axis=2) - offset[..., None])
-            <= _ON * slope.extents.max(axis=1)[:, None]
-        )
-    return on
+        nearest = np.minimum(nearest, np.abs((corners * normal[:, None]).sum(axis=-1) - offset[:, None]))
+    on_plane: Bools = nearest <= _ON * slope.extents.max(axis=1)[:, None]
+    return on_plane
 
 
-def means_and_rest(design: SlopeDesign, slope: LocalSlope) -> tuple[list[Any], Floats, list[Misfit]]:
+def means_and_rest(design: SlopeDesign, slope: LocalSlope) -> tuple[list[Floats], Floats, list[Misfit]]:
     """Of n blocks the mean pressures of the joints and the crack (kPa), and the sum of all else (n, 3), kN."""
     loads, misfits = pushes(design, slope)
-    means: list[Any] = []
-    for face in (*slope.joints, slope.crack):
-        push = loads.pop(f"water {face}", None)
-        force = np.zeros((1, 3)) if push is None else push.force
-        area = np.maximum(outward_normals(slope.faces[face])[1], _TINY) if push is not None else 1.0
-        means.append(np.sqrt((force * force).sum(axis=1)) / area)
-    rest = sum((push.force for push in loads.values()), np.zeros((1, 3))) @ slope.axes
-    return means, rest, misfits
+    none = PointForce(np.zeros((1, 3)))
+    forces = [loads.pop(f"water {plane}", none).force for plane in (*slope.joints, slope.crack)]
+    areas = [*slope.areas[list(slope.joints)], 1.0 if slope.crack is None else slope.areas[slope.crack]]
+    means = [np.sqrt((force * force).sum(axis=1)) / np.maximum(area, _TINY)
+             for force, area in zip(forces, areas, strict=True)]  # fmt: skip
+    return means, sum((load.force for load in loads.values()), none.force) @ slope.axes, misfits

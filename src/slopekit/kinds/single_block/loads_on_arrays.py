@@ -30,8 +30,8 @@ def slope_of(bounds: Bounds, solids: Polytopes, full: FullWater) -> LocalSlope:
     cracks = [plane for plane in range(len(bounds.outward)) if plane not in (*bounds.joints, *bounds.free)]
     out = solids.outward[:, face] * [1.0, 1.0, 0.0]
     return LocalSlope(
-        {plane: solids.faces[:, plane] for plane in range(len(bounds.outward))}, solids.corners(), bounds.joints,
-        cracks[0] if cracks else -1, (face, upper), solids.outward[:, (face, upper)].swapaxes(0, 1),
+        solids.faces.swapaxes(0, 1), solids.corners(), bounds.joints, cracks[0] if cracks else None, (face, upper),
+        solids.outward[:, (face, upper)].swapaxes(0, 1),
         solids.offsets[:, (face, upper)].T, -out / np.sqrt((out * out).sum(axis=1))[:, None], bounds.along, full,
         np.eye(3), float(bounds.origin[2]),
     )  # fmt: skip

@@ -25,8 +25,7 @@ from slopekit.loads import Hull, Loads, PointForce, block_loads
 from slopekit.preie.system.model import build_model
 
 if TYPE_CHECKING:
-    from slopekit.geometry.pressure import Pieces
-    from slopekit.kinds.water import LocalSlope
+    from slopekit.kinds.water import LocalSlope, OnFaces
 
 JOINTS = ((J1, "J1"), (J2, "J2"))
 
@@ -151,14 +150,14 @@ def _loads(design: WedgeDesign, shape: Shape) -> Loads:
 def _local_slope(design: WedgeDesign, shape: Shape) -> "LocalSlope":
     from slopekit.kinds.water import LocalSlope
 
-    normals = np.array([design.face.normal(), design.upper.normal()])
+    normals = np.array([[design.face.normal()], [design.upper.normal()]])
     return LocalSlope.of_cut(
-        shape.block, shape.ids, shape.crack, shape.free, normals, np.array([0.0, shape.offset_m]),
+        shape.block, shape.ids, shape.crack, shape.free, normals, np.array([[0.0], [shape.offset_m]]),
         -Line(design.face.dip_direction_deg, 0.0).vector()[None], None, full_water, np.eye(3), design.origin_m[2],
     )  # fmt: skip
 
 
-def full_water(slope: "LocalSlope", unit_weight: Any) -> "Mapping[int, Pieces]":
+def full_water(slope: "LocalSlope", unit_weight: Any) -> "list[OnFaces]":
     """Full water on the joints and the crack: Hoek & Bray's pyramids; above a basal joint even over each face.
 
     The mean is γ_w H/6, highest half way along the line of intersection; with a crack γ_w h₅/3, highest where the crack
@@ -166,10 +165,11 @@ def full_water(slope: "LocalSlope", unit_weight: Any) -> "Mapping[int, Pieces]":
     """
     from slopekit.geometry.pressure import even, pyramid  # plain wedges do not pay
 
-    faces = {face: slope.faces[face] for face in slope.interfaces}
+    planes = slope.interfaces
+    faces = slope.faces[planes]
     normal, offset = slope.normals[1], slope.offsets[1]
-    if slope.crack in faces:
-        corners = faces[slope.crack]
+    if slope.crack is not None:
+        corners = slope.faces[slope.crack]
         depths = (offset[:, None] - (corners * normal[:, None]).sum(axis=2)) / normal[:, 2:]
         mean = unit_weight * depths.max(axis=1) / 3.0
         apex = np.take_along_axis(corners, depths.argmax(axis=1)[:, None, None], axis=1)[:, 0]
@@ -178,9 +178,7 @@ def full_water(slope: "LocalSlope", unit_weight: Any) -> "Mapping[int, Pieces]":
         line = cross(slope.outward[J1], slope.outward[J2])
         with np.errstate(divide="ignore", invalid="ignore"):
             apex = line * (offset / (line * normal).sum(axis=1))[:, None] / 2.0
-    if len(slope.joints) > len(JOINTS):
-        return {face: even(polygons, mean) for face, polygons in faces.items()}
-    return {face: pyramid(polygons, mean, apex) for face, polygons in faces.items()}
+    return [(planes, even(faces, mean) if len(slope.joints) > len(JOINTS) else pyramid(faces, mean, apex))]
 
 
 def _geometry(design: WedgeDesign, shape: Shape) -> WedgeGeometry:
