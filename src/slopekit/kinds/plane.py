@@ -29,6 +29,7 @@ from slopekit.geometry.sections.section import CRACK, FACE, J1, UPPER, PlaneSect
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.single_block import worst_crack
 from slopekit.kinds.single_block.closed_forms import (
+    MISFITS,
     Arguments,
     ClosedForms,
     OnArrays,
@@ -255,16 +256,6 @@ def _axes(face: Plane) -> Floats:
     return np.array([out, np.cross(up, out), up])
 
 
-def _local_slope(design: PlaneDesign, section: PlaneSection) -> LocalSlope:
-    upper, face = (math.radians(float(_signed_dip(plane, design.face))) for plane in (design.upper, design.face))
-    normals = np.array([[math.sin(dip), 0.0, math.cos(dip)] for dip in (face, upper)])
-    offsets = np.array([0.0, float(normals[1] @ _crest_point(design))])
-    return LocalSlope.of_cut(
-        section.block, (J1,), CRACK, (FACE, UPPER), normals[:, None], offsets[:, None], np.array([[-1.0, 0.0, 0.0]]),
-        np.array([0.0, 1.0, 0.0]), _full_water, _axes(design.face), 0.0,
-    )  # fmt: skip
-
-
 def _full_water(slope: LocalSlope, unit_weight: Any) -> list[OnFaces]:
     """Full water: as high as the crack; without one γ_w H/2 half way along the plane, nothing at its ends."""
     if slope.crack is not None:
@@ -274,6 +265,12 @@ def _full_water(slope: LocalSlope, unit_weight: Any) -> list[OnFaces]:
 
 def _loads(design: PlaneDesign, section: PlaneSection) -> Loads:
     axes, origin = _axes(design.face) * [[1.0], [0.0], [1.0]], np.zeros(3)  # where along the slope says nothing
+    upper, face = (math.radians(float(_signed_dip(plane, design.face))) for plane in (design.upper, design.face))
+    normals = np.array([[[math.sin(dip), 0.0, math.cos(dip)]] for dip in (face, upper)])
+    slope = LocalSlope.of_cut(
+        section.block, (J1,), CRACK, (FACE, UPPER), normals, np.array([[0.0], normals[1] @ _crest_point(design)]),
+        np.array([[-1.0, 0.0, 0.0]]), np.array([0.0, 1.0, 0.0]), _full_water, _axes(design.face), 0.0,
+    )  # fmt: skip
     hull = cache(lambda: hull_of(design, section.block))  # which a block without bolts does not need
     active, passive = bolt_forces(design, origin, lambda head, way: hull().meets(head, way), axes)
     k = design.seismic.coefficient * design.section_share
@@ -282,7 +279,7 @@ def _loads(design: PlaneDesign, section: PlaneSection) -> Loads:
         section.block, design.rock.unit_weight_kn_m3, np.array([k, 0.0, 0.0]),
         [point_force(force, origin, axes) for force in design.forces], active,
         [bolt for bolt in passive if float(np.abs(bolt.force).max()) > _OUT * strongest],
-        pushes_of_cut(design, _local_slope(design, section)),
+        pushes_of_cut(design, slope),
     )  # fmt: skip
 
 
@@ -348,7 +345,7 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]])
     count = max(failures.outcome.size, np.size(across))
     outcome, factor = np.broadcast_to(failures.outcome, count).copy(), np.broadcast_to(failures.factor, count).copy()
     outcome[np.broadcast_to(across, count)], factor[np.broadcast_to(across, count)] = _OUTCOMES.index("E213"), np.nan
-    return ClosedForms(_OUTCOMES, outcome, factor, [failures.normal_kn], [failures.length_m]).refused(misfit)
+    return ClosedForms(_OUTCOMES, outcome, factor, [failures.normal_kn], [failures.length_m]).refused(misfit, MISFITS)
 
 
 def _strikes_across(dip: Any, direction: Any, face: Any) -> Any:

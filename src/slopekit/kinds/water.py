@@ -19,8 +19,11 @@ from slopekit.core.errors import Fault, MisfitError
 from slopekit.core.orientation import coordinates
 from slopekit.design.common import Design
 from slopekit.design.ground_water import SlopeDesign
+from slopekit.geometry.polytopes import Polytopes, polytopes
 from slopekit.geometry.pressure import Height, Pieces, Pressure, even, in_strips, plane_table, resultant, under_planes
 from slopekit.geometry.rock.cutting import Block
+from slopekit.kinds.single_block.closed_forms import MISFITS
+from slopekit.kinds.single_block.held_bolts import Bounds
 from slopekit.loads import PointForce
 
 _ABOVE = 1e-6  # of the height: a table that lies no more above the ground is on it
@@ -86,21 +89,12 @@ class LocalSlope:
         return [*self.joints, *(() if self.crack is None else (self.crack,))]
 
     @cached_property
-    def _normals_and_areas(self) -> tuple[Floats, Floats]:
+    def normals_and_areas(self) -> tuple[Floats, Floats]:
+        """The outward unit normals (p, n, 3) and the areas (p, n) of the faces, m²; no normal without an area."""
         arms = self.faces - self.faces[:, :, :1]
         turns: Floats = cross(arms[:, :, :-1], arms[:, :, 1:]).sum(axis=2)  # Newell
         sizes = np.sqrt((turns * turns).sum(axis=2))
         return turns / np.maximum(sizes, _TINY)[..., None], sizes / 2.0
-
-    @property
-    def outward(self) -> Floats:
-        """The outward unit normals (p, n, 3) of the faces; nothing of a face without area."""
-        return self._normals_and_areas[0]
-
-    @property
-    def areas(self) -> Floats:
-        """The areas (p, n) of the faces, m²."""
-        return self._normals_and_areas[1]
 
     @cached_property
     def extents(self) -> Floats:
@@ -151,8 +145,8 @@ def above_ground(water: Pressure, free: Floats, height: Any, axes: Floats) -> li
 
 def refuse(misfits: Sequence[Misfit]) -> None:
     """MisfitError with the first that is one."""
-    for where, fault in misfits:
-        if where.any():
+    for blocks, fault in misfits:
+        if blocks.any():
             raise MisfitError([fault])
 
 
@@ -164,13 +158,14 @@ def pushes(design: SlopeDesign, slope: LocalSlope) -> tuple[dict[str, PointForce
     """
     pressures, misfits = _pressures(design, slope)
     loads: dict[str, PointForce] = {}
+    outward, areas = slope.normals_and_areas
     for planes, pieces in pressures:
         forces, points = resultant(pieces, slope.faces[list(planes)])
         for plane, force, point in zip(planes, forces, points, strict=True):
             if force.any():
-                loads[f"water {plane}"] = PointForce(-force[:, None] * slope.outward[plane], point)
+                loads[f"water {plane}"] = PointForce(-force[:, None] * outward[plane], point)
     upper = slope.free[1]
-    if np.any(design.surcharge_kpa) and slope.areas[upper : upper + 1].any():
+    if np.any(design.surcharge_kpa) and areas[upper : upper + 1].any():
         corners = slope.faces[upper]
         a, b, c = corners[:, :1], corners[:, 1:-1], corners[:, 2:]
         plans = cross(b - a, c - a)[..., 2] / 2.0
@@ -317,19 +312,68 @@ def _lies_on(slope: LocalSlope, faces: Any, *planes: int) -> Bools:
         if plane in slope.free:
             normal, offset = (numbers[slope.free.index(plane)] for numbers in (slope.normals, slope.offsets))
         else:
-            normal = slope.outward[plane]
+            normal = slope.normals_and_areas[0][plane]
             offset = (normal * slope.faces[plane][:, 0]).sum(axis=1)
         nearest = np.minimum(nearest, np.abs((corners * normal[:, None]).sum(axis=-1) - offset[:, None]))
     on_plane: Bools = nearest <= _ON * slope.extents.max(axis=1)[:, None]
     return on_plane
 
 
-def means_and_rest(design: SlopeDesign, slope: LocalSlope) -> tuple[list[Floats], Floats, list[Misfit]]:
-    """Of n blocks the mean pressures of the joints and the crack (kPa), and the sum of all else (n, 3), kN."""
-    loads, misfits = pushes(design, slope)
-    none = PointForce(np.zeros((1, 3)))
+# -- blocks by their planes ------------------------------------------------------------------------------------------
+
+
+def blocks_within(bounds: Bounds, count: int) -> Polytopes:
+    """Return the blocks of n designs; of a slope that goes on alike along itself a metre, with the ends last."""
+    outward, offsets = list(bounds.outward), list(bounds.offsets)
+    if bounds.along is not None:
+        outward += [bounds.along, -bounds.along]
+        offsets += [np.full(1, 0.5)] * 2
+    return polytopes(
+        np.stack([np.broadcast_to(normals, (count, 3)) for normals in outward], axis=1),
+        np.stack([np.broadcast_to(offset, count) for offset in offsets], axis=1),
+        np.broadcast_to(bounds.size, count),
+    )
+
+
+def slope_of(bounds: Bounds, solids: Polytopes, full: FullWater) -> LocalSlope:
+    """Return the blocks in their slopes, in east, north and up from the toe."""
+    face, upper = bounds.free
+    cracks = [plane for plane in range(len(bounds.outward)) if plane not in (*bounds.joints, *bounds.free)]
+    out = solids.outward[:, face] * [1.0, 1.0, 0.0]
+    return LocalSlope(
+        solids.faces.swapaxes(0, 1), solids.corners(), bounds.joints, cracks[0] if cracks else None, (face, upper),
+        solids.outward[:, (face, upper)].swapaxes(0, 1),
+        solids.offsets[:, (face, upper)].T, -out / np.sqrt((out * out).sum(axis=1))[:, None], bounds.along, full,
+        np.eye(3), float(bounds.origin[2]),
+    )  # fmt: skip
+
+
+def integrated_loads(design: SlopeDesign, bounds: Bounds, full: FullWater) -> tuple[list[Any], list[Any], Any]:
+    """Return what water and surcharge are to the closed form of n designs, each (n,), or a number of one.
+
+    Parameters
+    ----------
+    design : whose numbers may be arrays (n,); bounds : the planes of its blocks
+
+    Returns
+    -------
+    mean pressures of the joints and the crack, kPa; the sum of all else east, north and up, kN; which of `MISFITS`
+    refuses a block, below 0 where none does
+    """
+    solids = blocks_within(bounds, bounds.offsets.shape[1])
+    slope, none = slope_of(bounds, solids, full), PointForce(np.zeros((1, 3)))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        loads, misfits = pushes(design, slope)
     forces = [loads.pop(f"water {plane}", none).force for plane in (*slope.joints, slope.crack)]
-    areas = [*slope.areas[list(slope.joints)], 1.0 if slope.crack is None else slope.areas[slope.crack]]
-    means = [np.sqrt((force * force).sum(axis=1)) / np.maximum(area, _TINY)
-             for force, area in zip(forces, areas, strict=True)]  # fmt: skip
-    return means, sum((load.force for load in loads.values()), none.force) @ slope.axes, misfits
+    areas = [*slope.normals_and_areas[1][slope.interfaces], np.ones(1)]
+    means = [
+        np.sqrt((force * force).sum(axis=1)) / np.maximum(area, _TINY)
+        for force, area in zip(forces, areas, strict=False)
+    ]
+    rest = sum((load.force for load in loads.values()), none.force)
+    is_cut = (solids.counts[:, list(bounds.joints)] > 0).any(axis=1)
+    codes = ["E208", *(fault.code for _, fault in misfits)]
+    misfit = np.select([~is_cut, *(rows for rows, _ in misfits)], [MISFITS.index(code) for code in codes], -1)
+    values: list[Any] = [*means, *rest.T, misfit]
+    values = [value[0] if len(value) == 1 else value for value in values]
+    return values[: len(means)], values[len(means) : -1], values[-1]

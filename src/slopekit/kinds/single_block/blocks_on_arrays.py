@@ -16,8 +16,8 @@ from slopekit.geometry.polytopes import Polytopes
 from slopekit.kinds.single_block.batch_states import block_statuses
 from slopekit.kinds.single_block.closed_forms import OnArrays
 from slopekit.kinds.single_block.held_bolts import Bounds
-from slopekit.kinds.single_block.loads_on_arrays import blocks_within, slope_of
-from slopekit.kinds.water import pushes
+from slopekit.kinds.water import blocks_within, pushes, slope_of
+from slopekit.loads import PointForce
 from slopekit.preie.batch import Blocks, limits_of_blocks
 
 _NO_BLOCK = "E208"  # a crack cuts it in two
@@ -72,7 +72,7 @@ def blocks_of(design: SlopeDesign, on_arrays: OnArrays[Any], strengths: Sequence
     solids = blocks_within(bounds, count)
     joints = list(bounds.joints)
     cohesion, friction = (
-        np.stack([_each(getattr(own, name), count) for own in strengths], axis=1)
+        np.stack([_each(getattr(strength, name), count) for strength in strengths], axis=1)
         for name in ("cohesion_kpa", "friction_angle_deg")
     )
     return Blocks(
@@ -80,7 +80,7 @@ def blocks_of(design: SlopeDesign, on_arrays: OnArrays[Any], strengths: Sequence
         counts=solids.counts[:, joints],
         cohesion=cohesion,
         tan_friction=np.tan(np.radians(friction)),
-        load=_Loads(design, on_arrays, bounds, solids).load,
+        load=_loads(design, on_arrays, bounds, solids),
     )
 
 
@@ -89,62 +89,48 @@ def _each(values: Any, count: int) -> Floats:
     return np.broadcast_to(np.asarray(values, dtype=np.float64), count)
 
 
-class _Loads:
-    """The loads on n blocks: `load` (n, 6), force in kN and moment in kN m about the centroid."""
+def _loads(design: SlopeDesign, on_arrays: OnArrays[Any], bounds: Bounds, solids: Polytopes) -> Floats:
+    """Return the loads (n, 6) on n blocks: force in kN, and moment in kN m about the centroid."""
+    count = len(solids.volume)
 
-    def __init__(self, design: SlopeDesign, on_arrays: OnArrays[Any], bounds: Bounds, solids: Polytopes) -> None:
-        self.design, self.bounds, self.solids, self.count = design, bounds, solids, len(solids.volume)
-        self.load = np.zeros((self.count, 6))
-        self._weight(on_arrays)
-        self._forces()
-        self._water(on_arrays)
-        if bounds.along is not None:  # per metre: what acts along the slope says nothing
-            along, turns = bounds.along, (self.load[:, 3:] * bounds.along).sum(axis=1)
-            self.load[:, :3] -= (self.load[:, :3] * along).sum(axis=1)[:, None] * along
-            self.load[:, 3:] = turns[:, None] * along
+    def vectors(components: Any) -> Floats:
+        return np.stack([_each(component, count) for component in components], axis=1)
 
-    def _vectors(self, parts: Any) -> Floats:
-        """Return a vector of the design for each block, (n, 3)."""
-        return np.stack([_each(part, self.count) for part in parts], axis=1)
+    def place(point_m: Any) -> Floats | None:
+        return None if point_m is None else vectors(point_m) - bounds.origin
 
-    def _add(self, force: Floats, at: Floats | None) -> None:
-        """Add forces (n, 3) through points (n, 3) from the origin, or through the centroids."""
-        self.load[:, :3] += force
-        if at is not None:
-            self.load[:, 3:] += cross(at - self.solids.centroid, force)
-
-    def _place(self, at_m: Any) -> Floats | None:
-        """Return a point of the design from the origin, (n, 3)."""
-        return None if at_m is None else self._vectors(at_m) - self.bounds.origin
-
-    def _weight(self, on_arrays: OnArrays[Any]) -> None:
-        """Add the weight, and what an earthquake makes of it."""
-        rock, seismic = self.design.rock, self.design.seismic
-        weight = _each(rock.unit_weight_kn_m3, self.count) * self.solids.volume
-        self.load[:, 2] -= weight
-        if not np.any(seismic.coefficient):
-            return
-        if seismic.trend_deg is None:
-            assert on_arrays.shaken is not None
-            ways = on_arrays.shaken(self.design)
-        else:
-            trend = np.radians(_each(seismic.trend_deg, self.count))
-            ways = np.stack([np.sin(trend), np.cos(trend), np.zeros(self.count)], axis=1)
-        self.load[:, :3] += (seismic.coefficient * weight)[:, None] * ways
-
-    def _forces(self) -> None:
-        """Add forces and active bolts."""
-        for force in self.design.forces:
-            self._add(self._vectors(force.components_kn), self._place(force.at_m))
-        for bolt in self.design.bolts:
-            self._add(_each(bolt.force_kn, self.count)[:, None] * bolt.toward.vector(), self._place(bolt.head_m))
-
-    def _water(self, on_arrays: OnArrays[Any]) -> None:
-        """Add water and surcharge."""
-        if not (self.design.is_wet or np.any(self.design.surcharge_kpa)):
-            return
+    weight = _each(design.rock.unit_weight_kn_m3, count)[:, None] * solids.volume[:, None]
+    loads = [PointForce(weight * (_shaking(design, on_arrays, count) - [0.0, 0.0, 1.0]))]
+    loads += [PointForce(vectors(force.components_kn), place(force.at_m)) for force in design.forces]
+    loads += [
+        PointForce(_each(bolt.force_kn, count)[:, None] * bolt.toward.vector(), place(bolt.head_m))
+        for bolt in design.bolts
+    ]
+    if design.is_wet or np.any(design.surcharge_kpa):
         assert on_arrays.full is not None
         with np.errstate(divide="ignore", invalid="ignore"):
-            loads, _ = pushes(self.design, slope_of(self.bounds, self.solids, on_arrays.full))
-        for push in loads.values():
-            self._add(push.force, push.at)
+            loads += pushes(design, slope_of(bounds, solids, on_arrays.full))[0].values()
+    total = np.zeros((count, 6))
+    for load in loads:
+        total[:, :3] += load.force
+        if load.at is not None:
+            total[:, 3:] += cross(load.at - solids.centroid, load.force)
+    if bounds.along is not None:  # per metre: what acts along the slope says nothing
+        along, turns = bounds.along, (total[:, 3:] * bounds.along).sum(axis=1)
+        total[:, :3] -= (total[:, :3] * along).sum(axis=1)[:, None] * along
+        total[:, 3:] = turns[:, None] * along
+    return total
+
+
+def _shaking(design: SlopeDesign, on_arrays: OnArrays[Any], count: int) -> Floats:
+    """Return what an earthquake adds to the weight, (n, 3) parts of it."""
+    seismic = design.seismic
+    if not np.any(seismic.coefficient):
+        return np.zeros((count, 3))
+    if seismic.trend_deg is None:
+        assert on_arrays.shaken is not None
+        ways = on_arrays.shaken(design)
+    else:
+        trend = np.radians(_each(seismic.trend_deg, count))
+        ways = np.stack([np.sin(trend), np.cos(trend), np.zeros(count)], axis=1)
+    return _each(seismic.coefficient, count)[:, None] * ways

@@ -56,21 +56,21 @@ class ClosedForms:
             raise GeometryError([Fault(name, what)])
         return ClosedForm(None if math.isnan(factor) else factor, name)
 
-    def refused(self, misfit: Any) -> "ClosedForms":
+    def refused(self, misfit: Any, codes: Sequence[str]) -> "ClosedForms":
         """The same without the blocks that a value does not fit, where they are not refused already.
 
         Parameters
         ----------
-        misfit : (n,) index into `MISFITS`, below 0 of those that fit; None where all do
+        misfit : (n,) index into the codes, below 0 of those that fit; None where all do
         """
         if misfit is None:
             return self
-        names = (*self.names, *(code for code in MISFITS if code not in self.names))
+        names = (*self.names, *(code for code in codes if code not in self.names))
         is_block = np.array([not name.startswith("E") for name in self.names])
-        gone = (misfit >= 0) & is_block[self.outcome]
-        numbers = np.array([names.index(code) for code in MISFITS], dtype=np.int8)
-        outcome = np.where(gone, numbers[misfit], self.outcome)
-        return replace(self, names=names, outcome=outcome, factor=np.where(gone, np.nan, self.factor))
+        is_misfit = (np.asarray(misfit) >= 0) & is_block[self.outcome]
+        numbers = np.array([names.index(code) for code in codes], dtype=np.int8)
+        outcome = np.where(is_misfit, numbers[misfit], self.outcome)
+        return replace(self, names=names, outcome=outcome, factor=np.where(is_misfit, np.nan, self.factor))
 
     def tractions_kpa(self) -> list[float]:
         """The mean effective normal traction on each joint of the first of them."""
@@ -169,10 +169,10 @@ def pressures_and_force(
         pressures[:] = [*design.water.pressures_kpa, *[0.0] * joints][: joints + 1]
     if not design.is_cut_for_loads:
         return pressures, force | {"misfit": None}
-    from slopekit.kinds.single_block.loads_on_arrays import integrated_loads  # plain designs do not pay
+    from slopekit.kinds.water import integrated_loads  # plain designs do not pay
 
     means, rest, misfit = integrated_loads(design, bounds(design), full)
-    force = {name: (0.0 if own is None else own) + more for (name, own), more in zip(force.items(), rest, strict=True)}
+    force = {name: rest[k] if force[name] is None else force[name] + rest[k] for k, name in enumerate(force)}
     is_by_faces = design.water.has_table or np.any(design.water.crack_water_m)
     return (means if is_by_faces else pressures), force | {"misfit": misfit}
 

@@ -22,7 +22,7 @@ from slopekit.kinds.single_block.closed_forms import Arguments, OnArrays
 #: nowhere, at its end away from the crest. Places without a factor are outside of the range.
 WHERE = ("inside", "end", "flat", "free", "none", "back")
 _INSIDE, _END, _FLAT_OF, _FREE_OF, _NONE_OF, _BACK = range(6)
-_MANY, _FEW, _ROUNDS = 401, 31, 10
+_CHEAP, _DEAR = (401, 10), (31, 5)  # places of the first sweep, narrower sweeps: fewer where blocks are cut
 _AT_ONCE = 256  # designs: of more the columns leave the cache
 _NARROWER = 11
 _ENDS = 1e-6  # of the range: nearer to its ends there is no crack
@@ -113,13 +113,8 @@ def worst_of_many(design: SlopeDesign, on_arrays: OnArrays[Any], arguments: Argu
     for at in range(0, len(reach), _AT_ONCE):
         part = slice(at, at + _AT_ONCE)
         factors = partial(_factors, on_arrays, partial(arguments, part), ())
-        parts.append(lowest_of_many(factors, reach[part], *_sweeps(design.is_cut_for_loads))[0])
+        parts.append(lowest_of_many(factors, reach[part], *(_DEAR if design.is_cut_for_loads else _CHEAP))[0])
     return np.concatenate(parts)
-
-
-def _sweeps(is_dear: bool) -> tuple[int, int]:
-    """Places of the first sweep, and the narrower sweeps: fewer where a place is cut, or asked again and again."""
-    return (_FEW, 5) if is_dear else (_MANY, _ROUNDS)
 
 
 def _factors(
@@ -172,7 +167,7 @@ def with_worst_crack(design: D, on_arrays: OnArrays[D], reach: float, place: str
 
     distance, where = 0.0, "none"
     if reach > 0.0:
-        distance, where = lowest(factors, reach, *_sweeps(design.is_cut_for_loads or not together))
+        distance, where = lowest(factors, reach, *(_DEAR if design.is_cut_for_loads or not together else _CHEAP))
     if where == "none":
         message = "no place of the crack behind the crest gives a factor of safety: none is the worst"
         raise DesignError([Fault("E459", message, place, "Give its distance, or leave the crack out.")])

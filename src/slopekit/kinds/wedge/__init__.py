@@ -18,6 +18,7 @@ from slopekit.extents import WedgeGeometry
 from slopekit.geometry.rock.rockmass import FACE, J1, J2, UPPER
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.single_block.closed_forms import (
+    MISFITS,
     Arguments,
     ClosedForms,
     OnArrays,
@@ -42,7 +43,6 @@ from slopekit.result import Result, Words
 
 _NEARLY_PARALLEL_DEG = 5.0
 _ON = 1e-12  # of the size of a wedge: its crest is on the crack
-_OUTCOMES = (*OUTCOMES, "E486", "E487")  # the last two by limits of size
 _PRESSURES = ("pressure1", "pressure2", "pressure3", "pressure5")
 
 
@@ -56,12 +56,15 @@ def compared(design: WedgeDesign) -> ClosedForm:
 
 
 def _heights(design: WedgeDesign) -> tuple[Any, Any]:
-    """The same of a design whose numbers may be arrays, and which are left out; None where nothing limits them."""
+    """The same of a design whose numbers may be arrays, and which of `limits.CODES` refuses it, below 0 for none.
+
+    None where nothing limits them.
+    """
     if design.limits is None:
         return design.height_m, None
     fit = limits.fitted(design)
-    heights, why = np.asarray(design.height_m) * fit.scale, fit.why.astype(np.float64)
-    return (heights, why) if len(why) > 1 else (float(heights[0]), float(why[0]))
+    heights, misfit = np.asarray(design.height_m) * fit.scale, fit.why.astype(np.int64) - 1
+    return (heights, misfit) if len(misfit) > 1 else (float(heights[0]), int(misfit[0]))
 
 
 def strengths_of(design: WedgeDesign) -> list[Strength]:
@@ -74,8 +77,8 @@ def strengths_of(design: WedgeDesign) -> list[Strength]:
 
 def arguments(design: WedgeDesign) -> Arguments:
     """What Hoek & Bray's wedge is given of a design, but for its passive bolts."""
-    height, left_out = _heights(design)
-    columns: Arguments = {"height_m": height, "left_out": left_out}
+    height, size_misfit = _heights(design)
+    columns: Arguments = {"height_m": height, "size_misfit": size_misfit}
     planes = {"joint1": design.joints[0], "joint2": design.joints[1], "face": design.face, "upper": design.upper}
     for name, plane in planes.items():
         columns |= {f"{name}_dip_deg": plane.dip_deg, f"{name}_dip_direction_deg": plane.dip_direction_deg}
@@ -111,7 +114,7 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]])
     bolts : east, north and up of the passive ones
     """
     given = dict(arguments)
-    why, misfit = given.pop("left_out"), given.pop("misfit")
+    size, misfit = given.pop("size_misfit"), given.pop("misfit")
     pressures = [given.pop(name) for name in _PRESSURES if name in given]
     force = [given.pop(name) for name in ("force_east", "force_north", "force_up")]
     given |= {
@@ -123,13 +126,10 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]])
 
         three = basal.basal_wedges(basal.BasalWedgeArrays(**given))
         forces = list(three.normal_kn), list(three.areas_m2[:3])
-        return ClosedForms(basal.OUTCOMES, three.outcome, three.factor, *forces).refused(misfit)
+        return ClosedForms(basal.OUTCOMES, three.outcome, three.factor, *forces).refused(misfit, MISFITS)
     wedges = hoek_bray_wedges(WedgeArrays(**given))
-    outcome, factor = wedges.outcome, wedges.factor
-    if why is not None:
-        outcome, factor = limits.without(outcome, factor, why, len(OUTCOMES), OUTCOMES.index("E201"))
-    forces = list(wedges.normal_kn), list(wedges.areas_m2[:2])
-    return ClosedForms(_OUTCOMES, outcome, factor, *forces).refused(misfit)
+    forms = ClosedForms(OUTCOMES, wedges.outcome, wedges.factor, list(wedges.normal_kn), list(wedges.areas_m2[:2]))
+    return forms.refused(size, limits.CODES).refused(misfit, MISFITS)
 
 
 def crest_of(design: WedgeDesign) -> tuple[list[Floats], list[Floats], Floats, Floats]:

@@ -27,7 +27,7 @@ from slopekit.geometry.rock.basal import (
     trace_behind,
 )
 from slopekit.kinds.single_block.closed_forms import Arguments, ClosedForms
-from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of, held, stand_off, upward
+from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of, held, pulling, stand_off, upward
 from slopekit.kinds.wedge import arguments, closed_form, closed_forms, crest_of
 from slopekit.kinds.wedge import bounds as wedge_bounds
 from slopekit.kinds.wedge.cutting import Shape
@@ -207,15 +207,13 @@ def without_basal_of_many(design: WedgeDesign, strengths: Arguments, before: Flo
     whole = _whole(design)
     if any(bolt.head_m is not None for bolt in design.bolts):
         holds = held(wedge_bounds(whole), design.bolts, before)[0]
-        forces: list[Any] = [bolt.force_kn * one for bolt, one in zip(design.bolts, holds, strict=True)]
-        bolts = [replace(bolt, force_kn=force) for bolt, force in zip(design.bolts, forces, strict=True)]
-        whole = replace(whole, bolts=tuple(bolts))
-    on_two = {name: value for name, value in strengths.items() if not name.startswith(_OF_THE_THIRD)}
-    forms = closed_forms(arguments(whole) | on_two, ())
+        whole = replace(whole, bolts=tuple(map(pulling, design.bolts, holds)))
+    strengths_on_two = {name: value for name, value in strengths.items() if not name.startswith(_OF_THE_THIRD)}
+    forms = closed_forms(arguments(whole) | strengths_on_two, ())
     names, outcome, factor = forms.names, forms.outcome, forms.factor
     no_block = np.array([name.startswith("E") for name in names])
     if design.crack is not None:  # it may lie behind it
-        bare = closed_forms(arguments(_without_crack(whole)) | on_two, ())
+        bare = closed_forms(arguments(_without_crack(whole)) | strengths_on_two, ())
         behind = no_block[outcome]
         outcome, factor = np.where(behind, bare.outcome, outcome), np.where(behind, bare.factor, factor)
     low = np.atleast_1d(basal.height_m)

@@ -138,22 +138,17 @@ def _loads(design: WedgeDesign, shape: Shape) -> Loads:
     active, passive = bolt_forces(design, origin, lambda head, way: hull().meets(head, way))
     pushes: dict[str, PointForce] = {}
     if design.is_wet or design.surcharge_kpa:  # plain wedges do not pay
-        from slopekit.kinds import water
+        from slopekit.kinds.water import LocalSlope, pushes_of_cut
 
-        pushes = water.pushes_of_cut(design, _local_slope(design, shape))
+        slope = LocalSlope.of_cut(
+            block, shape.ids, shape.crack, shape.free, np.array([[design.face.normal()], [design.upper.normal()]]),
+            np.array([[0.0], [shape.offset_m]]), -Line(design.face.dip_direction_deg, 0.0).vector()[None], None,
+            full_water, np.eye(3), design.origin_m[2],
+        )  # fmt: skip
+        pushes = pushes_of_cut(design, slope)
     return block_loads(
         block, design.rock.unit_weight_kn_m3, design.seismic.coefficient * Line(trend, 0.0).vector(),
         [point_force(force, origin) for force in design.forces], active, passive, pushes,
-    )  # fmt: skip
-
-
-def _local_slope(design: WedgeDesign, shape: Shape) -> "LocalSlope":
-    from slopekit.kinds.water import LocalSlope
-
-    normals = np.array([[design.face.normal()], [design.upper.normal()]])
-    return LocalSlope.of_cut(
-        shape.block, shape.ids, shape.crack, shape.free, normals, np.array([[0.0], [shape.offset_m]]),
-        -Line(design.face.dip_direction_deg, 0.0).vector()[None], None, full_water, np.eye(3), design.origin_m[2],
     )  # fmt: skip
 
 
@@ -175,7 +170,7 @@ def full_water(slope: "LocalSlope", unit_weight: Any) -> "list[OnFaces]":
         apex = np.take_along_axis(corners, depths.argmax(axis=1)[:, None, None], axis=1)[:, 0]
     else:
         mean = unit_weight * slope.extents[:, 2] / 6.0
-        line = cross(slope.outward[J1], slope.outward[J2])
+        line = cross(*slope.normals_and_areas[0][[J1, J2]])
         with np.errstate(divide="ignore", invalid="ignore"):
             apex = line * (offset / (line * normal).sum(axis=1))[:, None] / 2.0
     return [(planes, even(faces, mean) if len(slope.joints) > len(JOINTS) else pyramid(faces, mean, apex))]

@@ -318,7 +318,9 @@ def prob(
     clock = Clock()
     with clock("draw"):
         drawn = _Drawn(design, asked)
-        if n is None and drawn.takes_all_at_once(asked.by):
+        # where a crack was looked for, every place of it may cut a block for its loads
+        is_dear = getattr(design, "crack_searched", "") and getattr(design, "is_cut_for_loads", False)
+        if n is None and drawn.takes_all_at_once(asked.by) and not is_dear:
             asked = replace(asked, n=MANY)
             drawn = _Drawn(design, asked)
     placed, those, fast = drawn.design, drawn.samples, drawn.fast

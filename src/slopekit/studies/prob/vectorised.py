@@ -23,7 +23,7 @@ from slopekit.design.reading.reader import strength_of
 from slopekit.kinds import kind_of
 from slopekit.kinds.single_block.blocks_on_arrays import limits_on_arrays
 from slopekit.kinds.single_block.closed_forms import Arguments, ClosedForms, OnArrays
-from slopekit.kinds.single_block.held_bolts import held
+from slopekit.kinds.single_block.held_bolts import held, pulling
 from slopekit.kinds.single_block.worst_crack import worst_of_many
 from slopekit.studies.prob.bolts import as_laid_out, standing
 from slopekit.studies.running import Record
@@ -32,7 +32,7 @@ from slopekit.studies.running import Record
 ValuesAt = Callable[[int], Mapping[str, object]]
 _EXACT = 1e-12
 _PROBES = 8
-_AT_ONCE = 32768
+_CHUNK = 32768  # samples
 
 
 @dataclass(frozen=True)
@@ -49,15 +49,15 @@ class Vectorised:
 
     def __call__(self, values: Floats) -> ClosedForms:
         """Outcome and factor of every sample; of a design without passive bolts."""
-        return _in_parts(lambda part: self.on_arrays.closed_forms(self.arguments(part), ()), values)
+        return _chunked(lambda chunk: self.on_arrays.closed_forms(self.arguments(chunk), ()), values)
 
     def also(self, values: Floats) -> ClosedForms | None:
         """What acceptance of every sample is held against besides; None where there is nothing."""
         also, strengths_of = self.on_arrays.also, self.on_arrays.of_strengths
         if also is None or getattr(self.design, "basal", None) is None:
             return None
-        return _in_parts(
-            lambda part: also(self._standing(part), strengths_of(self._strengths(part)), self.before), values
+        return _chunked(
+            lambda chunk: also(self._standing(chunk), strengths_of(self._strengths(chunk)), self.before), values
         )
 
     @property
@@ -108,15 +108,15 @@ class Vectorised:
             return None
 
         def arguments(rows: slice, places: Floats) -> Arguments:
-            each = np.repeat(values[rows], places.shape[1], axis=0)
-            at: Any = self._scattered(each)
-            at = replace(at, crack=replace(at.crack, distance_m=places.ravel()))
-            return on_arrays.arguments(at) | on_arrays.of_strengths(self._strengths(each))
+            repeated = np.repeat(values[rows], places.shape[1], axis=0)
+            cracked: Any = self._scattered(repeated)
+            cracked = replace(cracked, crack=replace(cracked.crack, distance_m=places.ravel()))
+            return on_arrays.arguments(cracked) | on_arrays.of_strengths(self._strengths(repeated))
 
         places = worst_of_many(design, on_arrays, arguments, np.broadcast_to(reach, len(values)))
         bare = on_arrays.arguments(replace(design, crack=None)) | on_arrays.of_strengths(self._strengths(values))
-        whole = on_arrays.closed_forms({name: None if "crack" in name else own for name, own in bare.items()}, ())
-        return _one_each(whole, len(values)), places
+        bare |= dict.fromkeys(name for name in bare if "crack" in name)
+        return _spread(on_arrays.closed_forms(bare, ()), len(values)), places
 
     def arguments(self, values: Floats) -> Arguments:
         """The arguments of all samples: (n,) of those that scatter."""
@@ -126,10 +126,7 @@ class Vectorised:
         """The design with arrays for what scatters; bolts that do not hold the block of a sample pull nothing."""
         design = self._scattered(values)
         if any(bolt.head_m is not None for bolt in design.bolts):
-            holds = self._holds(design, len(values))
-            forces: list[Any] = [bolt.force_kn * own for bolt, own in zip(design.bolts, holds, strict=True)]
-            bolts = [replace(bolt, force_kn=force) for bolt, force in zip(design.bolts, forces, strict=True)]
-            design = replace(design, bolts=tuple(bolts))
+            design = replace(design, bolts=tuple(map(pulling, design.bolts, self._holds(design, len(values)))))
         return design
 
     def _scattered(self, values: Floats) -> Design:
@@ -159,15 +156,15 @@ class Vectorised:
         return strengths
 
 
-def _in_parts(forms: Callable[[Floats], ClosedForms], values: Floats) -> ClosedForms:
+def _chunked(forms: Callable[[Floats], ClosedForms], values: Floats) -> ClosedForms:
     """The closed forms of all samples, so many at once that the faces of their blocks stay small in memory."""
-    parts = [values[at : at + _AT_ONCE] for at in range(0, len(values), _AT_ONCE)]
-    found = [_one_each(forms(part), len(part)) for part in parts]
-    outcome, factor = (np.concatenate([getattr(own, name) for own in found]) for name in ("outcome", "factor"))
-    return ClosedForms(found[0].names, outcome, factor)
+    chunks = [values[first : first + _CHUNK] for first in range(0, len(values), _CHUNK)]
+    results = [_spread(forms(chunk), len(chunk)) for chunk in chunks]
+    outcome, factor = (np.concatenate([getattr(result, name) for result in results]) for name in ("outcome", "factor"))
+    return ClosedForms(results[0].names, outcome, factor)
 
 
-def _one_each(forms: ClosedForms, count: int) -> ClosedForms:
+def _spread(forms: ClosedForms, count: int) -> ClosedForms:
     """The closed form of each sample where nothing that scatters is an argument: all are alike."""
     return ClosedForms(forms.names, np.broadcast_to(forms.outcome, count), np.broadcast_to(forms.factor, count))
 
