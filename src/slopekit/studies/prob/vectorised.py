@@ -31,6 +31,7 @@ from slopekit.studies.running import Record
 #: A design's values at a sample: what `with_values` takes.
 ValuesAt = Callable[[int], Mapping[str, object]]
 _EXACT = 1e-12
+_SMALL = 1e-6  # kPa, kN, m or degrees: below it an argument is nothing but rounding
 _PROBES = 8
 _CHUNK = 32768  # samples
 
@@ -213,7 +214,9 @@ def _pulled(arguments: Arguments, design: Design) -> Arguments:
 def _same(computed: Any, read: Sequence[float | None]) -> bool:
     """Whether an argument, one for all or one for each, is what was read."""
     each, of_all = np.array(read, dtype=np.float64), np.array(computed, dtype=np.float64)  # None is nan
-    return np.allclose(of_all, each, rtol=_EXACT, atol=_EXACT * np.nan_to_num(np.abs(each)).max(), equal_nan=True)
+    return np.allclose(
+        of_all, each, rtol=_EXACT, atol=_EXACT * np.nan_to_num(np.abs(each)).max(initial=_SMALL), equal_nan=True
+    )
 
 
 def _place(design: Design, path: str) -> list[str]:
