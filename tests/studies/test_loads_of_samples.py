@@ -102,4 +102,4 @@ def test_samples_all_at_once_have_the_loads_of_each() -> None:
         met, count = compared(random_design(rng))
         statuses, judged = statuses | met, judged + count
     assert judged > DESIGNS * SAMPLES // 2
-    assert statuses >= {"rotates", "slides_on_J1", "slides_on_both", "slides_on_basal", "E207", "E456"}
+    assert statuses >= {"rotates", "slides_on_J1", "slides_on_both", "E207", "E456"}
