@@ -8,7 +8,6 @@ from slopekit.geometry.interfaces import node_pairs
 from slopekit.geometry.pressure import Pieces, even, pyramid, resultant
 from slopekit.geometry.rock.cutting import Block, cut_wedge
 from slopekit.geometry.rock.rockmass import J1, J2
-from slopekit.kinds.water import outward_normal
 from slopekit.kinds.wedge.cutting import rock_mass
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import Loads, PointForce, block_loads
@@ -25,8 +24,9 @@ def moment_of(block: Block, forces=(), active=()) -> np.ndarray:
 
 def loads_of_water(block: Block, joint: int, pieces: Pieces) -> Loads:
     polygon = block.faces[joint]
-    thrust, at = resultant(pieces, polygon)
-    push = PointForce(-thrust * outward_normal(polygon), at)
+    (thrust,), (at,) = resultant(pieces, polygon[None])
+    outward = np.cross(polygon[1] - polygon[0], polygon[2] - polygon[0])
+    push = PointForce(-thrust * outward / np.linalg.norm(outward), at)
     return block_loads(block, 0.0, np.zeros(3), pushes={f"water {joint}": push})
 
 
@@ -41,7 +41,7 @@ def test_even_pressure_acts_at_the_middle_of_its_face(block) -> None:
     pairs = node_pairs({J1: block.faces[J1]})
     forces = 7.0 * pairs.control_areas[:, None] * pairs.normals
     exact = np.cross(pairs.points - block.centroid, forces).sum(axis=0)
-    loads = loads_of_water(block, J1, even(block.faces[J1], 7.0))
+    loads = loads_of_water(block, J1, even(block.faces[J1][None], 7.0))
     assert loads.moment == pytest.approx(exact, rel=1e-10)
 
 
@@ -68,7 +68,7 @@ def test_pyramid_of_pressure_acts_where_integration_says(block, joint) -> None:
         share = np.array([1.0 if np.abs(p - apex).sum() < 1e-9 else 0.0 for p in triangle] + [1.0 / 3.0])
         pushes = (30.0 * share * pairs.control_areas)[:, None] * pairs.normals
         force, moment = force + pushes.sum(axis=0), moment + np.cross(pairs.points - block.centroid, pushes).sum(axis=0)
-    loads = loads_of_water(block, joint, pyramid(block.faces[joint], 10.0, apex))
+    loads = loads_of_water(block, joint, pyramid(block.faces[joint][None], 10.0, apex[None]))
     assert loads.force == pytest.approx(force, rel=1e-10)  # the mean is a third of the peak
     assert loads.moment == pytest.approx(moment, rel=1e-10)
 

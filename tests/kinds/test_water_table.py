@@ -50,7 +50,7 @@ def test_the_integral_over_a_triangle_is_that_of_quadrature(water) -> None:
         sides = corners[1:] - corners[0]
         points = corners[0] + middles @ sides
         share = water.at(points) * float(np.linalg.norm(np.cross(*sides))) / 2.0 / len(points)
-        thrust, at = water.on(corners)
+        (thrust,), (at,) = water.on(corners[None])
         assert thrust == pytest.approx(float(share.sum()), rel=2e-3, abs=1e-6)
         assert thrust * at == pytest.approx(share @ points, rel=5e-3, abs=2e-2 * (1.0 + abs(thrust)))
 
@@ -59,7 +59,7 @@ def test_a_polygon_in_the_border_of_two_pieces_counts_once() -> None:
     """A vertical crack at a corner of the table: γ h² / 2 at a third of its height, not twice that."""
     wall = np.array([[0.0, 5.0, 0.0], [1.0, 5.0, 0.0], [1.0, 5.0, 6.0], [0.0, 5.0, 6.0]])
     table = in_strips(np.array([0.0, 1.0, 0.0]), [0.0, 5.0, 12.0], [1.0, 3.0, 9.0])
-    thrust, at = Pressure(table, None, WATER).on(wall)
+    (thrust,), (at,) = Pressure(table, None, WATER).on(wall[None])
     assert thrust == pytest.approx(WATER * 4.5, rel=1e-13)
     assert at == pytest.approx([0.5, 5.0, 1.0], rel=1e-13)
 

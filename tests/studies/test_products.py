@@ -43,9 +43,7 @@ REFUSED = {("support", "barton-bandis"): "E288", ("support", "power"): "E288"}
 #: Designs that fail as they are: there is no yield acceleration.
 FALLEN = ("crack half full", "water table", "pond")
 #: Features that samples are read one by one for.
-ONE_BY_ONE = (
-    "water table", "pond", "water in the crack", "surcharge", "passive bolts", "barton-bandis", "power", "dilation",
-)  # fmt: skip
+ONE_BY_ONE = ("passive bolts", "barton-bandis", "power", "dilation")
 KEY, NOW = "rock.unit_weight", 25.0
 
 

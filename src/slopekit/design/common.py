@@ -267,11 +267,6 @@ class Design(DesignKeys):
         return tuple(pair for variable in self.variables for pair in variable.assumed())
 
     @property
-    def is_cut_for_loads(self) -> bool:
-        """Whether loads are integrated over the faces of the block: closed forms need it cut, too."""
-        return False
-
-    @property
     def is_wet(self) -> bool:
         """Whether there is water."""
         return self.water.is_wet

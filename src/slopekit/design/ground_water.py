@@ -4,6 +4,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal
 
+import numpy as np
+
 from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.orientation import number as shown
 from slopekit.core.orientation import parse_plane
@@ -52,7 +54,7 @@ class SlopeDesign(Design):
     @property
     def is_cut_for_loads(self) -> bool:
         """Whether water or surcharge are integrated over the faces of the block."""
-        return self.water.has_table or bool(self.surcharge_kpa)
+        return self.water.has_table or bool(np.any(self.surcharge_kpa))
 
     def ponded(self, face: int, upper: int) -> dict[int, str]:
         """The free faces that a pond presses on, by name."""

@@ -5,6 +5,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
+import numpy as np
+
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.orientation import number as shown
 from slopekit.design.fields import Field, declare, group, in_degrees, keys_of, number, orientation, point, text
@@ -118,7 +120,7 @@ class Water:
     @property
     def is_wet(self) -> bool:
         """Whether there is water, if only in the crack."""
-        return self.mode != "dry" or bool(self.crack_fill or self.crack_water_m)
+        return self.mode != "dry" or bool(np.any(self.crack_fill) or np.any(self.crack_water_m))
 
     @property
     def has_table(self) -> bool:

@@ -34,34 +34,10 @@ class Polytopes:
     volume: Floats
     centroid: Floats
 
-    def triangles(self, plane: int) -> Floats:
-        """Return a face of every block in triangles from its first corner, (n, c - 2, 3, 3)."""
-        corners = self.faces[:, plane]
-        first = np.broadcast_to(corners[:, :1], corners[:, 2:].shape)
-        return np.stack([first, corners[:, 1:-1], corners[:, 2:]], axis=2)
-
-    def about(self, plane: int, apex: Floats) -> Floats:
-        """Return a face of every block in triangles about a point (n, 3) of it, (n, c, 3, 3)."""
-        corners = self.faces[:, plane]
-        first = np.broadcast_to(apex[:, None], corners.shape)
-        return np.stack([first, corners, np.roll(corners, -1, axis=1)], axis=2)
-
-    def even(self, plane: int, pressure: Floats) -> tuple[int, Floats, Floats]:
-        """Return the plane, its faces in triangles, and a pressure (n,) at their corners."""
-        triangles = self.triangles(plane)
-        return plane, triangles, np.broadcast_to(pressure[:, None, None], triangles.shape[:3])
-
-    def pyramid(self, plane: int, apex: Floats, mean: Floats) -> tuple[int, Floats, Floats]:
-        """Return the same of a pressure that falls from a point (n, 3) to nothing on the other edges, by its mean."""
-        triangles = self.about(plane, apex)
-        pressures = np.zeros(triangles.shape[:3])
-        pressures[:, :, 0] = 3.0 * mean[:, None]
-        return plane, triangles, pressures
-
-    def height(self) -> Floats:
-        """Return how high each block is, from its lowest to its highest corner, (n,) m."""
-        heights = np.where((self.counts > 0)[:, :, None], self.faces[..., 2], np.nan)
-        return np.asarray(np.nanmax(heights, axis=(1, 2)) - np.nanmin(heights, axis=(1, 2)))
+    def corners(self) -> Floats:
+        """Return the corners of the blocks, (n, p c, 3) m, face by face; nan without a face."""
+        corners = np.where((self.counts > 0)[:, :, None, None], self.faces, np.nan)
+        return corners.reshape(len(corners), -1, 3)
 
 
 def polytopes(outward: Floats, offsets: Floats, size: Floats) -> Polytopes:

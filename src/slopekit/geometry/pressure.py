@@ -5,19 +5,24 @@ it lies lower. Within a piece the pressure is linear, so that its integral over 
 exact: of a triangle of area A with corners x_i and pressures p_i
 
     ∫ p dA = A Σp / 3        ∫ p x dA = A (Σp Σx + Σ p_i x_i) / 12
+
+Polygons come n at a time, (n, k, 3), or several faces of n blocks, (f, n, k, 3); the first corner stands again where a
+polygon has fewer than k. Slopes, levels, borders and ponds are one for all or one for each of the n.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, cross
 
 _ON_EDGE = 1e-12  # of the size of a polygon: nearer to the border of a piece it lies in it
+_ABOVE_ALL = 1e12  # m: as high is the ground behind an upright plane
 
-#: Flat convex polygons (k, 3) with the pressures (k,) at their corners, linear in each triangle from the first of them.
+#: Flat convex polygons (n, k, 3) with the pressures (n, k) at their corners, linear in each triangle from the first of
+#: them; not numbers where nothing of a polygon is wet.
 Pieces: TypeAlias = Iterable[tuple[Floats, Floats]]
 
 
@@ -27,29 +32,41 @@ class Height:
 
     Attributes
     ----------
-    slope : (3,), nothing along z; level : m
-    borders : (3,) normals and offsets with `normal · x <= offset`, and whether the border itself is left to another
+    slope : (3,) or (n, 3), nothing along z; level : m, a number or (n,)
+    borders : normals and offsets, alike, with `normal · x <= offset`, and whether the border itself is left to another
     """
 
     slope: Floats
-    level: float
-    borders: tuple[tuple[Floats, float, bool], ...] = ()
+    level: Any
+    borders: tuple[tuple[Floats, Any, bool], ...] = ()
 
     def at(self, points: Floats) -> Floats:
-        """The height over points (n, 3), wherever they are: (n,)."""
-        heights: Floats = points @ self.slope + self.level
-        return heights
+        """The height over points (k, 3) or (n, k, 3), wherever they are: (k,) or (n, k)."""
+        return _beyond(points, self.slope, np.negative(self.level))
 
 
-def under_planes(normals: Floats, offsets: Floats, depth: float) -> tuple[Height, ...]:
-    """A table at a vertical depth below the lowest of planes `normal · x = offset`; vertical ones bound nothing."""
-    planes = [(normal, offset) for normal, offset in zip(normals, offsets, strict=True) if normal[2] > _ON_EDGE]
-    slopes = [np.array([-normal[0], -normal[1], 0.0]) / normal[2] for normal, _ in planes]
-    levels = [float(offset / normal[2]) for normal, offset in planes]
+def _beyond(points: Floats, normals: Floats, offsets: Any) -> Floats:
+    """How far points (n, k, 3) lie beyond planes `normal · x = offset` (n,): (n, k)."""
+    x, y, z = (points[..., k] * normals[..., k, None] for k in range(3))
+    beyond: Floats = x + y + z - np.asarray(offsets)[..., None]
+    return beyond
+
+
+def under_planes(normals: Floats, offsets: Floats, depth: Any) -> tuple[Height, ...]:
+    """A table at a vertical depth below the lowest of planes `normal · x = offset`; upright ones bound nothing.
+
+    Parameters
+    ----------
+    normals : (p, 3) or (p, n, 3); offsets : (p,) or (p, n) m; depth : m, a number or (n,)
+    """
+    is_upright = normals[..., 2] <= _ON_EDGE
+    steepness = np.where(is_upright, 1.0, normals[..., 2])
+    slopes = np.where(is_upright[..., None], 0.0, normals * [-1.0, -1.0, 0.0] / steepness[..., None])
+    levels = np.where(is_upright, _ABOVE_ALL, offsets / steepness)
     heights = []
     for k, (slope, level) in enumerate(zip(slopes, levels, strict=True)):
         borders = tuple(
-            (slope - slopes[other], levels[other] - level, k > other) for other in range(len(planes)) if other != k
+            (slope - slopes[other], levels[other] - level, k > other) for other in range(len(slopes)) if other != k
         )
         heights.append(Height(slope, level - depth, borders))
     return tuple(heights)
@@ -60,7 +77,7 @@ def in_strips(along: Floats, places: Sequence[float], levels: Sequence[float]) -
 
     Parameters
     ----------
-    along : (3,) level unit vector that the places are counted along
+    along : (3,) or (n, 3) level unit vector that the places of points are counted along
     places : m, ascending, twice where the table steps; levels : m
     """
     flat = np.zeros(3)
@@ -74,10 +91,17 @@ def in_strips(along: Floats, places: Sequence[float], levels: Sequence[float]) -
     return (*heights, Height(flat, levels[-1], ((-along, -places[-1], False),)))
 
 
-def plane_table(normal: Floats, level: float, in_section: bool) -> tuple[Height, ...]:
-    """A table that is a plane of this normal (3,), at a level (m) over the origin; of a section its trace there."""
-    x, y, z = normal
-    return (Height(np.array([-x / z, 0.0 if in_section else -y / z, 0.0]), level),)
+def plane_table(normal: Floats, level: Any, along: Floats | None) -> tuple[Height, ...]:
+    """A table that is a plane of this normal (3,), at a level (m) over the origin.
+
+    Parameters
+    ----------
+    along : (3,) or (n, 3) unit vector along a slope of which only the section counts, where the table has its trace
+    """
+    slope: Floats = normal * [-1.0, -1.0, 0.0] / normal[2]
+    if along is not None:
+        slope = slope - (slope * along).sum(axis=-1)[..., None] * along
+    return (Height(slope, level),)
 
 
 @dataclass(frozen=True)
@@ -87,131 +111,142 @@ class Pressure:
     Attributes
     ----------
     heights : of the table; none without one
-    pond : level of open water (m), None without any; unit_weight : kN/m³
+    pond : level of open water (m, a number or (n,)), None without any; unit_weight : kN/m³, a number or (n,)
     """
 
     heights: tuple[Height, ...]
-    pond: float | None
-    unit_weight: float
+    pond: Any
+    unit_weight: Any
 
     def at(self, points: Floats) -> Floats:
-        """The pressure at points (n, 3): (n,) kPa.
+        """The pressure at points (k, 3) or (n, k, 3): (k,) or (n, k) kPa.
 
         >>> level = Pressure((Height(np.zeros(3), 5.0),), None, 10.0)
         >>> level.at(np.array([[0.0, 0.0, 2.0], [0.0, 0.0, 7.0]]))
         array([30.,  0.])
         """
-        head = np.full(len(points), -np.inf if self.pond is None else self.pond)
+        head: Floats = np.asarray(-np.inf if self.pond is None else self.pond)[..., None]
         for height in self.heights:
-            within = np.ones(len(points), dtype=bool)
+            within = np.ones(points.shape[:-1], dtype=bool)
             for normal, offset, is_open in height.borders:
-                side = points @ normal - offset
-                within &= side < 0.0 if is_open else side <= 0.0
+                side = _beyond(points, normal, offset)
+                within = within & (side < 0.0 if is_open else side <= 0.0)
             head = np.where(within, np.maximum(head, height.at(points)), head)
-        wet: Floats = self.unit_weight * np.maximum(head - points[:, 2], 0.0)
+        wet: Floats = np.asarray(self.unit_weight)[..., None] * np.maximum(head - points[..., 2], 0.0)
         return wet
 
-    def on(self, polygon: Floats) -> tuple[float, Floats]:
-        """The integral of the pressure over a flat convex polygon (k, 3), kN, and the point it acts through, (3,).
+    def on(self, polygons: Floats) -> tuple[Floats, Floats]:
+        """The integrals (n,) of the pressure over flat convex polygons (n, k, 3), kN, and where they act, (n, 3).
 
-        >>> wall = np.array([[0.0, 0, 0], [0, 1, 0], [0, 1, 6], [0, 0, 6]])
+        >>> wall = np.array([[[0.0, 0, 0], [0, 1, 0], [0, 1, 6], [0, 0, 6]]])
         >>> Pressure((), 6.0, 10.0).on(wall)
-        (180.0, array([0. , 0.5, 2. ]))
+        (array([180.]), array([[0. , 0.5, 2. ]]))
         """
-        return resultant(self.pieces(polygon), polygon)
+        return resultant(self.pieces(polygons), polygons)
 
-    def above(self, polygon: Floats) -> tuple[float, Floats]:
-        """By how much (m) the table stands above a flat convex polygon, and no pond does, at most, and where (3,)."""
-        worst, place = 0.0, np.zeros(3)
+    def above(self, polygons: Floats) -> tuple[Floats, Floats]:
+        """By how much (n,) m the table stands above flat convex polygons, and no pond does; where most, (n, 3)."""
+        excess, place = np.zeros(polygons.shape[:-2]), polygons[..., 0, :]
         if self.pond is not None:
-            polygon = _clipped(polygon, np.array([0.0, 0.0, -1.0]), -self.pond, False)
+            polygons = _clipped(polygons, np.array([0.0, 0.0, -1.0]), np.negative(self.pond), False)
         for height in self.heights:
-            part = polygon
-            for normal, offset, is_open in height.borders:
-                part = _clipped(part, normal, offset, is_open)
-            over = height.at(part) - part[:, 2]
-            if len(over) and float(over.max()) > worst:
-                worst, place = float(over.max()), part[int(over.argmax())]
-        return worst, place
+            corners = self._within(polygons, height)
+            over = height.at(corners) - corners[..., 2]
+            over = np.where(np.isnan(over), -np.inf, over)
+            highest = over.argmax(axis=-1)[..., None]
+            corner = np.take_along_axis(corners, highest[..., None], axis=-2)[..., 0, :]
+            most = over.max(axis=-1)
+            place, excess = np.where((most > excess)[..., None], corner, place), np.maximum(most, excess)
+        return excess, place
 
-    def pieces(self, polygon: Floats) -> Iterator[tuple[Floats, Floats]]:
-        """The wet parts of a polygon on which the pressure is linear, each with the pressures at its corners."""
+    def pieces(self, polygons: Floats) -> Iterator[tuple[Floats, Floats]]:
+        """The wet parts of polygons (n, k, 3) on which the pressure is linear, with the pressures at their corners."""
         level = None if self.pond is None else Height(np.zeros(3), self.pond)
         for height in self.heights:
-            part = polygon
-            for normal, offset, is_open in height.borders:
-                part = _clipped(part, normal, offset, is_open)
+            part = self._within(polygons, height)
             if level is None:
                 yield from self._wet(part, height)
                 continue
             yield from self._wet(_clipped(part, -height.slope, height.level - level.level, False), height)
             yield from self._wet(_clipped(part, height.slope, level.level - height.level, True), level)
         if level is not None and not self.heights:
-            yield from self._wet(polygon, level)
+            yield from self._wet(polygons, level)
+
+    def _within(self, polygons: Floats, height: Height) -> Floats:
+        """The parts of polygons within the borders of a height."""
+        for normal, offset, is_open in height.borders:
+            polygons = _clipped(polygons, normal, offset, is_open)
+        return polygons
 
     def _wet(self, part: Floats, height: Height) -> Iterator[tuple[Floats, Floats]]:
         wet = _clipped(part, np.array([0.0, 0.0, 1.0]) - height.slope, height.level, True)
-        if len(wet) > 2:
-            yield wet, self.unit_weight * np.maximum(height.at(wet) - wet[:, 2], 0.0)
+        if not np.isnan(wet[..., 0, 0]).all():
+            yield wet, np.asarray(self.unit_weight)[..., None] * np.maximum(height.at(wet) - wet[..., 2], 0.0)
 
 
-def even(polygon: Floats, mean: float) -> Pieces:
-    """The same pressure all over a flat convex polygon (k, 3)."""
-    return [(polygon, np.full(len(polygon), mean))]
+def even(polygons: Floats, mean: Any) -> Pieces:
+    """The same pressure, a number or (n,), all over each of flat convex polygons (n, k, 3)."""
+    return [(polygons, np.asarray(mean)[..., None] + np.zeros(polygons.shape[:-1]))]
 
 
-def pyramid(polygon: Floats, mean: float, apex: Floats) -> Pieces:
-    """A pressure that falls linearly from its apex, on the edge or at a corner of a polygon, to nothing on other edges.
+def pyramid(polygons: Floats, mean: Any, apex: Floats) -> Pieces:
+    """Pressures that fall linearly from an apex (n, 3), on the edge or at a corner of a polygon, to nothing elsewhere.
 
-    On each triangle (apex, a, b) the mean is a third of the peak.
+    On each triangle (apex, a, b) the mean, a number or (n,), is a third of the peak.
     """
-    peak = np.array([3.0 * mean, 0.0, 0.0])
-    return [(np.array([apex, a, b]), peak) for a, b in zip(polygon, np.roll(polygon, -1, axis=0), strict=True)]
+    peak = np.broadcast_to(apex[..., None, :], polygons[..., :1, :].shape)
+    ring = np.concatenate([peak, polygons, polygons[..., :1, :]], axis=-2)
+    pressures = np.zeros(ring.shape[:-1])
+    pressures[..., 0] = 3.0 * mean
+    return [(ring, pressures)]
 
 
-def resultant(pieces: Pieces, polygon: Floats) -> tuple[float, Floats]:
-    """The force (kN) of a pressure on a flat polygon (k, 3), and the point (3,) it acts through: of none its middle."""
-    thrust, moment = 0.0, np.zeros(3)
-    for part, pressures in pieces:
-        force, turning = fan(part, pressures)
-        thrust += force
-        moment += turning
-    return thrust, moment / thrust if thrust > 0.0 else polygon.mean(axis=0)
+def resultant(pieces: Pieces, polygons: Floats) -> tuple[Floats, Floats]:
+    """The forces (n,) kN of pressures on flat polygons (n, k, 3), and the points (n, 3) they act through.
 
+    Of no force that is the middle of the polygon.
 
-def fan(polygon: Floats, pressures: Floats) -> tuple[float, Floats]:
-    """The integrals of p and p x over a flat convex polygon (k, 3), p linear in each triangle from its first corner.
-
-    Parameters
-    ----------
-    pressures : (k,) at the corners
-
-    >>> corner = np.array([[0.0, 0, 0], [3, 0, 0], [0, 2, 0]])
-    >>> fan(corner, np.array([12.0, 0.0, 0.0]))
-    (12.0, array([9., 6., 0.]))
+    >>> corner = np.array([[[0.0, 0, 0], [3, 0, 0], [0, 2, 0]]])
+    >>> resultant([(corner, np.array([[12.0, 0.0, 0.0]]))], corner)
+    (array([12.]), array([[0.75, 0.5 , 0.  ]]))
     """
-    a, b, c = polygon[:1], polygon[1:-1], polygon[2:]
-    areas = np.sqrt((cross(b - a, c - a) ** 2).sum(axis=1)) / 2.0
-    corners = np.stack([np.broadcast_to(a, b.shape), b, c])
-    at = np.stack([np.broadcast_to(pressures[0], len(b)), pressures[1:-1], pressures[2:]])
-    total = at.sum(axis=0)
-    moment: Floats = areas / 12.0 @ (total[:, None] * corners.sum(axis=0) + (at[:, :, None] * corners).sum(axis=0))
-    return float(areas @ total) / 3.0, moment
+    thrust, moment = np.zeros(polygons.shape[:-2]), np.zeros((*polygons.shape[:-2], 3))
+    for corners, pressures in pieces:
+        a, b, c = corners[..., :1, :], corners[..., 1:-1, :], corners[..., 2:, :]
+        p, q, r = pressures[..., :1], pressures[..., 1:-1], pressures[..., 2:]
+        normals = cross(b - a, c - a)
+        areas, total = np.sqrt((normals * normals).sum(axis=-1)) / 2.0, p + q + r
+        weighed = (total + p)[..., None] * a + (total + q)[..., None] * b + (total + r)[..., None] * c
+        thrust = thrust + np.nansum(areas * total, axis=-1) / 3.0
+        moment = moment + np.nansum(areas[..., None] * weighed, axis=-2) / 12.0
+    is_pressed = (thrust > 0.0)[..., None]
+    return thrust, np.where(is_pressed, moment / np.where(is_pressed, thrust[..., None], 1.0), polygons.mean(axis=-2))
 
 
-def _clipped(polygon: Floats, normal: Floats, offset: float, is_open: bool) -> Floats:
-    """The part of a polygon (k, 3) with `normal · x <= offset`; one that lies in the border is of the closed side."""
-    if len(polygon) < 3:
-        return polygon[:0]
-    side = polygon @ normal - offset
-    size = float(np.abs(normal).max()) * float(np.abs(polygon).max(initial=0.0)) + abs(offset)
-    if float(np.abs(side).max()) <= _ON_EDGE * size:
-        return polygon[:0] if is_open else polygon
-    corners = []
-    for k in range(len(polygon)):
-        here, there = side[k - 1], side[k]
-        if (here <= 0.0) != (there <= 0.0):
-            corners.append(polygon[k - 1] + (here / (here - there)) * (polygon[k] - polygon[k - 1]))
-        if there <= 0.0:
-            corners.append(polygon[k])
-    return np.array(corners).reshape(-1, 3)
+def _clipped(polygons: Floats, normal: Floats, offset: Any, is_open: bool) -> Floats:
+    """The parts of polygons (n, k, 3) with `normal · x <= offset`; not numbers where there is none.
+
+    A polygon that lies in the border is of the closed side.
+    """
+    side = _beyond(polygons, normal, offset)
+    size = np.abs(normal).max(axis=-1) * np.abs(polygons).max(axis=(-2, -1)) + np.abs(offset)
+    side = np.where((np.abs(side).max(axis=-1) <= _ON_EDGE * size)[..., None], 1.0 if is_open else 0.0, side)
+    polygons = np.broadcast_to(polygons, (*side.shape, 3))
+    is_out = side > 0.0
+    if not is_out.any():
+        return polygons
+    if is_out.all():
+        return np.full((*side.shape[:-1], 3, 3), np.nan)
+    before = np.arange(-1, side.shape[-1] - 1)
+    start, ahead, is_in = polygons[..., before, :], side[..., before], side <= 0.0
+    crosses = (ahead <= 0.0) != is_in
+    share = np.where(crosses, ahead / np.where(crosses, ahead - side, 1.0), 0.0)[..., None]
+    crossings = np.stack([start + share * (polygons - start), polygons], axis=-2)
+    corners = crossings.reshape(*side.shape[:-1], -1, 3)
+    remains = np.stack([crosses, is_in], axis=-1).reshape(corners.shape[:-1])
+    counts = remains.sum(axis=-1)[..., None, None]
+    most = max(int(counts.max(initial=0)), 3)
+    order = np.argsort(~remains, axis=-1, kind="stable")[..., :most, None]
+    corners = np.take_along_axis(corners, order, axis=-2)
+    first = np.where(counts > 0, corners[..., :1, :], np.nan)
+    return np.where(np.arange(most)[:, None] < counts, corners, first)

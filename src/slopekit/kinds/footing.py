@@ -15,13 +15,13 @@ from slopekit.design.fields import Field, count, declare, group, number
 from slopekit.design.parts import Action, Stiffness, Strength
 from slopekit.design.reading.reader import Reader
 from slopekit.design.sections import read_common, read_strengths
+from slopekit.geometry.pressure import resultant
 from slopekit.geometry.sections.section import J1, PlaneSection, footing_section, line_pairs
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.single_block.one_block import DILATES, kind_of_one_block, other_strengths
 from slopekit.kinds.single_block.one_block_limit import Cut, Interface
 from slopekit.kinds.single_block.secants import on_secants
 from slopekit.kinds.solver_inputs import section_bedding, section_geometry
-from slopekit.kinds.water import thrusts
 from slopekit.kinds.words import loads_part, size_number, size_part, strength_in_words, water_in_words
 from slopekit.loads import PointForce, block_loads
 from slopekit.result import Result, Words
@@ -163,7 +163,10 @@ def cut(design: FootingDesign) -> Cut:
     section, at = _block(design)
     push = PointForce(np.array([0.0, 0.0, -design.load_kn]), np.array([-at, 0.0, section.bottom[2]]))
     plane, (toe, heel) = section.block.faces[J1], design.ends_kpa
-    uplift = thrusts({J1: plane}, {J1: [(plane, toe + (heel - toe) * plane[:, 0] / section.bottom[0])]})
+    pressures = toe + (heel - toe) * plane[:, 0] / section.bottom[0]
+    (thrust,), (point,) = resultant([(plane[None], pressures[None])], plane[None])
+    x, _, z = section.bottom / section.length  # up along the plane, into the slope
+    uplift = {f"water {J1}": PointForce(thrust * np.array([z, 0.0, -x]), point)} if thrust else {}
     acting = block_loads(section.block, design.rock.unit_weight_kn_m3, np.zeros(3), pushes={"footing": push} | uplift)
     bed = section_bedding(section, acting, design.strength)
     left_out = [

@@ -23,13 +23,13 @@ from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.reader import Reader
 from slopekit.design.sections import read_common, read_water
 from slopekit.extents import SectionGeometry
-from slopekit.geometry.polytopes import Polytopes
-from slopekit.geometry.pressure import Pieces, even
+from slopekit.geometry.pressure import even
 from slopekit.geometry.rock.cutting import Block
 from slopekit.geometry.sections.section import CRACK, FACE, J1, UPPER, PlaneSection, line_pairs, plane_section
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.single_block import worst_crack
 from slopekit.kinds.single_block.closed_forms import (
+    MISFITS,
     Arguments,
     ClosedForms,
     OnArrays,
@@ -41,7 +41,7 @@ from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of, upward
 from slopekit.kinds.single_block.one_block import DILATES, kind_of_one_block, left_out_of_slope, other_strengths
 from slopekit.kinds.single_block.one_block_limit import Cut, Interface
 from slopekit.kinds.solver_inputs import bolt_forces, point_force, section_bedding, section_geometry
-from slopekit.kinds.water import LocalSlope, for_closed_form, pushes, standing_in_crack
+from slopekit.kinds.water import LocalSlope, OnFaces, pushes_of_cut, standing_in_crack
 from slopekit.kinds.words import (
     loads_part,
     short,
@@ -256,25 +256,21 @@ def _axes(face: Plane) -> Floats:
     return np.array([out, np.cross(up, out), up])
 
 
-def _local_slope(design: PlaneDesign, section: PlaneSection) -> LocalSlope:
-    upper, face = (math.radians(float(_signed_dip(plane, design.face))) for plane in (design.upper, design.face))
-    normals = np.array([[math.sin(dip), 0.0, math.cos(dip)] for dip in (face, upper)])
-    offsets = np.array([0.0, float(normals[1] @ _crest_point(design))])
-    return LocalSlope(
-        section.block, (J1,), CRACK, (FACE, UPPER), normals, offsets, _axes(design.face), np.array([-1.0, 0.0, 0.0]),
-        lambda slope: _full(slope, design.water_unit_weight_kn_m3), in_section=True,
-    )  # fmt: skip
-
-
-def _full(slope: LocalSlope, unit_weight: float) -> Mapping[int, Pieces]:
+def _full_water(slope: LocalSlope, unit_weight: Any) -> list[OnFaces]:
     """Full water: as high as the crack; without one γ_w H/2 half way along the plane, nothing at its ends."""
-    if CRACK in slope.block.faces:
-        return standing_in_crack(slope, None, unit_weight)
-    return {J1: even(slope.block.faces[J1], unit_weight * float(np.ptp(slope.block.corners[:, 2])) / 4.0)}
+    if slope.crack is not None:
+        return standing_in_crack(slope, unit_weight)
+    return [(slope.joints, even(slope.faces[list(slope.joints)], unit_weight * slope.extents[:, 2] / 4.0))]
 
 
 def _loads(design: PlaneDesign, section: PlaneSection) -> Loads:
     axes, origin = _axes(design.face) * [[1.0], [0.0], [1.0]], np.zeros(3)  # where along the slope says nothing
+    upper, face = (math.radians(float(_signed_dip(plane, design.face))) for plane in (design.upper, design.face))
+    normals = np.array([[[math.sin(dip), 0.0, math.cos(dip)]] for dip in (face, upper)])
+    slope = LocalSlope.of_cut(
+        section.block, (J1,), CRACK, (FACE, UPPER), normals, np.array([[0.0], normals[1] @ _crest_point(design)]),
+        np.array([[-1.0, 0.0, 0.0]]), np.array([0.0, 1.0, 0.0]), _full_water, _axes(design.face), 0.0,
+    )  # fmt: skip
     hull = cache(lambda: hull_of(design, section.block))  # which a block without bolts does not need
     active, passive = bolt_forces(design, origin, lambda head, way: hull().meets(head, way), axes)
     k = design.seismic.coefficient * design.section_share
@@ -283,7 +279,7 @@ def _loads(design: PlaneDesign, section: PlaneSection) -> Loads:
         section.block, design.rock.unit_weight_kn_m3, np.array([k, 0.0, 0.0]),
         [point_force(force, origin, axes) for force in design.forces], active,
         [bolt for bolt in passive if float(np.abs(bolt.force).max()) > _OUT * strongest],
-        pushes(design, _local_slope(design, section)),
+        pushes_of_cut(design, slope),
     )  # fmt: skip
 
 
@@ -305,11 +301,9 @@ def arguments(design: PlaneDesign) -> Arguments:
     for name, plane in {"plane": design.joint, "face": design.face, "upper": design.upper}.items():
         columns |= {f"{name}_dip_deg": plane.dip_deg, f"{name}_direction": plane.dip_direction_deg}
     crack = design.crack
-    pressures, force = pressures_and_force(
-        design, 1, lambda force: for_closed_form(design, _local_slope(design, section_of(design)), force)
-    )
+    pressures, loads = pressures_and_force(design, 1, bounds, _full_water)
     given = pressures[0] is not None
-    return columns | force | {
+    return columns | loads | {
         "height_m": design.height_m, **_of_strengths(_strengths(design)),
         "unit_weight_kn_m3": design.rock.unit_weight_kn_m3,
         "crack_depth_m": None if crack is None else crack.depth_m,
@@ -337,6 +331,7 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]])
     bolts : out of the slope and up, of the passive ones
     """
     given = dict(arguments)
+    misfit = given.pop("misfit")
     plane, face, upper = (given.pop(f"{name}_direction") for name in ("plane", "face", "upper"))
     across = _strikes_across(given["plane_dip_deg"], plane, face) | _strikes_across(given["upper_dip_deg"], upper, face)
     for name, direction in (("plane", plane), ("upper", upper)):
@@ -350,7 +345,7 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]])
     count = max(failures.outcome.size, np.size(across))
     outcome, factor = np.broadcast_to(failures.outcome, count).copy(), np.broadcast_to(failures.factor, count).copy()
     outcome[np.broadcast_to(across, count)], factor[np.broadcast_to(across, count)] = _OUTCOMES.index("E213"), np.nan
-    return ClosedForms(_OUTCOMES, outcome, factor, [failures.normal_kn], [failures.length_m])
+    return ClosedForms(_OUTCOMES, outcome, factor, [failures.normal_kn], [failures.length_m]).refused(misfit, MISFITS)
 
 
 def _strikes_across(dip: Any, direction: Any, face: Any) -> Any:
@@ -410,24 +405,6 @@ def _extents(design: PlaneDesign, distance_m: Any) -> "PlaneSizes":
 def crack_reach(design: PlaneDesign) -> Floats:
     """How far behind the crest the plane comes out (n,), of one design or of one whose numbers are arrays."""
     return _extents(design, None).setback_m
-
-
-def _full_water(design: PlaneDesign, solids: Polytopes) -> list[tuple[int, Floats, Floats]]:
-    """Full water, or what stands in the crack, of blocks whose numbers are arrays: as `_full` of one."""
-    weight, slide = design.water_unit_weight_kn_m3, 0
-    if design.crack is None:
-        return [solids.even(slide, weight * solids.height() / 4.0)]
-    crack = len(solids.outward[0]) - 3  # before the ends of the metre
-    corners = solids.faces[:, crack]
-    lowest, highest = corners[:, :, 2].min(axis=1), corners[:, :, 2].max(axis=1)
-    depth = highest - lowest if design.water.crack_water_m is None else design.water.crack_water_m
-    level = np.broadcast_to(lowest + depth, lowest.shape)[:, None]
-    wet = solids.triangles(crack)  # above the water it has no area
-    wet = np.concatenate([wet[..., :2], np.minimum(wet[..., 2:], level[:, :, None, None])], axis=3)
-    under = solids.triangles(slide)
-    share = (under[..., 2] - solids.faces[:, slide, :, 2].min(axis=1)[:, None, None]) / lowest[:, None, None]
-    return [(slide, under, weight * (level - lowest[:, None])[:, :, None] * share),
-            (crack, wet, weight * (level[:, :, None] - wet[..., 2]))]  # fmt: skip
 
 
 def _shaken(design: PlaneDesign) -> Floats:

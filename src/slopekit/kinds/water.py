@@ -1,74 +1,119 @@
-"""Water and surcharge on one block: one model for every kind, read from its design and integrated over its faces.
+"""Water and surcharge on single blocks, n at once: one model for every kind, integrated over their faces.
 
 On each face the pressure is linear piece by piece, whatever says it: even (given means), falling from a peak (full
 water), falling from the crack in which it stands, or hydrostatic below a table or a pond. PRE-IE gets the resultants
 where they act, a closed form the mean pressure of each joint and the sum of the rest as a force: moments are beyond it.
+
+The block of a single run is n = 1.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, TypeAlias
 
 import numpy as np
 
-from slopekit.core.arrays import Floats, cross
+from slopekit.core.arrays import Bools, Floats, cross
 from slopekit.core.errors import Fault, MisfitError
 from slopekit.core.orientation import coordinates
 from slopekit.design.common import Design
 from slopekit.design.ground_water import SlopeDesign
+from slopekit.geometry.polytopes import Polytopes, polytopes
 from slopekit.geometry.pressure import Height, Pieces, Pressure, even, in_strips, plane_table, resultant, under_planes
 from slopekit.geometry.rock.cutting import Block
-from slopekit.kinds.single_block.closed_forms import Arguments
+from slopekit.kinds.single_block.closed_forms import MISFITS
+from slopekit.kinds.single_block.held_bolts import Bounds
 from slopekit.loads import PointForce
 
 _ABOVE = 1e-6  # of the height: a table that lies no more above the ground is on it
 _ON = 1e-9  # of the size of the block: a corner this near to a plane lies on it
+_TINY = float(np.finfo(np.float64).tiny)  # m²: a face without area
 _BRIM = 1e-9  # of the depth of the crack: water that stands no higher does not run out
 _GIVE_MEANS = "Give the mean pressures: water: {pressures: ...}."
+
+#: Which (n,) blocks a value does not fit, and the fault of the first of them.
+Misfit: TypeAlias = tuple[Bools, Fault]
+
+
+#: Pressures on several faces of the blocks, by the planes of these.
+OnFaces: TypeAlias = tuple[Sequence[int], Pieces]
+#: Those of full water on the joints and the crack: of a slope and the unit weight of water.
+FullWater: TypeAlias = 'Callable[["LocalSlope", Any], list[OnFaces]]'
 
 
 @dataclass(frozen=True)
 class LocalSlope:
-    """The block in its slope, in local axes with the toe at the origin and z up.
+    """Blocks in their slopes, n of them, in local axes with the toe at the origin and z up.
 
     Attributes
     ----------
-    joints : faces of rock on rock; crack : the one of the tension crack, which the block need not have
+    faces : (p, n, k, 3) m on each plane, anticlockwise from outside, the first corner again where there are fewer than
+        k; without area where a block has none
+    corners : (n, m, 3) m of the blocks, nan where there are fewer
+    joints : planes of rock on rock; crack : the one of the tension crack, None without any
     free : the face and the upper slope, that one last
-    normals, offsets : of these two, `normal · x = offset`, outward
-    axes : (3, 3) rows are the local axes in east, north, up; into : (3,) level unit vector into the slope
-    full : the pressures of full water on joints and crack, by face
-    level : elevation of the toe, m; in_section : nothing changes along the slope
+    normals, offsets : of these two, (2, n, 3) and (2, n), `normal · x = offset`, outward
+    into : (n, 3) level unit vectors into the slope; along : (n, 3) along it where nothing changes that way, else None
+    full : of the kind; axes : (3, 3) rows are the local axes in east, north, up
+    level : elevation of the toe, m
     """
 
-    block: Block
+    faces: Floats
+    corners: Floats
     joints: Sequence[int]
-    crack: int
+    crack: int | None
     free: tuple[int, int]
     normals: Floats
     offsets: Floats
-    axes: Floats
     into: Floats
-    full: Callable[["LocalSlope"], Mapping[int, Pieces]]
-    level: float = 0.0
-    in_section: bool = False
+    along: Floats | None
+    full: FullWater
+    axes: Floats
+    level: float
+
+    @classmethod
+    def of_cut(cls, block: Block, joints: Sequence[int], crack: int, *attributes: Any) -> "LocalSlope":
+        """One block that was cut; the attributes follow as they do above."""
+        polygons = block.faces
+        most = max(map(len, polygons.values()))
+        faces = np.zeros((1 + max(polygons), 1, most, 3))
+        for plane, polygon in polygons.items():
+            faces[plane, 0] = polygon[:1]
+            faces[plane, 0, : len(polygon)] = polygon
+        return cls(faces, block.corners[None], joints, crack if crack in polygons else None, *attributes)
 
     @property
     def interfaces(self) -> list[int]:
-        """The faces of rock on rock that the block has, the crack last."""
-        return [face for face in (*self.joints, self.crack) if face in self.block.faces]
+        """The planes of rock on rock, the crack last."""
+        return [*self.joints, *(() if self.crack is None else (self.crack,))]
+
+    @cached_property
+    def normals_and_areas(self) -> tuple[Floats, Floats]:
+        """The outward unit normals (p, n, 3) and the areas (p, n) of the faces, m²; no normal without an area."""
+        arms = self.faces - self.faces[:, :, :1]
+        turns: Floats = cross(arms[:, :, :-1], arms[:, :, 1:]).sum(axis=2)  # Newell
+        sizes = np.sqrt((turns * turns).sum(axis=2))
+        return turns / np.maximum(sizes, _TINY)[..., None], sizes / 2.0
+
+    @cached_property
+    def extents(self) -> Floats:
+        """Of each block along the axes, (n, 3) m."""
+        extents: Floats = np.fmax.reduce(self.corners, axis=1) - np.fmin.reduce(self.corners, axis=1)
+        return extents
 
 
 def pressure_below(
-    design: Design, axes: Floats, into: Floats, level: float, at_depth: Callable[[float], tuple[Height, ...]],
-    in_section: bool = False,
+    design: Design, axes: Floats, into: Floats, level: float, at_depth: Callable[[Any], tuple[Height, ...]],
+    along: Floats | None = None,
 ) -> Pressure:  # fmt: skip
     """The pressure below the table and the pond of a design.
 
     Parameters
     ----------
     axes : (3, 3) rows are the local axes in east, north, up; level : elevation of the origin, m
-    into : (3,) level unit vector that the places of points count along
-    at_depth : the table so many metres below the ground
+    into : (3,) or (n, 3) level unit vector that the places of points count along
+    at_depth : the table so many metres below the ground; along : as of `LocalSlope`
     """
     water, heights = design.water, tuple[Height, ...]()
     if water.table_depth_m is not None:
@@ -78,92 +123,114 @@ def pressure_below(
         heights = in_strips(into, places, [one - level for one in levels])
     elif water.table_plane is not None:
         plane = water.table_plane
-        heights = plane_table(axes @ plane.plane.normal(), plane.level_m - level, in_section)
+        heights = plane_table(axes @ plane.plane.normal(), plane.level_m - level, along)
     return Pressure(heights, None if water.pond_m is None else water.pond_m - level, design.water_unit_weight_kn_m3)
 
 
-def refuse_above(water: Pressure, free: Sequence[Floats], size: float, axes: Floats) -> None:
+def above_ground(water: Pressure, free: Floats, height: Any, axes: Floats) -> list[Misfit]:
     """E456 where the table stands above the ground and no pond does.
 
     Parameters
     ----------
-    free : polygons (k, 3) of the ground; size : m, of what it is the ground of; axes : as of `pressure_below`
+    free : polygons (f, n, k, 3) of the ground of n; height : (n,) or m, of what it is the ground of
+    axes : as of `pressure_below`
     """
-    over, at = max((water.above(polygon) for polygon in free), key=lambda excess: excess[0], default=(0.0, np.zeros(3)))
-    if over > _ABOVE * size:
-        message = f"the water table lies {over:.4g} m above the ground at {coordinates(at @ axes)}"
-        advice = "Give a table at or below the ground; open water at the toe is a pond."
-        raise MisfitError([Fault("E456", message, "", advice)])
+    over, place = water.above(free)
+    face, row = np.unravel_index(int((over / height).argmax()), over.shape)
+    corner = coordinates(place[face, row] @ axes)
+    message = f"the water table lies {over[face, row]:.4g} m above the ground at {corner}"
+    advice = "Give a table at or below the ground; open water at the toe is a pond."
+    return [((over > _ABOVE * height).any(axis=0), Fault("E456", message, "", advice))]
 
 
-def pushes(design: SlopeDesign, slope: LocalSlope) -> dict[str, PointForce]:
-    """What water and surcharge do to the block, by the names that loads have for them: `water 0`, `surcharge`.
+def refuse(misfits: Sequence[Misfit]) -> None:
+    """MisfitError with the first that is one."""
+    for blocks, fault in misfits:
+        if blocks.any():
+            raise MisfitError([fault])
+
+
+def pushes(design: SlopeDesign, slope: LocalSlope) -> tuple[dict[str, PointForce], list[Misfit]]:
+    """What water and surcharge do to n blocks, by the names that loads have for them: `water 0`, `surcharge`.
+
+    The forces and points of each are (n, 3). Misfits are E207 where the crack is not so deep, E456 where the table lies
+    above the ground, or a joint or the crack ends in the rock.
+    """
+    pressures, misfits = _pressures(design, slope)
+    loads: dict[str, PointForce] = {}
+    outward, areas = slope.normals_and_areas
+    for planes, pieces in pressures:
+        forces, points = resultant(pieces, slope.faces[list(planes)])
+        for plane, force, point in zip(planes, forces, points, strict=True):
+            if force.any():
+                loads[f"water {plane}"] = PointForce(-force[:, None] * outward[plane], point)
+    upper = slope.free[1]
+    if np.any(design.surcharge_kpa) and areas[upper : upper + 1].any():
+        corners = slope.faces[upper]
+        a, b, c = corners[:, :1], corners[:, 1:-1], corners[:, 2:]
+        plans = cross(b - a, c - a)[..., 2] / 2.0
+        total = plans.sum(axis=1)[:, None]
+        middle = (plans[..., None] * (a + b + c)).sum(axis=1) / np.maximum(3.0 * total, _TINY)
+        loads["surcharge"] = PointForce(np.asarray(design.surcharge_kpa)[..., None] * total * [0.0, 0.0, -1.0], middle)
+    return loads, misfits
+
+
+def pushes_of_cut(design: SlopeDesign, slope: LocalSlope) -> dict[str, PointForce]:
+    """`pushes` of one block, each (3,).
 
     Raises
     ------
-    GeometryError
-        E207 the crack is not so deep, E456 the table lies above the ground, or a joint or the crack ends in the rock.
+    MisfitError
+        The first misfit.
     """
-    faces = slope.block.faces
-    loads = thrusts(faces, _pressures(design, slope))
-    upper = faces.get(slope.free[1])
-    if design.surcharge_kpa and upper is not None:
-        a, b, c = upper[:1], upper[1:-1], upper[2:]
-        plan = cross(b - a, c - a)[:, 2] / 2.0
-        at = plan @ (a + b + c) / (3.0 * plan.sum())
-        loads["surcharge"] = PointForce(np.array([0.0, 0.0, -design.surcharge_kpa * float(plan.sum())]), at)
-    return loads
+    loads, misfits = pushes(design, slope)
+    refuse(misfits)
+    return {name: PointForce(load.force[0], load.at[0]) for name, load in loads.items() if load.at is not None}
 
 
-def thrusts(faces: Mapping[int, Floats], by_face: Mapping[int, Pieces]) -> dict[str, PointForce]:
-    """What pressures on faces of a block do to it, by the names that loads have for water: `water 0`."""
-    loads: dict[str, PointForce] = {}
-    for face, pieces in by_face.items():
-        thrust, at = resultant(pieces, faces[face])
-        if thrust:
-            loads[f"water {face}"] = PointForce(-thrust * outward_normal(faces[face]), at)
-    return loads
-
-
-def _pressures(design: SlopeDesign, slope: LocalSlope) -> Mapping[int, Pieces]:
-    """The pressures on the faces of the block that are wet."""
-    water, faces = design.water, slope.block.faces
-    by_face: Mapping[int, Pieces] = {}
+def _pressures(design: SlopeDesign, slope: LocalSlope) -> tuple[list[OnFaces], list[Misfit]]:
+    """The pressures on the faces of the blocks that are wet."""
+    water, faces, weight = design.water, slope.interfaces, design.water_unit_weight_kn_m3
     if water.has_table:
-        by_face = _below_table(design, slope)
-    elif water.crack_water_m:
-        by_face = standing_in_crack(slope, water.crack_water_m, design.water_unit_weight_kn_m3)
-    elif water.mode == "pressures":
-        given = zip(slope.interfaces, water.pressures_kpa, strict=False)
-        by_face = {face: even(faces[face], mean) for face, mean in given}
-    elif water.mode == "full":
-        by_face = _scaled(slope.full(slope), water.fill)
-    if water.crack_fill is not None and slope.crack in faces:
-        by_face = {**by_face, **_scaled({slope.crack: slope.full(slope)[slope.crack]}, water.crack_fill)}
-    return by_face
+        return _below_table(design, slope)
+    if np.any(water.crack_water_m):
+        return standing_in_crack(slope, weight, water.crack_water_m), beyond_crack(slope, water.crack_water_m)
+    pressures = list[OnFaces]()
+    if water.mode == "pressures":
+        faces = faces[: len(water.pressures_kpa)]
+        pressures = [(faces, even(slope.faces[faces], _stacked(water.pressures_kpa[: len(faces)])))]
+    shares = dict.fromkeys(slope.interfaces, water.fill)
+    if slope.crack is not None and water.crack_fill is not None:
+        shares[slope.crack] = water.crack_fill
+    if any(np.any(share) for share in shares.values()):
+        for planes, pieces in slope.full(slope, weight):
+            filled = _stacked([shares[plane] for plane in planes])[..., None]
+            pressures.append((planes, [(corners, filled * peak) for corners, peak in pieces]))
+    return pressures, []
 
 
-def _scaled(full: Mapping[int, Pieces], part: float) -> dict[int, Pieces]:
-    return {face: [(polygon, part * pressures) for polygon, pressures in pieces] for face, pieces in full.items()}
+def _stacked(numbers: Sequence[Any]) -> Floats:
+    """Numbers of f faces, each one for all or (n,): (f, 1) or (f, n)."""
+    return np.stack(np.broadcast_arrays(*map(np.atleast_1d, numbers)))
 
 
-def _below_table(design: SlopeDesign, slope: LocalSlope) -> Mapping[int, Pieces]:
+def _below_table(design: SlopeDesign, slope: LocalSlope) -> tuple[list[OnFaces], list[Misfit]]:
     """The pressures of a table on joints and crack, and of a pond on the ground too."""
-    faces = slope.block.faces
     water = pressure_below(
         design, slope.axes, slope.into, slope.level,
-        lambda depth: under_planes(slope.normals, slope.offsets, depth), slope.in_section,
+        lambda depth: under_planes(slope.normals, slope.offsets, depth), slope.along,
     )  # fmt: skip
-    free = [face for face in slope.free if face in faces]
-    refuse_above(water, [faces[face] for face in free], float(np.ptp(slope.block.corners[:, 2])), slope.axes)
-    by_face = {face: list(water.pieces(faces[face])) for face in slope.interfaces}
-    if water.pond is None:
-        return by_face
-    outside = Pressure((), water.pond, water.unit_weight)
-    return by_face | {face: list(outside.pieces(faces[face])) for face in free}
+    ground = slope.faces[list(slope.free)]
+    pressures: list[OnFaces] = [(slope.interfaces, water.pieces(slope.faces[slope.interfaces]))]
+    if water.pond is not None:
+        pressures.append((slope.free, replace(water, heights=()).pieces(ground)))
+    return pressures, above_ground(water, ground, slope.extents[:, 2], slope.axes)
 
 
-def standing_in_crack(slope: LocalSlope, depth: float | None, unit_weight: float) -> dict[int, Pieces]:
+# -- water that stands in the tension crack --------------------------------------------------------------------------
+
+
+def standing_in_crack(slope: LocalSlope, unit_weight: Any, depth: Any = None) -> list[OnFaces]:
     """The pressures of water that stands in the tension crack, as a plane failure has it.
 
     In the crack it is still water. On a joint the pressure falls from the wet edge that it shares with the crack to
@@ -172,80 +239,141 @@ def standing_in_crack(slope: LocalSlope, depth: float | None, unit_weight: float
 
     Parameters
     ----------
-    depth : over the lowest point of the crack, m; None for a full one; unit_weight : of the water, kN/m³
-
-    Raises
-    ------
-    GeometryError
-        E207 the crack is not so deep, E456 a joint has a corner inside the rock away from the crack, or the crack has
-        no edge on the slope.
+    unit_weight : of the water, kN/m³; depth : over the lowest point of the crack, m; None for a full one
     """
-    faces = slope.block.faces
-    if slope.crack not in faces:
-        return {}
-    polygon, size = faces[slope.crack], float(np.ptp(slope.block.corners, axis=0).max())
-    ground = [faces[face] for face in slope.free if face in faces]
-    at_ground = np.array([any(_lies_on(face, corner, size) for face in ground) for corner in polygon])
-    if not at_ground.any():
-        message = "the crack ends inside the rock, below the slope: how high water stands in it is not told"
-        raise MisfitError([Fault("E456", message, "", _GIVE_MEANS)])
-    lowest = float(polygon[:, 2].min())
-    holds = float(polygon[at_ground, 2].min()) - lowest
-    if depth is not None and depth > holds * (1.0 + _BRIM):
-        message = f"the water stands {depth:.6g} m deep in a crack of {holds:.6g} m"
-        raise MisfitError([Fault("E207", message, "", "Give at most its depth where its upper edge is lowest.")])
+    if slope.crack is None:
+        return []
+    lowest, holds = _brim(slope, slope.crack)
     level = lowest + (holds if depth is None else depth)
-    by_face = {joint: _from_crack(slope, joint, level, unit_weight, [*ground, polygon], size) for joint in slope.joints}
-    return by_face | {slope.crack: list(Pressure((), level, unit_weight).pieces(polygon))}
+    crack = [slope.crack]
+    on_joints = _from_crack(slope, slope.crack, level, unit_weight)
+    return [(slope.joints, on_joints), (crack, Pressure((), level, unit_weight).pieces(slope.faces[crack]))]
 
 
-def _from_crack(
-    slope: LocalSlope, joint: int, level: float, unit_weight: float, known: Sequence[Floats], size: float
-) -> Pieces:
-    """The pressures on one joint; none where its edge at the crack is dry.
+def beyond_crack(slope: LocalSlope, depth: Any) -> list[Misfit]:
+    """What does not fit water of a depth (m, a number or (n,)) in the tension crack.
+
+    E207 the crack is not so deep, E456 a joint has a corner inside the rock away from the crack, or the crack has no
+    edge on the slope.
+    """
+    if slope.crack is None:
+        return []
+    holds, depth = _brim(slope, slope.crack)[1], np.asarray(depth)
+    too_deep = depth > holds * (1.0 + _BRIM)
+    first = int(too_deep.argmax())
+    stands, most = (float(np.broadcast_to(values, too_deep.shape)[first]) for values in (depth, holds))
+    inside = ~_lies_on(slope, list(slope.joints), *slope.free, slope.crack).all(axis=2).all(axis=0)
+    ends = "the crack ends inside the rock, below the slope: how high water stands in it is not told"
+    deep = f"the water stands {stands:.6g} m deep in a crack of {most:.6g} m"
+    meet = "the joints meet inside the rock, away from the crack: how high its water stands there is not told"
+    faults = [
+        (np.isinf(holds), Fault("E456", ends, "", _GIVE_MEANS)),
+        (too_deep, Fault("E207", deep, "", "Give at most its depth where its upper edge is lowest.")),
+        (inside, Fault("E456", meet, "", _GIVE_MEANS)),
+    ]
+    return [(is_misfit & (depth > 0.0), fault) for is_misfit, fault in faults]
+
+
+def _brim(slope: LocalSlope, crack: int) -> tuple[Floats, Floats]:
+    """The lowest elevation of each crack, and how deep water can stand in it: (n,) m, infinite below the slope."""
+    heights = slope.faces[crack][..., 2]
+    lowest, is_ground = heights.min(axis=1), _lies_on(slope, crack, *slope.free)
+    return lowest, np.where(is_ground, heights, np.inf).min(axis=1) - lowest
+
+
+def _from_crack(slope: LocalSlope, crack: int, level: Floats, unit_weight: Any) -> Pieces:
+    """The pressures on the joints of each block; none on one whose edge at the crack is dry.
 
     Parameters
     ----------
-    level : of the water in the crack; known : faces on which the pressure is known, the crack last
+    level : (n,) of the water in the crack
     """
-    polygon = slope.block.faces[joint]
-    at_crack = np.array([_lies_on(known[-1], corner, size) for corner in polygon])
-    if not all(any(_lies_on(face, corner, size) for face in known) for corner in polygon):
-        message = "the joints meet inside the rock, away from the crack: how high its water stands there is not told"
-        raise MisfitError([Fault("E456", message, "", _GIVE_MEANS)])
-    heads = np.where(at_crack, level - polygon[:, 2], 0.0)
-    if at_crack.sum() != 2 or float(heads.max()) <= 0.0:
-        return []
-    low, high = sorted(np.flatnonzero(at_crack).tolist(), key=lambda k: float(polygon[k, 2]))
-    if heads[high] < 0.0:  # the water ends on the edge: above it the joint is dry
-        share = heads[low] / (heads[low] - heads[high])
-        polygon, heads = polygon.copy(), heads.copy()
-        polygon[high], heads[high] = polygon[low] + share * (polygon[high] - polygon[low]), 0.0
-    return [(np.roll(polygon, -low, axis=0), unit_weight * np.roll(heads, -low))]
+    joints = list(slope.joints)
+    polygons, in_crack = slope.faces[joints], _lies_on(slope, joints, crack)
+    heads = np.where(in_crack, level[:, None] - polygons[..., 2], 0.0)
+    low = np.where(in_crack, heads, -np.inf).argmax(axis=2)[..., None]
+    deepest, lowest = (np.take_along_axis(heads, low, axis=2), np.take_along_axis(polygons, low[..., None], axis=2))
+    arms = polygons - lowest
+    has_edge = in_crack & ((arms * arms).sum(axis=3) > (_ON * slope.extents.max(axis=1)[:, None]) ** 2)
+    is_wet = (deepest > 0.0) & has_edge.any(axis=2)[..., None]
+    # where the water ends on the edge the joint is dry above it
+    is_above = is_wet & (heads < 0.0)
+    share = np.where(is_above, deepest / np.where(is_above, deepest - heads, 1.0), 1.0)
+    polygons = lowest + share[..., None] * arms
+    around = (np.arange(heads.shape[2]) + low) % heads.shape[2]
+    pressures = np.where(is_wet, np.maximum(heads, 0.0), 0.0) * np.asarray(unit_weight)[..., None]
+    return [(np.take_along_axis(polygons, around[..., None], axis=2), np.take_along_axis(pressures, around, axis=2))]
 
 
-def _lies_on(polygon: Floats, corner: Floats, size: float) -> bool:
-    """Whether a point lies on the plane of a face of the block."""
-    return abs(float((corner - polygon[0]) @ outward_normal(polygon))) <= _ON * size
+def _lies_on(slope: LocalSlope, faces: Any, *planes: int) -> Bools:
+    """Whether corners of faces ([f,] n, k) lie on one of some planes."""
+    corners, nearest = slope.faces[faces], np.inf
+    for plane in planes:
+        if plane in slope.free:
+            normal, offset = (numbers[slope.free.index(plane)] for numbers in (slope.normals, slope.offsets))
+        else:
+            normal = slope.normals_and_areas[0][plane]
+            offset = (normal * slope.faces[plane][:, 0]).sum(axis=1)
+        nearest = np.minimum(nearest, np.abs((corners * normal[:, None]).sum(axis=-1) - offset[:, None]))
+    on_plane: Bools = nearest <= _ON * slope.extents.max(axis=1)[:, None]
+    return on_plane
 
 
-def outward_normal(polygon: Floats) -> Floats:
-    """The unit normal of a face anticlockwise from outside (Newell)."""
-    whole = cross(polygon - polygon[0], np.roll(polygon, -1, axis=0) - polygon[0]).sum(axis=0)
-    unit: Floats = whole / np.sqrt(float(whole @ whole))
-    return unit
+# -- blocks by their planes ------------------------------------------------------------------------------------------
 
 
-def for_closed_form(design: SlopeDesign, slope: LocalSlope, force: Arguments) -> tuple[list[float | None], Arguments]:
-    """Mean pressures of the joints and the crack (kPa), and the force (east, north, up) with the sum of all else."""
-    loads = pushes(design, slope)
-    faces = (*slope.joints, slope.crack)
-    on_joints = {face: loads.pop(f"water {face}") for face in faces if f"water {face}" in loads}
-    means: list[float | None] = [
-        float(np.linalg.norm(on_joints[face].force)) / slope.block.areas[face] if face in on_joints else 0.0
-        for face in faces
+def blocks_within(bounds: Bounds, count: int) -> Polytopes:
+    """Return the blocks of n designs; of a slope that goes on alike along itself a metre, with the ends last."""
+    outward, offsets = list(bounds.outward), list(bounds.offsets)
+    if bounds.along is not None:
+        outward += [bounds.along, -bounds.along]
+        offsets += [np.full(1, 0.5)] * 2
+    return polytopes(
+        np.stack([np.broadcast_to(normals, (count, 3)) for normals in outward], axis=1),
+        np.stack([np.broadcast_to(offset, count) for offset in offsets], axis=1),
+        np.broadcast_to(bounds.size, count),
+    )
+
+
+def slope_of(bounds: Bounds, solids: Polytopes, full: FullWater) -> LocalSlope:
+    """Return the blocks in their slopes, in east, north and up from the toe."""
+    face, upper = bounds.free
+    cracks = [plane for plane in range(len(bounds.outward)) if plane not in (*bounds.joints, *bounds.free)]
+    out = solids.outward[:, face] * [1.0, 1.0, 0.0]
+    return LocalSlope(
+        solids.faces.swapaxes(0, 1), solids.corners(), bounds.joints, cracks[0] if cracks else None, (face, upper),
+        solids.outward[:, (face, upper)].swapaxes(0, 1),
+        solids.offsets[:, (face, upper)].T, -out / np.sqrt((out * out).sum(axis=1))[:, None], bounds.along, full,
+        np.eye(3), float(bounds.origin[2]),
+    )  # fmt: skip
+
+
+def integrated_loads(design: SlopeDesign, bounds: Bounds, full: FullWater) -> tuple[list[Any], list[Any], Any]:
+    """Return what water and surcharge are to the closed form of n designs, each (n,), or a number of one.
+
+    Parameters
+    ----------
+    design : whose numbers may be arrays (n,); bounds : the planes of its blocks
+
+    Returns
+    -------
+    mean pressures of the joints and the crack, kPa; the sum of all else east, north and up, kN; which of `MISFITS`
+    refuses a block, below 0 where none does
+    """
+    solids = blocks_within(bounds, bounds.offsets.shape[1])
+    slope, none = slope_of(bounds, solids, full), PointForce(np.zeros((1, 3)))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        loads, misfits = pushes(design, slope)
+    forces = [loads.pop(f"water {plane}", none).force for plane in (*slope.joints, slope.crack)]
+    areas = [*slope.normals_and_areas[1][slope.interfaces], np.ones(1)]
+    means = [
+        np.sqrt((force * force).sum(axis=1)) / np.maximum(area, _TINY)
+        for force, area in zip(forces, areas, strict=False)
     ]
-    rest = np.sum([np.zeros(3), *(push.force for push in loads.values())], axis=0) @ slope.axes
-    if not rest.any():
-        return means, force
-    return means, {name: (value or 0.0) + float(more) for (name, value), more in zip(force.items(), rest, strict=True)}
+    rest = sum((load.force for load in loads.values()), none.force)
+    is_cut = (solids.counts[:, list(bounds.joints)] > 0).any(axis=1)
+    codes = ["E208", *(fault.code for _, fault in misfits)]
+    misfit = np.select([~is_cut, *(rows for rows, _ in misfits)], [MISFITS.index(code) for code in codes], -1)
+    values: list[Any] = [*means, *rest.T, misfit]
+    values = [value[0] if len(value) == 1 else value for value in values]
+    return values[: len(means)], values[len(means) : -1], values[-1]

@@ -4,12 +4,13 @@ Free faces need no outlines of their own: they are the whole surface of a block 
 the whole of a closed surface with γ_w times what lies under water, upward.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats, cross, frozen
+from slopekit.core.arrays import Bools, Floats, Ints, cross, frozen
 from slopekit.core.errors import Fault, MisfitError, Notice
 from slopekit.core.orientation import number
 from slopekit.geometry.patches import Assembly
@@ -17,7 +18,7 @@ from slopekit.geometry.pressure import Pressure, under_planes
 from slopekit.geometry.rock.bench import ConvexBody
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign, NamedDesign
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene
-from slopekit.kinds.water import pressure_below, refuse_above
+from slopekit.kinds.water import above_ground, pressure_below, refuse
 from slopekit.loads import PointForce
 
 _NOTHING = 1e-9  # of the water that a block displaces: a push of that size is rounding
@@ -48,11 +49,12 @@ def with_water(
     water = pressure_below(
         design, np.eye(3), into, level,
         lambda depth: () if outside is None else under_planes(outside.normals[:2], outside.offsets[:2], depth),
-        assembly.in_section,
+        np.array([0.0, 1.0, 0.0]) if assembly.in_section else None,
     )  # fmt: skip
     if outside is not None:
         faces = outside.corners[[0, 1, 5, 4]], outside.corners[[1, 2, 6, 5]]
-        refuse_above(water, faces, max(float(np.ptp(polygon[:, 2])) for polygon in faces), np.eye(3))
+        height = max(float(np.ptp(face[:, 2])) for face in faces)
+        refuse(above_ground(water, np.stack(faces)[:, None], height, np.eye(3)))
     elif water.heights:
         _refuse_over_highest(replace(water, pond=None), scene)
     means, points = _on_patches(water, assembly, np.ones(len(assembly.patches), dtype=bool))
@@ -89,14 +91,12 @@ def _open_water(water: Pressure, scene: AssemblyScene, means: Floats) -> Iterato
     patches, pond = assembly.patches, Pressure((), water.pond, water.unit_weight)
     worst, left = -1, _OPEN * water.unit_weight
     for block in np.flatnonzero(~assembly.fixed).tolist():
-        whole = sum(water.on(polygon)[0] - pond.on(polygon)[0] for polygon, _ in _surface(scene, block))
-        touching = [k for k, _ in _of_block(assembly, block)]
+        surface = _surface(scene, block)[0]
+        whole = float((water.on(surface)[0] - pond.on(surface)[0]).sum())
+        touching, _ = _of_block(assembly, block)
         if whole <= left * float(assembly.volumes[block]):
             continue
-        polygons = _polygons(assembly, touching)
-        of_contacts = sum(
-            means[k] * patches.areas[k] - pond.on(polygon)[0] for k, polygon in zip(touching, polygons, strict=True)
-        )
+        of_contacts = float((means * patches.areas)[touching].sum() - pond.on(_polygons(assembly, touching))[0].sum())
         over = (whole - of_contacts) / float(assembly.volumes[block])
         if over > left:
             worst, left = block, over
@@ -107,59 +107,60 @@ def _open_water(water: Pressure, scene: AssemblyScene, means: Floats) -> Iterato
                      )  # fmt: skip
 
 
-def _polygons(assembly: Assembly, wanted: Iterable[int]) -> Iterator[Floats]:
-    """The patches with those numbers; of a section the length of each, square to it the thickness."""
+def _polygons(assembly: Assembly, wanted: Ints) -> Floats:
+    """The patches (n, k, 3) with those numbers, the first corner again at the end of those that have fewer than k.
+
+    Of a section the length of each, square to it the thickness.
+    """
     patches = assembly.patches
-    for k in wanted:
-        polygon = patches.corners[patches.first[k] : patches.first[k + 1]]
-        if len(polygon) == 2:
-            polygon = _wide(polygon[0], polygon[1], patches.areas[k] / float(np.linalg.norm(polygon[1] - polygon[0])))
-        yield polygon
+    first, counts = patches.first[wanted], patches.first[wanted + 1] - patches.first[wanted]
+    if assembly.in_section:
+        start, end = patches.corners[first], patches.corners[first + 1]
+        return _wide(start, end, patches.areas[wanted] / np.sqrt(((end - start) ** 2).sum(axis=1)))
+    corners = np.arange(int(counts.max(initial=3)))
+    at: Floats = patches.corners[first[:, None] + np.where(corners < counts[:, None], corners, 0)]
+    return at
 
 
 def _on_patches(water: Pressure, assembly: Assembly, wanted: Bools) -> tuple[Floats, Floats]:
     """Mean pressures (k,) kPa and the points (k, 3) they act through, of the patches that are wanted (k,)."""
     patches = assembly.patches
     means, points = np.zeros(len(patches)), patches.centroids.copy()
-    those = np.flatnonzero(wanted).tolist()
-    for k, polygon in zip(those, _polygons(assembly, those), strict=True):
-        thrust, at = water.on(polygon)
-        if thrust:
-            means[k], points[k] = thrust / patches.areas[k], at
+    those = np.flatnonzero(wanted)
+    thrusts, at = water.on(_polygons(assembly, those))
+    is_wet = thrusts > 0.0
+    wet = those[is_wet]
+    means[wet], points[wet] = thrusts[is_wet] / patches.areas[wet], at[is_wet]
     return means, points
 
 
-def _wide(start: Floats, end: Floats, thickness: float) -> Floats:
-    """The rectangle (4, 3) of a line in a section."""
-    half = np.array([0.0, thickness / 2.0, 0.0])
-    return np.array([start - half, end - half, end + half, start + half])
+def _wide(start: Floats, end: Floats, thickness: Any) -> Floats:
+    """The rectangles (n, 4, 3) of lines in a section, of a thickness each."""
+    half = np.asarray(thickness)[..., None] * np.array([0.0, 0.5, 0.0])
+    return np.stack([start - half, end - half, end + half, start + half], axis=1)
 
 
-def _surface(scene: AssemblyScene, block: int) -> Iterator[tuple[Floats, Floats]]:
-    """The flat pieces of the surface of a block with their outward unit normals; of a section without its two sides."""
+def _surface(scene: AssemblyScene, block: int) -> tuple[Floats, Floats]:
+    """The flat pieces (n, k, 3) of the surface of a block with outward unit normals; of a section without its sides."""
     assembly = scene.assembly
-    if not assembly.in_section:
-        for corners in assembly.vertices[assembly.triangles[assembly.triangle_block == block]]:
-            whole = cross(corners[1] - corners[0], corners[2] - corners[0])
-            if size := float(np.sqrt(whole @ whole)):
-                yield corners, whole / size
-        return
-    outline = scene.polygons[block]
-    x, z = outline.T
-    turned = np.sign(float(x @ np.roll(z, -1) - z @ np.roll(x, -1)))
-    for k in range(len(outline)):
-        start, end = np.array([x[k - 1], 0.0, z[k - 1]]), np.array([x[k], 0.0, z[k]])
-        run = end - start
-        if size := float(np.sqrt(run @ run)):
-            yield _wide(start, end, scene.thickness or 1.0), turned * np.array([run[2], 0.0, -run[0]]) / size
+    if assembly.in_section:
+        ring = np.insert(scene.polygons[block], 1, 0.0, axis=1)
+        runs = ring - np.roll(ring, 1, axis=0)
+        normals = np.sign(cross(runs, ring - ring[0])[:, 1].sum()) * runs[:, [2, 1, 0]] * [1.0, 0.0, -1.0]
+        polygons = _wide(ring - runs, ring, scene.thickness or 1.0)
+    else:
+        polygons = assembly.vertices[assembly.triangles[assembly.triangle_block == block]]
+        normals = cross(polygons[:, 1] - polygons[:, 0], polygons[:, 2] - polygons[:, 0])
+    sizes = np.sqrt((normals * normals).sum(axis=1))
+    return polygons[sizes > 0.0], normals[sizes > 0.0] / sizes[sizes > 0.0, None]
 
 
-def _of_block(assembly: Assembly, block: int) -> Iterator[tuple[int, Floats]]:
-    """The patches of a block with their normals out of it."""
+def _of_block(assembly: Assembly, block: int) -> tuple[Ints, Floats]:
+    """The patches (n,) of a block, by their numbers, and their normals (n, 3) out of it."""
     patches = assembly.patches
-    for side, sign in ((patches.plus, -1.0), (patches.minus, 1.0)):
-        for k in np.flatnonzero(side == block).tolist():
-            yield k, sign * patches.normals[k]
+    sides = [(np.flatnonzero(side == block), sign) for side, sign in ((patches.plus, -1.0), (patches.minus, 1.0))]
+    normals = [sign * patches.normals[own] for own, sign in sides]
+    return np.concatenate([own for own, _ in sides]), np.concatenate(normals)
 
 
 def _on_free_faces(pond: Pressure, scene: AssemblyScene) -> Iterator[tuple[int, PointForce]]:
@@ -169,26 +170,23 @@ def _on_free_faces(pond: Pressure, scene: AssemblyScene) -> Iterator[tuple[int, 
     level = pond.pond
     assert level is not None
     moving = np.flatnonzero(~assembly.fixed)
-    each = ((k, np.concatenate([polygon for polygon, _ in _surface(scene, k)])) for k in moving.tolist())
-    wet = [(k, corners) for k, corners in each if float(corners[:, 2].min()) < level]
+    each = ((k, *_surface(scene, k)) for k in moving.tolist())
+    wet = [own for own in each if float(own[1][..., 2].min()) < level]
     is_wet = np.zeros(len(assembly) + 1, dtype=bool)
-    is_wet[[k for k, _ in wet]] = True
+    is_wet[[k for k, _, _ in wet]] = True
     means, points = _on_patches(pond, assembly, is_wet[patches.plus] | is_wet[patches.minus])
-    for block, corners in wet:
+    for block, polygons, outward in wet:
         displaced = pond.unit_weight * float(assembly.volumes[block])
         centre = assembly.centroids[block]
-        force, couple = np.zeros(3), np.zeros(3)
-        if float(corners[:, 2].max()) <= level:
-            force[2] = displaced
-        else:
-            for polygon, outward in _surface(scene, block):
-                thrust, at = pond.on(polygon)
-                force -= thrust * outward
-                couple -= thrust * cross(at - centre, outward)
-        for k, outward in _of_block(assembly, block):
-            push = means[k] * patches.areas[k] * outward
-            force += push
-            couple += cross(points[k] - centre, push)
+        force, couple = np.array([0.0, 0.0, displaced]), np.zeros(3)
+        if float(polygons[..., 2].max()) > level:
+            thrusts, at = pond.on(polygons)
+            pushes = -thrusts[:, None] * outward
+            force, couple = pushes.sum(axis=0), cross(at - centre, pushes).sum(axis=0)
+        touching, normals = _of_block(assembly, block)
+        pushes = (means * patches.areas)[touching, None] * normals
+        force += pushes.sum(axis=0)
+        couple += cross(points[touching] - centre, pushes).sum(axis=0)
         if float(np.sqrt(force @ force)) > _NOTHING * displaced:
             yield block, PointForce(force, None, couple)
 
@@ -224,21 +222,19 @@ def with_surcharges(design: NamedDesign, scene: AssemblyScene) -> AssemblyScene:
     for block, name in enumerate(scene.names):
         if not given.get(name):
             continue
-        plans, middles = [], []
-        for polygon, outward in _surface(scene, block):
-            if outward[2] > _SLOPING:
-                a, b, c = polygon[:1], polygon[1:-1], polygon[2:]
-                plans += (np.sqrt((cross(b - a, c - a) ** 2).sum(axis=1)) / 2.0 * outward[2]).tolist()
-                middles += list((a + b + c) / 3.0)
-        whole = sum(plans)
-        for k, outward in _of_block(assembly, block):
-            if outward[2] > _SLOPING:
-                plans.append(-float(assembly.patches.areas[k] * outward[2]))
-                middles.append(assembly.patches.centroids[k])
-        if not sum(plans) > _IN_PLANE * whole:
+        polygons, outward = _surface(scene, block)
+        polygons = polygons[outward[:, 2] > _SLOPING]
+        a, b, c = polygons[:, :1], polygons[:, 1:-1], polygons[:, 2:]
+        plans, middles = (cross(b - a, c - a)[..., 2] / 2.0).ravel(), ((a + b + c) / 3.0).reshape(-1, 3)
+        whole = float(np.abs(plans).sum())
+        touching, outward = _of_block(assembly, block)
+        covered, outward = touching[outward[:, 2] > _SLOPING], outward[outward[:, 2] > _SLOPING]
+        plans = np.append(np.abs(plans), -assembly.patches.areas[covered] * outward[:, 2])
+        middles = np.append(middles, assembly.patches.centroids[covered], axis=0)
+        if not float(plans.sum()) > _IN_PLANE * whole:
             message = f"the surcharge on {name} has nothing to stand on: no part of it looks up and touches no other"
             raise MisfitError([Fault("E461", message, "", "Name the block on top, or give a force.")])
-        loaded.append((block, _pressed(given[name], np.array(plans), np.array(middles))))
+        loaded.append((block, _pressed(given[name], plans, middles)))
     return replace(scene, acting=replace(scene.acting, surcharge=tuple(loaded)))
 
 

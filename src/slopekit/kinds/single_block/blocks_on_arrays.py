@@ -12,10 +12,12 @@ import numpy as np
 from slopekit.core.arrays import Floats, Ints, NDArray, cross
 from slopekit.design.ground_water import SlopeDesign
 from slopekit.design.parts import Strength
-from slopekit.geometry.polytopes import Polytopes, polytopes
+from slopekit.geometry.polytopes import Polytopes
 from slopekit.kinds.single_block.batch_states import block_statuses
 from slopekit.kinds.single_block.closed_forms import OnArrays
 from slopekit.kinds.single_block.held_bolts import Bounds
+from slopekit.kinds.water import blocks_within, pushes, slope_of
+from slopekit.loads import PointForce
 from slopekit.preie.batch import BlockLimits, Blocks, limits_of_blocks
 
 _NO_BLOCK = "E208"  # a crack cuts it in two
@@ -59,18 +61,10 @@ def limits_on_arrays(
 def blocks_of(design: SlopeDesign, on_arrays: OnArrays[Any], strengths: Sequence[Strength], count: int) -> Blocks:
     """Return the blocks of n designs, as `limits_on_arrays` takes them; without contacts where planes cut none."""
     bounds = on_arrays.bounds(design)
-    outward, offsets = list(bounds.outward), list(bounds.offsets)
-    if bounds.along is not None:  # a metre of the slope
-        outward += [bounds.along, -bounds.along]
-        offsets += [np.full(1, 0.5)] * 2
-    solids = polytopes(
-        np.stack([np.broadcast_to(normals, (count, 3)) for normals in outward], axis=1),
-        np.stack([np.broadcast_to(offset, count) for offset in offsets], axis=1),
-        np.broadcast_to(bounds.size, count),
-    )
+    solids = blocks_within(bounds, count)
     joints = list(bounds.joints)
     cohesion, friction = (
-        np.stack([_each(getattr(own, name), count) for own in strengths], axis=1)
+        np.stack([_each(getattr(strength, name), count) for strength in strengths], axis=1)
         for name in ("cohesion_kpa", "friction_angle_deg")
     )
     return Blocks(
@@ -78,7 +72,7 @@ def blocks_of(design: SlopeDesign, on_arrays: OnArrays[Any], strengths: Sequence
         counts=solids.counts[:, joints],
         cohesion=cohesion,
         tan_friction=np.tan(np.radians(friction)),
-        load=_Loads(design, on_arrays, bounds, solids).load,
+        load=_loads(design, on_arrays, bounds, solids),
     )
 
 
@@ -96,72 +90,41 @@ def _each(values: Any, count: int) -> Floats:
     return np.broadcast_to(np.asarray(values, dtype=np.float64), count)
 
 
-class _Loads:
-    """The loads on n blocks: `load` (n, 6), force in kN and moment in kN m about the centroid."""
+def _loads(design: SlopeDesign, on_arrays: OnArrays[Any], bounds: Bounds, solids: Polytopes) -> Floats:
+    """Return the loads (n, 6) on n blocks: force in kN, and moment in kN m about the centroid."""
+    count = len(solids.volume)
 
-    def __init__(self, design: SlopeDesign, on_arrays: OnArrays[Any], bounds: Bounds, solids: Polytopes) -> None:
-        self.design, self.bounds, self.solids, self.count = design, bounds, solids, len(solids.volume)
-        self.load = np.zeros((self.count, 6))
-        self._weight(on_arrays)
-        self._forces()
-        self._water(on_arrays)
-        if bounds.along is not None:  # per metre: what acts along the slope says nothing
-            along, turns = bounds.along, (self.load[:, 3:] * bounds.along).sum(axis=1)
-            self.load[:, :3] -= (self.load[:, :3] * along).sum(axis=1)[:, None] * along
-            self.load[:, 3:] = turns[:, None] * along
+    def vectors(components: Any) -> Floats:
+        return np.stack([_each(component, count) for component in components], axis=1)
 
-    def _vectors(self, parts: Any) -> Floats:
-        """Return a vector of the design for each block, (n, 3)."""
-        return np.stack([_each(part, self.count) for part in parts], axis=1)
+    def place(point_m: Any) -> Floats | None:
+        return None if point_m is None else vectors(point_m) - bounds.origin
 
-    def _add(self, force: Floats, at_m: Any) -> None:
-        """Add forces (n, 3) through a point in the coordinates of the user, or through the centroids."""
-        self.load[:, :3] += force
-        if at_m is not None:
-            self.load[:, 3:] += cross(self._vectors(at_m) - self.bounds.origin - self.solids.centroid, force)
+    weight = _each(design.rock.unit_weight_kn_m3, count)[:, None] * solids.volume[:, None]
+    loads = [PointForce(weight * (_shaking(design, on_arrays, count) - [0.0, 0.0, 1.0]))]
+    loads += [PointForce(vectors(force.components_kn), place(force.at_m)) for force in design.forces]
+    loads += [
+        PointForce(_each(bolt.force_kn, count)[:, None] * bolt.toward.vector(), place(bolt.head_m))
+        for bolt in design.bolts
+    ]
+    if design.is_wet or np.any(design.surcharge_kpa):
+        assert on_arrays.full is not None
+        with np.errstate(divide="ignore", invalid="ignore"):
+            loads += pushes(design, slope_of(bounds, solids, on_arrays.full))[0].values()
+    total = np.zeros((count, 6))
+    for load in loads:
+        total[:, :3] += load.force
+        if load.at is not None:
+            total[:, 3:] += cross(load.at - solids.centroid, load.force)
+    if bounds.along is not None:  # per metre: what acts along the slope says nothing
+        along, turns = bounds.along, (total[:, 3:] * bounds.along).sum(axis=1)
+        total[:, :3] -= (total[:, :3] * along).sum(axis=1)[:, None] * along
+        total[:, 3:] = turns[:, None] * along
+    return total
 
-    def _weight(self, on_arrays: OnArrays[Any]) -> None:
-        """Add the weight, and what an earthquake makes of it."""
-        rock, seismic = self.design.rock, self.design.seismic
-        weight = _each(rock.unit_weight_kn_m3, self.count) * self.solids.volume
-        self.load[:, 2] -= weight
-        if not np.any(seismic.coefficient):
-            return
-        self.load[:, :3] += (seismic.coefficient * weight)[:, None] * shaken_toward(self.design, on_arrays, self.count)
 
-    def _forces(self) -> None:
-        """Add forces and active bolts."""
-        for force in self.design.forces:
-            self._add(self._vectors(force.components_kn), force.at_m)
-        for bolt in self.design.bolts:
-            self._add(_each(bolt.force_kn, self.count)[:, None] * bolt.toward.vector(), bolt.head_m)
-
-    def _water(self, on_arrays: OnArrays[Any]) -> None:
-        """Add water on the joints and in the crack."""
-        water, bounds = self.design.water, self.bounds
-        crack = [plane for plane in range(len(bounds.outward)) if plane not in (*bounds.joints, *bounds.free)]
-        wet = [*bounds.joints, *crack]
-        given = water.mode == "pressures"
-        if given:
-            for plane, mean in zip(wet, water.pressures_kpa, strict=False):
-                self._press(1.0, *self.solids.even(plane, _each(mean, self.count)))
-        fill = 1.0 if water.crack_water_m is not None else 0.0 if given else water.fill
-        parts = dict.fromkeys(wet, fill) | dict.fromkeys(crack, fill if water.crack_fill is None else water.crack_fill)
-        if any(np.any(part) for part in parts.values()):
-            assert on_arrays.full is not None
-            for plane, triangles, pressures in on_arrays.full(self.design, self.solids):
-                self._press(parts[plane], plane, triangles, pressures)
-
-    def _press(self, part: Any, plane: int, triangles: Floats, pressures: Floats) -> None:
-        """Add a part of pressures (n, t, 3) at the corners of triangles (n, t, 3, 3) of the faces of a plane.
-
-        In a triangle of area A with pressures p_i at its corners x_i: ∫ p dA = A Σp / 3,
-        ∫ p x dA = A (Σp Σx + Σ p_i x_i) / 12.
-        """
-        sides = cross(triangles[:, :, 1] - triangles[:, :, 0], triangles[:, :, 2] - triangles[:, :, 0])
-        areas, total = 0.5 * np.sqrt((sides * sides).sum(axis=2)), pressures.sum(axis=2)
-        arms = triangles - self.solids.centroid[:, None, None]
-        weighed = total[:, :, None] * arms.sum(axis=2) + (pressures[..., None] * arms).sum(axis=2)
-        inward = -_each(part, self.count)[:, None] * self.solids.outward[:, plane]
-        self.load[:, :3] += (areas * total).sum(axis=1)[:, None] / 3.0 * inward
-        self.load[:, 3:] += cross((areas[:, :, None] * weighed).sum(axis=1) / 12.0, inward)
+def _shaking(design: SlopeDesign, on_arrays: OnArrays[Any], count: int) -> Floats:
+    """Return what an earthquake adds to the weight, (n, 3) parts of it."""
+    if not np.any(design.seismic.coefficient):
+        return np.zeros((count, 3))
+    return _each(design.seismic.coefficient, count)[:, None] * shaken_toward(design, on_arrays, count)

@@ -2,8 +2,8 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, Generic, TypeAlias
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Generic, TypeAlias
 
 import numpy as np
 
@@ -12,11 +12,15 @@ from slopekit.core.errors import Fault, GeometryError
 from slopekit.design.common import Design
 from slopekit.design.ground_water import SlopeDesign
 from slopekit.design.parts import Strength
-from slopekit.geometry.polytopes import Polytopes
 from slopekit.kinds.protocol import ClosedForm, D
 from slopekit.kinds.single_block.held_bolts import Bounds
 from slopekit.kinds.single_block.secants import on_secants
 
+if TYPE_CHECKING:
+    from slopekit.kinds.water import FullWater
+
+#: Why values do not fit the blocks of planes: water over the rim of a crack, above the ground; two parts of a block.
+MISFITS = ("E207", "E456", "E208")
 #: The arguments of a closed form by name; None for what a design does not have.
 Arguments: TypeAlias = dict[str, float | None]
 
@@ -52,6 +56,22 @@ class ClosedForms:
             raise GeometryError([Fault(name, what)])
         return ClosedForm(None if math.isnan(factor) else factor, name)
 
+    def refused(self, misfit: Any, codes: Sequence[str]) -> "ClosedForms":
+        """The same without the blocks that a value does not fit, where they are not refused already.
+
+        Parameters
+        ----------
+        misfit : (n,) index into the codes, below 0 of those that fit; None where all do
+        """
+        if misfit is None:
+            return self
+        names = (*self.names, *(code for code in codes if code not in self.names))
+        is_block = np.array([not name.startswith("E") for name in self.names])
+        is_misfit = (np.asarray(misfit) >= 0) & is_block[self.outcome]
+        numbers = np.array([names.index(code) for code in codes], dtype=np.int8)
+        outcome = np.where(is_misfit, numbers[misfit], self.outcome)
+        return replace(self, names=names, outcome=outcome, factor=np.where(is_misfit, np.nan, self.factor))
+
     def tractions_kpa(self) -> list[float]:
         """The mean effective normal traction on each joint of the first of them."""
         return [float(normal[0] / area[0]) for normal, area in zip(self.normal_kn, self.areas_m2, strict=True)]
@@ -85,13 +105,12 @@ class OnArrays(Generic[D]):
         of them or an array
     bounds : the planes that bound the blocks of a design, whose numbers may be arrays
     sizes : of the blocks of a design, whose numbers may be arrays; None where it has none, or they are not known
-    also : of a design whose numbers may be arrays, its arguments, and how far before the face its bolts were laid out:
-        what its acceptance is held against besides, with the outcome "" where there is no such block; None where
-        designs have none
+    also : of a design whose numbers may be arrays, the arguments that hold its strengths, and how far before the face
+        its bolts were laid out: what its acceptance is held against besides, with the outcome "" where there is no such
+        block; None where designs have none
     crack_reach_m : how far the place of a crack may lie, of a design whose numbers may be arrays; not a number where
         the planes make no block; None where a design is asked one by one
-    full : of a design whose numbers may be arrays and its blocks, full water, or what stands in the crack: the plane of
-        each face that it presses on, the face in triangles (n, t, 3, 3), and the pressures at their corners (n, t, 3)
+    full : the pressures of full water; None where designs have none
     shaken : of such a design, the level unit vector (n, 3) that an earthquake without a trend acts along
     """
 
@@ -103,8 +122,8 @@ class OnArrays(Generic[D]):
     bounds: Callable[[D], Bounds]
     sizes: Callable[[D], SizesOfMany | None] | None = None
     crack_reach_m: Callable[[D], Floats | None] | None = None
-    also: Callable[[D, Arguments, Floats], ClosedForms | None] | None = None
-    full: Callable[[D, Polytopes], Sequence[tuple[int, Floats, Floats]]] | None = None
+    also: Callable[[D, Arguments, Floats], ClosedForms] | None = None
+    full: "FullWater | None" = None
     shaken: Callable[[D], Floats] | None = None
 
     def of(self, design: D) -> ClosedForm:
@@ -134,22 +153,28 @@ def force_on(design: Design) -> Arguments:
 
 
 def pressures_and_force(
-    design: SlopeDesign, joints: int, by_faces: Callable[[Arguments], tuple[list[float | None], Arguments]]
-) -> tuple[list[float | None], Arguments]:
-    """Mean pressures (kPa) of so many joints and the crack, None where a part of full water says them; and the force.
+    design: D, joints: int, bounds: Callable[[D], Bounds], full: "FullWater"
+) -> tuple[list[Any], Arguments]:
+    """Mean pressures (kPa) of so many joints and the crack, None where a part of full water says them; force, misfits.
 
     Parameters
     ----------
-    by_faces : of the force, the same where water or a surcharge are integrated over the faces of the block
+    bounds, full : as `OnArrays` has them: a table, a pond, a depth in the crack and a surcharge are integrated over the
+        faces of the blocks
     """
-    force = force_on(design)
-    pressures: list[float | None] = [None] * (joints + 1)
+    assert isinstance(design, SlopeDesign)
+    force: dict[str, Any] = force_on(design)
+    pressures: list[Any] = [None] * (joints + 1)
     if design.water.mode == "pressures":
         pressures[:] = [*design.water.pressures_kpa, *[0.0] * joints][: joints + 1]
     if not design.is_cut_for_loads:
-        return pressures, force
-    means, force = by_faces(force)
-    return (means if design.water.has_table or design.water.crack_water_m else pressures), force
+        return pressures, force | {"misfit": None}
+    from slopekit.kinds.water import integrated_loads  # plain designs do not pay
+
+    means, rest, misfit = integrated_loads(design, bounds(design), full)
+    force = {name: rest[k] if force[name] is None else force[name] + rest[k] for k, name in enumerate(force)}
+    is_by_faces = design.water.has_table or np.any(design.water.crack_water_m)
+    return (means if is_by_faces else pressures), force | {"misfit": misfit}
 
 
 def passive_bolts(design: Design) -> list[list[float]]:

@@ -106,6 +106,11 @@ def _passage(bounds: Bounds, bolts: Sequence[Bolt]) -> tuple[Floats, Floats, Boo
     return enters, sound, passes
 
 
+def pulling(bolt: Bolt, holds: Any) -> Bolt:
+    """A bolt that gives its force in those of n blocks that it holds (n,)."""
+    return replace(bolt, force_kn=bolt.force_kn * holds)
+
+
 def with_held(design: D, bounds: Bounds, before: Floats) -> D:
     """One design with the bolts that hold its block, their heads on its face."""
     holding, along = held(bounds, design.bolts, before)

@@ -6,23 +6,23 @@ below level ground Hoek & Bray (1981, ch. 7) give it in closed form: b_c / H = s
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, NDArray
 from slopekit.core.errors import DesignError, Fault, GeometryError
 from slopekit.design.ground_water import SlopeDesign
-from slopekit.kinds.single_block.closed_forms import OnArrays
+from slopekit.kinds.single_block.closed_forms import Arguments, OnArrays
 
 #: Where the lowest factor is: in the range, at its end toward the crest, everywhere, where nothing holds the block,
 #: nowhere, at its end away from the crest. Places without a factor are outside of the range.
 WHERE = ("inside", "end", "flat", "free", "none", "back")
 _INSIDE, _END, _FLAT_OF, _FREE_OF, _NONE_OF, _BACK = range(6)
-_MANY, _FEW, _ROUNDS = 401, 31, 10
+_CHEAP, _DEAR = (401, 10), (31, 5)  # places of the first sweep, narrower sweeps: fewer where blocks are cut
 _AT_ONCE = 256  # designs: of more the columns leave the cache
 _NARROWER = 11
 _ENDS = 1e-6  # of the range: nearer to its ends there is no crack
@@ -30,6 +30,8 @@ _FLAT = 1e-9
 _FREE = ("lifted", "falls")
 
 D = TypeVar("D", bound=SlopeDesign)
+#: The arguments of some of n designs with the crack of each at places (m, k), m k of those that are not one for all.
+ArgumentsAt: TypeAlias = Callable[[slice, Floats], Arguments]
 
 
 def lowest(factor_at: Callable[[Floats], Floats], reach: float, count: int, rounds: int = 8) -> tuple[float, str]:
@@ -99,33 +101,27 @@ def lowest_of_many(
     return place, where
 
 
-def worst_of_many(
-    on_arrays: OnArrays[D], arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]], reach: Floats
-) -> Floats:
+def worst_of_many(design: SlopeDesign, on_arrays: OnArrays[Any], arguments: ArgumentsAt, reach: Floats) -> Floats:
     """Where (n,) the crack of each of n designs lowers the closed form most, as `with_worst_crack` finds it one by one.
 
     Parameters
     ----------
-    arguments : of the closed form, each one number for all or (n,), but for the place of the crack; bolts : passive
+    design : of which the n differ in numbers, without passive bolts
     reach : (n,) the longest distances, nan where there is no block
     """
     parts = []
     for at in range(0, len(reach), _AT_ONCE):
         part = slice(at, at + _AT_ONCE)
-        own = {name: value[part] if np.ndim(value) and np.size(value) > 1 else value for name, value in
-               arguments.items()}  # fmt: skip
-        parts.append(lowest_of_many(partial(_factors, on_arrays, own, bolts), reach[part], _MANY, _ROUNDS)[0])
+        factors = partial(_factors, on_arrays, partial(arguments, part), ())
+        parts.append(lowest_of_many(factors, reach[part], *(_DEAR if design.is_cut_for_loads else _CHEAP))[0])
     return np.concatenate(parts)
 
 
 def _factors(
-    on_arrays: OnArrays[D], arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]], places: Floats
+    on_arrays: OnArrays[D], arguments: Callable[[Floats], Arguments], bolts: Sequence[Sequence[float]], places: Floats
 ) -> Floats:
     """Factors of designs with the crack at places (n, k), nan where there is none, -inf where nothing holds."""
-    count = places.shape[1]
-    given = {name: np.repeat(value, count) if np.ndim(value) and np.size(value) > 1 else value for name, value in
-             arguments.items()}  # fmt: skip
-    forms = on_arrays.closed_forms(given | {"crack_distance_m": places.ravel()}, bolts)
+    forms = on_arrays.closed_forms(arguments(places), bolts)
     free = np.isin(forms.outcome, [number for number, name in enumerate(forms.names) if name in _FREE])
     factors: Floats = np.where(free, -math.inf, forms.factor)
     return np.broadcast_to(factors, places.size).reshape(places.shape)
@@ -145,12 +141,14 @@ def with_worst_crack(design: D, on_arrays: OnArrays[D], reach: float, place: str
     """
     holder: Any = design
 
-    def at(distance: float) -> D:
+    def at(distance: Any) -> D:
         cracked: D = replace(holder, crack=replace(holder.crack, distance_m=distance))
         return cracked
 
-    first = at(reach / 2.0)
-    together = not design.is_cut_for_loads and not any(one.law for one in on_arrays.strengths(design))
+    together = not any(one.law for one in on_arrays.strengths(design))
+
+    def arguments(distances: Floats) -> Arguments:
+        return on_arrays.arguments(at(distances[0]))
 
     def one(distance: float) -> float:
         try:
@@ -164,12 +162,12 @@ def with_worst_crack(design: D, on_arrays: OnArrays[D], reach: float, place: str
     def factors(places: Floats) -> Floats:
         if not together:
             return np.array([one(float(place)) for place in places])
-        fos: Floats = _factors(on_arrays, on_arrays.arguments(first), on_arrays.bolts(first), places[None])[0]
+        fos: Floats = _factors(on_arrays, arguments, on_arrays.bolts(design), places[None])[0]
         return fos
 
     distance, where = 0.0, "none"
     if reach > 0.0:
-        distance, where = lowest(factors, reach, *((_MANY, _ROUNDS) if together else (_FEW, 5)))
+        distance, where = lowest(factors, reach, *(_DEAR if design.is_cut_for_loads or not together else _CHEAP))
     if where == "none":
         message = "no place of the crack behind the crest gives a factor of safety: none is the worst"
         raise DesignError([Fault("E459", message, place, "Give its distance, or leave the crack out.")])

@@ -230,7 +230,7 @@ def _loads(design: SurfaceDesign, mass: SlidingMass, pairs: NodePairs) -> Loads:
         shares = pairs.control_areas[:, None] * pairs.normals * design.water.pressures_kpa[0]
         couple = np.cross(pairs.points - mass.centroid, shares).sum(axis=0)
         pushes["water"] = PointForce(shares.sum(axis=0), None, couple)
-    elif design.is_cut_for_loads:
+    elif design.water.has_table:
         from slopekit.kinds.surface.water import pushes_of
 
         pushes = pushes_of(design, mass)
@@ -334,7 +334,7 @@ def _columns(design: SurfaceDesign, notes: list[Notice]) -> dict[str, float | No
     if made.overhung_share > _OVERHUNG:
         share = f"{made.overhung_share * 100:.1f} % of the weight hangs under the slip surface"
         notes.append(Notice("W324", f"{share}: the columns carry it, that part of the surface holds nothing in them"))
-    if design.is_cut_for_loads:
+    if design.water.has_table:
         from slopekit.kinds.surface.water import water_of
 
         made = replace(made, pore_pressure=water_of(design).at(made.base_points))
@@ -451,7 +451,7 @@ def _slope(design: SurfaceDesign, result: Result) -> tuple[Section, ...]:
         f"{geometry.normals} normals, mesh edges {geometry.edge_m:.3g} m; {rigid} the surface{turned}",
         ground,
     ]
-    wet = design.ground_in_words() if design.is_cut_for_loads else water_in_words(result)
+    wet = design.ground_in_words() if design.water.has_table else water_in_words(result)
     return (
         Section("SURFACE", entries),
         size_part(result, geometry.total_height_m),

@@ -135,11 +135,6 @@ class SurfaceDesign(Design):
     strength: Strength
 
     @property
-    def is_cut_for_loads(self) -> bool:
-        """Whether water is integrated over the surface."""
-        return self.water.has_table
-
-    @property
     def wet_interfaces(self) -> tuple[str, ...]:
         """The slip surface."""
         return ("slip",)

@@ -12,7 +12,7 @@ from slopekit.geometry.pressure import Height, Pressure, in_strips
 from slopekit.geometry.solids.shapes import GROUND, SLIP
 from slopekit.geometry.solids.sliding_mass import SlidingMass, volume_moments
 from slopekit.kinds.surface.design import SurfaceDesign, along_x
-from slopekit.kinds.water import pressure_below, refuse_above
+from slopekit.kinds.water import above_ground, pressure_below, refuse
 from slopekit.loads import PointForce
 
 _ALONG = np.array([1.0, 0.0, 0.0])  # what places of points count along
@@ -39,7 +39,7 @@ def pushes_of(design: SurfaceDesign, mass: SlidingMass) -> dict[str, PointForce]
     water, vertices = water_of(design), mass.vertices + mass.origin
     ground, slip = (vertices[mass.triangles[mass.on == face]] for face in (GROUND, SLIP))
     if design.water.table_depth_m is None:
-        refuse_above(water, list(ground), float(np.ptp(vertices[:, 2])), np.eye(3))
+        refuse(above_ground(water, ground[None], float(np.ptp(vertices[:, 2])), np.eye(3)))
     centre = mass.centroid + mass.origin
     force, couple, wet = _on_facets(water, slip, centre)
     volume, moment = volume_moments(mass.vertices, mass.triangles)
@@ -58,12 +58,8 @@ def _on_facets(water: Pressure, facets: Floats, centre: Floats) -> tuple[Floats,
     """Force (3,), couple (3,) about a point and the share of the area that is wet, of triangles (n, 3, 3)."""
     areas = cross(facets[:, 1] - facets[:, 0], facets[:, 2] - facets[:, 0]) / 2.0
     sizes = np.sqrt((areas * areas).sum(axis=1))
-    force, couple, wet = np.zeros(3), np.zeros(3), 0.0
-    for facet, area, size in zip(facets, areas, sizes, strict=True):
-        thrust, at = water.on(facet)
-        if thrust and size:
-            push = -thrust / size * area
-            force += push
-            couple += cross(at - centre, push)
-            wet += float(size)
-    return force, couple, wet / float(sizes.sum()) if len(sizes) else 0.0
+    thrusts, at = water.on(facets)
+    is_wet = (thrusts > 0.0) & (sizes > 0.0)
+    pushes = -(thrusts / np.where(is_wet, sizes, np.inf))[:, None] * areas
+    wet, whole = float(sizes[is_wet].sum()), float(sizes.sum())
+    return pushes.sum(axis=0), cross(at - centre, pushes).sum(axis=0), wet / whole if whole else 0.0

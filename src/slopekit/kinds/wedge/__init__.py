@@ -15,10 +15,10 @@ from slopekit.core.sheet import Section
 from slopekit.design.parts import Strength, Water
 from slopekit.evidence import WithoutBasal
 from slopekit.extents import WedgeGeometry
-from slopekit.geometry.polytopes import Polytopes
-from slopekit.geometry.rock.rockmass import CRACK, FACE, J1, J2, UPPER
+from slopekit.geometry.rock.rockmass import FACE, J1, J2, UPPER
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.single_block.closed_forms import (
+    MISFITS,
     Arguments,
     ClosedForms,
     OnArrays,
@@ -29,7 +29,7 @@ from slopekit.kinds.single_block.closed_forms import (
 from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of, upward
 from slopekit.kinds.single_block.one_block import DILATES, kind_of_one_block, other_strengths
 from slopekit.kinds.wedge import limits
-from slopekit.kinds.wedge.cutting import JOINTS, cut, for_closed_form, height_of, rock_mass, shape_of, size_scale
+from slopekit.kinds.wedge.cutting import JOINTS, cut, full_water, height_of, rock_mass, shape_of, size_scale
 from slopekit.kinds.wedge.design import WedgeDesign, read_wedge
 from slopekit.kinds.words import (
     line_in_words,
@@ -43,7 +43,6 @@ from slopekit.result import Result, Words
 
 _NEARLY_PARALLEL_DEG = 5.0
 _ON = 1e-12  # of the size of a wedge: its crest is on the crack
-_OUTCOMES = (*OUTCOMES, "E486", "E487")  # the last two by limits of size
 _PRESSURES = ("pressure1", "pressure2", "pressure3", "pressure5")
 
 
@@ -57,12 +56,15 @@ def compared(design: WedgeDesign) -> ClosedForm:
 
 
 def _heights(design: WedgeDesign) -> tuple[Any, Any]:
-    """The same of a design whose numbers may be arrays, and which are left out; None where nothing limits them."""
+    """The same of a design whose numbers may be arrays, and which of `limits.CODES` refuses it, below 0 for none.
+
+    None where nothing limits them.
+    """
     if design.limits is None:
         return design.height_m, None
     fit = limits.fitted(design)
-    heights, why = np.asarray(design.height_m) * fit.scale, fit.why.astype(np.float64)
-    return (heights, why) if len(why) > 1 else (float(heights[0]), float(why[0]))
+    heights, misfit = np.asarray(design.height_m) * fit.scale, fit.why.astype(np.int64) - 1
+    return (heights, misfit) if len(misfit) > 1 else (float(heights[0]), int(misfit[0]))
 
 
 def strengths_of(design: WedgeDesign) -> list[Strength]:
@@ -75,19 +77,19 @@ def strengths_of(design: WedgeDesign) -> list[Strength]:
 
 def arguments(design: WedgeDesign) -> Arguments:
     """What Hoek & Bray's wedge is given of a design, but for its passive bolts."""
-    height, left_out = _heights(design)
-    columns: Arguments = {"height_m": height, "left_out": left_out}
+    height, size_misfit = _heights(design)
+    columns: Arguments = {"height_m": height, "size_misfit": size_misfit}
     planes = {"joint1": design.joints[0], "joint2": design.joints[1], "face": design.face, "upper": design.upper}
     for name, plane in planes.items():
         columns |= {f"{name}_dip_deg": plane.dip_deg, f"{name}_dip_direction_deg": plane.dip_direction_deg}
     crack, basal = design.crack, design.basal
-    pressures, force = pressures_and_force(design, len(design.strengths), lambda force: for_closed_form(design, force))
+    pressures, loads = pressures_and_force(design, len(design.strengths), bounds, full_water)
     if basal is not None:
         columns |= {
             "basal_dip_deg": basal.plane.dip_deg, "basal_dip_direction_deg": basal.plane.dip_direction_deg,
             "basal_height_m": basal.height_m, "pressure3": pressures[2],
         }  # fmt: skip
-    return columns | force | {
+    return columns | loads | {
         **_of_strengths(strengths_of(design)),
         "unit_weight_kn_m3": design.rock.unit_weight_kn_m3, "fill": design.water.fill if pressures[0] is None else 0.0,
         "water_unit_weight_kn_m3": design.water_unit_weight_kn_m3, "crack_fill": design.water.crack_fill,
@@ -112,7 +114,7 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]])
     bolts : east, north and up of the passive ones
     """
     given = dict(arguments)
-    why = given.pop("left_out")
+    size, misfit = given.pop("size_misfit"), given.pop("misfit")
     pressures = [given.pop(name) for name in _PRESSURES if name in given]
     force = [given.pop(name) for name in ("force_east", "force_north", "force_up")]
     given |= {
@@ -123,12 +125,11 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]])
         from slopekit.closed_form import basal
 
         three = basal.basal_wedges(basal.BasalWedgeArrays(**given))
-        return ClosedForms(basal.OUTCOMES, three.outcome, three.factor, list(three.normal_kn), list(three.areas_m2[:3]))
+        forces = list(three.normal_kn), list(three.areas_m2[:3])
+        return ClosedForms(basal.OUTCOMES, three.outcome, three.factor, *forces).refused(misfit, MISFITS)
     wedges = hoek_bray_wedges(WedgeArrays(**given))
-    outcome, factor = wedges.outcome, wedges.factor
-    if why is not None:
-        outcome, factor = limits.without(outcome, factor, why, len(OUTCOMES), OUTCOMES.index("E201"))
-    return ClosedForms(_OUTCOMES, outcome, factor, list(wedges.normal_kn), list(wedges.areas_m2[:2]))
+    forms = ClosedForms(OUTCOMES, wedges.outcome, wedges.factor, list(wedges.normal_kn), list(wedges.areas_m2[:2]))
+    return forms.refused(size, limits.CODES).refused(misfit, MISFITS)
 
 
 def crest_of(design: WedgeDesign) -> tuple[list[Floats], list[Floats], Floats, Floats]:
@@ -191,31 +192,10 @@ def crack_reach(design: WedgeDesign) -> Floats | None:
     return reach_m
 
 
-def _also_of_many(design: WedgeDesign, arguments: Arguments, before: Floats) -> ClosedForms | None:
-    if design.basal is None:
-        return None
+def _also_of_many(design: WedgeDesign, strengths: Arguments, before: Floats) -> ClosedForms:
     from slopekit.kinds.wedge import basal
 
-    return basal.without_basal_of_many(design, arguments, before)
-
-
-def full_water(design: WedgeDesign, solids: Polytopes) -> list[tuple[int, Floats, Floats]]:
-    """Full water on the joints and the crack of wedges: Hoek & Bray's pyramids, as `cutting` has them of one."""
-    if design.basal is not None:
-        from slopekit.kinds.wedge import basal
-
-        return basal.full_water(design, solids)
-    outward, offsets = solids.outward, solids.offsets
-    line = cross(outward[:, J1], outward[:, J2])
-    end = UPPER if design.crack is None else CRACK
-    back = line * (offsets[:, end] / (outward[:, end] * line).sum(axis=1))[:, None]
-    if design.crack is None:
-        mean = design.water_unit_weight_kn_m3 * solids.height() / 6.0
-        return [solids.pyramid(joint, back / 2.0, mean) for joint in (J1, J2)]
-    upper = outward[:, UPPER]
-    depth = (offsets[:, UPPER] - (upper * back).sum(axis=1)) / upper[:, 2]
-    mean = design.water_unit_weight_kn_m3 * depth / 3.0
-    return [solids.pyramid(face, back, mean) for face in (J1, J2, CRACK)]
+    return basal.without_basal_of_many(design, strengths, before)
 
 
 def _shaken(design: WedgeDesign) -> Floats:

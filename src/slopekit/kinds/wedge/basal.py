@@ -1,7 +1,7 @@
 """A wedge with a basal joint: its shape and water, its bounds, and what a reader must know of it."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any
@@ -15,11 +15,8 @@ from slopekit.core.sheet import counted
 from slopekit.design.parts import Bolt
 from slopekit.evidence import WithoutBasal
 from slopekit.extents import WedgeGeometry
-from slopekit.geometry.polytopes import Polytopes
-from slopekit.geometry.pressure import Pieces, even
 from slopekit.geometry.rock.basal import (
     BASAL,
-    CRACK,
     J1,
     J2,
     PLANE_NAMES,
@@ -29,17 +26,16 @@ from slopekit.geometry.rock.basal import (
     cut_basal_wedge,
     trace_behind,
 )
-from slopekit.geometry.rock.cutting import Block
-from slopekit.kinds.single_block.closed_forms import Arguments, ClosedForms, force_on
-from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of, held, stand_off, upward
+from slopekit.kinds.single_block.closed_forms import Arguments, ClosedForms
+from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of, held, pulling, stand_off, upward
+from slopekit.kinds.wedge import arguments, closed_form, closed_forms, crest_of
 from slopekit.kinds.wedge import bounds as wedge_bounds
-from slopekit.kinds.wedge import closed_form, closed_forms, crest_of
 from slopekit.kinds.wedge.cutting import Shape
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.kinds.words import line_in_words, short
 
 JOINTS = ((J1, "J1"), (J2, "J2"), (BASAL, "basal"))
-_OF_THE_THIRD = ("basal_", "pressure3", "cohesion3", "friction3")  # how its arguments begin
+_OF_THE_THIRD = ("cohesion3", "friction3")  # how its arguments begin
 _ACROSS = 1e-9  # a cosine: along the strike of the face it dips neither way
 
 
@@ -56,7 +52,7 @@ def shape_of(design: WedgeDesign) -> Shape:
     corners = {"toe": np.zeros(3), "basal_J1": rock.basal_at, "crest_J1": rock.crest1, "crest_J2": rock.crest2}
     return Shape(
         block, JOINTS, PLANE_NAMES, rock.offsets[UPPER], rock.line, _shared_edge(block.faces[J1], block.faces[J2]),
-        corners, lambda weight: _full(rock, block, weight), design.face.dip_direction_deg,
+        corners, design.face.dip_direction_deg,
         ("the rock below the basal joint (it stays)",),
     )  # fmt: skip
 
@@ -84,26 +80,6 @@ def _rock_mass(design: WedgeDesign) -> BasalRockMass:
         design.height_m, basal.plane.normal(), basal.height_m,
         crack.plane.normal() if crack else None, crack.distance_m if crack else 0.0,
     )  # fmt: skip
-
-
-def _full(rock: BasalRockMass, block: Block, unit_weight: float) -> Mapping[int, Pieces]:
-    """Full water, even over each joint: γ_w H/6, with a crack γ_w h₅/3 on all."""
-    mean = unit_weight * float(np.ptp(block.corners[:, 2])) / 6.0
-    if CRACK in block.faces:
-        upper = rock.outward[UPPER]
-        depths = (rock.offsets[UPPER] - block.faces[CRACK] @ upper) / upper[2]
-        mean = unit_weight * float(depths.max()) / 3.0
-    return {face: even(polygon, mean) for face, polygon in block.faces.items() if face in (J1, J2, BASAL, CRACK)}
-
-
-def full_water(design: WedgeDesign, solids: Polytopes) -> list[tuple[int, Floats, Floats]]:
-    """Full water of blocks whose numbers are arrays, even over each joint and the crack: as `_full` of one."""
-    depth, faces = solids.height() / 2.0, [J1, J2, BASAL]
-    if design.crack is not None:
-        upper, faces = solids.outward[:, UPPER], [*faces, CRACK]
-        below = solids.offsets[:, UPPER, None] - (solids.faces[:, CRACK] * upper[:, None]).sum(axis=2)
-        depth = below.max(axis=1) / upper[:, 2]
-    return [solids.even(face, design.water_unit_weight_kn_m3 * depth / 3.0) for face in faces]
 
 
 def bounds(design: WedgeDesign) -> Bounds:
@@ -201,11 +177,9 @@ def without_basal(design: WedgeDesign) -> WithoutBasal | None:
     basal = design.basal
     if basal is None or basal.height_m < 0.0 or float(basal.plane.normal() @ _rock_mass(design).basal_at) <= 0.0:
         return None
-    water = replace(design.water, pressures_kpa=(*design.water.pressures_kpa[:2], *design.water.pressures_kpa[3:]))
-    whole = replace(design, strengths=design.strengths[:2], basal=None, water=water)
+    whole = _whole(design)
     whole = replace(whole, bolts=_bolts_of_whole(whole))
-    without_crack = replace(whole, crack=None, water=replace(water, crack_fill=None))
-    for wedge in (whole, without_crack) if whole.crack else (whole,):  # the crack may lie behind it
+    for wedge in (whole, _without_crack(whole)) if whole.crack else (whole,):  # the crack may lie behind it
         with suppress(GeometryError):
             solution = closed_form(wedge)
             return WithoutBasal(solution.status, solution.factor)
@@ -221,26 +195,25 @@ def _bolts_of_whole(whole: WedgeDesign) -> tuple[Bolt, ...]:
     return tuple(bolt for bolt, own in zip(whole.bolts, holds.tolist(), strict=True) if own)
 
 
-def without_basal_of_many(design: WedgeDesign, arguments: Arguments, before: Floats) -> ClosedForms:
+def without_basal_of_many(design: WedgeDesign, strengths: Arguments, before: Floats) -> ClosedForms:
     """`without_basal` of designs whose numbers may be arrays, without passive bolts; "" where there is none.
 
     Parameters
     ----------
-    arguments : but for the bolts; before : (b,) of these, as `held` has it
+    strengths : the arguments that hold those of the joints; before : (b,) of the bolts, as `held` has it
     """
     basal = design.basal
     assert basal is not None
-    own = {name: value for name, value in arguments.items() if not name.startswith(_OF_THE_THIRD)}
+    whole = _whole(design)
     if any(bolt.head_m is not None for bolt in design.bolts):
-        holds = held(wedge_bounds(replace(design, basal=None)), design.bolts, before)[0]
-        forces: list[Any] = [bolt.force_kn * one for bolt, one in zip(design.bolts, holds, strict=True)]
-        bolts = [replace(bolt, force_kn=force) for bolt, force in zip(design.bolts, forces, strict=True)]
-        own |= force_on(replace(design, bolts=tuple(bolts)))
-    forms = closed_forms(own, ())
-    names, outcome, factor = forms.names, forms.outcome.copy(), forms.factor.copy()
+        holds = held(wedge_bounds(whole), design.bolts, before)[0]
+        whole = replace(whole, bolts=tuple(map(pulling, design.bolts, holds)))
+    strengths_on_two = {name: value for name, value in strengths.items() if not name.startswith(_OF_THE_THIRD)}
+    forms = closed_forms(arguments(whole) | strengths_on_two, ())
+    names, outcome, factor = forms.names, forms.outcome, forms.factor
     no_block = np.array([name.startswith("E") for name in names])
     if design.crack is not None:  # it may lie behind it
-        bare = closed_forms({name: None if "crack" in name else value for name, value in own.items()}, ())
+        bare = closed_forms(arguments(_without_crack(whole)) | strengths_on_two, ())
         behind = no_block[outcome]
         outcome, factor = np.where(behind, bare.outcome, outcome), np.where(behind, bare.factor, factor)
     low = np.atleast_1d(basal.height_m)
@@ -251,3 +224,13 @@ def without_basal_of_many(design: WedgeDesign, arguments: Arguments, before: Flo
     is_there = ~no_block[outcome] & cuts_toe
     outcome = np.where(is_there, outcome, len(names)).astype(np.int8)
     return ClosedForms((*names, ""), outcome, np.where(is_there, factor, np.nan))
+
+
+def _whole(design: WedgeDesign) -> WedgeDesign:
+    """The wedge on J1 and J2 alone."""
+    water = replace(design.water, pressures_kpa=(*design.water.pressures_kpa[:2], *design.water.pressures_kpa[3:]))
+    return replace(design, strengths=design.strengths[:2], basal=None, water=water)
+
+
+def _without_crack(whole: WedgeDesign) -> WedgeDesign:
+    return replace(whole, crack=None, water=replace(whole.water, crack_fill=None))

@@ -1,14 +1,14 @@
 """One wedge on two joints cut out of its planes, and what acts on it."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from slopekit.core.arrays import Floats, frozen
+from slopekit.core.arrays import Floats, cross, frozen
 from slopekit.core.orientation import Line, line_of
 from slopekit.extents import WedgeGeometry
 from slopekit.geometry.interfaces import node_pairs
@@ -25,9 +25,7 @@ from slopekit.loads import Hull, Loads, PointForce, block_loads
 from slopekit.preie.system.model import build_model
 
 if TYPE_CHECKING:
-    from slopekit.geometry.pressure import Pieces
-    from slopekit.kinds.single_block.closed_forms import Arguments
-    from slopekit.kinds.water import LocalSlope
+    from slopekit.kinds.water import LocalSlope, OnFaces
 
 JOINTS = ((J1, "J1"), (J2, "J2"))
 
@@ -42,7 +40,6 @@ class Shape:
     offset_m : of the upper slope, upward normal · x; the face passes through the origin
     line : (3,) unit vector down the intersection of J1 and J2; line_length_m : of it that bounds the block
     corners_m : (3,) each by name
-    full : pressures of full water on joints and crack, by plane id and by the unit weight of water
     trend_deg : that an earthquake without a trend acts toward; stays : in words, what is left out of it alone
     """
 
@@ -53,7 +50,6 @@ class Shape:
     line: Floats
     line_length_m: float
     corners_m: Mapping[str, Floats]
-    full: "Callable[[float], Mapping[int, Pieces]]"
     trend_deg: float
     stays: tuple[str, ...] = ()
 
@@ -97,7 +93,7 @@ def shape_of(design: WedgeDesign) -> Shape:
     corners = {"toe": rock.toe, "back": back, "crest_J1": rock.crest1, "crest_J2": rock.crest2}
     return Shape(
         block, JOINTS, PLANE_NAMES, float(rock.offsets[UPPER]), line, math.sqrt(float(back @ back)), corners,
-        lambda weight: _full(rock, block, weight), line_of(line).trend_deg,
+        line_of(line).trend_deg,
     )  # fmt: skip
 
 
@@ -142,45 +138,42 @@ def _loads(design: WedgeDesign, shape: Shape) -> Loads:
     active, passive = bolt_forces(design, origin, lambda head, way: hull().meets(head, way))
     pushes: dict[str, PointForce] = {}
     if design.is_wet or design.surcharge_kpa:  # plain wedges do not pay
-        from slopekit.kinds import water
+        from slopekit.kinds.water import LocalSlope, pushes_of_cut
 
-        pushes = water.pushes(design, _local_slope(design, shape))
+        slope = LocalSlope.of_cut(
+            block, shape.ids, shape.crack, shape.free, np.array([[design.face.normal()], [design.upper.normal()]]),
+            np.array([[0.0], [shape.offset_m]]), -Line(design.face.dip_direction_deg, 0.0).vector()[None], None,
+            full_water, np.eye(3), design.origin_m[2],
+        )  # fmt: skip
+        pushes = pushes_of_cut(design, slope)
     return block_loads(
         block, design.rock.unit_weight_kn_m3, design.seismic.coefficient * Line(trend, 0.0).vector(),
         [point_force(force, origin) for force in design.forces], active, passive, pushes,
     )  # fmt: skip
 
 
-def _local_slope(design: WedgeDesign, shape: Shape) -> "LocalSlope":
-    from slopekit.kinds.water import LocalSlope
+def full_water(slope: "LocalSlope", unit_weight: Any) -> "list[OnFaces]":
+    """Full water on the joints and the crack: Hoek & Bray's pyramids; above a basal joint even over each face.
 
-    normals = np.array([design.face.normal(), design.upper.normal()])
-    return LocalSlope(
-        shape.block, shape.ids, shape.crack, shape.free, normals, np.array([0.0, shape.offset_m]), np.eye(3),
-        -Line(design.face.dip_direction_deg, 0.0).vector(), lambda _: shape.full(design.water_unit_weight_kn_m3),
-        design.origin_m[2],
-    )  # fmt: skip
+    The mean is γ_w H/6, highest half way along the line of intersection; with a crack γ_w h₅/3, highest where the crack
+    meets the line, h₅ below the upper slope.
+    """
+    from slopekit.geometry.pressure import even, pyramid  # plain wedges do not pay
 
-
-def for_closed_form(design: WedgeDesign, force: "Arguments") -> "tuple[list[float | None], Arguments]":
-    """Mean pressures of the joints and the crack (kPa), and the force with the sum of all else (kN)."""
-    from slopekit.kinds import water
-
-    return water.for_closed_form(design, _local_slope(design, shape_of(design)), force)
-
-
-def _full(rock: RockMass, block: Block, unit_weight: float) -> "Mapping[int, Pieces]":
-    """Full water on the joints and the crack: Hoek & Bray's pyramids."""
-    from slopekit.geometry.pressure import pyramid
-
-    faces = [face for face in (J1, J2, CRACK) if face in block.faces]
-    # mean γ_w H/6, highest halfway along the line of intersection
-    apex, mean = (rock.toe + rock.back) / 2.0, unit_weight * float(np.ptp(block.corners[:, 2])) / 6.0
-    if CRACK in faces:
-        # mean γ_w h₅/3, highest where the crack meets the line of intersection, h₅ below the upper slope
-        apex = rock.back * float(rock.offsets[CRACK] / (rock.normals[CRACK] @ rock.back))
-        mean = unit_weight * float((rock.offsets[UPPER] - rock.normals[UPPER] @ apex) / rock.normals[UPPER][2]) / 3.0
-    return {face: pyramid(block.faces[face], mean, apex) for face in faces}
+    planes = slope.interfaces
+    faces = slope.faces[planes]
+    normal, offset = slope.normals[1], slope.offsets[1]
+    if slope.crack is not None:
+        corners = slope.faces[slope.crack]
+        depths = (offset[:, None] - (corners * normal[:, None]).sum(axis=2)) / normal[:, 2:]
+        mean = unit_weight * depths.max(axis=1) / 3.0
+        apex = np.take_along_axis(corners, depths.argmax(axis=1)[:, None, None], axis=1)[:, 0]
+    else:
+        mean = unit_weight * slope.extents[:, 2] / 6.0
+        line = cross(*slope.normals_and_areas[0][[J1, J2]])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            apex = line * (offset / (line * normal).sum(axis=1))[:, None] / 2.0
+    return [(planes, even(faces, mean) if len(slope.joints) > len(JOINTS) else pyramid(faces, mean, apex))]
 
 
 def _geometry(design: WedgeDesign, shape: Shape) -> WedgeGeometry:

@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any, ClassVar
 
+import numpy as np
+
 from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
 from slopekit.core.orientation import Plane, parse_plane
 from slopekit.core.orientation import number as shown
@@ -168,7 +170,7 @@ class WedgeDesign(SlopeDesign):
     @property
     def is_cut_for_loads(self) -> bool:
         """Whether water, of a depth in the crack too, or surcharge are integrated over the faces of the block."""
-        return super().is_cut_for_loads or bool(self.water.crack_water_m)
+        return super().is_cut_for_loads or bool(np.any(self.water.crack_water_m))
 
     @property
     def wet_interfaces(self) -> tuple[str, ...]:

@@ -21,6 +21,8 @@ from slopekit.kinds.words import short, size_number
 
 #: What made a wedge smaller.
 LIMITED_BY = ("", "trace length", "persistence", "slope length", "bench width", "max volume")
+#: Why a wedge is left out: larger than its limits, too small.
+CODES = ("E486", "E487")
 _SAME = 1e-12  # of a length: as large as its limit
 
 
@@ -122,21 +124,6 @@ def fitted_height(design: Any) -> float:
     if fit.why[0]:
         raise GeometryError([_fault(design, fit)])
     return float(design.height_m * fit.scale[0])
-
-
-def without(
-    outcome: NDArray[np.int8], factor: Floats, why: Any, first: int, statuses: int
-) -> tuple[NDArray[np.int8], Floats]:
-    """Outcomes and factors (n,) without the wedges that are left out; no wedge stays none.
-
-    Parameters
-    ----------
-    why : of `Fitted`, one for all or (n,); first : the number of E486, that of E487 follows
-    statuses : outcomes from this number on are no wedge
-    """
-    why = np.asarray(why)
-    gone = (why > 0) & (outcome < statuses)
-    return np.where(gone, why + (first - 1), outcome).astype(np.int8), np.where(gone, np.nan, factor)
 
 
 def scaled(design: Any) -> dict[str, Any]:

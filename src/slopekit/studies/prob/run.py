@@ -319,7 +319,9 @@ def prob(
     with clock("draw"):
         drawn = samples(design.variables, design.correlation, asked.n, asked.seed, method)
         rows = SampleRows(design, drawn)
-        if n is None and _takes_all_at_once(rows, asked):
+        # where a crack was looked for, every place of it may cut a block for its loads
+        is_dear = getattr(design, "crack_searched", "") and getattr(design, "is_cut_for_loads", False)
+        if n is None and _takes_all_at_once(rows, asked) and not is_dear:
             asked = replace(asked, n=MANY)
             rows = SampleRows(design, replace(drawn, count=MANY))
     with clock("factors"):

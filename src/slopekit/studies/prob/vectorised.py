@@ -23,14 +23,16 @@ from slopekit.design.reading.reader import strength_of
 from slopekit.kinds import kind_of
 from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany, limits_on_arrays
 from slopekit.kinds.single_block.closed_forms import Arguments, ClosedForms, OnArrays
-from slopekit.kinds.single_block.held_bolts import held
+from slopekit.kinds.single_block.held_bolts import held, pulling
 from slopekit.kinds.single_block.worst_crack import worst_of_many
 from slopekit.studies.prob.bolts import as_laid_out, standing
 
 #: A design's values at a sample: what `with_values` takes.
 ValuesAt = Callable[[int], Mapping[str, object]]
 _EXACT = 1e-12
+_SMALL = 1e-6  # kPa, kN, m or degrees: below it an argument is nothing but rounding
 _PROBES = 8
+_CHUNK = 32768  # samples
 
 
 @dataclass(frozen=True)
@@ -47,14 +49,16 @@ class Vectorised:
 
     def __call__(self, values: Floats) -> ClosedForms:
         """Outcome and factor of every sample; of a design without passive bolts."""
-        return self._each(self.on_arrays.closed_forms(self.arguments(values), ()), len(values))
+        return _chunked(lambda chunk: self.on_arrays.closed_forms(self.arguments(chunk), ()), values)
 
     def also(self, values: Floats) -> ClosedForms | None:
         """What acceptance of every sample is held against besides; None where there is nothing."""
-        if self.on_arrays.also is None:
+        also, strengths_of = self.on_arrays.also, self.on_arrays.of_strengths
+        if also is None or getattr(self.design, "basal", None) is None:
             return None
-        forms = self.on_arrays.also(self._standing(values), self.arguments(values), self.before)
-        return None if forms is None else self._each(forms, len(values))
+        return _chunked(
+            lambda chunk: also(self._standing(chunk), strengths_of(self._strengths(chunk)), self.before), values
+        )
 
     @property
     def has_limits(self) -> bool:
@@ -79,14 +83,6 @@ class Vectorised:
         assert isinstance(design, SlopeDesign)
         return design, self._strengths(values)
 
-    def _each(self, closed_forms: ClosedForms, count: int) -> ClosedForms:
-        """The closed form of each sample where nothing that scatters is an argument: all are alike."""
-        if len(closed_forms.factor) == count:
-            return closed_forms
-        return ClosedForms(
-            closed_forms.names, np.repeat(closed_forms.outcome, count), np.repeat(closed_forms.factor, count)
-        )
-
     def sizes(self, values: Floats, forms: Bools) -> dict[str, Floats]:
         """The sizes of the blocks of every sample (n,) by their keys, nan where none forms; empty where none are known.
 
@@ -110,14 +106,22 @@ class Vectorised:
 
         Bolts pull as they were laid out: those that a place of the crack frees are found with it.
         """
-        on_arrays, design = self.on_arrays, self._scattered(values)
+        on_arrays = self.on_arrays
+        design: Any = self._scattered(values)
         reach = None if on_arrays.crack_reach_m is None else on_arrays.crack_reach_m(design)
         if reach is None or on_arrays.bolts(self.design):
             return None
-        arguments = on_arrays.arguments(design) | on_arrays.of_strengths(self._strengths(values))
-        places = worst_of_many(on_arrays, arguments, (), np.broadcast_to(reach, len(values)))
-        whole = on_arrays.closed_forms({name: None if "crack" in name else own for name, own in arguments.items()}, ())
-        return self._each(whole, len(values)), places
+
+        def arguments(rows: slice, places: Floats) -> Arguments:
+            repeated = np.repeat(values[rows], places.shape[1], axis=0)
+            cracked: Any = self._scattered(repeated)
+            cracked = replace(cracked, crack=replace(cracked.crack, distance_m=places.ravel()))
+            return on_arrays.arguments(cracked) | on_arrays.of_strengths(self._strengths(repeated))
+
+        places = worst_of_many(design, on_arrays, arguments, np.broadcast_to(reach, len(values)))
+        bare = on_arrays.arguments(replace(design, crack=None)) | on_arrays.of_strengths(self._strengths(values))
+        bare |= dict.fromkeys(name for name in bare if "crack" in name)
+        return _spread(on_arrays.closed_forms(bare, ()), len(values)), places
 
     def arguments(self, values: Floats) -> Arguments:
         """The arguments of all samples: (n,) of those that scatter."""
@@ -127,10 +131,7 @@ class Vectorised:
         """The design with arrays for what scatters; bolts that do not hold the block of a sample pull nothing."""
         design = self._scattered(values)
         if any(bolt.head_m is not None for bolt in design.bolts):
-            holds = self._holds(design, len(values))
-            forces: list[Any] = [bolt.force_kn * own for bolt, own in zip(design.bolts, holds, strict=True)]
-            bolts = [replace(bolt, force_kn=force) for bolt, force in zip(design.bolts, forces, strict=True)]
-            design = replace(design, bolts=tuple(bolts))
+            design = replace(design, bolts=tuple(map(pulling, design.bolts, self._holds(design, len(values)))))
         return design
 
     def _scattered(self, values: Floats) -> Design:
@@ -160,6 +161,19 @@ class Vectorised:
         return strengths
 
 
+def _chunked(forms: Callable[[Floats], ClosedForms], values: Floats) -> ClosedForms:
+    """The closed forms of all samples, so many at once that the faces of their blocks stay small in memory."""
+    chunks = [values[first : first + _CHUNK] for first in range(0, len(values), _CHUNK)]
+    results = [_spread(forms(chunk), len(chunk)) for chunk in chunks]
+    outcome, factor = (np.concatenate([getattr(result, name) for result in results]) for name in ("outcome", "factor"))
+    return ClosedForms(results[0].names, outcome, factor)
+
+
+def _spread(forms: ClosedForms, count: int) -> ClosedForms:
+    """The closed form of each sample where nothing that scatters is an argument: all are alike."""
+    return ClosedForms(forms.names, np.broadcast_to(forms.outcome, count), np.broadcast_to(forms.factor, count))
+
+
 def vectorised(
     design: Design, values: Floats, values_at: ValuesAt, keys: Sequence[str] | None = None
 ) -> Vectorised | None:
@@ -173,8 +187,6 @@ def vectorised(
     kind = kind_of(design)
     on_arrays = kind.on_arrays
     if on_arrays is None:
-        return None
-    if design.is_cut_for_loads:
         return None
     if any(strength.named_law for strength in kind.strengths(design)):
         # curved strength asks the closed form again and again, sample by sample; straight laws have keys of their own
@@ -209,7 +221,9 @@ def _pulled(arguments: Arguments, design: Design) -> Arguments:
 def _same(computed: Any, read: Sequence[float | None]) -> bool:
     """Whether an argument, one for all or one for each, is what was read."""
     each, of_all = np.array(read, dtype=np.float64), np.array(computed, dtype=np.float64)  # None is nan
-    return np.allclose(of_all, each, rtol=_EXACT, atol=_EXACT * np.nan_to_num(np.abs(each)).max(), equal_nan=True)
+    return np.allclose(
+        of_all, each, rtol=_EXACT, atol=_EXACT * np.nan_to_num(np.abs(each)).max(initial=_SMALL), equal_nan=True
+    )
 
 
 def _place(design: Design, path: str) -> list[str]:

@@ -1,0 +1,105 @@
+"""Water tables, ponds, surcharge and water in the crack of many samples at once: each as `run` has it by itself."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+
+import slopekit as sk
+from slopekit.studies.points import point_of
+from slopekit.studies.prob.sampling import samples
+from slopekit.studies.prob.vectorised import vectorised
+
+SAMPLES = 20
+DESIGNS = 40
+
+
+def near(value: float, share: float) -> dict[str, Any]:
+    """A distribution about a value."""
+    least, most = sorted((value * (1.0 - share), value * (1.0 + share)))
+    return {"dist": "uniform", "min": least, "max": most}
+
+
+def near_plane(dip: float, direction: float) -> dict[str, Any]:
+    return {"dip": near(dip, 0.05), "dip_direction": near(direction, 0.02)}
+
+
+def random_design(rng: np.random.Generator) -> dict[str, Any]:
+    """A wedge, one above a basal joint or a plane, with one to three of the loads; nearly every number scatters."""
+    kind = str(rng.choice(["wedge", "basal", "plane"]))
+    height = float(rng.uniform(8.0, 40.0))
+    level = 0.0 if kind == "plane" else float(rng.uniform(-50.0, 50.0))
+    document: dict[str, Any] = {
+        "slopekit": 1, "kind": "plane" if kind == "plane" else "wedge", "rock": {"unit_weight": near(25.0, 0.05)},
+        "joints": {"J1": {"plane": near_plane(rng.uniform(27, 45), rng.uniform(175, 185)), "strength": "s"}},
+        "strength": {"s": {"c": near(rng.uniform(5, 40), 0.3), "phi": near(rng.uniform(20, 42), 0.1)}},
+        "slope": {"face": near_plane(rng.uniform(62, 80), 180.0), "upper": near_plane(rng.uniform(1, 14), 180.0),
+                  "height": near(height, 0.1)},
+    }  # fmt: skip
+    if kind != "plane":
+        for name, direction in (("J1", rng.uniform(100, 140)), ("J2", rng.uniform(215, 255))):
+            plane = near_plane(rng.uniform(42, 68), direction)
+            document["joints"][name] = {"plane": plane, "strength": "s"}
+        document["slope"]["origin"] = [100.0, -20.0, level]
+    if kind == "basal":
+        document["basal"] = {"plane": near_plane(rng.uniform(5, 25), 180.0), "height": near(0.2 * height, 0.1)}
+    water: dict[str, Any] = {}
+    match int(rng.integers(5)):
+        case 0:
+            water = {"mode": "table", "depth": near(rng.uniform(0.1, 0.6) * height, 0.1)}
+        case 1:
+            places = [[0.0, level], [0.5 * height, level + 0.2 * height], [1.5 * height, level + 0.6 * height]]
+            water = {"mode": "table", "points": places}
+        case 2:
+            water = {"mode": "table", "plane": f"{rng.uniform(5, 25):.3f}/175@{level - 0.1 * height:.3f}m"}
+    crack: dict[str, Any] = {"distance": near(rng.uniform(0.05, 0.25) * height, 0.1)}
+    if kind != "plane":
+        crack["plane"] = near_plane(rng.uniform(72, 88), 182.0)
+    if water and rng.uniform() < 0.5:
+        water["pond"] = near(level + rng.uniform(0.1, 0.9) * height, 0.02)
+    elif not water:
+        depth = rng.uniform(0.02, 0.2) * height
+        crack["water"] = near(depth, 0.3) if kind == "plane" else f"{depth:.4f} m"
+    if "water" in crack or rng.uniform() < 0.5:
+        document["crack"] = crack
+    if rng.uniform() < 0.5:
+        document["loads"] = {"surcharge": near(rng.uniform(5, 100), 0.4)}
+    return document | ({"water": water} if water else {})
+
+
+def compared(document: Mapping[str, Any]) -> tuple[set[str], int]:
+    """The statuses of the samples of a design, and how many have a factor: those of `run`, to 1e-9 and 3e-6."""
+    design = sk.load(dict(document))
+    drawn = samples(design.variables, design.correlation, SAMPLES, 1, "monte-carlo")
+    together = vectorised(design, drawn.values, drawn.settings)
+    assert together is not None
+    forms = together(drawn.values)
+    outcomes = np.array(forms.names, dtype=object)[forms.outcome]
+    rows = np.flatnonzero([not name.startswith("E") for name in outcomes])
+    limits = together.limits(drawn.values[rows]) if len(rows) else {"status": [], "limit": []}
+    statuses = outcomes.copy()
+    statuses[rows] = limits["status"]
+    found = dict(zip(rows.tolist(), limits["limit"], strict=True))
+    for row in range(SAMPLES):
+        point = point_of(design, drawn.settings(row))
+        if point.factors is None:
+            assert statuses[row] == point.code
+            continue
+        assert (statuses[row], outcomes[row]) == (point.factors.status, point.factors.closed_status)
+        if point.factors.closed_form is not None:
+            assert forms.factor[row] == pytest.approx(point.factors.closed_form, rel=1e-9)
+        if point.factors.limit is not None:
+            assert found[row] == pytest.approx(point.factors.limit, rel=3e-6)
+    return set(statuses), len(rows)
+
+
+@pytest.mark.slow
+def test_samples_all_at_once_have_the_loads_of_each() -> None:
+    """Forty designs of twenty samples: closed form to 1e-9, PRE-IE to 3e-6, the same status, the same refusal."""
+    rng, statuses, judged = np.random.default_rng(43), set[str](), 0
+    for _ in range(DESIGNS):
+        met, count = compared(random_design(rng))
+        statuses, judged = statuses | met, judged + count
+    assert judged > DESIGNS * SAMPLES // 2
+    assert statuses >= {"rotates", "slides_on_J1", "slides_on_both", "E207", "E456"}
