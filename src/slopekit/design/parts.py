@@ -119,8 +119,8 @@ class Water:
 
     @property
     def is_wet(self) -> bool:
-        """Whether there is water, if only in the crack."""
-        return self.mode != "dry" or bool(np.any(self.crack_fill) or np.any(self.crack_water_m))
+        """Whether there is water, if only in the crack, or in one of many rows."""
+        return self.mode != "dry" or any(map(np.any, (self.fill, self.crack_fill, self.crack_water_m)))
 
     @property
     def has_table(self) -> bool:
