@@ -43,7 +43,6 @@ def test_a_box() -> None:
     assert solid.centroid[0] == pytest.approx([1.0, 1.5, 2.0], rel=1e-14)
     assert solid.counts[0].tolist() == [4] * 6
     assert areas(solid) == pytest.approx([12.0, 8.0, 6.0] * 2, rel=1e-14)
-    assert solid.height() == pytest.approx([4.0])
     assert areas(solid) @ solid.outward[0] == pytest.approx(np.zeros(3), abs=1e-13)
 
 

@@ -229,4 +229,4 @@ def test_a_block_whose_turning_raises_its_factor_has_what_it_has_without() -> No
     assert "one block slides alone, by forces" in str(found)
     straight = changes.run(populations.bench(171))  # on one plane, and lower than where joints dilate
     assert straight.status == "slides"
-    assert [row["mechanism"] for row in straight.mechanisms] == ["first"]
+    assert [row.role for row in straight.mechanisms] == ["first"]

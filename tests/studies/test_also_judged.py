@@ -154,7 +154,7 @@ def test_an_earthquake_that_moves_the_whole_wedge_before_is_not_passed() -> None
 
 
 def test_a_slope_whose_whole_wedge_does_not_stand_is_shaken_by_nothing() -> None:
-    with pytest.raises(sk.DesignError, match=r"E520 the slope does not stand.*the whole wedge.*F 0\.693"):
+    with pytest.raises(sk.DesignError, match=r"E520 the slope does not stand.*the whole wedge.*FoS 0\.693"):
         sk.quake(sk.load(CUT), "sine:0.5g,1Hz")
 
 

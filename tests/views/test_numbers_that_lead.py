@@ -85,10 +85,11 @@ def test_a_joint_has_its_own_name_in_what_happens() -> None:
     result = sk.run(design)
     said = "slides on bedding, J1 has lost contact"
     assert (result.status, result.status_text) == ("slides_on_J1", said)
-    assert f"STATUS    {said} toward" in str(result)
+    toward = "slides on bedding toward 160/40.0, J1 has lost contact"
+    assert f"STATUS    {toward}\n" in str(result)
     assert picture_title(result).startswith(f"{said} · ")
     document = result.to_dict()
-    assert answer(document, document["sheet"]["STATUS"])["status"].startswith(said)
+    assert answer(document, document["sheet"]["STATUS"])["status"].startswith(toward)
 
 
 def test_a_plane_has_its_own_name_where_it_was_given_one() -> None:

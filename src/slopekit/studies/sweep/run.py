@@ -334,7 +334,8 @@ def _points_at(
             for some in (rest[at : at + _AT_ONCE] for at in range(0, len(rest), _AT_ONCE)):
                 points |= {row: point for row, point in zip(some, at_once(values[some]), strict=True) if point}
                 advance(len(some))
-    analyse([row for row in rest if row not in points])
+    if alone := [row for row in rest if row not in points]:
+        analyse(alone)
     return tuple(points[row] for row in range(len(places)))
 
 
