@@ -77,10 +77,11 @@ def compared(document: Mapping[str, Any]) -> tuple[set[str], int]:
     forms = together(drawn.values)
     outcomes = np.array(forms.names, dtype=object)[forms.outcome]
     rows = np.flatnonzero([not name.startswith("E") for name in outcomes])
-    limits = together.limits(drawn.values[rows]) if len(rows) else {"status": [], "limit": []}
-    statuses = outcomes.copy()
-    statuses[rows] = limits["status"]
-    found = dict(zip(rows.tolist(), limits["limit"], strict=True))
+    statuses, found = outcomes.copy(), dict[int, float]()
+    if len(rows):
+        limits = together.limits(drawn.values[rows])
+        statuses[rows] = limits.status
+        found = dict(zip(rows.tolist(), limits.limit.tolist(), strict=True))
     for row in range(SAMPLES):
         point = point_of(design, drawn.settings(row))
         if point.factors is None:

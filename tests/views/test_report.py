@@ -19,6 +19,7 @@ from slopekit.core.errors import DesignError
 from slopekit.core.explanations import explanations
 from slopekit.core.sheet import factor_text
 from slopekit.design.templates import path_of
+from slopekit.kinds.words import force_in_words
 from slopekit.views.pages import page_pictures
 from slopekit.views.pages import report as room
 from slopekit.views.pages.page_pictures import still_pictures
@@ -119,7 +120,7 @@ def test_the_numbers_of_a_wedge_stand_with_their_units() -> None:
         assert f"{forces['water'][joint]:.6g}"[:5] in seen
     for text in (
         "dips 45° toward 105 (ESE)", "65/185", "crack", "mean σ' / kPa", "water / kN", "area / m²",
-        f"weight {forces['weight']:.1f} kN", "unit weight 25 kN/m³", "water 50 % of full pressure",
+        f"weight {force_in_words(forces['weight'])}", "unit weight 25 kN/m³", "water 50 % of full pressure",
         "seismic 0.08 g", "bolt 800 kN toward 005/10.0, passive", "height 30 m", "fos >= 1.3 (limit ",
         "c 24.0 kPa φ 20.0°", "friction angle 20, 30°", "seismic: coefficient 0.08",
     ):  # fmt: skip

@@ -73,15 +73,17 @@ class LocalSlope:
     level: float
 
     @classmethod
-    def of_cut(cls, block: Block, joints: Sequence[int], crack: int, *attributes: Any) -> "LocalSlope":
+    def of_cut(
+        cls, block: Block, joints: Sequence[int], crack: int, free: tuple[int, int], *attributes: Any
+    ) -> "LocalSlope":
         """One block that was cut; the attributes follow as they do above."""
         polygons = block.faces
         most = max(map(len, polygons.values()))
-        faces = np.zeros((1 + max(polygons), 1, most, 3))
+        faces = np.zeros((1 + max(*polygons, *free), 1, most, 3))
         for plane, polygon in polygons.items():
             faces[plane, 0] = polygon[:1]
             faces[plane, 0, : len(polygon)] = polygon
-        return cls(faces, block.corners[None], joints, crack if crack in polygons else None, *attributes)
+        return cls(faces, block.corners[None], joints, crack if crack in polygons else None, free, *attributes)
 
     @property
     def interfaces(self) -> list[int]:
