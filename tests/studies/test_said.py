@@ -137,7 +137,7 @@ def test_a_value_that_the_whole_wedge_does_not_bear_is_not_enough() -> None:
     short = solved_for_both().cases["high"]
     (notice,) = (notice for notice in short.warnings if notice.code == "W507")
     run = sk.run(BASAL, set={"strength.bedding.phi": short.answer.value, "acceptance.rules": "fos >= 3.4999"})
-    assert f"falls short of 3.5: slides on both, F {run.comparisons.without_basal.closed_form:.4g}" in notice.message
+    assert f"falls short of 3.5: slides on both, FoS {run.comparisons.without_basal.closed_form:.4g}" in notice.message
     assert (short.exit_code, run.exit_code) == (1, 1)
     enough = solved_for_both().cases["low"]
     assert "W507" not in codes(enough)
