@@ -32,6 +32,14 @@ GRIDS: dict[str, tuple[dict[str, Any], dict[str, list[float]]]] = {
         "water.fill": [0.1, 0.4, 0.7, 0.8, 0.9, 0.95, 1.0], "joints.J2.plane.dip": [55, 62, 70],
     }),
     "strength that is none": (WEDGE, {"strength.a.c": [0, 0.5, 1, 2, 3, 4, 5], "strength.b.phi": [0, 10, 20]}),
+    "a friction angle that looks like radians": (
+        WEDGE,
+        {"strength.a.phi": [0, 0.5, 1, 1.5, 2, 10, 20, 30, 40, 45], "strength.b.phi": [20, 25, 30]},
+    ),
+    "joints that become nearly parallel": (
+        WEDGE | {"water": {"fill": 0.3}},
+        {"joints.J1.plane.dip_direction": [*range(100, 260, 8), 233, 237], "joints.J1.plane.dip": [45, 60, 70]},
+    ),
     "a crack": (WEDGE | {"crack": {"plane": "80/185", "distance": 3}, "water": {"fill": 0.2}},
                 {"crack.distance": [0.5, 1, 2, 3, 5, 8, 12], "water.fill": [0, 0.3, 0.6]}),
     "a basal joint": (WEDGE | {"basal": {"plane": "20/185", "height": 4, "strength": "a"}},

@@ -16,6 +16,8 @@ from slopekit.design.common import Design
 from slopekit.design.parts import Bolt
 
 D = TypeVar("D", bound=Design)
+#: Between the planes of J1 and J2: where they are nearer to each other W301 says so.
+NEARLY_PARALLEL_DEG = 5.0
 _AT_ONCE = 20_000  # lines through blocks
 _CLEAR = 1e-9  # of the size of the block: a line that only touches it does not pass
 
@@ -41,6 +43,15 @@ class Bounds:
     free: tuple[int, ...]
     size: Floats
     along: Floats | None = None
+
+
+def nearly_parallel(bounds: Bounds, count: int) -> Bools:
+    """Return which of n blocks stand on two joints so nearly parallel that W301 says so."""
+    if len(bounds.joints) < 2:
+        return np.zeros(count, dtype=bool)
+    first, second = (bounds.outward[joint] for joint in bounds.joints[:2])
+    cosine = np.abs((first * second).sum(axis=1))
+    return np.broadcast_to(cosine > math.cos(math.radians(NEARLY_PARALLEL_DEG)), count).copy()
 
 
 def stand_off(bounds: Bounds, bolts: Sequence[Bolt]) -> Floats:

@@ -26,7 +26,7 @@ from slopekit.kinds.single_block.closed_forms import (
     passive_bolts,
     pressures_and_force,
 )
-from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of, upward
+from slopekit.kinds.single_block.held_bolts import NEARLY_PARALLEL_DEG, Bounds, bounds_of, upward
 from slopekit.kinds.single_block.one_block import DILATES, kind_of_one_block, other_strengths
 from slopekit.kinds.wedge import limits
 from slopekit.kinds.wedge.cutting import JOINTS, cut, full_water, height_of, rock_mass, shape_of, size_scale
@@ -41,7 +41,6 @@ from slopekit.kinds.words import (
 )
 from slopekit.result import Result, Words
 
-_NEARLY_PARALLEL_DEG = 5.0
 _ON = 1e-12  # of the size of a wedge: its crest is on the crack
 _PRESSURES = ("pressure1", "pressure2", "pressure3", "pressure5")
 
@@ -275,7 +274,7 @@ def _notices(design: WedgeDesign) -> Iterator[Notice]:
     """What a reader must know of the planes and the water of a wedge."""
     cosine = abs(float(design.joints[0].normal() @ design.joints[1].normal()))
     apart = math.degrees(math.acos(min(1.0, cosine)))
-    if apart < _NEARLY_PARALLEL_DEG:
+    if apart < NEARLY_PARALLEL_DEG:
         yield Notice("W301", _parallel_note(design, apart))
     if design.basal is not None:
         from slopekit.kinds.wedge import basal

@@ -1,7 +1,8 @@
 """Points of a design all at once, where its kind takes arrays.
 
-A few places and the extreme ones are analysed as designs of their own. Where a run says of the inputs of one of
-them what it does not say of all, or arrays find another answer there, no place is taken on arrays.
+A few places and the extreme ones are analysed as designs of their own, and those with a value that the reader of files
+refuses, or with nearly parallel joints. Where a run says of the inputs of one of a few what it does not say of all, or
+arrays find another answer there, no place is taken on arrays.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -9,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from slopekit.core.arrays import Floats
+from slopekit.core.arrays import Bools, Floats
 from slopekit.core.errors import DesignError, Notice
 from slopekit.design.common import Design
 from slopekit.design.ground_water import SlopeDesign
@@ -19,6 +20,7 @@ from slopekit.evidence import WithoutBasal
 from slopekit.kinds import kind_of
 from slopekit.kinds.protocol import Factors
 from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany, limits_on_arrays, shaken_toward
+from slopekit.kinds.single_block.held_bolts import nearly_parallel
 from slopekit.kinds.single_block.one_block_notices import lost_contact, shaking, without_strength
 from slopekit.studies.keys import Key, values_of
 from slopekit.studies.outcomes import ByMethod, agreement
@@ -45,12 +47,13 @@ class PointsOnArrays:
     Attributes
     ----------
     columns : the design with arrays in place of its numbers; pre_ie : False asks the closed form alone
-    said : what a run says of the inputs
+    said : what a run says of the inputs; alone : (n,) places that are designs of their own
     """
 
     columns: Vectorised
     pre_ie: bool
-    said: tuple[Notice, ...] = ()
+    said: tuple[Notice, ...]
+    alone: Bools
 
     def __call__(self, places: Floats) -> list[Point | None]:
         """Return the points at places (n, k), None where no block forms: its own analysis says why."""
@@ -140,8 +143,23 @@ def points_on_arrays(
     }
     if columns is None or (pre_ie and not columns.has_limits) or len(of_inputs) != 1:
         return None
-    at_once = PointsOnArrays(columns, pre_ie, *of_inputs)
-    return at_once if all(map(_alike, at_once(places[list(known)]), known.values())) else None
+    with np.errstate(divide="ignore", invalid="ignore"):  # at places whose planes cut no block
+        alone = nearly_parallel(columns.on_arrays.bounds(columns.at(places)[0]), len(places))
+    for key, values in zip(keys, places.T, strict=True):
+        alone |= np.isin(values, [value for value in np.unique(values).tolist() if _refused(design, key, value)])
+    at_once = PointsOnArrays(columns, pre_ie, of_inputs.pop(), alone)
+    compared = [row for row in known if not alone[row]]
+    found = at_once(places[compared]) if compared else []
+    return at_once if all(map(_alike, found, (known[row] for row in compared))) else None
+
+
+def _refused(design: Design, key: Key, value: float) -> bool:
+    """Whether the reader of files refuses a value: a friction angle that looks like radians."""
+    try:
+        with_values(design, values_of(design, [key], [value]))
+    except DesignError:
+        return True
+    return False
 
 
 def _said(

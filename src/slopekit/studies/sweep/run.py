@@ -330,8 +330,9 @@ def _points_at(
     rest = [row for row in range(len(places)) if row not in points]
     at_once = points_on_arrays(design, keys, values, points, methods != "closed-form") if rest else None
     if at_once is not None:
-        with desk.bar("points", len(rest)) as advance:
-            for some in (rest[at : at + _AT_ONCE] for at in range(0, len(rest), _AT_ONCE)):
+        together = [row for row in rest if not at_once.alone[row]]
+        with desk.bar("points", len(together)) as advance:
+            for some in (together[at : at + _AT_ONCE] for at in range(0, len(together), _AT_ONCE)):
                 points |= {row: point for row, point in zip(some, at_once(values[some]), strict=True) if point}
                 advance(len(some))
     if alone := [row for row in rest if row not in points]:
