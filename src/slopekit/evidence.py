@@ -8,14 +8,12 @@ import numpy as np
 
 from slopekit.block_scene import Arrows, NodePairState
 from slopekit.core.arrays import Floats
-from slopekit.design.parts import Rule
+from slopekit.design.parts import ROUNDING, Rule
 
 if TYPE_CHECKING:
     from slopekit.elastic.outcome import ElasticBlocks
     from slopekit.preie.motion.all_pairs import AllPairsFailed
     from slopekit.preie.motion.balance import Balance
-
-_ROUNDING = 1e-9  # of a factor that was solved for
 
 
 @dataclass(frozen=True)
@@ -153,7 +151,7 @@ class WithoutBasal:
         """
         if self.closed_form is None:
             return self.status in ("lifted", "falls")
-        return self.closed_form < target * (1.0 - _ROUNDING)
+        return self.closed_form < target * (1.0 - ROUNDING)
 
 
 @dataclass(frozen=True, eq=False)

@@ -479,6 +479,9 @@ CASE_KEYS = keys_of(
 ON_FACTOR = ("fos", "fos.limit")
 
 
+ROUNDING = 1e-9  # of a factor that was solved for
+
+
 @dataclass(frozen=True)
 class Rule:
     """An acceptance rule: what is held against a value, `fos >= 1.5`.
@@ -502,12 +505,12 @@ class Rule:
         return self.relation in (">=", ">")
 
     def met(self, value: float | None) -> bool:
-        """Whether a value meets the rule; no value meets none."""
+        """Whether a value meets the rule, if only but for rounding, as one that was solved for; no value meets none."""
         if value is None:
             return False
-        if self.is_least:
-            return value > self.value or (self.relation == ">=" and value == self.value)
-        return value < self.value or (self.relation == "<=" and value == self.value)
+        if abs(value - self.value) <= ROUNDING * abs(self.value):
+            return self.relation in (">=", "<=")
+        return value > self.value if self.is_least else value < self.value
 
     def __str__(self) -> str:
         return f"{self.name} {self.relation} {shown(self.value)}"
