@@ -25,8 +25,8 @@ from slopekit.kinds.wedge.design import wedge_design
 from slopekit.preie.batch import BlockLimits, Blocks, limits_of_blocks
 from slopekit.preie.one_block.bed_limits import BedStatus
 from slopekit.preie.one_block.flat_limit import flat_limit
+from slopekit.studies.evaluation.vectorised import vectorised
 from slopekit.studies.prob.sampling import samples
-from slopekit.studies.prob.vectorised import vectorised
 
 TEMPLATE = Path(__file__).parents[1] / "templates" / "wedge-scatter.yaml"
 

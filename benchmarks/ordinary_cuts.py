@@ -22,9 +22,9 @@ import slopekit as sk
 from slopekit.core.arrays import Floats
 from slopekit.design.reading.files import load
 from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany
+from slopekit.studies.evaluation.vectorised import vectorised
 from slopekit.studies.outcomes import ByMethod
 from slopekit.studies.prob.sampling import samples
-from slopekit.studies.prob.vectorised import vectorised
 
 #: Part of the limit that rounding, and points of the bed that begin to slip, may take from it.
 LEAST_FALL = 1e-6

@@ -23,12 +23,13 @@ import psutil
 
 from slopekit.design.reading.files import load
 from slopekit.design.templates import path_of
+from slopekit.studies.evaluation.rows import PIECE, Rows, outcomes_of_part
+from slopekit.studies.evaluation.vectorised import vectorised
 from slopekit.studies.keys import key_of, values_of
-from slopekit.studies.points import evaluation, point_of
+from slopekit.studies.points import point_of
 from slopekit.studies.prob import prob
-from slopekit.studies.prob.rows import SampleRows, judged_piece
+from slopekit.studies.prob.rows import SampleRows
 from slopekit.studies.prob.sampling import METHODS, samples
-from slopekit.studies.prob.vectorised import vectorised
 from slopekit.studies.running import Crew, checked_crew, run_all
 from slopekit.studies.sweep import sweep
 
@@ -149,9 +150,9 @@ def cluster(workers: int) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]
 def wedge_crew_rows(n: int = 200_000) -> list[str]:
     """Samples by both methods, in pieces that each worker draws itself."""
     design = load(scattering())
-    rows = SampleRows(design, samples(design.variables, design.correlation, n, 1))
-    ends = [*range(0, n, _AT_ONCE), n]
-    return crew_rows(partial(judged_piece, rows, True), list(pairwise(ends)), n, 1)
+    rows = SampleRows(design, samples(design.variables, design.correlation, n, 1), True)
+    ends = [*range(0, n, PIECE), n]
+    return crew_rows(partial(outcomes_of_part, True), [rows.part(*piece) for piece in pairwise(ends)], n, 1)
 
 
 def bench_crew_rows() -> list[str]:
@@ -159,7 +160,8 @@ def bench_crew_rows() -> list[str]:
     design = load(str(path_of("blocks")))
     places = product(np.linspace(25.0, 45.0, 40).tolist(), np.linspace(0.0, 0.2, 50).tolist())
     tasks = [{"strength.joint.phi": phi, "loads.seismic.k": k} for phi, k in places]
-    return crew_rows(partial(evaluation, design, True, False), tasks, len(tasks), 8)
+    rows = Rows(design, tasks)
+    return crew_rows(partial(outcomes_of_part, True), [rows.part(k, k + 1) for k in range(len(rows))], len(rows), 8)
 
 
 def crew_rows(work: Callable[[Any], Any], tasks: Sequence[Any], count: int, at_once: int) -> list[str]:

@@ -203,7 +203,7 @@ def test_studies_know_its_keys() -> None:
 
 def test_samples_that_scatter_are_evaluated_in_one_call() -> None:
     """The strength and the plane of a basal joint go where its fields say: one call gives what each design gives."""
-    from slopekit.studies.prob.vectorised import vectorised
+    from slopekit.studies.evaluation.vectorised import vectorised
 
     document = put(TROUGH, joints__J1__plane="80/100", joints__J2__plane="80/260")
     document["basal"]["height"] = {"dist": "normal", "mean": 4, "sd": 0.2}

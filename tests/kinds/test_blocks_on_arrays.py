@@ -15,7 +15,7 @@ from slopekit.kinds.plane import PlaneDesign
 from slopekit.kinds.single_block.blocks_on_arrays import blocks_of, limits_on_arrays
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.preie.batch import Blocks
-from slopekit.studies.prob.vectorised import vectorised
+from slopekit.studies.evaluation.vectorised import vectorised
 
 PLANE: dict[str, Any] = {
     "slopekit": 1, "kind": "plane", "slope": {"face": "65/170", "upper": "8/175", "height": 14},

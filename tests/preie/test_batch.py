@@ -15,8 +15,8 @@ from slopekit.kinds.wedge.design import wedge_design
 from slopekit.preie import batch
 from slopekit.preie.batch import Blocks, ForcesStatus, limits_of_blocks
 from slopekit.preie.one_block.bed_limits import BedStatus
+from slopekit.studies.evaluation.vectorised import vectorised
 from slopekit.studies.prob.sampling import samples
-from slopekit.studies.prob.vectorised import vectorised
 
 CASES = json.loads(Path(__file__).with_name("moments.json").read_text(encoding="utf-8"))["cases"]
 WIDTH, WEIGHT, THRUST = 8.0, 2400.0, 1500.0  # m, kN, kN of a dam 1 m long

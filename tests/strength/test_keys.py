@@ -20,8 +20,8 @@ from slopekit.strength.mohr_coulomb import MohrCoulomb
 from slopekit.strength.power import PowerCurve
 from slopekit.strength.registry import LAWS
 from slopekit.strength.waviness import Wavy
+from slopekit.studies.evaluation.vectorised import vectorised
 from slopekit.studies.keys import key_of
-from slopekit.studies.prob.vectorised import vectorised
 
 ROUGH = {"law": "barton-bandis", "jrc": 8, "jcs": "50 MPa", "phi_r": 25}
 GIVEN = [

@@ -8,8 +8,6 @@ import pytest
 
 import slopekit as sk
 from benchmarks import populations
-from slopekit.studies import points
-from slopekit.studies.prob import bolts
 
 WHOLE = {
     "slopekit": 1, "kind": "wedge", "slope": {"face": "65/180", "upper": "5/180", "height": 20},
@@ -82,9 +80,8 @@ def test_bolts_of_samples_hold_the_whole_wedge_where_they_pass_it() -> None:
                               "strength": "joint"} for name, way in (("J1", 130), ("J2", 230))}}  # fmt: skip
     design = sk.load(CUT | dips | {"support": {"bolts": [bolt, *others]}})
     found = sk.prob(design, 12, by="closed-form")
-    before = tuple(bolts.as_laid_out(design).tolist())
     for row in range(12):
-        point = points.Point.from_record(bolts.sample_record(design, False, before, found.samples.settings(row)))
+        point = found.rows.point(row, False)
         both = point.factors.closed_form, point.factors.also.closed_form
         assert found.judged.factor[row] == pytest.approx(min(both), rel=1e-12)
     bare = sk.prob(sk.load(CUT | dips | {"support": {"bolts": others}}), 12, by="closed-form")

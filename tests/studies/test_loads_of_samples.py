@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import slopekit as sk
+from slopekit.studies.evaluation.vectorised import vectorised
 from slopekit.studies.points import point_of
 from slopekit.studies.prob.sampling import samples
-from slopekit.studies.prob.vectorised import vectorised
 
 SAMPLES = 20
 DESIGNS = 40

@@ -5,9 +5,9 @@ from typing import Any
 import pytest
 
 import slopekit as sk
+from slopekit.studies.evaluation import rows
 from slopekit.studies.keys import key_of, values_of
-from slopekit.studies.points import point_of
-from slopekit.studies.sweep import run as sweeping
+from slopekit.studies.points import point_of, point_with
 
 WEDGE: dict[str, Any] = {
     "slopekit": 1, "kind": "wedge", "slope": {"face": "65/185", "upper": "12/195", "height": 20},
@@ -53,13 +53,12 @@ GRIDS: dict[str, tuple[dict[str, Any], dict[str, list[float]]]] = {
 def test_points_at_once_are_those_of_runs(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     document, grid = GRIDS[name]
     design, analysed = sk.load(document), list[Any]()
-    one_by_one = sweeping.evaluated
 
     def counted(*given: Any) -> Any:
-        analysed.extend(given[2])
-        return one_by_one(*given)
+        analysed.append(given)
+        return point_with(*given)
 
-    monkeypatch.setattr(sweeping, "evaluated", counted)
+    monkeypatch.setattr(rows, "point_with", counted)
     swept = sk.sweep(design, grid)
     keys = [key_of(design, path) for path in grid]
     assert len(analysed) < len(swept.points)

@@ -10,10 +10,10 @@ from slopekit.core.errors import GeometryError
 from slopekit.design.reading.files import load, with_values
 from slopekit.kinds import cut, kind_of
 from slopekit.kinds.single_block.held_bolts import held
+from slopekit.studies.evaluation.bolts import as_laid_out, holding, standing
+from slopekit.studies.evaluation.vectorised import vectorised
 from slopekit.studies.prob import prob
-from slopekit.studies.prob.bolts import as_laid_out, holding, standing
 from slopekit.studies.prob.sampling import samples
-from slopekit.studies.prob.vectorised import vectorised
 
 
 def scatter(mean: float, sd: float) -> dict:

@@ -9,8 +9,8 @@ import pytest
 
 import slopekit as sk
 from slopekit.design.common import Design
+from slopekit.studies.evaluation.bolts import as_laid_out, standing
 from slopekit.studies.points import point_of
-from slopekit.studies.prob.bolts import as_laid_out, standing
 from slopekit.studies.prob.run import Probability
 from tests.studies.test_prob_cracks import CASES as WORST
 from tests.studies.test_probability import SHELF, WILD
@@ -98,4 +98,4 @@ def test_worst_cracks_all_at_once_are_cracks_at_those_places(name: str, met: set
     design = sk.load(WORST[name])
     study = sk.prob(design, 40, seed=4)
     assert study.rows.search is not None
-    assert checked(study, study.rows.__getitem__, 40, 1, study.rows.design) == met
+    assert checked(study, study.rows.settings_at, 40, 1, study.rows.design) == met

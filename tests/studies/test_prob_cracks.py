@@ -11,8 +11,8 @@ from slopekit.core.errors import GeometryError
 from slopekit.design.common import Design
 from slopekit.design.reading.files import with_values
 from slopekit.kinds import kind_of
+from slopekit.studies.evaluation.bolts import as_laid_out, standing
 from slopekit.studies.points import point_of
-from slopekit.studies.prob.bolts import as_laid_out, standing
 from slopekit.studies.prob.cracks import PLACE
 from slopekit.studies.prob.rows import SampleRows
 from slopekit.studies.prob.run import _asked
@@ -41,7 +41,7 @@ CASES = {
 
 def rows_of(design: Design, count: int, seed: int) -> SampleRows:
     """Samples of a design, with the places of their cracks."""
-    return SampleRows(design, samples(design.variables, (), count, seed))
+    return SampleRows(design, samples(design.variables, (), count, seed), True)
 
 
 @pytest.mark.slow
@@ -93,7 +93,7 @@ def test_pre_ie_is_asked_with_the_crack_at_the_place_found() -> None:
     """What a worker reads of a sample has a fixed crack there: it looks for none, and both methods agree."""
     design = sk.load(WEDGE)
     rows = rows_of(design, 6, 1)
-    for settings in rows:
+    for settings in map(rows.settings_at, range(6)):
         sample = with_values(rows.design, settings)
         assert sample.crack_searched == ""
         assert sample.crack.distance_m == settings[PLACE]

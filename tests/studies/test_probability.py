@@ -20,6 +20,7 @@ from slopekit.studies import running
 from slopekit.studies.points import Point, point_of
 from slopekit.studies.prob import prob
 from slopekit.studies.prob.estimates import clopper_pearson, share_of, summary_of
+from slopekit.studies.prob.rows import SampleRows
 from slopekit.studies.protocol import Workplace
 from slopekit.studies.running import Interrupted
 from tests.closed_form.scalar_wedge import hoek_bray_wedge
@@ -261,8 +262,8 @@ def test_the_same_numbers_whoever_works(values, monkeypatch) -> None:
 @pytest.mark.parametrize("by", ["pre-ie", "closed-form"])
 def test_an_interrupted_study_goes_on(values, by, tmp_path, monkeypatch) -> None:
     """What was done is read back as it was, also where its columns stand on disk."""
-    monkeypatch.setattr("slopekit.studies.prob.run._PIECE", 1)
-    monkeypatch.setattr("slopekit.studies.prob.run._PIECE_OF_CLOSED_FORMS", 1)
+    monkeypatch.setattr("slopekit.studies.evaluation.rows.PIECE", 1)
+    monkeypatch.setattr("slopekit.studies.evaluation.rows.PIECE_OF_CLOSED_FORMS", 1)
     design, calls = load(values), []
 
     def counted(work, *tasks, **options):
@@ -287,7 +288,7 @@ def test_an_interrupted_study_goes_on(values, by, tmp_path, monkeypatch) -> None
     assert len(calls) == 31
     assert again.judged.factor.tobytes() == whole.judged.factor.tobytes()
     assert again.to_dict() | {"timing_s": None} == whole.to_dict() | {"timing_s": None}
-    assert isinstance(again.judged.factor, np.memmap) == (values is not PASSIVE)
+    assert isinstance(again.judged.factor, np.memmap)
     assert not list(tmp_path.iterdir())
 
 
@@ -314,10 +315,7 @@ def test_too_many_of_them_are_refused_and_small_friction_is_no_radian() -> None:
 
 
 def test_nothing_that_speaks_against_it_is_accepted(monkeypatch) -> None:
-    def all_fail(work, tasks, *_rest, **_options):
-        return [Point(None, "E212", "bolt 1 is too short").to_record()] * len(tasks)
-
-    monkeypatch.setattr("slopekit.studies.points.run_all", all_fail)
+    monkeypatch.setattr(SampleRows, "point", lambda *_: Point(None, "E212", "bolt 1 is too short"))
     by_pre_ie = prob(load(PASSIVE), 6, fos=1.7, accept=0.99)
     assert by_pre_ie.counts == {"E212": 6}
     assert (by_pre_ie.judged.unjudged.sum(), by_pre_ie.all_samples.count, by_pre_ie.all_samples.of) == (6, 0, 0)
@@ -367,13 +365,11 @@ def test_what_scatters_without_changing_the_factor(capsys) -> None:
 
 
 def test_samples_without_an_answer_and_too_few_failures_are_said(monkeypatch) -> None:
-    def some_fail(work, tasks, *_rest, **_options):
-        broken = Point(None, "E599", "LinAlgError: singular")
-        wild = Point(Factors("not_converged", None, "slides_on_both", 0.9, None, False, False, False))
-        stands = Point(Factors("slides_on_both", 1.2, "slides_on_both", 1.2, 0.0, True, False, True))
-        return [point.to_record() for point in (broken, wild, *[stands] * (len(tasks) - 2))]
-
-    monkeypatch.setattr("slopekit.studies.points.run_all", some_fail)
+    broken = Point(None, "E599", "LinAlgError: singular")
+    wild = Point(Factors("not_converged", None, "slides_on_both", 0.9, None, False, False))
+    stands = Point(Factors("slides_on_both", 1.2, "slides_on_both", 1.2, 0.0, True, False))
+    points = [broken, wild, *[stands] * 18]
+    monkeypatch.setattr(SampleRows, "point", lambda _, row, pre_ie: points[row])
     study = prob(load(PASSIVE), 20)
     assert study.counts == {"slides_on_both": 18, "E599": 1, "not_converged": 1}
     assert (study.all_samples.count, study.all_samples.of) == (2, 20)  # without an answer: counted as failures

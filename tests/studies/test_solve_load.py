@@ -1,6 +1,5 @@
 """A load of many blocks straight from the path in it."""
 
-import json
 import math
 from dataclasses import replace
 from types import SimpleNamespace
@@ -15,8 +14,9 @@ from slopekit.design.templates import path_of
 from slopekit.kinds import kind_of
 from slopekit.kinds.protocol import Factors
 from slopekit.notices import lost_cohesion_notices
+from slopekit.studies.outcomes import Outcomes, of_points
 from slopekit.studies.points import Point
-from slopekit.studies.running import ALONE
+from slopekit.studies.running import ALONE, RowArrays
 from slopekit.studies.solve import by_factor, factor_request
 
 COLUMN = {
@@ -239,7 +239,7 @@ def test_what_is_said_of_the_factor_at_a_load_never_reads_as_a_load() -> None:
     """Whatever the factor there has to do with cohesion, of the path in strength and of finer node pairs as well."""
     notes = tuple(lost_cohesion_notices((0.2, 1, 2), "factor of safety"))
     assert {notice.code for notice in notes} == {"W307"}
-    point = Point(Factors("slides", 1.5, None, math.inf, None, None, False, True, notes=notes))
+    point = Point(Factors("slides", 1.5, None, math.inf, None, None, False, notes=notes))
     for key, at in ((KEY, f"of the factor of safety at {KEY} = 0.2: "), ("strength.joint.phi", "")):
         shown = SimpleNamespace(path=key, shown=lambda value, _: f"{value:g}")
         asked = factor_request.FactorRequest(None, shown, 0.0, 1.0, 1.5, ALONE, lambda _: None)
@@ -249,7 +249,10 @@ def test_what_is_said_of_the_factor_at_a_load_never_reads_as_a_load() -> None:
 
 def test_notes_of_a_point_go_through_a_journal_and_may_be_left_out() -> None:
     notes = (Notice("W307", "cohesion lost"), Notice("W317", "not settled"))
-    point = Point(Factors("slides", 1.5, None, math.inf, None, None, False, True, notes=notes))
-    assert Point.from_record(json.loads(json.dumps(point.to_record()))) == point
+    point = Point(Factors("slides", 1.5, None, math.inf, None, None, False, notes=notes))
+    outcomes = of_points([point], [None], True)
+    columns = RowArrays([0, 1])
+    columns[0] = outcomes.record()
+    assert Outcomes.joined(columns, True).points == [point]
     assert Point.from_record(point.to_dict()) == Point(replace(point.factors, closed_form=None, notes=()))
     assert point.to_dict().keys() == Point(None, "E1", "").to_dict().keys()

@@ -407,7 +407,7 @@ def test_bolts_whose_design_has_no_answer_reach_nothing(monkeypatch) -> None:
     honest = points.factors_of
 
     def lost(design, _):  # with the bolts as they are built, which are several
-        gone = {"limit": None, "status": "not_converged", "agree": None, "settled": False}
+        gone = {"limit": None, "status": "not_converged", "agree": None}
         return replace(honest(design), **gone if len(design.bolts) > 1 else {})
 
     monkeypatch.setattr(points, "factors_of", lost)

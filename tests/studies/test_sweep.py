@@ -311,7 +311,7 @@ def test_means_that_are_taken_are_said_by_every_study(varied, named) -> None:
 def test_what_did_not_settle_is_no_slope_that_nothing_holds() -> None:
     """Many blocks whose motion did not settle have no factor in a study; without strength theirs is 0."""
     unsettled, loose = (
-        Point(Factors("slides", None, None, None, None, None, False, settled)) for settled in (False, True)
+        Point(Factors(status, None, None, None, None, None, False)) for status in ("not_converged", "slides")
     )
     assert factor_at(unsettled, "pre_ie") is None
     assert status_of(unsettled, "pre_ie") == "not_converged"

@@ -9,9 +9,9 @@ import pytest
 from slopekit.core.errors import DesignError
 from slopekit.design.reading.files import load, with_values
 from slopekit.kinds import kind_of
-from slopekit.studies.prob.bolts import as_laid_out, standing
+from slopekit.studies.evaluation.bolts import as_laid_out, standing
+from slopekit.studies.evaluation.vectorised import vectorised
 from slopekit.studies.prob.sampling import samples
-from slopekit.studies.prob.vectorised import vectorised
 
 
 def plane(dip: float, direction: float) -> dict:

@@ -1,10 +1,12 @@
 """Array types and the one way to freeze an array before it is stored."""
 
+import math
+
 import numpy as np
 
 from slopekit.core.array_types import ArrayLike, Bools, Floats, Ints, NDArray
 
-__all__ = ["Bools", "Floats", "Ints", "NDArray", "cross", "frozen"]
+__all__ = ["Bools", "Floats", "Ints", "NDArray", "cross", "frozen", "number_or_none"]
 
 
 def frozen(values: ArrayLike) -> Floats:
@@ -32,3 +34,12 @@ def cross(a: Floats, b: Floats) -> Floats:
     product[..., 1] = a2 * b0 - a0 * b2
     product[..., 2] = a0 * b1 - a1 * b0
     return product
+
+
+def number_or_none(value: float) -> float | None:
+    """Return a number of an array as JSON has it: None where it is not a number.
+
+    >>> number_or_none(np.float64(1.5)), number_or_none(math.nan)
+    (1.5, None)
+    """
+    return None if math.isnan(value) else float(value)

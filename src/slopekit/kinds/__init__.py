@@ -153,7 +153,7 @@ def factors_of(design: Design, pre_ie: bool = True) -> "Factors":
 
     closed = kind.closed_form(design)
     return Factors(
-        closed.status, None, closed.status, closed.factor or None, None, None, False, True,
+        closed.status, None, closed.status, closed.factor or None, None, None, False,
         also=kind.without_basal(design),
     )  # fmt: skip
 

@@ -35,12 +35,12 @@ class Factors:
 
     Attributes
     ----------
-    status : of PRE-IE, as `Result.status`; that of the closed form where PRE-IE was not asked
+    status : of PRE-IE, as `Result.status`; that of the closed form where PRE-IE was not asked; not_converged where
+        neither settled to a factor nor to none
     limit : PRE-IE's factor of safety, None where nothing moves, or it was not asked
     closed_status, closed_form : of the closed form, None where the kind has none
     difference, agree : of the two on the same assumptions, None where they are not compared
     moments_govern : the limit lies below what the forces alone give
-    settled : whether the passes settled to `PASSES_SETTLED`
     notes : what a run says of the factor: how it was found, what it rests on, and what it leaves out
     also : what acceptance of a run is held against besides
     """
@@ -52,7 +52,6 @@ class Factors:
     difference: float | None
     agree: bool | None
     moments_govern: bool
-    settled: bool
     notes: Sequence[Notice] = field(default=(), kw_only=True, metadata=NO_JSON)
     also: WithoutBasal | None = field(default=None, kw_only=True, metadata=NO_JSON)
 

@@ -7,8 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats, Ints, NDArray
+from slopekit.core.arrays import Bools, Floats, Ints, NDArray, number_or_none
 from slopekit.core.errors import Notice
+from slopekit.evidence import WithoutBasal
+from slopekit.kinds.protocol import Factors
 from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany
 from slopekit.preie.tolerances import SAME_LIMIT
 from slopekit.studies.points import SAME_FACTOR, UNSETTLED, Method, Point, status_of
@@ -48,15 +50,24 @@ class ByMethod:
 
     @classmethod
     def joined(cls, columns: RowArrays, name: str) -> "ByMethod":
-        """Return what `record` made of all pieces of many designs; once, as their outcomes are numbered anew."""
-        pieces = [columns[piece] for piece in sorted(columns)]
-        names = tuple(dict.fromkeys(word for piece in pieces for word in piece[f"{name}_names"]))
-        for piece in pieces:
-            numbers = np.array([names.index(word) for word in piece[f"{name}_names"]], dtype=np.int16)
-            piece[f"{name}_outcome"][:] = numbers[piece[f"{name}_outcome"]]
+        """Return what `record` made of all pieces of many designs; once, as their outcomes are numbered anew.
+
+        A piece that has none of it is taken to have the outcome "" everywhere.
+        """
+        pieces = [(columns.pieces[piece], columns[piece].get(f"{name}_names")) for piece in sorted(columns)]
+        every = tuple(dict.fromkeys(word for _, words in pieces for word in (words or [""])))
         none = np.empty(0)
         outcome, factor = (columns.arrays.get(f"{name}_{what}", none) for what in ("outcome", "factor"))
-        return cls(names, outcome.astype(np.int16, copy=False), factor)
+        for (start, stop), words in pieces:
+            numbers = np.array([every.index(word) for word in (words or [""])], dtype=np.int16)
+            outcome[start:stop] = numbers[outcome[start:stop]]
+            if words is None:
+                factor[start:stop] = np.nan
+        return cls(every, outcome.astype(np.int16, copy=False), factor)
+
+    def of_rows(self, rows: Ints) -> "ByMethod":
+        """Return what it says of some of them, in the order of `rows`."""
+        return ByMethod(self.names, self.outcome[rows], self.factor[rows])
 
     def record(self, name: str) -> dict[str, Any]:
         """Return it as parts of the record of a piece of many designs, by names that begin with this one."""
@@ -111,57 +122,165 @@ def joined_limits(columns: RowArrays) -> tuple[ByMethod, Floats]:
 
 @dataclass(frozen=True)
 class Outcomes:
-    """What both methods say of n designs.
+    """What both methods say of n designs, or the closed form alone.
 
     Attributes
     ----------
-    limit : by PRE-IE; closed_form : by that, None where the kind has none
+    limit : by PRE-IE, or the closed form where that was asked alone
+    closed_form : by that, with the outcome "" where the kind has none, or it has a factor and no status
     difference : (n,) of forces with forces, not a number where they are not compared
     agree : (n,) 1 where the methods agree, 0 where they do not, -1 where they are not compared
     moments_govern : (n,) the limit lies below what forces alone give
+    whole : what acceptance is held against too, with the outcome "" where there is nothing; None where nowhere is
+    notes : (n) what a run says of each, or why it forms no block; empty where nobody asked
+    pre_ie : whether PRE-IE was asked
     """
 
     limit: ByMethod
-    closed_form: ByMethod | None
+    closed_form: ByMethod
     difference: Floats
     agree: NDArray[np.int8]
     moments_govern: Bools
+    whole: ByMethod | None = None
+    notes: Sequence[Sequence[Notice]] = ()
+    pre_ie: bool = True
+
+    @classmethod
+    def by_closed_form(
+        cls, closed: ByMethod, whole: ByMethod | None, notes: Sequence[Sequence[Notice]] = ()
+    ) -> "Outcomes":
+        """Return what the closed form says, asked alone."""
+        count = len(closed.outcome)
+        nan, open_, governs = np.full(1, np.nan), np.full(1, -1, dtype=np.int8), np.zeros(1, dtype=bool)
+        difference, agree, moments_govern = (np.broadcast_to(one, count) for one in (nan, open_, governs))
+        return cls(closed, closed, difference, agree, moments_govern, whole, notes, False)
+
+    @classmethod
+    def joined(cls, columns: RowArrays, pre_ie: bool) -> "Outcomes":
+        """Return what `record` made of all pieces of many designs; once, as their outcomes are numbered anew."""
+        pieces = [columns[piece] for piece in sorted(columns)]
+        notes = [[Notice(*note) for note in own] for piece in pieces for own in piece.get("notes", ())]
+        closed = ByMethod.joined(columns, "closed_form")
+        whole = ByMethod.joined(columns, "whole") if "whole_factor" in columns.arrays else None
+        if not pre_ie:
+            return cls.by_closed_form(closed, whole, notes)
+        difference, agree, moments_govern = (columns.arrays[name] for name in COMPARED)
+        return cls(ByMethod.joined(columns, "limit"), closed, difference, agree, moments_govern, whole, notes)
+
+    def record(self) -> dict[str, Any]:
+        """Return it as the record of a piece of many designs."""
+        record: dict[str, Any] = self.closed_form.record("closed_form")
+        if self.pre_ie:
+            record |= self.limit.record("limit") | {name: getattr(self, name) for name in COMPARED}
+        if self.whole is not None:
+            record |= self.whole.record("whole")
+        if self.notes:
+            record["notes"] = [[[note.code, note.message] for note in own] for own in self.notes]
+        return record
 
     def of(self, rows: Ints) -> "Outcomes":
         """Return what is said of some of them, in the order of `rows`."""
-        limit, closed = (
-            None if method is None else ByMethod(method.names, method.outcome[rows], method.factor[rows])
-            for method in (self.limit, self.closed_form)
-        )
-        assert limit is not None
-        return Outcomes(limit, closed, self.difference[rows], self.agree[rows], self.moments_govern[rows])
+        whole, notes = None if self.whole is None else self.whole.of_rows(rows), self.notes
+        return Outcomes(
+            self.limit.of_rows(rows), self.closed_form.of_rows(rows), self.difference[rows], self.agree[rows],
+            self.moments_govern[rows], whole, [notes[row] for row in rows.tolist()] if notes else (), self.pre_ie,
+        )  # fmt: skip
+
+    @property
+    def points(self) -> list[Point]:
+        """Each of them as a design of its own; where nobody asked for notes, without reasons of what forms no block."""
+        limit, closed, wholes = self.limit.words, self.closed_form.words, self.wholes()
+        agree = [None if verdict < 0 else bool(verdict) for verdict in self.agree]
+        points = []
+        for row, notes in enumerate(self.notes or [()] * len(limit)):
+            if limit[row].startswith("E"):
+                points.append(Point(None, limit[row], notes[0].message if notes else ""))
+                continue
+            factor = number_or_none(self.limit.factor[row]) if self.pre_ie else None
+            factors = Factors(
+                limit[row], factor, closed[row] or None, number_or_none(self.closed_form.factor[row]),
+                number_or_none(self.difference[row]), agree[row], bool(self.moments_govern[row]), notes=tuple(notes),
+                also=wholes[row],
+            )  # fmt: skip
+            points.append(Point(factors))
+        return points
+
+    def wholes(self) -> list[WithoutBasal | None]:
+        """What acceptance of each is held against too."""
+        whole = self.whole
+        if whole is None:
+            return [None] * len(self.agree)
+        factors = map(number_or_none, whole.factor)
+        return [WithoutBasal(word, factor) if word else None for word, factor in zip(whole.words, factors, strict=True)]
 
 
-def of_points(points: Sequence[Point]) -> Outcomes:
-    """Return what both methods say of designs that were asked one by one."""
-    factors = [point.factors for point in points]
+def of_points(points: Sequence[Point], wholes: Sequence[WithoutBasal | None], pre_ie: bool) -> Outcomes:
+    """Return what both methods say of designs of their own, or the closed form alone.
+
+    Parameters
+    ----------
+    wholes : (n) what acceptance of each is held against too, also where it forms no block
+    """
+    every = [point.factors for point in points]
     limit, closed = (
-        ByMethod.of(
-            [status_of(point, method) or UNSETTLED for point in points], [getattr(own, name, None) for own in factors]
-        )
+        ByMethod.of([status_of(point, method) for point in points], [getattr(own, name, None) for own in every])
         for method, name in _OF_METHODS
     )
-    known = any(own is not None and own.closed_status for own in factors)
+    whole = None
+    if any(wholes):
+        words = ["" if one is None else one.status for one in wholes]
+        whole = ByMethod.of(words, [None if one is None else one.factor for one in wholes])
+    notes = [point.notes if point.factors is not None else [Notice(point.code, point.message)] for point in points]
+    if not pre_ie:
+        return Outcomes.by_closed_form(closed, whole, notes)
     return Outcomes(
         limit,
-        closed if known else None,
-        np.array([None if own is None else own.difference for own in factors], dtype=np.float64),
+        closed,
+        np.array([None if own is None else own.difference for own in every], dtype=np.float64),
         np.where(limit.unjudged, -1, [-1 if point.agree is None else point.agree for point in points]).astype(np.int8),
         np.array([point.moments_govern for point in points], dtype=bool),
+        whole,
+        notes,
     )
 
 
-def agreement(limit: ByMethod, forces: Floats, closed: ByMethod, within: float) -> Outcomes:
+def merged(parts: Sequence[tuple[Ints, Outcomes]]) -> Outcomes:
+    """Return what is said of parts of n designs as what is said of all.
+
+    Parameters
+    ----------
+    parts : the numbers of designs, each in one part, and what is said of these
+    """
+    if len(parts) == 1:
+        return parts[0][1]
+    order = np.argsort(np.concatenate([rows for rows, _ in parts]))
+    every = [outcomes for _, outcomes in parts]
+    difference, agree, moments_govern = (np.concatenate([getattr(own, name) for own in every]) for name in COMPARED)
+    whole = None
+    if any(own.whole is not None for own in every):
+        whole = _one_after_the_other([own.whole or _nothing(len(own.agree)) for own in every])
+    limit, closed = (_one_after_the_other([getattr(own, name) for own in every]) for name in ("limit", "closed_form"))
+    notes = [note for own in every for note in own.notes]
+    return Outcomes(limit, closed, difference, agree, moments_govern, whole, notes, every[0].pre_ie).of(order)
+
+
+def _one_after_the_other(methods: Sequence[ByMethod]) -> ByMethod:
+    words = [word for method in methods for word in method.words]
+    return ByMethod.of(words, np.concatenate([method.factor for method in methods]))
+
+
+def _nothing(count: int) -> ByMethod:
+    return ByMethod(("",), np.zeros(count, dtype=np.int16), np.full(count, np.nan))
+
+
+def agreement(
+    limit: ByMethod, forces: Floats, closed: ByMethod, within: float, whole: ByMethod | None = None
+) -> Outcomes:
     """Return what both methods say of designs, held against each other as `kinds.protocol.compare` has it.
 
     Parameters
     ----------
-    forces : (n,) PRE-IE's factors of the forces alone
+    forces : (n,) PRE-IE's factors of the forces alone; whole : as `Outcomes` has it
     """
     status, other = (np.array(method.names)[method.outcome] for method in (limit, closed))
     has_one, has_other = forces > 0.0, closed.factor > 0.0
@@ -173,7 +292,7 @@ def agreement(limit: ByMethod, forces: Floats, closed: ByMethod, within: float) 
     moves = np.isfinite(limit.factor) | (status == "topples")
     with np.errstate(invalid="ignore"):
         governs = judged & moves & ~(limit.factor >= forces * (1.0 - SAME_LIMIT))
-    return Outcomes(limit, closed, difference, np.where(judged, agree, -1).astype(np.int8), governs)
+    return Outcomes(limit, closed, difference, np.where(judged, agree, -1).astype(np.int8), governs, whole)
 
 
 @dataclass(frozen=True)

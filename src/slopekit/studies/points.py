@@ -27,7 +27,7 @@ _BAD_INPUT = ("E211", "E212", "E250", "E252", "E253")  # of bolts and forces: bl
 _OF_BOLTS = ("E211", "E212")  # a bolt misses the block, or ends within it
 _WITHOUT_FORCE = "bolts that miss the block, or end within it, give no force there"
 _BROKEN = (ArithmeticError, ValueError, IndexError, np.linalg.LinAlgError)
-_OF_FACTORS = tuple(one.name for one in fields(Factors) if one.name not in ("notes", "also"))
+_OF_FACTORS = tuple(field.name for field in fields(Factors) if field.name not in ("notes", "also"))
 SAME_FACTOR = 1e-9  # of a target: a factor this near below it reaches it
 #: The status where PRE-IE ended without a number that it would vouch for.
 UNSETTLED = "not_converged"
@@ -73,31 +73,25 @@ class Point:
 
     def to_dict(self) -> dict[str, Any]:
         """What both methods say, as JSON values."""
-        document: dict[str, Any] = json_of({key: value for key, value in self.to_record().items() if key != "notes"})
-        return document
-
-    def to_record(self) -> Record:
-        """The same with what runs say, and with factors that are infinite: for a journal, and between processes."""
         factors = self.factors
         record: dict[str, Any] = {name: getattr(factors, name, None) for name in _OF_FACTORS}
         if factors is not None and factors.also is not None:
             record[factors.also.NAME] = record_of(factors.also)
-        record |= {"code": self.code or None, "message": self.message or None}
-        return record | {"notes": [[note.code, note.message] for note in self.notes]}
+        document: dict[str, Any] = json_of(record | {"code": self.code or None, "message": self.message or None})
+        return document
 
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> "Point":
-        """Back from such values, or from those of `to_dict`."""
+        """Back from such values."""
         if record["status"] is None:
             return cls(None, record["code"] or "", record["message"] or "")
         whole = record.get(WithoutBasal.NAME)
         also = None if whole is None else WithoutBasal(**whole)
-        notes = tuple(Notice(*note) for note in record.get("notes", ()))
-        return cls(Factors(**{name: record[name] for name in _OF_FACTORS}, notes=notes, also=also))
+        return cls(Factors(**{name: record[name] for name in _OF_FACTORS}, also=also))
 
 
-#: The record of a task that kills every worker that takes it.
-GIVEN_UP = Point(None, _BUG, "its worker died, three times").to_record()
+#: A design that kills every worker that takes it.
+GIVEN_UP = Point(None, _BUG, "its worker died, three times")
 #: The points of a sweep along its first key, by the value of the second, None without one.
 Line: TypeAlias = "tuple[float | None, list[tuple[float, Point]]]"
 
@@ -139,22 +133,18 @@ def factor_at(point: Point, method: Method) -> float | None:
         return factor
     if status == "no_driving_force":
         return math.inf
-    open_ = status in (UNSETTLED, "") or (method == "pre_ie" and not factors.settled)
-    return None if open_ else 0.0
+    return None if status in (UNSETTLED, "") else 0.0
 
 
 def status_of(point: Point, method: Method) -> str:
     """The status of a point by one method, or the code of why there is no block."""
     if point.factors is None:
         return point.code
-    if method == "closed_form":
-        return point.factors.closed_status or ""
-    unsettled = point.factors.limit is None and not point.factors.settled
-    return UNSETTLED if unsettled else point.factors.status
+    return point.factors.status if method == "pre_ie" else point.factors.closed_status or ""
 
 
-def evaluation(design: Design, pre_ie: bool, keeps_bolts: bool, values: Mapping[str, object]) -> Record:
-    """The record of a point: what a worker does with one set of values.
+def point_with(design: Design, pre_ie: bool, keeps_bolts: bool, values: Mapping[str, object]) -> Point:
+    """The point of a design at some values, whose bolts may turn out to hold no block.
 
     Parameters
     ----------
@@ -169,7 +159,7 @@ def evaluation(design: Design, pre_ie: bool, keeps_bolts: bool, values: Mapping[
         if point.factors is not None:
             notes = (Notice("W311", _WITHOUT_FORCE), *point.factors.notes)
             point = replace(point, factors=replace(point.factors, notes=notes))
-    return point.to_record()
+    return point
 
 
 def holding_bolts(design: Design) -> Design:
@@ -210,27 +200,25 @@ def point_of(
 
 
 def map_rows(
-    work: Callable[[Any], Record], tasks: Sequence[Any], crew: Crew, desk: Workplace, study: str, label: str,
-    run: object, columns: RowArrays | None = None, at_once: int = 8,
-) -> list[Record]:  # fmt: skip
-    """The records of many tasks, by whoever does the work; a journal keeps them until results are written.
+    work: Callable[[Any], Record], tasks: Sequence[Any], columns: RowArrays, crew: Crew, desk: Workplace, study: str,
+    label: str, run: object, at_once: int = 1, given_up: Record | None = None,
+) -> None:  # fmt: skip
+    """Fill columns with the records of pieces of rows, by whoever does the work; a journal keeps them until the end.
 
     Parameters
     ----------
-    work : gives the record of a point, or arrays of the rows of a task where there are `columns` that take them
+    work : gives the record of a piece; tasks : one a piece
     study, label : names of the journal and of the bar; run : everything that the records depend on, as JSON values
+    at_once, given_up : as `run_all` has them
     """
-    held, given_up, ends = (columns, None, columns.pieces) if columns is not None else ({}, GIVEN_UP, [])
-    journal = Journal.of(desk.folder or Path.cwd(), study, [run, ends], desk.folder is not None, held)
+    run = [run, columns.pieces]
+    journal = Journal.of(desk.folder or Path.cwd(), study, run, desk.folder is not None, columns)
     with desk.bar(label, len(tasks)) as advance:
-        records = run_all(
-            work, tasks, crew, journal=journal, advance=advance, at_once=1 if ends else at_once, given_up=given_up
-        )
+        run_all(work, tasks, crew, journal=journal, advance=advance, at_once=at_once, given_up=given_up)
     if desk.folder is None:
         journal.remove()
     else:
         desk.when_written.append(journal.remove)
-    return records
 
 
 def said_at(

@@ -38,7 +38,7 @@ Advance = Callable[[int], None]
 _MOST_LOSSES = 3  # times that workers may die without a task being finished in between
 _CONNECT_S = 10.0
 _MOST_JOBS = 512
-_LAYOUT = 4  # of records, to be raised with them: since 4 those of many rows are arrays
+_LAYOUT = 5  # of records, to be raised with them: since 5 all are arrays of rows
 _MOST_ROWS_IN_MEMORY = 100_000
 _MB = 2**20
 

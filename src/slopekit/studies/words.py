@@ -40,6 +40,4 @@ def check_word(point: Point) -> str:
     if factors.status == "not_converged":
         return "no convergence"
     word = {True: "agree", False: "DISAGREE", None: ""}[factors.agree]
-    extra = ["moments govern"] if factors.moments_govern else []
-    extra += [] if factors.settled else ["not settled"]
-    return ", ".join([*([word] if word else []), *extra])
+    return ", ".join([*([word] if word else []), *(["moments govern"] if factors.moments_govern else [])])

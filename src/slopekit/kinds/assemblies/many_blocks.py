@@ -150,14 +150,14 @@ def kind_of_many_blocks(
         ravelling = _ravelled(design, scene, scene_loads(scene), 1, ranged=False)
         mechanisms = tuple(mechanism(failure, scene) for failure in ravelling.failures)
         status = mechanisms[0].status if mechanisms else "no_driving_force"
-        settled = status != "not_converged" and not (mechanisms and mechanisms[0].change > PASSES_SETTLED)
-        reached = mechanisms[0].fos if mechanisms else None  # compared as in a result, whether it settled or not
-        factor = reached if settled else None
+        factor = mechanisms[0].fos if mechanisms else None
         closed, _ = own.closed_form(design, mechanisms[0] if mechanisms else None)
-        difference, agree = compare(reached, status, closed, design.analysis.agree_within)
+        difference, agree = compare(factor, status, closed, design.analysis.agree_within)
+        if mechanisms and mechanisms[0].change > PASSES_SETTLED:  # compared as in a result all the same
+            status, factor = "not_converged", None
         of_kind = own.notices(design, scene, ravelling.failures[0], closed) if mechanisms else ()
         notes = those_of_factors((*notices_of(design, scene, ravelling, mechanisms), *of_kind))
-        return Factors(status, factor, None, closed.factor, difference, agree, False, settled, notes=notes)
+        return Factors(status, factor, None, closed.factor, difference, agree, False, notes=notes)
 
     def beside(design: A) -> tuple[Notice, ...]:
         if not any(strength.cohesion_kpa for _, strength in design.strengths):

@@ -46,7 +46,6 @@ from slopekit.preie.motion.equilibrium import equilibrium
 from slopekit.preie.one_block.flat_limit import lowest_factor
 from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.programs.bound import static_bound
-from slopekit.preie.tolerances import PASSES_SETTLED
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
@@ -121,8 +120,8 @@ def kind_of_one_block(
         said = block_notices(design, made, found, closed.why_not, words.block)
         return Factors(
             status, found.limit.factor or None, closed.status, closed.factor or None, difference, agree,
-            found.analysis.moments_govern, found.limit.settled_to(PASSES_SETTLED),
-            notes=those_of_factors((*notices(design), *said)), also=without_basal(design),
+            found.analysis.moments_govern, notes=those_of_factors((*notices(design), *said)),
+            also=without_basal(design),
         )  # fmt: skip
 
     def ladder(design: D) -> "Ladder":

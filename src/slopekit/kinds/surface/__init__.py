@@ -46,7 +46,6 @@ from slopekit.preie.one_block.limit import curved_limit_analysis
 from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.one_block.slippage import Slippage, slippable
 from slopekit.preie.system.model import build_model
-from slopekit.preie.tolerances import PASSES_SETTLED
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
@@ -126,10 +125,9 @@ def _block(mass: SlidingMass) -> Block:
 
 def _factors(design: SurfaceDesign) -> Factors:
     result = _analysed(design, find_limit)
-    settled = result.status != "not_converged" and result.model.residual <= PASSES_SETTLED
     return Factors(
         result.status, result.fos.limit, None, result.fos.closed_form, result.difference, result.agree,
-        result.moments_govern, settled, notes=those_of_factors(result.warnings),
+        result.moments_govern, notes=those_of_factors(result.warnings),
     )  # fmt: skip
 
 

@@ -52,7 +52,7 @@ def judged_benches(
                 tasks.append((mode, face, one.astype(np.int64), two.astype(np.int64), high))
     run = [inputs.input_hash(), inputs.has_cohesion]
     columns = RowArrays([0, *accumulate(len(task[-1]) for task in tasks)])
-    map_rows(partial(_limits, inputs), tasks, crew, desk, "bench-design", "PRE-IE", run, columns)
+    map_rows(partial(_limits, inputs), tasks, columns, crew, desk, "bench-design", "PRE-IE", run)
     limits = joined_limits(columns)
     both = [_judge(inputs, *one, limits) for one in jobs]
     return [bench_of(*size, of_bench) for size, of_bench in zip(sizes, parts, strict=True)], both

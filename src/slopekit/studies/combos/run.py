@@ -16,7 +16,7 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.arrays import Bools, Floats, Ints, number_or_none
 from slopekit.core.codec import json_of
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import Line, Plane
@@ -117,15 +117,16 @@ class Combos(StudyOutcome):
     def _shown(self, place: int) -> PairCheck:
         pairs, k = self.pairs, int(self.ranked[place])
         joints, outcomes = [self.joints.joints[int(of[k])] for of in (pairs.first, pairs.second)], self.outcomes
-        closed, status = _known(pairs.factor[k]), PAIR_OUTCOMES[pairs.outcome[k]]
+        closed, status = number_or_none(pairs.factor[k]), PAIR_OUTCOMES[pairs.outcome[k]]
         both: dict[str, Any] = {"status": status, "limit": None, "difference": None, "agree": None}
         both["moments_govern"] = False
         if outcomes is not None:
             verdict = int(outcomes.agree[place])
             both = {
                 "status": outcomes.limit.names[outcomes.limit.outcome[place]],
-                "limit": _known(outcomes.limit.factor[place]),
-                "difference": _known(outcomes.difference[place]), "agree": None if verdict < 0 else bool(verdict),
+                "limit": number_or_none(outcomes.limit.factor[place]),
+                "difference": number_or_none(outcomes.difference[place]),
+                "agree": None if verdict < 0 else bool(verdict),
                 "moments_govern": bool(outcomes.moments_govern[place]),
             }  # fmt: skip
         return PairCheck(
@@ -312,10 +313,6 @@ def combos(
     return Combos(inputs, pairs, removable[order], outcomes, times)
 
 
-def _known(value: float) -> float | None:
-    return None if np.isnan(value) else float(value)
-
-
 def _order(limit: ByMethod, volume_m3: Floats) -> Ints:
     """The order of wedges by a method: what nothing holds, by factor, what stands; the larger first."""
     rank = np.where(limit.among(STANDS), 2, np.where(np.isnan(limit.factor), 0, 1))
@@ -329,7 +326,7 @@ def _looked_at(
     parts = [rows[at : at + _AT_ONCE] for at in range(0, len(rows), _AT_ONCE)]
     tasks = [(pairs.first[part], pairs.second[part], pairs.height_m[part]) for part in parts]
     work, columns = partial(_limits, inputs), RowArrays([*range(0, len(rows), _AT_ONCE), len(rows)])
-    map_rows(work, tasks, crew, desk, "combos", "PRE-IE", [inputs.input_hash()], columns)
+    map_rows(work, tasks, columns, crew, desk, "combos", "PRE-IE", [inputs.input_hash()])
     limit, forces = joined_limits(columns)
     return agreement(limit, forces, closed, inputs.slope.analysis.agree_within)
 

@@ -13,8 +13,8 @@ from slopekit.core.errors import DesignError
 from slopekit.design.common import Design
 from slopekit.design.reading.files import with_values
 from slopekit.design.scatter.distributions import Distribution, Variable
+from slopekit.studies.evaluation.vectorised import Vectorised, vectorised
 from slopekit.studies.prob.sampling import settings_of
-from slopekit.studies.prob.vectorised import Vectorised, vectorised
 
 PLACE = "crack.distance"
 FEW_ALONE = 200  # samples that are drawn where each takes a second or more

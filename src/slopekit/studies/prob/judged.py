@@ -1,6 +1,6 @@
 """What is judged of samples: by the method that counts, and by what acceptance is held against besides."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,8 +9,7 @@ from slopekit.core.arrays import Bools, Floats
 from slopekit.core.errors import Notice
 from slopekit.core.sheet import counted
 from slopekit.evidence import WithoutBasal
-from slopekit.studies.outcomes import NO_BLOCK, STANDS, UNJUDGED, ByMethod
-from slopekit.studies.points import Point
+from slopekit.studies.outcomes import NO_BLOCK, STANDS, ByMethod
 from slopekit.studies.prob.estimates import Share, rank_correlation, unwrapped
 from slopekit.studies.prob.sampling import Samples
 
@@ -28,13 +27,13 @@ class Judged(ByMethod):
     names, outcome, factor : by the lower of the block and what acceptance is held against besides
     evaluator : who says it, in words
     alone : what is said of the block; None where it is judged by nothing else
-    also : in words, what else fails first, and of how many samples that block alone would not have failed
+    also : how many samples fail by that alone
     """
 
     fails: Bools
     evaluator: str
     alone: "Judged | None" = None
-    also: tuple[str, int] = ("", 0)
+    also: int = 0
 
     @classmethod
     def by(cls, method: ByMethod, target: float, evaluator: str) -> "Judged":
@@ -52,50 +51,26 @@ class Judged(ByMethod):
         return self.possible if (self.possible & ~self.unjudged).any() else self.possible & ~self.unjudged
 
 
-def with_also(judged: Judged, besides: tuple[ByMethod, str, str] | None, target: float) -> Judged:
-    """The same with what acceptance is held against besides: of each sample the lower of the two counts.
+def with_whole(judged: Judged, whole: ByMethod | None, target: float) -> Judged:
+    """The same with what acceptance is held against too: of each sample the lower of the two counts.
 
     Parameters
     ----------
-    besides : of every sample, with the outcome "" where there is nothing else; what its outcomes begin with; what it
-        is, in words; None where there is nothing of any sample
+    whole : of every sample, as `Outcomes` has it
     """
-    if besides is None:
+    if whole is None:
         return judged
-    also, called, what = besides
-    ours, other = _levels(judged), _levels(also)
+    ours, other = _levels(judged), _levels(whole)
     first = (other < ours) & judged.possible & ~judged.unjudged
     first &= judged.forms | (other < target)  # where it does not fail no block is no block
     if not first.any():
         return judged
-    names = (*judged.names, *(f"{called}_{name}" for name in also.names))
-    outcome = np.where(first, also.outcome + len(judged.names), judged.outcome).astype(np.int16)
-    factor = np.where(first, also.factor, judged.factor)
+    names = (*judged.names, *(f"{WithoutBasal.NAME}_{name}" for name in whole.names))
+    outcome = np.where(first, whole.outcome + len(judged.names), judged.outcome).astype(np.int16)
+    factor = np.where(first, whole.factor, judged.factor)
     fails = judged.fails | (first & (other < target))
     only = int((fails & ~judged.fails).sum())
-    return replace(judged, names=names, outcome=outcome, factor=factor, fails=fails, alone=judged, also=(what, only))
-
-
-def also_of(
-    points: Sequence[Point], without_block: Callable[[int], WithoutBasal | None]
-) -> tuple[ByMethod, str, str] | None:  # fmt: skip
-    """What acceptance of points is held against besides, what its outcomes begin with, and what it is in words.
-
-    Parameters
-    ----------
-    without_block : the same of a point, by its number, at which no block forms
-    """
-    every = [
-        point.also if point.factors is not None
-        else without_block(row) if point.code.startswith(("E2", "E44")) and point.code not in UNJUDGED else None
-        for row, point in enumerate(points)
-    ]  # fmt: skip
-    known = next((one for one in every if one is not None), None)
-    if known is None:
-        return None
-    words = ["" if one is None else one.status for one in every]
-    factors = [None if one is None else one.factor for one in every]
-    return ByMethod.of(words, factors), known.NAME, known.WHAT
+    return replace(judged, names=names, outcome=outcome, factor=factor, fails=fails, alone=judged, also=only)
 
 
 def _levels(method: ByMethod) -> Floats:
@@ -103,15 +78,6 @@ def _levels(method: ByMethod) -> Floats:
     stands = np.array([not name or name.startswith((*NO_BLOCK, STANDS)) for name in method.names])[method.outcome]
     levels: Floats = np.where(stands, np.inf, np.nan_to_num(method.factor, nan=0.0))
     return levels
-
-
-def nowhere(judged: Judged, those: Bools) -> Judged:
-    """The same, with those samples (n,) refused in which no place of the crack gives a factor (E459)."""
-    if not those.any():
-        return judged
-    outcome, factor = judged.outcome.copy(), judged.factor.copy()
-    outcome[those], factor[those] = len(judged.names), np.nan
-    return replace(judged, names=(*judged.names, "E459"), outcome=outcome, factor=factor, fails=judged.fails & ~those)
 
 
 def sensitivities(samples: Samples, factor: Floats) -> tuple[tuple[str, float], ...]:
@@ -143,11 +109,10 @@ def notices_of(target: float, judged: Judged, samples: Samples, share: Share) ->
         said = "counted as failures, but may be none" if judged.counted.any() else "there is no probability"
         yield Notice("W350", f"{unsolved} of {samples.count} samples gave no answer (not_converged, an error, a "
                      f"crack that cuts the block in two, a bolt that misses it or is too short): {said}")  # fmt: skip
-    what, only = judged.also
-    if only:
-        yield Notice("W507", f"in {only} of {samples.count} samples {what} falls short of {target:g}, and what "
-                     "is analysed does not, or forms no block: they count as failures, as acceptance of a run is not "
-                     "met")  # fmt: skip
+    if judged.also:
+        yield Notice("W507", f"in {judged.also} of {samples.count} samples {WithoutBasal.WHAT} falls short of "
+                     f"{target:g}, and what is analysed does not, or forms no block: they count as failures, as "
+                     "acceptance of a run is not met")  # fmt: skip
     if share.count < _RARE and share.of:
         yield Notice("W350", f"{counted(share.count, 'failure')} among {share.of} samples: judge by the upper limit, "
                      "or draw more")  # fmt: skip

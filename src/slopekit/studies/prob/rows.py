@@ -1,34 +1,45 @@
-"""Samples of a design as rows of columns, judged piece by piece by both methods, all rows of a piece at once."""
+"""Samples of a design as rows: what was drawn of its numbers, and the place of a crack that is looked for in each."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats
+from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.errors import SlopekitError
 from slopekit.design.common import Design
 from slopekit.design.fields import field_in
-from slopekit.studies.outcomes import COMPARED, ByMethod, agreement
-from slopekit.studies.prob.bolts import holding
+from slopekit.design.reading.files import with_values
+from slopekit.evidence import WithoutBasal
+from slopekit.kinds import kind_of
+from slopekit.studies.evaluation.bolts import as_laid_out, holding, standing
+from slopekit.studies.evaluation.rows import Rows, outcomes_on_arrays
+from slopekit.studies.evaluation.vectorised import Vectorised, vectorised
+from slopekit.studies.outcomes import UNJUDGED, ByMethod, Outcomes
+from slopekit.studies.points import Point, point_of
 from slopekit.studies.prob.cracks import crack_search, placed
 from slopekit.studies.prob.judged import IMPOSSIBLE
 from slopekit.studies.prob.sampling import Samples, settings_of
-from slopekit.studies.prob.vectorised import Vectorised, vectorised
-from slopekit.studies.running import Record
 
 _FIRST = 8  # samples that are read, beside those at the ends of every column
+_NO_PLACE = "E459"  # no place of the crack gives a factor
 
 
-class SampleRows(Sequence[Mapping[str, object]]):
-    """Samples of a design, and how they are taken; one of them is its values, as `with_values` takes them.
+class SampleRows(Rows):
+    """Samples of a design, and how they are taken.
+
+    Parameters
+    ----------
+    samples : as drawn; pre_ie : whether PRE-IE is asked, or the closed form alone
 
     Attributes
     ----------
-    samples : as drawn; design : with its crack at a place, where `search` finds one for each sample
-    fast : takes many at once, None where they are read one by one
+    design : with its crack at a place, where `search` finds one for each sample
+    fast : takes all samples at once, None where each is a design of its own
     """
 
-    def __init__(self, design: Design, samples: Samples) -> None:
+    def __init__(self, design: Design, samples: Samples, pre_ie: bool) -> None:
         ends = [piece[[*piece.argmin(axis=0), *piece.argmax(axis=0)]] for piece in samples.pieces()]
         values = np.concatenate([samples.rows(0, min(_FIRST, samples.count)), *ends])
         self.samples, self.design, self.search = samples, design, None
@@ -37,12 +48,57 @@ class SampleRows(Sequence[Mapping[str, object]]):
             self.design, self.search = search
             values = placed(self.search, values)[0]
         variables = self.design.variables
+        self.before = as_laid_out(self.design)
         self.fast = vectorised(self.design, values, lambda row: settings_of(variables, values[row]))
+        self.on_arrays = self.fast is not None and self.fast.takes(pre_ie)
 
     def __len__(self) -> int:
         return self.samples.count
 
-    def __getitem__(self, row: Any) -> Any:
+    @property
+    def is_on_arrays(self) -> bool:
+        """Whether all samples are taken at once."""
+        return self.on_arrays
+
+    def inputs(self) -> list[object]:
+        """As `Rows.inputs`."""
+        design, samples = self.design, self.samples
+        plain = design.source.root.plain() if design.source is not None else None
+        drawn = [repr(design.variables), repr(design.correlation), samples.count, samples.method, samples.seed]
+        return [plain, design.input_hash(), *drawn]
+
+    def part(self, start: int, stop: int) -> tuple[Rows, int, int]:
+        """As `Rows.part`: each worker draws its own samples."""
+        return self, start, stop
+
+    def at_once(self, start: int, stop: int, pre_ie: bool) -> tuple[Ints, Outcomes | None]:
+        """As `Rows.at_once`."""
+        if not self.on_arrays or self.fast is None:
+            return np.arange(0), None
+        values, nowhere = self.placed(start, stop)
+        closed = self._closed_form(self.fast, values, nowhere)
+        return np.arange(stop - start), outcomes_on_arrays(self.fast, values, closed, pre_ie)[0]
+
+    def point(self, row: int, pre_ie: bool) -> Point:
+        """As `Rows.point`, with the bolts that hold the block; without notes, which are said of the means once."""
+        point = point_of(self.design, self.settings_at(row), pre_ie, self._standing)
+        return point if point.factors is None else replace(point, factors=replace(point.factors, notes=()))
+
+    def whole(self, row: int, point: Point) -> WithoutBasal | None:
+        """As `Rows.whole`, also where no block forms."""
+        if point.factors is not None or not point.code.startswith(("E2", "E44")) or point.code in UNJUDGED:
+            return point.also
+        try:
+            sample = with_values(self.design, self.settings_at(row))
+            return kind_of(sample).without_basal(self._standing(sample))
+        except SlopekitError:
+            return None
+
+    def _standing(self, sample: Design) -> Design:
+        return standing(sample, self.before)
+
+    def settings_at(self, row: int) -> dict[str, float | str]:
+        """The values of a sample, as `with_values` takes them."""
         return settings_of(self.design.variables, self.values(row, row + 1)[0])
 
     def values(self, start: int, stop: int) -> Floats:
@@ -65,46 +121,21 @@ class SampleRows(Sequence[Mapping[str, object]]):
     def without_force(self, rows: slice, forms: Bools) -> Any:
         """How many bolts do not hold the block of some samples (m,), 0 where none forms."""
         if self.fast is None:
-            holds = holding(self.design, [self[row] for row in range(rows.start, rows.stop)])
+            holds = holding(self.design, [self.settings_at(row) for row in range(rows.start, rows.stop)])
         else:
             holds = self.fast.holds(self.values(rows.start, rows.stop))
         return (~holds & forms).sum(axis=0)
 
-
-def judged_piece(rows: SampleRows, pre_ie: bool, piece: tuple[int, int]) -> Record:
-    """Return what both methods say of a piece of samples, from its first to its end, or the closed form alone.
-
-    The record has `closed_form` and `limit` as `ByMethod.record` names them, `also` where acceptance is held against
-    more, `nowhere`, and what `Outcomes` has, by its names.
-    """
-    fast, (values, nowhere) = rows.fast, rows.placed(*piece)
-    assert fast is not None
-    record: dict[str, Any] = {"nowhere": nowhere}
-    closed, also = _closed_form(rows, fast, values), fast.also(values)
-    if also is not None:
-        record |= ByMethod(also.names, also.outcome.astype(np.int16), also.factor).record("also")
-    if pre_ie:
-        forming = np.flatnonzero(~closed.among("E", IMPOSSIBLE))
-        words = np.array(closed.names, dtype=object)[closed.outcome]
-        factor, forces = np.full((2, len(words)), np.nan)
-        if len(forming):
-            limits = fast.limits(values[forming])
-            words[forming], factor[forming], forces[forming] = limits.status, limits.limit, limits.forces
-        limit, closed = ByMethod.of(words.tolist(), factor), closed.refused(words)
-        outcomes = agreement(limit, forces, closed, rows.design.analysis.agree_within)
-        record |= limit.record("limit") | {name: getattr(outcomes, name) for name in COMPARED}
-    return record | closed.record("closed_form")
-
-
-def _closed_form(rows: SampleRows, fast: Vectorised, values: Floats) -> ByMethod:
-    """Return what the closed form says of samples (n, k), also of values that no design can have."""
-    forms, design = fast(values), rows.design
-    names, outcome, factor = (*forms.names, IMPOSSIBLE), forms.outcome.astype(np.int16), forms.factor
-    root = None if design.source is None else design.source.root
-    for drawn, path in zip(values.T, rows.samples.names, strict=False):  # the place of a crack fits
-        field = field_in(type(design), root, path)
-        if field is not None and not field.limits.turns:
-            impossible = (drawn < field.limits.least) | (drawn > field.limits.most)
-            outcome[impossible], factor[impossible] = len(names) - 1, np.nan
-    factor[factor == 0.0] = np.nan  # no strength at all: a status, no number (UX.md rule 2)
-    return ByMethod(names, outcome, factor)
+    def _closed_form(self, fast: Vectorised, values: Floats, nowhere: Bools) -> ByMethod:
+        """Return what the closed form says of samples (n, k), also of values that no design can have."""
+        forms, design = fast(values), self.design
+        names, outcome, factor = (*forms.names, IMPOSSIBLE, _NO_PLACE), forms.outcome.astype(np.int16), forms.factor
+        root = None if design.source is None else design.source.root
+        for drawn, path in zip(values.T, self.samples.names, strict=False):  # the place of a crack fits
+            field = field_in(type(design), root, path)
+            if field is not None and not field.limits.turns:
+                impossible = (drawn < field.limits.least) | (drawn > field.limits.most)
+                outcome[impossible] = len(names) - 2
+        outcome[nowhere] = len(names) - 1
+        factor[(outcome >= len(names) - 2) | (factor == 0.0)] = np.nan  # no strength at all: a status, no number
+        return ByMethod(names, outcome, factor)

@@ -6,31 +6,29 @@ samples -> outcome and factor of each -> shares with their confidence limits.
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
-from itertools import pairwise
-from typing import Annotated, Any, ClassVar, Literal, TypeAlias
+from functools import cached_property
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.codec import json_of, record_of
-from slopekit.core.errors import DesignError, Fault, Faults, Notice, SlopekitError
+from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.onlooker import Clock
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, counted
 from slopekit.design.common import Design
-from slopekit.design.reading.files import with_values
-from slopekit.evidence import WithoutBasal
 from slopekit.kinds import kind_of, likely_slips, peak_only
 from slopekit.notices import new_notices, not_as_given
+from slopekit.studies.evaluation.bolts import has_heads, without_force
+from slopekit.studies.evaluation.rows import evaluated
 from slopekit.studies.marginals import checked_limits
-from slopekit.studies.outcomes import COMPARED, BothMethods, ByMethod, Outcomes, compared, of_points
-from slopekit.studies.points import Point, map_rows, point_of
-from slopekit.studies.prob.bolts import as_laid_out, has_heads, sample_record, standing, without_force
+from slopekit.studies.outcomes import BothMethods, Outcomes, compared
+from slopekit.studies.points import Point, point_of
 from slopekit.studies.prob.cracks import FEW_ALONE
 from slopekit.studies.prob.estimates import Share, Summary, sample_statistics, share_of, summary_of
-from slopekit.studies.prob.judged import Judged, also_of, notices_of, nowhere, sensitivities, with_also
-from slopekit.studies.prob.rows import SampleRows, judged_piece
+from slopekit.studies.prob.judged import Judged, notices_of, sensitivities, with_whole
+from slopekit.studies.prob.rows import SampleRows
 from slopekit.studies.prob.sampling import METHODS, Method, Samples, samples
 from slopekit.studies.protocol import (
     DESK,
@@ -45,7 +43,7 @@ from slopekit.studies.protocol import (
     study,
     whole_number,
 )
-from slopekit.studies.running import Crew, RowArrays, checked_crew
+from slopekit.studies.running import checked_crew
 
 By = Literal["closed-form", "pre-ie"]
 #: Samples that are drawn where none are asked for: where all are taken at once, and where they are read one by one.
@@ -83,7 +81,7 @@ class Probability(StudyOutcome):
     ----------
     rows : what was drawn; judged : the outcome of each, its factor by the method that counts, whether it fails
     all_samples, forming : the probability of failure among all possible samples, and among those that form a block
-    outcomes, both : of both methods, and how far they agree; None where the closed form was asked alone
+    outcomes : what is said of each; both : how far the methods agree, None where the closed form was asked alone
     closed_form : what that says beside PRE-IE, None as there, or where the kind has none
     """
 
@@ -94,7 +92,7 @@ class Probability(StudyOutcome):
     judged: Judged
     all_samples: Share
     forming: Share
-    outcomes: Outcomes | None
+    outcomes: Outcomes
     both: BothMethods | None
     closed_form: Judged | None
     of_samples: tuple[Notice, ...]
@@ -316,27 +314,24 @@ def prob(
         raise DesignError([Fault("E313", message, "analysis.partial_factors", advice)])
     asked = _asked(design, n, seed, method, by, fos, confidence, accept)
     clock = Clock()
+    pre_ie = asked.by == "pre-ie"
     with clock("draw"):
         drawn = samples(design.variables, design.correlation, asked.n, asked.seed, method)
-        rows = SampleRows(design, drawn)
+        rows = SampleRows(design, drawn, pre_ie)
         # where a crack was looked for, every place of it may cut a block for its loads
         is_dear = getattr(design, "crack_searched", "") and getattr(design, "is_cut_for_loads", False)
-        if n is None and _takes_all_at_once(rows, asked) and not is_dear:
+        if n is None and rows.is_on_arrays and not is_dear:
             asked = replace(asked, n=MANY)
-            rows = SampleRows(design, replace(drawn, count=MANY))
+            rows = SampleRows(design, replace(drawn, count=MANY), pre_ie)
     with clock("factors"):
-        at_once = _takes_all_at_once(rows, asked)
-        method_found, outcomes, besides, nowhere_of = (_at_once if at_once else _one_by_one)(rows, asked, crew, desk)
-        whose = "closed form" if outcomes is None else "closed form and PRE-IE"
-        whose = "PRE-IE" if outcomes is not None and outcomes.closed_form is None else whose
-        evaluator = f"{whose} of every sample{', all at once' if at_once else ''}"
-        judged = nowhere(with_also(Judged.by(method_found, fos, evaluator), besides, fos), nowhere_of)
+        outcomes = evaluated(rows, "prob", crew, desk, pre_ie, "samples")
+        has_both = pre_ie and kind_of(design).closed_form is not None
+        whose = "closed form and PRE-IE" if has_both else "PRE-IE" if pre_ie else "closed form"
+        evaluator = f"{whose} of every sample{', all at once' if rows.is_on_arrays else ''}"
+        judged = with_whole(Judged.by(outcomes.limit, fos, evaluator), outcomes.whole, fos)
         of_bolts = tuple(_of_bolts(rows, judged.forms))
-    both = beside = None
-    if outcomes is not None:
-        if outcomes.closed_form is not None:
-            beside = with_also(Judged.by(outcomes.closed_form, fos, ""), besides, fos)
-        both = compared(outcomes, judged.fails, (beside or judged).fails)
+    beside = with_whole(Judged.by(outcomes.closed_form, fos, ""), outcomes.whole, fos) if has_both else None
+    both = compared(outcomes, judged.fails, (beside or judged).fails) if pre_ie else None
     replicate, counted_samples = rows.samples.replicate, judged.counted
     all_samples = share_of(judged.fails, counted_samples, replicate, confidence)
     forming = share_of(judged.fails, counted_samples & judged.forms, replicate, confidence)
@@ -350,13 +345,6 @@ def prob(
 
 def _figure(name: str) -> Callable[[Probability], float | None]:
     return lambda study: getattr(study.all_samples, name)
-
-
-def _takes_all_at_once(rows: SampleRows, asked: ProbabilityOptions) -> bool:
-    """Whether the method that counts does."""
-    if rows.fast is None or any(bolt.acts == "passive" for bolt in rows.design.bolts):
-        return False
-    return asked.by == "closed-form" or rows.fast.has_limits
 
 
 def _of_bolts(rows: SampleRows, forms: Bools) -> Iterator[Notice]:
@@ -396,51 +384,3 @@ def _asked(
     faults.refuse()
     checked_limits(design)
     return ProbabilityOptions(n, seed, method, by, target, confidence, accept)
-
-
-#: What a method says that counts, what both do, what acceptance is held against besides, in words too, and the samples
-#: (n,) in which no place of a crack gives a factor.
-_Found: TypeAlias = tuple[ByMethod, Outcomes | None, tuple[ByMethod, str, str] | None, Bools]
-
-
-def _run(rows: SampleRows, asked: ProbabilityOptions) -> list[object]:
-    """What the outcomes depend on, as JSON values."""
-    design = rows.design
-    plain = design.source.root.plain() if design.source is not None else None
-    run: list[object] = [plain, design.input_hash(), repr(design.variables), repr(design.correlation)]
-    run += ["heads on the face"] if has_heads(design) else []
-    return [*run, asked.n, asked.seed, asked.method, asked.by]
-
-
-def _one_by_one(rows: SampleRows, asked: ProbabilityOptions, crew: Crew, desk: Workplace) -> _Found:
-    alone = asked.by == "closed-form"
-    work = partial(sample_record, rows.design, not alone, tuple(as_laid_out(rows.design).tolist()))
-    records = map_rows(work, rows, crew, desk, "prob", "samples", _run(rows, asked))
-    points = [Point.from_record(record) for record in records]
-    outcomes, besides = of_points(points), also_of(points, partial(_without_block, rows))
-    nowhere_of = np.concatenate([rows.placed(*block)[1] for block in pairwise(rows.samples.ends)])
-    method = outcomes.closed_form if alone and outcomes.closed_form is not None else outcomes.limit
-    return method, None if alone else outcomes, besides, nowhere_of
-
-
-def _at_once(rows: SampleRows, asked: ProbabilityOptions, crew: Crew, desk: Workplace) -> _Found:
-    pre_ie, basal = asked.by == "pre-ie", WithoutBasal  # the only one that closed forms know
-    size = _PIECE if pre_ie else _PIECE_OF_CLOSED_FORMS
-    columns, work = RowArrays([*range(0, asked.n, size), asked.n]), partial(judged_piece, rows, pre_ie)
-    map_rows(work, columns.pieces, crew, desk, "prob", f"pieces of {size} samples", _run(rows, asked), columns)
-    arrays = columns.arrays
-    besides = (ByMethod.joined(columns, "also"), basal.NAME, basal.WHAT) if "also_factor" in arrays else None
-    closed = ByMethod.joined(columns, "closed_form")
-    if not pre_ie:
-        return closed, None, besides, arrays["nowhere"]
-    outcomes = Outcomes(ByMethod.joined(columns, "limit"), closed, *(arrays[name] for name in COMPARED))
-    return outcomes.limit, outcomes, besides, arrays["nowhere"]
-
-
-def _without_block(rows: SampleRows, row: int) -> WithoutBasal | None:
-    """What acceptance is held against besides, of a sample that forms no block."""
-    try:
-        sample = with_values(rows.design, rows[row])
-        return kind_of(sample).without_basal(standing(sample, as_laid_out(rows.design)))
-    except SlopekitError:
-        return None

@@ -39,7 +39,7 @@ class Samples:
     variables : that are drawn
     names : of the columns, k of them: the path of a number; two of an orientation, `<path>.dip` and
         `<path>.dip_direction` (of a line `<path>.trend` and `<path>.plunge`), also where only one of them scatters
-    count : n, how many; source : of the numbers of each block, by its number and size
+    count : n, how many; source : of the numbers of each block, by its number and size; seed : of these
     """
 
     variables: tuple[Variable, ...]
@@ -47,6 +47,7 @@ class Samples:
     count: int
     method: Method
     source: sources.Source
+    seed: int
 
     def rows(self, start: int, stop: int) -> Floats:
         """The values of some samples (stop - start, k), each column contiguous, read-only."""
@@ -138,7 +139,7 @@ def samples(
     made = tuple(variables)
     coordinates = [name for variable in made for name in variable.coordinates]
     source = sources.source(method, coordinates, tuple(correlation), seed)
-    return Samples(made, tuple(name for variable in made for name in variable.columns), n, method, source)
+    return Samples(made, tuple(name for variable in made for name in variable.columns), n, method, source, seed)
 
 
 def ends_of_blocks(n: int, method: Method) -> list[int]:

@@ -12,7 +12,7 @@ from slopekit.core.errors import Notice
 from slopekit.design.common import Design
 from slopekit.kinds import kind_of
 from slopekit.studies.keys import Key, values_of
-from slopekit.studies.points import UNSETTLED, Method, Point, evaluation, factor_at, status_of
+from slopekit.studies.points import UNSETTLED, Method, Point, factor_at, point_of, point_with, status_of
 from slopekit.studies.protocol import Advance
 from slopekit.studies.running import ALONE, Crew, run_all
 from slopekit.studies.solve.roots import Crossing, RootSearch, Sample, near_by, places
@@ -68,13 +68,12 @@ class FactorRequest:
 
     def samples(self, method: Method, values: Sequence[float]) -> Samples:
         """What a method says at values, as many at a time as the crew is."""
-        work = partial(evaluation, self.design, method == "pre_ie", False)
+        work = partial(point_with, self.design, method == "pre_ie", False)
         tasks = [values_of(self.design, [self.key], [value]) for value in values]
         crew = self.crew if len(tasks) > 1 and method == "pre_ie" else ALONE
-        records = run_all(work, tasks, crew, advance=self.advance, at_once=1)
+        points = run_all(work, tasks, crew, advance=self.advance, at_once=1)
         sampled = []
-        for value, record in zip(values, records, strict=True):
-            point = Point.from_record(record)
+        for value, point in zip(values, points, strict=True):
             if method == "pre_ie":
                 self.points[value] = point
             factor = factor_at(point, method)
@@ -93,7 +92,7 @@ class FactorRequest:
         known = None if self.key.value is None else self.points.get(self.key.value)
         if known is not None and factor_at(known, "pre_ie") is not None:
             return known  # else what was left of the work may have been too little
-        return Point.from_record(evaluation(self.design, True, False, {}))
+        return point_of(self.design, {})
 
     def grid(self, even: int, close: int, each_decade: float) -> list[float]:
         """Values between the two: evenly, closer to the present one, and to a decade."""

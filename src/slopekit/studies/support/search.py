@@ -176,8 +176,7 @@ class Site:
 
 def limit_answer(factors: Factors) -> Answer:
     """PRE-IE's answer among the factors of a design: none where it did not settle."""
-    unsettled = factors.limit is None and not factors.settled
-    return Answer(factors.limit, UNSETTLED if unsettled else factors.status, factors.moments_govern, factors.agree)
+    return Answer(factors.limit, factors.status, factors.moments_govern, factors.agree)
 
 
 def closed_form_answer(factors: Factors) -> Answer:

@@ -12,11 +12,8 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from itertools import pairwise, product
 from typing import Annotated, Any, ClassVar
-
-import numpy as np
 
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
@@ -25,7 +22,9 @@ from slopekit.core.sheet import Column, is_number
 from slopekit.design.common import Design
 from slopekit.design.parts import ON_FACTOR
 from slopekit.kinds import kind_of, notices_of_inputs, peak_only
-from slopekit.studies.keys import Key, key_of, values_of
+from slopekit.studies.evaluation.columns import ColumnRows
+from slopekit.studies.evaluation.rows import evaluated
+from slopekit.studies.keys import Key, key_of
 from slopekit.studies.points import (
     Line,
     Method,
@@ -34,11 +33,9 @@ from slopekit.studies.points import (
     asked_of,
     checked_target,
     code_without_blocks,
-    evaluation,
     factor_at,
     lines_of,
     lower_of,
-    map_rows,
     rules_left_out,
     said_at,
     status_of,
@@ -57,10 +54,8 @@ from slopekit.studies.protocol import (
     study,
 )
 from slopekit.studies.ranges import MOST, how_written, parse_values
-from slopekit.studies.running import Crew, checked_crew
-from slopekit.studies.sweep.on_arrays import points_on_arrays, some_of
+from slopekit.studies.running import checked_crew
 
-_AT_ONCE = 2048  # points on arrays that are one task
 _LEVELS = (*ON_FACTOR, "fos.closed_form")  # names of the rules whose levels are looked for
 
 
@@ -311,51 +306,9 @@ def sweep(
     said += notices_of_inputs(design, [key.path for key in own])
     said += (*peak_only(design, "factors are those"), *rules_left_out(design, _LEVELS))
     swept = Sweep(design, own, values, (), methods, levels_of(design, fos), of_inputs=tuple(said))
-    points = _points_at(design, own, swept.places, methods, crew, desk)
-    return replace(swept, points=points, seconds=time.perf_counter() - began)
-
-
-def _points_at(
-    design: Design, keys: Sequence[Key], places: Sequence[Sequence[float]], methods: str, crew: Crew, desk: Workplace
-) -> tuple[Point, ...]:
-    """The points at some values of keys: the others on arrays where a few of them and the extreme ones allow it."""
-    values, points = np.array(places), dict[int, Point]()
-    keeps_bolts = not any(key.path.startswith("support.") for key in keys)
-
-    def analyse(rows: Sequence[int]) -> None:
-        tasks = [values_of(design, keys, places[row]) for row in rows]
-        points.update(zip(rows, evaluated(design, "sweep", tasks, methods, crew, desk, keeps_bolts), strict=True))
-
-    analyse(some_of(values))
-    rest = [row for row in range(len(places)) if row not in points]
-    at_once = points_on_arrays(design, keys, values, points, methods != "closed-form") if rest else None
-    if at_once is not None:
-        together = [row for row in rest if not at_once.alone[row]]
-        with desk.bar("points", len(together)) as advance:
-            for some in (together[at : at + _AT_ONCE] for at in range(0, len(together), _AT_ONCE)):
-                points |= {row: point for row, point in zip(some, at_once(values[some]), strict=True) if point}
-                advance(len(some))
-    if alone := [row for row in rest if row not in points]:
-        analyse(alone)
-    return tuple(points[row] for row in range(len(places)))
-
-
-def evaluated(
-    design: Design, name: str, tasks: Sequence[Mapping[str, object]], methods: str, crew: Crew, desk: Workplace,
-    keeps_bolts: bool = False,
-) -> list[Point]:  # fmt: skip
-    """The points of a study, by whoever does the work; what is done is kept in a journal.
-
-    Parameters
-    ----------
-    keeps_bolts : as `evaluation` has it
-    """
-    plain = design.source.root.plain() if design.source is not None else None
-    run = [plain, design.input_hash(), methods, [list(task.items()) for task in tasks]]
-    at_once = 64 if methods == "closed-form" else 1 if kind_of(design).closed_form is None else 8
-    work = partial(evaluation, design, methods != "closed-form", keeps_bolts)
-    records = map_rows(work, tasks, crew, desk, name, "points", run, at_once=at_once)
-    return [Point.from_record(record) for record in records]
+    pre_ie = methods != "closed-form"
+    outcomes = evaluated(ColumnRows(design, own, swept.places, pre_ie), "sweep", crew, desk, pre_ie)
+    return replace(swept, points=tuple(outcomes.points), seconds=time.perf_counter() - began)
 
 
 def one_or_two(keys: Mapping[str, object]) -> None:

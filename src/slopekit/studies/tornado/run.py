@@ -20,6 +20,7 @@ from slopekit.core.errors import Faults, Notice
 from slopekit.design.common import Design
 from slopekit.design.scatter.distributions import Distribution
 from slopekit.kinds import notices_of_inputs, peak_only
+from slopekit.studies.evaluation.rows import Rows, evaluated
 from slopekit.studies.keys import Key, key_of, keys_of, values_of
 from slopekit.studies.points import (
     Method,
@@ -34,7 +35,7 @@ from slopekit.studies.points import (
 from slopekit.studies.protocol import DESK, ADesign, ClosedFormAlone, Jobs, Scheduler, StudyOutcome, Workplace, study
 from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.running import checked_crew
-from slopekit.studies.sweep.run import KEYS, evaluated, methods_of
+from slopekit.studies.sweep.run import KEYS, methods_of
 
 ANGLE, PART, FILL, TAIL = 2.0, 0.10, 0.1, 0.05
 RULE = (
@@ -220,7 +221,7 @@ def tornado(
     chosen += [(key, low, high, "given") for key, (low, high) in given.values()]
     tasks: list[dict[str, object]] = [{}]
     tasks += [values_of(design, [key], [value]) for key, low, high, _ in chosen for value in (low, high)]
-    points = evaluated(design, "tornado", tasks, methods, crew, desk, keeps_bolts=True)
+    points = evaluated(Rows(design, tasks, keeps_bolts=True), "tornado", crew, desk, methods != "closed-form").points
     said = (*notices_of_inputs(design), *peak_only(design, "factors are those"))
     study = Tornado(design, points[0], (), tuple(left_out), methods, of_inputs=said)
     bars = [_bar(study, one, points[1 + 2 * k], points[2 + 2 * k]) for k, one in enumerate(chosen)]

@@ -4,8 +4,6 @@ Both methods judge each sample with the same bolts: those that hold its block.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -16,8 +14,6 @@ from slopekit.design.common import Design
 from slopekit.design.reading.files import with_values
 from slopekit.kinds import kind_of
 from slopekit.kinds.single_block.held_bolts import D, held, stand_off, with_held
-from slopekit.studies.points import point_of
-from slopekit.studies.running import Record
 
 
 def as_laid_out(design: Design) -> Floats:
@@ -44,14 +40,6 @@ def standing(design: D, before: Floats) -> D:
     if on_arrays is None or not has_heads(design):
         return design
     return with_held(design, on_arrays.bounds(design), before)
-
-
-def sample_record(design: Design, pre_ie: bool, before: tuple[float, ...], values: Mapping[str, object]) -> Record:
-    """The record of a sample analysed with the bolts that hold its block, `before` as `standing` takes it."""
-    point = point_of(design, values, pre_ie, partial(standing, before=np.array(before)))
-    if point.factors is not None:  # of the design at its means they are said once
-        point = replace(point, factors=replace(point.factors, notes=()))
-    return point.to_record()
 
 
 def holding(design: Design, samples: Sequence[Mapping[str, object]]) -> Bools:

@@ -25,7 +25,7 @@ from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany, limits_on
 from slopekit.kinds.single_block.closed_forms import Arguments, ClosedForms, OnArrays
 from slopekit.kinds.single_block.held_bolts import held, pulling
 from slopekit.kinds.single_block.worst_crack import worst_of_many
-from slopekit.studies.prob.bolts import as_laid_out, standing
+from slopekit.studies.evaluation.bolts import as_laid_out, standing
 
 #: A design's values at a sample: what `with_values` takes.
 ValuesAt = Callable[[int], Mapping[str, object]]
@@ -60,17 +60,14 @@ class Vectorised:
             lambda chunk: also(self._standing(chunk), strengths_of(self._strengths(chunk)), self.before), values
         )
 
-    @property
-    def has_limits(self) -> bool:
-        """Whether PRE-IE takes all samples at once too: not with passive bolts or dilation."""
-        design = self.design
-        strengths = self.on_arrays.strengths(design)
-        return (
-            self.on_arrays.full is not None
-            and not any(bolt.acts == "passive" for bolt in design.bolts)
-            and not any(strength.dilation_deg for strength in strengths)
-            and not any(key.endswith(".dilation") for key in self.keys)
-        )
+    def takes(self, pre_ie: bool) -> bool:
+        """Whether both methods, or the closed form alone, take all samples at once: no passive bolts, no dilation."""
+        design, on_arrays = self.design, self.on_arrays
+        if any(bolt.acts == "passive" for bolt in design.bolts):
+            return False
+        dilates = any(strength.dilation_deg for strength in on_arrays.strengths(design))
+        dilates |= any(key.endswith(".dilation") for key in self.keys)
+        return not pre_ie or (on_arrays.full is not None and not dilates)
 
     def limits(self, values: Floats) -> LimitsOfMany:
         """What PRE-IE says of some samples that form blocks by the closed form."""

@@ -1,0 +1,1 @@
+"""One evaluation: columns of numbers of a design in, what both methods say of every row out."""

@@ -1,0 +1,125 @@
+"""Rows of one design: other values in each, and what both methods say of them, piece by piece.
+
+rows -> pieces -> outcomes of each, on arrays where the kind takes them, else design by design -> outcomes of all
+"""
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from slopekit.core.arrays import Ints
+from slopekit.core.options import Workplace
+from slopekit.design.common import Design
+from slopekit.evidence import WithoutBasal
+from slopekit.kinds import kind_of
+from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany
+from slopekit.studies.evaluation.vectorised import Vectorised
+from slopekit.studies.outcomes import NO_BLOCK, ByMethod, Outcomes, agreement, merged, of_points
+from slopekit.studies.points import GIVEN_UP, Point, map_rows, point_with
+from slopekit.studies.running import Crew, Record, RowArrays
+
+#: Rows of a task that are taken at once, by both methods and by the closed form alone.
+PIECE, PIECE_OF_CLOSED_FORMS = 2**11, 2**16
+_NONE = np.arange(0)
+
+
+class Rows:
+    """Designs that are one with other values, row by row; each is read and analysed by itself.
+
+    Parameters
+    ----------
+    design : that they are; settings : (n) values of each row, as `with_values` takes them
+    keeps_bolts : as `points.point_with` has it
+    """
+
+    def __init__(self, design: Design, settings: Sequence[Mapping[str, object]], keeps_bolts: bool = False) -> None:
+        self.design, self.settings, self.keeps_bolts = design, settings, keeps_bolts
+
+    def __len__(self) -> int:
+        return len(self.settings)
+
+    @property
+    def is_on_arrays(self) -> bool:
+        """Whether any rows are taken at once."""
+        return False
+
+    def inputs(self) -> list[object]:
+        """Return everything that the outcomes depend on, as JSON values."""
+        source = self.design.source
+        plain = None if source is None else source.root.plain()
+        return [plain, self.design.input_hash(), [list(settings.items()) for settings in self.settings]]
+
+    def part(self, start: int, stop: int) -> tuple["Rows", int, int]:
+        """Return some rows as a worker gets them: rows, and which of these, from the first to an end."""
+        return Rows(self.design, self.settings[start:stop], self.keeps_bolts), 0, stop - start
+
+    def at_once(self, start: int, stop: int, pre_ie: bool) -> tuple[Ints, Outcomes | None]:
+        """Return which of some rows are taken at once, counted from the first of them, and what is said of those."""
+        return _NONE, None
+
+    def point(self, row: int, pre_ie: bool) -> Point:
+        """Return what both methods say of a row that is a design of its own, or the closed form alone."""
+        return point_with(self.design, pre_ie, self.keeps_bolts, self.settings[row])
+
+    def whole(self, row: int, point: Point) -> WithoutBasal | None:
+        """Return what acceptance of such a row is held against too, by its point."""
+        return point.also
+
+
+def evaluated(
+    rows: Rows, study: str, crew: Crew, desk: Workplace, pre_ie: bool = True, label: str = "points"
+) -> Outcomes:
+    """Return what both methods say of all rows, or the closed form alone; a journal keeps what is done.
+
+    Parameters
+    ----------
+    study, label : names of the journal and of the bar
+    """
+    size = 1 if not rows.is_on_arrays else PIECE if pre_ie else PIECE_OF_CLOSED_FORMS
+    given_up = of_points([GIVEN_UP], [None], pre_ie).record() if size == 1 else None
+    columns = RowArrays([*range(0, len(rows), size), len(rows)])
+    tasks = [rows.part(*piece) for piece in columns.pieces]
+    is_quick = kind_of(rows.design).closed_form is not None
+    handed_out = 1 if size > 1 or not is_quick else 8 if pre_ie else 64
+    run, label = [*rows.inputs(), pre_ie], label if size == 1 else f"pieces of {size} {label}"
+    map_rows(partial(outcomes_of_part, pre_ie), tasks, columns, crew, desk, study, label, run, handed_out, given_up)
+    return Outcomes.joined(columns, pre_ie)
+
+
+def outcomes_of_part(pre_ie: bool, part: tuple[Rows, int, int]) -> Record:
+    """Return the outcomes of a part of rows as their record: what a worker does."""
+    rows, start, stop = part
+    taken, outcomes = rows.at_once(start, stop, pre_ie)
+    single = np.setdiff1d(np.arange(stop - start), taken)
+    parts = [] if outcomes is None else [(taken, outcomes)]
+    if len(single):
+        points = [rows.point(start + row, pre_ie) for row in single.tolist()]
+        wholes = [rows.whole(start + row, point) for row, point in zip(single.tolist(), points, strict=True)]
+        parts.append((single, of_points(points, wholes, pre_ie)))
+    return merged(parts).record()
+
+
+def outcomes_on_arrays(
+    columns: Vectorised, values: Any, closed: ByMethod, pre_ie: bool
+) -> tuple[Outcomes, LimitsOfMany | None, Ints]:
+    """Return what both methods say of rows on arrays, all that PRE-IE says, and of which rows (b,) it says it.
+
+    Parameters
+    ----------
+    values : (n, k) of the columns; closed : what the closed form says of them
+    """
+    also = columns.also(values)
+    whole = None if also is None else ByMethod(also.names, also.outcome.astype(np.int16), also.factor)
+    forming = np.flatnonzero(~closed.among(*NO_BLOCK))
+    if not pre_ie:
+        return Outcomes.by_closed_form(closed, whole), None, forming
+    words = np.array(closed.names, dtype=object)[closed.outcome]
+    factor, forces = np.full((2, len(words)), np.nan)
+    limits = columns.limits(values[forming]) if len(forming) else None
+    if limits is not None:
+        words[forming], factor[forming], forces[forming] = limits.status, limits.limit, limits.forces
+    limit = ByMethod.of(words.tolist(), factor)
+    within = columns.design.analysis.agree_within
+    return agreement(limit, forces, closed.refused(words), within, whole), limits, forming
