@@ -340,7 +340,7 @@ def test_all_pairs_are_judged_by_both_methods(tmp_path) -> None:
     slope = {"face": "65/180", "c": 10, "phi": 30, "fos": 1.3}
     every = combos(TURNS, **slope, top="all", desk=Workplace(tmp_path, bar))
     assert every.removable == len(every.worst) > 3
-    assert bars == [("PRE-IE", 1, [0, 1])]
+    assert bars == [("pieces of 2048 pairs", 1, [0, 1])]
     assert [path.suffix for path in tmp_path.iterdir()] == [".journal"]  # until the results are written
     limits = [pair.limit for pair in every.worst]
     assert limits == sorted(limits)

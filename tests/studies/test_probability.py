@@ -320,7 +320,7 @@ def test_nothing_that_speaks_against_it_is_accepted(monkeypatch) -> None:
     assert by_pre_ie.counts == {"E212": 6}
     assert (by_pre_ie.judged.unjudged.sum(), by_pre_ie.all_samples.count, by_pre_ie.all_samples.of) == (6, 0, 0)
     assert by_pre_ie.accepted is False
-    assert by_pre_ie.by_closed_form is None
+    assert by_pre_ie.by_closed_form.share is None
     said = " ".join(str(by_pre_ie).split())
     assert "not compared" in by_pre_ie.line
     assert "agree on 0, disagree on 0, 6 not compared" in said

@@ -56,8 +56,7 @@ class ByMethod:
         """
         pieces = [(columns.pieces[piece], columns[piece].get(f"{name}_names")) for piece in sorted(columns)]
         every = tuple(dict.fromkeys(word for _, words in pieces for word in (words or [""])))
-        none = np.empty(0)
-        outcome, factor = (columns.arrays.get(f"{name}_{what}", none) for what in ("outcome", "factor"))
+        outcome, factor = (columns.arrays[f"{name}_{what}"] for what in ("outcome", "factor"))
         for (start, stop), words in pieces:
             numbers = np.array([every.index(word) for word in (words or [""])], dtype=np.int16)
             outcome[start:stop] = numbers[outcome[start:stop]]
@@ -110,16 +109,6 @@ class ByMethod:
             return np.asarray(~stays & ~(self.factor >= target * (1.0 - SAME_FACTOR)))
 
 
-def record_of_limits(limits: LimitsOfMany) -> dict[str, Any]:
-    """Return what PRE-IE says of a piece of many single blocks as its record."""
-    return ByMethod.of(limits.status.tolist(), limits.limit).record("limit") | {"forces": limits.forces}
-
-
-def joined_limits(columns: RowArrays) -> tuple[ByMethod, Floats]:
-    """Return what PRE-IE says of all pieces, and its factors of the forces alone (n,)."""
-    return ByMethod.joined(columns, "limit"), columns.arrays.get("forces", np.empty(0))
-
-
 @dataclass(frozen=True)
 class Outcomes:
     """What both methods say of n designs, or the closed form alone.
@@ -158,6 +147,8 @@ class Outcomes:
     @classmethod
     def joined(cls, columns: RowArrays, pre_ie: bool) -> "Outcomes":
         """Return what `record` made of all pieces of many designs; once, as their outcomes are numbered anew."""
+        if not columns.pieces or not columns.count:
+            return of_points([], [], pre_ie)
         pieces = [columns[piece] for piece in sorted(columns)]
         notes = [[Notice(*note) for note in own] for piece in pieces for own in piece.get("notes", ())]
         closed = ByMethod.joined(columns, "closed_form")
@@ -258,19 +249,25 @@ def merged(parts: Sequence[tuple[Ints, Outcomes]]) -> Outcomes:
     difference, agree, moments_govern = (np.concatenate([getattr(own, name) for own in every]) for name in COMPARED)
     whole = None
     if any(own.whole is not None for own in every):
-        whole = _one_after_the_other([own.whole or _nothing(len(own.agree)) for own in every])
-    limit, closed = (_one_after_the_other([getattr(own, name) for own in every]) for name in ("limit", "closed_form"))
+        whole = one_after_the_other([own.whole or _nothing(len(own.agree)) for own in every])
+    limit, closed = (one_after_the_other([getattr(own, name) for own in every]) for name in ("limit", "closed_form"))
     notes = [note for own in every for note in own.notes]
     return Outcomes(limit, closed, difference, agree, moments_govern, whole, notes, every[0].pre_ie).of(order)
 
 
-def _one_after_the_other(methods: Sequence[ByMethod]) -> ByMethod:
+def one_after_the_other(methods: Sequence[ByMethod]) -> ByMethod:
+    """Return what is said of designs by several, the first's first."""
     words = [word for method in methods for word in method.words]
     return ByMethod.of(words, np.concatenate([method.factor for method in methods]))
 
 
 def _nothing(count: int) -> ByMethod:
     return ByMethod(("",), np.zeros(count, dtype=np.int16), np.full(count, np.nan))
+
+
+def of_limits(limits: LimitsOfMany, closed: ByMethod, within: float) -> Outcomes:
+    """Return what both methods say of single blocks that all form by the closed form."""
+    return agreement(ByMethod.of(limits.status.tolist(), limits.limit), limits.forces, closed, within)
 
 
 def agreement(

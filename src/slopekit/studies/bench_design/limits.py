@@ -4,9 +4,7 @@ A limit is never above the factor of the forces, so that what fails by the close
 """
 
 from dataclasses import fields, replace
-from functools import partial
-from itertools import accumulate
-from typing import Any, TypeAlias, cast
+from typing import Any
 
 import numpy as np
 
@@ -16,86 +14,97 @@ from slopekit.design.common import Design
 from slopekit.design.parts import Strength, Water
 from slopekit.kinds.plane import ON_ARRAYS as PLANES
 from slopekit.kinds.plane import PlaneDesign
-from slopekit.kinds.single_block.blocks_on_arrays import limits_on_arrays
+from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany, limits_on_arrays
 from slopekit.studies.bench_design.bench import CLOSED_OUTCOMES, PLANE, WEDGE, Bench, Part, bench_of, parts_of
 from slopekit.studies.bench_design.given import BenchInputs
 from slopekit.studies.bench_design.trials import Trials
+from slopekit.studies.evaluation.rows import BlockRows, evaluated
 from slopekit.studies.joint_wedges import limits_of_wedges
-from slopekit.studies.outcomes import BothMethods, ByMethod, agreement, compared, joined_limits, record_of_limits
-from slopekit.studies.points import map_rows
+from slopekit.studies.outcomes import BothMethods, ByMethod, Outcomes, compared, one_after_the_other
 from slopekit.studies.protocol import Workplace
-from slopekit.studies.running import Crew, Record, RowArrays
-
-#: Blocks of a mode in benches with one face: their joints (m,) by number, the second of a plane means nothing; m high.
-Task: TypeAlias = tuple[int, float, Ints, Ints, Floats]
-_AT_ONCE = 2048  # blocks of a task
+from slopekit.studies.running import Crew
 
 
-def judged_benches(
-    inputs: BenchInputs, trials: Trials, crew: Crew, desk: Workplace
-) -> tuple[list[Bench], list[BothMethods]]:
-    """Return all benches judged by both methods, and how far these agree in each mode of each."""
-    sizes = [(height, dip) for height in inputs.heights_m for dip in inputs.face_dips_deg]
-    parts = [parts_of(inputs, trials, *size) for size in sizes]
-    jobs, tasks, before = list[tuple[Part, int, Ints, Ints]](), list[Task](), 0
-    for (height, face), of_bench in zip(sizes, parts, strict=True):
-        for mode in (WEDGE, PLANE):
-            blocks = of_bench[mode]
-            rows = np.flatnonzero(blocks["forms"] & ~blocks["fails"])
-            first, second = trials.first[rows], trials.second[rows] if mode == WEDGE else np.full(len(rows), -1)
-            heights = np.full(len(rows), height) if _is_free_of_size(inputs) else blocks["block_height_m"][rows]
-            different, back = np.unique(np.stack([first, second, heights], axis=1), axis=0, return_inverse=True)
-            jobs.append((blocks, mode, rows, back.reshape(-1) + before))
-            before += len(different)
-            for where_in in range(0, len(different), _AT_ONCE):
-                one, two, high = different[where_in : where_in + _AT_ONCE].T
-                tasks.append((mode, face, one.astype(np.int64), two.astype(np.int64), high))
-    run = [inputs.input_hash(), inputs.has_cohesion]
-    columns = RowArrays([0, *accumulate(len(task[-1]) for task in tasks)])
-    map_rows(partial(_limits, inputs), tasks, columns, crew, desk, "bench-design", "PRE-IE", run)
-    limits = joined_limits(columns)
-    both = [_judge(inputs, *one, limits) for one in jobs]
-    return [bench_of(*size, of_bench) for size, of_bench in zip(sizes, parts, strict=True)], both
-
-
-def _is_free_of_size(inputs: BenchInputs) -> bool:
-    """Whether blocks of all sizes have the same factor: there is neither cohesion nor a pressure given in kPa."""
-    return not inputs.has_cohesion and inputs.slope.water.mode != "pressures"
-
-
-def _judge(
-    inputs: BenchInputs, blocks: Part, mode: int, rows: Ints, where_in: Ints, limits: tuple[ByMethod, Floats]
-) -> BothMethods:
-    """Note what fails by PRE-IE among the blocks `rows` of a mode; return how far the methods agree on them.
+class BenchRows(BlockRows):
+    """Wedges and planes in benches.
 
     Parameters
     ----------
-    where_in : (m,) the places of these blocks in what was found of all
+    blocks : (m, 5) their mode, the dip of the face, their joints by number (the second of a plane is none), how high
+        they are in m; closed : (m) what the closed forms say of them
     """
-    target = inputs.number("fos")
-    found, forces = limits
-    limit = ByMethod(found.names, found.outcome[where_in], found.factor[where_in])
-    closed = ByMethod(CLOSED_OUTCOMES[mode], blocks["outcome"][rows], blocks["factor"][rows])
-    outcomes = agreement(limit, forces[where_in], closed, inputs.slope.analysis.agree_within)
-    blocks["fails"][rows] = limit.falls_short(target)
-    return compared(outcomes, blocks["fails"][rows], closed.falls_short(target))
+
+    def __init__(self, asked: BenchInputs, blocks: Floats, closed: ByMethod) -> None:
+        super().__init__(asked.slope, closed, [asked.input_hash(), asked.has_cohesion])
+        self.asked, self.blocks = asked, blocks
+
+    def limits(self, rows: Ints) -> LimitsOfMany:
+        """As `BlockRows.limits`."""
+        blocks, toward, upper = self.blocks[rows], self.asked.toward_deg, Plane(0.0, self.asked.toward_deg)
+        status, (limit, forces) = np.empty(len(rows), dtype=object), np.empty((2, len(rows)))
+        for mode, limits_of in ((WEDGE, self._wedges), (PLANE, self._planes)):
+            own = np.flatnonzero(blocks[:, 0] == mode)
+            if len(own):
+                dip: Any = blocks[own, 1]
+                slope = replace(self.asked.slope, face=Plane(dip, toward), upper=upper)
+                first, second = blocks[own, 2:4].astype(np.int64).T
+                found = limits_of(slope, first, second, blocks[own, 4])
+                status[own], limit[own], forces[own] = found.status, found.limit, found.forces
+        return LimitsOfMany(status.astype(np.str_), limit, forces)
+
+    def _wedges(self, slope: Any, first: Ints, second: Ints, height: Floats) -> LimitsOfMany:
+        strengths = self.asked.cohesion_kpa, self.asked.friction_deg
+        return limits_of_wedges(slope, self.asked.joints, strengths, first, second, height)
+
+    def _planes(self, slope: Any, first: Ints, _: Ints, height: Any) -> LimitsOfMany:
+        common = {field.name: getattr(slope, field.name) for field in fields(Design)}
+        if slope.water.mode == "pressures":
+            common["water"] = Water("pressures", 0.0, slope.water.pressures_kpa[:1])
+        dip: Any = self.asked.joints.dips_deg[first]  # in the section, as the closed form has it
+        own: list[Any] = [of[first] for of in (self.asked.cohesion_kpa, self.asked.friction_deg)]
+        strength = Strength(*own)
+        plane = PlaneDesign(
+            **common, joint=Plane(dip, self.asked.toward_deg), joint_name="J1", face=slope.face, upper=slope.upper,
+            height_m=height, strength=strength,
+        )  # fmt: skip
+        return limits_on_arrays(plane, PLANES, [strength], len(first))
 
 
-def _limits(inputs: BenchInputs, task: Task) -> Record:
-    """What PRE-IE says of the blocks of a task."""
-    mode, face_dip, first, second, height = task
-    toward, strengths = inputs.toward_deg, (inputs.cohesion_kpa, inputs.friction_deg)
-    face, upper = Plane(face_dip, toward), Plane(0.0, toward)
-    slope = replace(inputs.slope, face=face, upper=upper)
-    if mode == WEDGE:
-        return record_of_limits(limits_of_wedges(slope, inputs.joints, strengths, first, second, height))
-    common = {field.name: getattr(slope, field.name) for field in fields(Design)}
-    if slope.water.mode == "pressures":
-        common["water"] = Water("pressures", 0.0, slope.water.pressures_kpa[:1])
-    dip: Any = inputs.joints.dips_deg[first]  # in the section, as the closed form has it
-    own: list[Any] = [of[first] for of in strengths]
-    strength, high = Strength(*own), cast(Any, height)
-    plane = PlaneDesign(
-        **common, joint=Plane(dip, toward), joint_name="J1", face=face, upper=upper, height_m=high, strength=strength
+def judged_benches(
+    asked: BenchInputs, trials: Trials, crew: Crew, desk: Workplace
+) -> tuple[list[Bench], list[BothMethods]]:
+    """Return all benches judged by both methods, and how far these agree in each mode of each."""
+    sizes = [(height, dip) for height in asked.heights_m for dip in asked.face_dips_deg]
+    parts = [parts_of(asked, trials, *size) for size in sizes]
+    standing, blocks, closed = list[tuple[Part, Ints, Ints]](), list[Floats](), list[ByMethod]()
+    count = 0
+    for (height, face), of_bench in zip(sizes, parts, strict=True):
+        for mode in (WEDGE, PLANE):
+            part = of_bench[mode]
+            rows = np.flatnonzero(part["forms"] & ~part["fails"])
+            second = trials.second[rows] if mode == WEDGE else np.full(len(rows), -1)
+            heights = np.full(len(rows), height) if _is_free_of_size(asked) else part["block_height_m"][rows]
+            of_all = np.stack([trials.first[rows], second, heights], axis=1)
+            different, at, back = np.unique(of_all, axis=0, return_index=True, return_inverse=True)
+            standing.append((part, rows, back.reshape(-1) + count))
+            blocks.append(np.insert(different, 0, np.array([[mode], [face]]), axis=1))
+            closed.append(ByMethod(CLOSED_OUTCOMES[mode], part["outcome"][rows[at]], part["factor"][rows[at]]))
+            count += len(different)
+    every = np.concatenate(blocks)
+    outcomes = evaluated(
+        BenchRows(asked, every, one_after_the_other(closed)), "bench-design", crew, desk, label="blocks"
     )
-    return record_of_limits(limits_on_arrays(plane, PLANES, [strength], len(first)))
+    target = asked.number("fos")
+    both = [_judge(part, rows, outcomes.of(places), target) for part, rows, places in standing]
+    return [bench_of(*size, of_bench) for size, of_bench in zip(sizes, parts, strict=True)], both
+
+
+def _is_free_of_size(asked: BenchInputs) -> bool:
+    """Whether blocks of all sizes have the same factor: there is neither cohesion nor a pressure given in kPa."""
+    return not asked.has_cohesion and asked.slope.water.mode != "pressures"
+
+
+def _judge(part: Part, rows: Ints, outcomes: Outcomes, target: float) -> BothMethods:
+    """Note what fails by PRE-IE among the blocks `rows` of a mode; return how far the methods agree on them."""
+    part["fails"][rows] = outcomes.limit.falls_short(target)
+    return compared(outcomes, part["fails"][rows], outcomes.closed_form.falls_short(target))

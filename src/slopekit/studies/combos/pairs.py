@@ -265,7 +265,7 @@ class JointPairs(Fitted):
         return failing
 
 
-def evaluated(
+def pairs_of(
     joints: JointList, slope: WedgeDesign, limits: SizeLimits, cohesion: Floats, friction: Floats
 ) -> JointPairs:
     """All pairs by the vectorised closed form, each wedge at the size that the limits leave it."""

@@ -11,7 +11,7 @@
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -21,20 +21,18 @@ from slopekit.core.codec import json_of
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import Line, Plane
 from slopekit.design.joint_lists import JointList
+from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany
 from slopekit.kinds.wedge.limits import LIMITED_BY
-from slopekit.studies.combos.pairs import NEVER, PAIR_OUTCOMES, JointPairs, PairInputs, evaluated, pair_inputs
+from slopekit.studies.combos.pairs import NEVER, PAIR_OUTCOMES, JointPairs, PairInputs, pair_inputs, pairs_of
+from slopekit.studies.evaluation.rows import BlockRows, evaluated
 from slopekit.studies.joint_wedges import limits_of_wedges
 from slopekit.studies.outcomes import (
     STANDS,
     BothMethods,
     ByMethod,
     Outcomes,
-    agreement,
     compared,
-    joined_limits,
-    record_of_limits,
 )
-from slopekit.studies.points import map_rows
 from slopekit.studies.protocol import (
     DESK,
     ClosedFormAlone,
@@ -45,10 +43,8 @@ from slopekit.studies.protocol import (
     Workplace,
     documented,
 )
-from slopekit.studies.running import Crew, Record, RowArrays, checked_crew
+from slopekit.studies.running import checked_crew
 from slopekit.studies.surveys import AFace, AJointList, Columns, Convention, SkipBad, left_out, survey_head
-
-_AT_ONCE = 2048  # pairs that PRE-IE takes as one task
 
 
 @dataclass(frozen=True)
@@ -298,11 +294,14 @@ def combos(
     crew = checked_crew(jobs, scheduler)
     inputs = pair_inputs(given, desk.named)
     read = time.perf_counter()
-    pairs = evaluated(inputs.joints, inputs.slope, inputs.limits, inputs.cohesion_kpa, inputs.friction_deg)
+    pairs = pairs_of(inputs.joints, inputs.slope, inputs.limits, inputs.cohesion_kpa, inputs.friction_deg)
     closed = time.perf_counter()
     removable = np.flatnonzero(pairs.is_removable)
     by_forces = ByMethod(PAIR_OUTCOMES, pairs.outcome[removable].astype(np.int16), pairs.factor[removable])
-    outcomes = None if closed_form else _looked_at(inputs, pairs, removable, by_forces, crew, desk)
+    outcomes = None
+    if not closed_form:
+        rows = PairRows(inputs, pairs, removable, by_forces)
+        outcomes = evaluated(rows, "combos", crew, desk, label="pairs")
     if outcomes is not None and (lost := outcomes.limit.among("E")).any():  # planes so nearly parallel cut none
         pairs.outcome[removable[lost]], pairs.factor[removable[lost]] = PAIR_OUTCOMES.index("no_wedge"), np.nan
         removable, outcomes = removable[~lost], outcomes.of(np.flatnonzero(~lost))
@@ -319,19 +318,15 @@ def _order(limit: ByMethod, volume_m3: Floats) -> Ints:
     return np.lexsort((-volume_m3, np.nan_to_num(limit.factor), rank))
 
 
-def _looked_at(
-    inputs: PairInputs, pairs: JointPairs, rows: Ints, closed: ByMethod, crew: Crew, desk: Workplace
-) -> Outcomes:
-    """What both methods say of some pairs (r,); what is done is kept in a journal."""
-    parts = [rows[at : at + _AT_ONCE] for at in range(0, len(rows), _AT_ONCE)]
-    tasks = [(pairs.first[part], pairs.second[part], pairs.height_m[part]) for part in parts]
-    work, columns = partial(_limits, inputs), RowArrays([*range(0, len(rows), _AT_ONCE), len(rows)])
-    map_rows(work, tasks, columns, crew, desk, "combos", "PRE-IE", [inputs.input_hash()])
-    limit, forces = joined_limits(columns)
-    return agreement(limit, forces, closed, inputs.slope.analysis.agree_within)
+class PairRows(BlockRows):
+    """Some pairs of a survey as wedges; `rows` are their numbers, `closed` is what the closed form says of these."""
 
+    def __init__(self, asked: PairInputs, pairs: JointPairs, rows: Ints, closed: ByMethod) -> None:
+        super().__init__(asked.slope, closed, [asked.input_hash()])
+        self.asked, self.first, self.second = asked, pairs.first[rows], pairs.second[rows]
+        self.height_m = pairs.height_m[rows]
 
-def _limits(inputs: PairInputs, task: tuple[Ints, Ints, Floats]) -> Record:
-    """What PRE-IE says of some pairs."""
-    limits = limits_of_wedges(inputs.slope, inputs.joints, (inputs.cohesion_kpa, inputs.friction_deg), *task)
-    return record_of_limits(limits)
+    def limits(self, rows: Ints) -> LimitsOfMany:
+        """As `BlockRows.limits`."""
+        asked, wedges = self.asked, (self.first[rows], self.second[rows], self.height_m[rows])
+        return limits_of_wedges(asked.slope, asked.joints, (asked.cohesion_kpa, asked.friction_deg), *wedges)

@@ -3,6 +3,7 @@
 rows -> pieces -> outcomes of each, on arrays where the kind takes them, else design by design -> outcomes of all
 """
 
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
@@ -16,7 +17,7 @@ from slopekit.evidence import WithoutBasal
 from slopekit.kinds import kind_of
 from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany
 from slopekit.studies.evaluation.vectorised import Vectorised
-from slopekit.studies.outcomes import NO_BLOCK, ByMethod, Outcomes, agreement, merged, of_points
+from slopekit.studies.outcomes import NO_BLOCK, ByMethod, Outcomes, agreement, merged, of_limits, of_points
 from slopekit.studies.points import GIVEN_UP, Point, map_rows, point_with
 from slopekit.studies.running import Crew, Record, RowArrays
 
@@ -30,7 +31,7 @@ class Rows:
 
     Parameters
     ----------
-    design : that they are; settings : (n) values of each row, as `with_values` takes them
+    design : that they are; settings : (n) values of each row, as `with_values` takes them where it is read
     keeps_bolts : as `points.point_with` has it
     """
 
@@ -66,6 +67,45 @@ class Rows:
     def whole(self, row: int, point: Point) -> WithoutBasal | None:
         """Return what acceptance of such a row is held against too, by its point."""
         return point.also
+
+
+class BlockRows(Rows):
+    """Blocks that all form, on arrays that a study has itself.
+
+    Parameters
+    ----------
+    closed : (n) what the closed form says of them; source : what they depend on, as JSON values
+    """
+
+    def __init__(self, design: Design, closed: ByMethod, source: list[object]) -> None:
+        super().__init__(design, ())
+        self.closed, self.source = closed, source
+
+    def __len__(self) -> int:
+        return len(self.closed.outcome)
+
+    @property
+    def is_on_arrays(self) -> bool:
+        """All are taken at once."""
+        return True
+
+    def inputs(self) -> list[object]:
+        """As `Rows.inputs`."""
+        return self.source
+
+    def part(self, start: int, stop: int) -> tuple[Rows, int, int]:
+        """As `Rows.part`."""
+        return self, start, stop
+
+    def at_once(self, start: int, stop: int, pre_ie: bool) -> tuple[Ints, Outcomes | None]:
+        """As `Rows.at_once`."""
+        rows = np.arange(start, stop)
+        within = self.design.analysis.agree_within
+        return rows - start, of_limits(self.limits(rows), self.closed.of_rows(rows), within)
+
+    @abstractmethod
+    def limits(self, rows: Ints) -> LimitsOfMany:
+        """Return what PRE-IE says of some rows (m,)."""
 
 
 def evaluated(
