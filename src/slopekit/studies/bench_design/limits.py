@@ -39,7 +39,6 @@ class BenchRows(BlockRows):
         self.asked, self.blocks = asked, blocks
 
     def limits(self, rows: Ints) -> LimitsOfMany:
-        """As `BlockRows.limits`."""
         blocks, toward, upper = self.blocks[rows], self.asked.toward_deg, Plane(0.0, self.asked.toward_deg)
         status, (limit, forces) = np.empty(len(rows), dtype=object), np.empty((2, len(rows)))
         for mode, limits_of in ((WEDGE, self._wedges), (PLANE, self._planes)):

@@ -327,6 +327,5 @@ class PairRows(BlockRows):
         self.height_m = pairs.height_m[rows]
 
     def limits(self, rows: Ints) -> LimitsOfMany:
-        """As `BlockRows.limits`."""
         asked, wedges = self.asked, (self.first[rows], self.second[rows], self.height_m[rows])
         return limits_of_wedges(asked.slope, asked.joints, (asked.cohesion_kpa, asked.friction_deg), *wedges)

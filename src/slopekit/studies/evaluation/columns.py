@@ -55,17 +55,8 @@ class ColumnRows(Rows):
         if kind_of(design).on_arrays is not None and len(places) > _FEW and not is_laid_out and not is_searched:
             self._try_arrays(keys, pre_ie)
 
-    @property
-    def is_on_arrays(self) -> bool:
-        """Whether any rows are taken at once."""
-        return self.columns is not None
-
-    def part(self, start: int, stop: int) -> tuple[Rows, int, int]:
-        """As `Rows.part`."""
-        return self, start, stop
-
     def at_once(self, start: int, stop: int, pre_ie: bool) -> tuple[Ints, Outcomes | None]:
-        """As `Rows.at_once`; rows that form no block are designs of their own, which say why."""
+        # rows that form no block are designs of their own, which say why
         rows = np.flatnonzero(~self.single[start:stop])
         if self.columns is None or not len(rows):
             return rows[:0], None
@@ -74,7 +65,6 @@ class ColumnRows(Rows):
         return rows[formed], outcomes.of(formed)
 
     def point(self, row: int, pre_ie: bool) -> Point:
-        """As `Rows.point`."""
         return self.points[row] if row in self.points else super().point(row, pre_ie)
 
     def _try_arrays(self, keys: Sequence[Key], pre_ie: bool) -> None:
@@ -106,7 +96,7 @@ class ColumnRows(Rows):
             if not all(map(_alike, outcomes.points, (self.points[row] for row in compared))):
                 return
         single[probes] = True
-        self.columns, self.single = columns, single
+        self.columns, self.single, self.is_on_arrays = columns, single, True
 
     def _outcomes(self, columns: Vectorised, places: Floats, pre_ie: bool) -> Outcomes:
         forms = columns(places)

@@ -23,7 +23,6 @@ from slopekit.studies.running import Crew, Record, RowArrays
 
 #: Rows of a task that are taken at once, by both methods and by the closed form alone.
 PIECE, PIECE_OF_CLOSED_FORMS = 2**11, 2**16
-_NONE = np.arange(0)
 
 
 class Rows:
@@ -31,9 +30,15 @@ class Rows:
 
     Parameters
     ----------
-    design : that they are; settings : (n) values of each row, as `with_values` takes them where it is read
+    design : that they are; settings : (n) values of each row, as `with_values` takes them
     keeps_bolts : as `points.point_with` has it
+
+    Attributes
+    ----------
+    is_on_arrays : whether any rows are taken at once
     """
+
+    is_on_arrays = False
 
     def __init__(self, design: Design, settings: Sequence[Mapping[str, object]], keeps_bolts: bool = False) -> None:
         self.design, self.settings, self.keeps_bolts = design, settings, keeps_bolts
@@ -41,24 +46,21 @@ class Rows:
     def __len__(self) -> int:
         return len(self.settings)
 
-    @property
-    def is_on_arrays(self) -> bool:
-        """Whether any rows are taken at once."""
-        return False
-
     def inputs(self) -> list[object]:
         """Return everything that the outcomes depend on, as JSON values."""
         source = self.design.source
-        plain = None if source is None else source.root.plain()
-        return [plain, self.design.input_hash(), [list(settings.items()) for settings in self.settings]]
+        settings = [list(values.items()) for values in self.settings]
+        return [None if source is None else source.root.plain(), self.design.input_hash(), settings]
 
     def part(self, start: int, stop: int) -> tuple["Rows", int, int]:
         """Return some rows as a worker gets them: rows, and which of these, from the first to an end."""
+        if self.is_on_arrays:
+            return self, start, stop
         return Rows(self.design, self.settings[start:stop], self.keeps_bolts), 0, stop - start
 
     def at_once(self, start: int, stop: int, pre_ie: bool) -> tuple[Ints, Outcomes | None]:
         """Return which of some rows are taken at once, counted from the first of them, and what is said of those."""
-        return _NONE, None
+        return np.arange(0), None
 
     def point(self, row: int, pre_ie: bool) -> Point:
         """Return what both methods say of a row that is a design of its own, or the closed form alone."""
@@ -77,6 +79,8 @@ class BlockRows(Rows):
     closed : (n) what the closed form says of them; source : what they depend on, as JSON values
     """
 
+    is_on_arrays = True
+
     def __init__(self, design: Design, closed: ByMethod, source: list[object]) -> None:
         super().__init__(design, ())
         self.closed, self.source = closed, source
@@ -84,21 +88,10 @@ class BlockRows(Rows):
     def __len__(self) -> int:
         return len(self.closed.outcome)
 
-    @property
-    def is_on_arrays(self) -> bool:
-        """All are taken at once."""
-        return True
-
     def inputs(self) -> list[object]:
-        """As `Rows.inputs`."""
         return self.source
 
-    def part(self, start: int, stop: int) -> tuple[Rows, int, int]:
-        """As `Rows.part`."""
-        return self, start, stop
-
     def at_once(self, start: int, stop: int, pre_ie: bool) -> tuple[Ints, Outcomes | None]:
-        """As `Rows.at_once`."""
         rows = np.arange(start, stop)
         within = self.design.analysis.agree_within
         return rows - start, of_limits(self.limits(rows), self.closed.of_rows(rows), within)

@@ -50,42 +50,33 @@ class SampleRows(Rows):
         variables = self.design.variables
         self.before = as_laid_out(self.design)
         self.fast = vectorised(self.design, values, lambda row: settings_of(variables, values[row]))
-        self.on_arrays = self.fast is not None and self.fast.takes(pre_ie)
+        self.is_on_arrays = self.fast is not None and self.fast.takes(pre_ie)
 
     def __len__(self) -> int:
         return self.samples.count
 
-    @property
-    def is_on_arrays(self) -> bool:
-        """Whether all samples are taken at once."""
-        return self.on_arrays
-
     def inputs(self) -> list[object]:
-        """As `Rows.inputs`."""
         design, samples = self.design, self.samples
         plain = design.source.root.plain() if design.source is not None else None
         drawn = [repr(design.variables), repr(design.correlation), samples.count, samples.method, samples.seed]
         return [plain, design.input_hash(), *drawn]
 
     def part(self, start: int, stop: int) -> tuple[Rows, int, int]:
-        """As `Rows.part`: each worker draws its own samples."""
-        return self, start, stop
+        return self, start, stop  # each worker draws its own samples
 
     def at_once(self, start: int, stop: int, pre_ie: bool) -> tuple[Ints, Outcomes | None]:
-        """As `Rows.at_once`."""
-        if not self.on_arrays or self.fast is None:
+        if not self.is_on_arrays or self.fast is None:
             return np.arange(0), None
         values, nowhere = self.placed(start, stop)
         closed = self._closed_form(self.fast, values, nowhere)
         return np.arange(stop - start), outcomes_on_arrays(self.fast, values, closed, pre_ie)[0]
 
     def point(self, row: int, pre_ie: bool) -> Point:
-        """As `Rows.point`, with the bolts that hold the block; without notes, which are said of the means once."""
+        # with the bolts that hold the block; without notes, which are said of the means once
         point = point_of(self.design, self.settings_at(row), pre_ie, self._standing)
         return point if point.factors is None else replace(point, factors=replace(point.factors, notes=()))
 
     def whole(self, row: int, point: Point) -> WithoutBasal | None:
-        """As `Rows.whole`, also where no block forms."""
         if point.factors is not None or not point.code.startswith(("E2", "E44")) or point.code in UNJUDGED:
             return point.also
         try:
