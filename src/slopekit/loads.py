@@ -103,8 +103,7 @@ def line_of_action(push: PointForce) -> Floats:
     size = float(push.force @ push.force)
     if push.couple is None or not size > 0.0:
         return np.zeros(3)
-    arm: Floats = cross(push.force, push.couple) / size
-    return arm
+    return cross(push.force, push.couple) / size
 
 
 @dataclass(frozen=True)

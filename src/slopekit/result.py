@@ -221,8 +221,7 @@ class Result(Shown):
         if name == "residual":
             residual = self.comparisons.residual
             return None if residual is None else residual.limit
-        value: float | None = self.comparisons.methods.get(name) if name in METHODS else getattr(self.fos, name)
-        return value
+        return self.comparisons.methods.get(name) if name in METHODS else getattr(self.fos, name)
 
     @property
     def accepted(self) -> bool | None:

@@ -27,8 +27,7 @@ def catch_width(height_m: ArrayLike) -> Floats:
     >>> catch_width([5.0, 10.0, 15.0]).tolist()
     [5.5, 6.5, 7.5]
     """
-    width_m: Floats = RITCHIE[0] * np.asarray(height_m, dtype=np.float64) + RITCHIE[1]
-    return width_m
+    return RITCHIE[0] * np.asarray(height_m, dtype=np.float64) + RITCHIE[1]
 
 
 def inter_ramp_angle(height_m: ArrayLike, face_dip_deg: ArrayLike, berm_m: ArrayLike) -> Floats:
@@ -42,8 +41,7 @@ def inter_ramp_angle(height_m: ArrayLike, face_dip_deg: ArrayLike, berm_m: Array
     height = np.asarray(height_m, dtype=np.float64)
     face, berm = (np.asarray(value, dtype=np.float64) for value in (face_dip_deg, berm_m))
     run = height / np.tan(face * _RADIAN) + berm
-    angle_deg: Floats = np.arctan2(height, run) / _RADIAN
-    return angle_deg
+    return np.arctan2(height, run) / _RADIAN
 
 
 def effective_face_angle(height_m: ArrayLike, face_dip_deg: ArrayLike, setback_m: ArrayLike) -> Floats:
@@ -94,14 +92,12 @@ def prism_spill_width(
     2.0
     """
     flat, back = _cotangents(repose_deg, face_dip_deg)
-    width_m: Floats = np.sqrt(2.0 * _product(area_m2, swell) * np.maximum(0.0, flat - back))
-    return width_m
+    return np.sqrt(2.0 * _product(area_m2, swell) * np.maximum(0.0, flat - back))
 
 
 def _product(volume: ArrayLike, swell: ArrayLike) -> Floats:
     """Of broken rock."""
-    broken: Floats = np.asarray(volume, dtype=np.float64) * np.asarray(swell, dtype=np.float64)
-    return broken
+    return np.asarray(volume, dtype=np.float64) * np.asarray(swell, dtype=np.float64)
 
 
 def _cotangents(repose_deg: ArrayLike, face_dip_deg: ArrayLike) -> tuple[Floats, Floats]:

@@ -50,14 +50,12 @@ class WedgeSizes:
     @property
     def longest1_m(self) -> Floats:
         """The longest edge of the face of J1, (n,): how far the joint must run for the wedge to be free."""
-        longest_m: Floats = np.maximum(np.maximum(self.trace1_m, self.upper_trace1_m), self.line_m)
-        return longest_m
+        return np.maximum(np.maximum(self.trace1_m, self.upper_trace1_m), self.line_m)
 
     @property
     def longest2_m(self) -> Floats:
         """The longest edge of the face of J2, (n,)."""
-        longest_m: Floats = np.maximum(np.maximum(self.trace2_m, self.upper_trace2_m), self.line_m)
-        return longest_m
+        return np.maximum(np.maximum(self.trace2_m, self.upper_trace2_m), self.line_m)
 
     def scaled(self, by: ArrayLike) -> "WedgeSizes":
         """The same wedges with all lengths times a factor, one or (n,), the volumes by its cube."""

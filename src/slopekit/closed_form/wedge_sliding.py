@@ -83,8 +83,7 @@ class JointPair(NamedTuple):
             joint, off = np.where(alone[0, others], J1, J2), lost[others]
 
             def of_joint(values: Floats) -> Floats:
-                selected: Floats = np.broadcast_to(values, on.shape)[joint, others]
-                return selected
+                return np.broadcast_to(values, on.shape)[joint, others]
 
             carried = np.where(off, 0.0, -on[joint, others])
             force = [np.broadcast_to(part, along.shape)[others] for part in load]

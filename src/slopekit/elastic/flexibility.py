@@ -160,8 +160,7 @@ class Elements:
         for k, shape in enumerate(values):
             work = (fields * shape).sum(axis=3)  # (f, d, c)
             np.add.at(out, basis.element_dofs[k], work.transpose(2, 1, 0))
-        nodal_work: Floats = out.reshape(basis.N * dim, -1)
-        return nodal_work
+        return out.reshape(basis.N * dim, -1)
 
     def rigid(self, points: Floats, about: Floats, length: float) -> Floats:
         """Displacements (3q, u) of points (q, 3) by unit rigid motions of a body about a point (3,)."""
@@ -174,8 +173,7 @@ class Elements:
         whole = np.concatenate([np.tile(np.eye(3), (q, 1, 1)), turns], axis=2)
         if len(self.space) == 2:
             whole = whole[:, :, [0, 2, 4]]
-        out: Floats = whole.reshape(3 * q, -1)
-        return out
+        return whole.reshape(3 * q, -1)
 
     def condensed(self, kept: Ints, loads: Floats, seen: Any) -> tuple[Floats, Floats, Floats, Floats]:
         """What is left at the unknowns kept (k,) once all others are eliminated.

@@ -75,8 +75,7 @@ def cells_of(points: Floats, triangles: Ints) -> Ints:
     over = triangles[(triangles != apex).all(axis=1)]
     cells = np.concatenate([np.full((len(over), 1), apex), over], axis=1)
     size = float(np.ptp(points[np.unique(triangles)], axis=0).max())
-    kept: Ints = cells[np.abs(measures(points, cells)) > _FLAT * size**3]
-    return kept
+    return cells[np.abs(measures(points, cells)) > _FLAT * size**3]
 
 
 def measures(points: Floats, cells: Ints) -> Floats:

@@ -69,8 +69,7 @@ class Rest:
 
     def opened(self, model: ElasticModel) -> Bools:
         """Pairs (n,) whose bond is gone, and of those that never had one those that are open."""
-        is_open: Bools = np.where(model.unbonded, self.modes == ContactMode.DEBOND, self.parted)
-        return is_open
+        return np.where(model.unbonded, self.modes == ContactMode.DEBOND, self.parted)
 
     @property
     def failed_pairs(self) -> int:

@@ -94,8 +94,7 @@ def _pairs_on(faces: tuple[tuple[int, bytes], ...], refine: int) -> NodePairs:
 
 def _vector_area(vertices: Floats, triangles: Ints) -> Floats:
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
-    area: Floats = cross(b - a, c - a) / 2.0
-    return area
+    return cross(b - a, c - a) / 2.0
 
 
 def _lumped(vertices: Floats, triangles: Ints) -> tuple[Floats, Floats]:

@@ -132,8 +132,7 @@ class Pressure:
                 side = _beyond(points, normal, offset)
                 within = within & (side < 0.0 if is_open else side <= 0.0)
             head = np.where(within, np.maximum(head, height.at(points)), head)
-        wet: Floats = np.asarray(self.unit_weight)[..., None] * np.maximum(head - points[..., 2], 0.0)
-        return wet
+        return np.asarray(self.unit_weight)[..., None] * np.maximum(head - points[..., 2], 0.0)
 
     def on(self, polygons: Floats) -> tuple[Floats, Floats]:
         """The integrals (n,) of the pressure over flat convex polygons (n, k, 3), kN, and where they act, (n, 3).

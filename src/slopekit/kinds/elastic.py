@@ -449,5 +449,4 @@ def _displacements(scene: ElasticScene, model: ElasticModel, state: Rest) -> Flo
     motions = state.motion.reshape(len(means), -1)
     space = [0, 2] if motions.shape[1] == 3 else [0, 1, 2]  # of a section or not
     means[:, space] += motions[:, : len(space)]
-    turned: Floats = means @ scene.axes
-    return turned
+    return means @ scene.axes

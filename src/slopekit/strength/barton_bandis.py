@@ -93,15 +93,13 @@ class BartonBandis:
         >>> BartonBandis(16.9, 96e3, 29.0).resistance(np.array([1440.0])).round()
         array([2477.])
         """
-        strength: Floats = np.maximum(normal, 0.0) * np.tan(self._angle(normal)[0])
-        return strength
+        return np.maximum(normal, 0.0) * np.tan(self._angle(normal)[0])
 
     def slope(self, normal: Floats) -> Floats:
         """Tan φ - JRC / (ln 10 cos² φ), and tan φ alone where the angle is cut off, (n,)."""
         angle, curved = self._angle(normal)
         falls = math.radians(self.scaled[0]) / math.log(10.0)
-        slope: Floats = np.tan(angle) - np.where(curved, falls / np.cos(angle) ** 2, 0.0)
-        return slope
+        return np.tan(angle) - np.where(curved, falls / np.cos(angle) ** 2, 0.0)
 
     def _angle(self, normal: Floats) -> tuple[Floats, Floats]:
         roughness, wall = self.scaled

@@ -52,8 +52,7 @@ class Bilinear:
         """
         steep, flat = self._slopes
         at = np.maximum(normal, 0.0)
-        strength: Floats = steep * np.minimum(at, self.sigma_t_kpa) + flat * np.maximum(at - self.sigma_t_kpa, 0.0)
-        return strength
+        return steep * np.minimum(at, self.sigma_t_kpa) + flat * np.maximum(at - self.sigma_t_kpa, 0.0)
 
     def slope(self, normal: Floats) -> Floats:
         """Tan(φ + i) below σ_t, tan φ above, (n,)."""

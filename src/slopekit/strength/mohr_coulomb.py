@@ -59,5 +59,4 @@ def line(cohesion: "Floats | float", tan_friction: "Floats | float", normal: Flo
     >>> line(np.array([1.0]), np.array([0.5]), np.array([4.0]))
     array([3.])
     """
-    strength: Floats = cohesion + tan_friction * normal
-    return strength
+    return cohesion + tan_friction * normal

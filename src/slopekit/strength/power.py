@@ -45,13 +45,11 @@ class PowerCurve:
         >>> PowerCurve(2.0, 0.5, 3.0).resistance(np.array([0.0, 100.0]))
         array([ 3., 23.])
         """
-        strength: Floats = self.a * np.maximum(normal, 0.0) ** self.b + self.d_kpa
-        return strength
+        return self.a * np.maximum(normal, 0.0) ** self.b + self.d_kpa
 
     def slope(self, normal: Floats) -> Floats:
         """A b σ^(b - 1), (n,)."""
-        slope: Floats = self.a * self.b * normal ** (self.b - 1.0)
-        return slope
+        return self.a * self.b * normal ** (self.b - 1.0)
 
     def reduced(self, factor: float) -> "PowerCurve":
         """Both a and d over the factor."""

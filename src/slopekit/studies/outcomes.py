@@ -80,8 +80,7 @@ class ByMethod:
 
     def among(self, *beginnings: str) -> Bools:
         """Return which outcomes begin with one of these, (n,)."""
-        matches: Bools = np.array([name.startswith(beginnings) for name in self.names], dtype=bool)[self.outcome]
-        return matches
+        return np.array([name.startswith(beginnings) for name in self.names], dtype=bool)[self.outcome]
 
     def refused(self, words: Any) -> "ByMethod":
         """Return the same without blocks where another method forms none, by its outcomes in words (n,)."""

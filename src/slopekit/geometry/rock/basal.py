@@ -96,8 +96,7 @@ def trace_behind(rock: BasalRockMass) -> Floats:
 
 def _behind(joint: Floats, upper: Floats, face: Floats) -> Floats:
     trace = cross(joint, upper)
-    direction: Floats = trace / math.copysign(math.sqrt(float(trace @ trace)), -float(face @ trace))
-    return direction
+    return trace / math.copysign(math.sqrt(float(trace @ trace)), -float(face @ trace))
 
 
 def cut_basal_wedge(rock: BasalRockMass) -> Block:

@@ -61,8 +61,7 @@ def plane_weights(count: int) -> Hashes:
     z = (np.arange(1, count + 1, dtype=np.uint64)) * np.uint64(0x9E3779B97F4A7C15)
     z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    weights: Hashes = z ^ (z >> np.uint64(31))
-    return weights
+    return z ^ (z >> np.uint64(31))
 
 
 def cells_of(soup: Soup, normals: Floats, offsets: Floats, stacks: list[PlaneStack]) -> Cells:

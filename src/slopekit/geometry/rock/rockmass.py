@@ -47,8 +47,7 @@ class RockMass:
     def line_of_intersection(self) -> Floats:
         """Unit vector down the line of intersection, shape (3,)."""
         down = self.toe - self.back
-        unit: Floats = down / math.sqrt(float(down @ down))
-        return unit
+        return down / math.sqrt(float(down @ down))
 
 
 def wedge_rock_mass(

@@ -78,5 +78,4 @@ def _crossing(points: Floats) -> tuple[int, int] | None:
 def _side(a: Floats, b: Floats, point: Floats) -> Floats:
     """On which side of the line through a and b a point lies: 1 left, -1 right, 0 on it."""
     along, to = b - a, point - a
-    turn: Floats = np.sign(along[..., 0] * to[..., 1] - along[..., 1] * to[..., 0])
-    return turn
+    return np.sign(along[..., 0] * to[..., 1] - along[..., 1] * to[..., 0])

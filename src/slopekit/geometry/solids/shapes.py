@@ -177,10 +177,7 @@ def _crosses_itself(outline: Floats) -> bool:
     a, b = outline, np.roll(outline, -1, axis=0)
 
     def side(p: Floats, q: Floats, r: Floats) -> Floats:
-        turn: Floats = (q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1]) - (q[..., 1] - p[..., 1]) * (
-            r[..., 0] - p[..., 0]
-        )
-        return turn
+        return (q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1]) - (q[..., 1] - p[..., 1]) * (r[..., 0] - p[..., 0])
 
     first, last = a[:, None], b[:, None]
     apart = side(first, last, a[None]) * side(first, last, b[None]) < 0.0

@@ -118,8 +118,7 @@ def _polygons(assembly: Assembly, wanted: Ints) -> Floats:
         start, end = patches.corners[first], patches.corners[first + 1]
         return _wide(start, end, patches.areas[wanted] / np.sqrt(((end - start) ** 2).sum(axis=1)))
     corners = np.arange(int(counts.max(initial=3)))
-    at: Floats = patches.corners[first[:, None] + np.where(corners < counts[:, None], corners, 0)]
-    return at
+    return patches.corners[first[:, None] + np.where(corners < counts[:, None], corners, 0)]
 
 
 def _on_patches(water: Pressure, assembly: Assembly, wanted: Bools) -> tuple[Floats, Floats]:

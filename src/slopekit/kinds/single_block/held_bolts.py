@@ -142,8 +142,7 @@ def with_held(design: D, bounds: Bounds, before: Floats) -> D:
 def upward(dip_deg: Any, direction_deg: Any) -> Floats:
     """Upward unit normals (n, 3) of planes whose angles are numbers or arrays."""
     dip, direction = np.broadcast_arrays(np.radians(np.atleast_1d(dip_deg)), np.radians(np.atleast_1d(direction_deg)))
-    normals: Floats = np.stack([np.sin(dip) * np.sin(direction), np.sin(dip) * np.cos(direction), np.cos(dip)], axis=-1)
-    return normals
+    return np.stack([np.sin(dip) * np.sin(direction), np.sin(dip) * np.cos(direction), np.cos(dip)], axis=-1)
 
 
 def bounds_of(

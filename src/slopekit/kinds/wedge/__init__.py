@@ -187,8 +187,7 @@ def crack_reach(design: WedgeDesign) -> Floats | None:
     """
     if design.basal is not None:
         return None
-    reach_m: Floats = limits.fitted(design).sizes.upper_trace1_m
-    return reach_m
+    return limits.fitted(design).sizes.upper_trace1_m
 
 
 def _also_of_many(design: WedgeDesign, strengths: Arguments, before: Floats) -> ClosedForms:

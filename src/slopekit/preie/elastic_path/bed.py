@@ -346,8 +346,7 @@ class Bed:
     def _by_contact(self, of_groups: Floats) -> Floats:
         if self._one_each:
             return of_groups
-        sums: Floats = np.add.reduceat(of_groups, self._group_starts)
-        return sums
+        return np.add.reduceat(of_groups, self._group_starts)
 
     def tangent(self, there: BedForces, parameter: float, viscosity: float = 0.0, turning: bool = True) -> Floats:
         """Stiffness (k, u, u) of the contacts at some forces.

@@ -112,8 +112,7 @@ def _in_unit_strength(model: AssemblyModel) -> tuple[AssemblyModel, float]:
 def _rounded(values: Floats) -> Floats:
     """To 12 digits, in binary."""
     digits, exponent = np.frexp(values)
-    rounded: Floats = np.ldexp(np.round(digits * 2.0**_BITS) / 2.0**_BITS, exponent)
-    return rounded
+    return np.ldexp(np.round(digits * 2.0**_BITS) / 2.0**_BITS, exponent)
 
 
 def _limit_of(

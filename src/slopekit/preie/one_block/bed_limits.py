@@ -179,8 +179,7 @@ class _Limits:
         """Return the widest or the narrowest gap (m,) of each contact, with openings (n, u) of some of the blocks."""
         every = np.zeros_like(self.beds.load)
         every[blocks] = opening
-        at: Floats = extreme.reduceat(self.beds.motions(every, 1)[:, 0], self.beds.corner[:-1])
-        return at
+        return extreme.reduceat(self.beds.motions(every, 1)[:, 0], self.beds.corner[:-1])
 
     # -- stages 1 and 2 ------------------------------------------------------------------------------------------
 

@@ -128,8 +128,7 @@ def solved(matrices: Floats, vectors: Floats) -> Floats:
 
 def lengths(vectors: Floats) -> Floats:
     """Return the lengths (n,) of vectors (n, k)."""
-    size: Floats = np.sqrt(dots(vectors, vectors))
-    return size
+    return np.sqrt(dots(vectors, vectors))
 
 
 def dots(ones: Floats, others: Floats) -> Floats:

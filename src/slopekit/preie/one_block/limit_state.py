@@ -266,15 +266,13 @@ class _Modes:
 
     def at_hinges(self, elastic: Floats) -> Floats:
         """Forces (h, 3) at the hinges."""
-        forces: Floats = (self.hinge_springs @ elastic).reshape(-1, 3)
-        return forces
+        return (self.hinge_springs @ elastic).reshape(-1, 3)
 
     def unbalanced(self, forces: Floats, elastic: Floats, reduction: float) -> Floats:
         """The sum (u,) of all that acts."""
         out = forces.ravel() @ self.rows + (self.hinge_springs @ elastic) @ self.hinge_rows
         out = out + self.model.load + reduction * self.bolts
-        balance: Floats = out + (self.bolt_springs @ elastic) @ self.held_bolts
-        return balance
+        return out + (self.bolt_springs @ elastic) @ self.held_bolts
 
     def slopes(
         self, along: Floats, direction: Floats, size: Floats, strength: Floats, reduction: float

@@ -190,5 +190,4 @@ def opens(model: Model, velocity: Floats, tan_dilation: Floats) -> Bools:
 
 
 def unit(vector: Floats) -> Floats:
-    unit: Floats = vector / math.sqrt(float(vector @ vector))
-    return unit
+    return vector / math.sqrt(float(vector @ vector))

@@ -112,8 +112,7 @@ class Beds:
         rows = self.rows.reshape(len(self.whole), 3, 3, -1)
         springs = np.array([1.0, self.shear_ratio, self.shear_ratio])[:, None, None]
         each = (rows.transpose(0, 1, 3, 2) @ (self.whole[:, None] @ rows) * springs).sum(axis=1)
-        stiffness: Floats = np.add.reduceat(each, self.contact[:-1])
-        return stiffness
+        return np.add.reduceat(each, self.contact[:-1])
 
     @cached_property
     def bonded(self) -> Floats:
@@ -446,8 +445,7 @@ def _fan(corners: Floats) -> tuple[Floats, Floats]:
 
 def cross_2d(here: Floats, there: Floats) -> Floats:
     """Return the cross products of vectors (..., 2)."""
-    product: Floats = here[..., 0] * there[..., 1] - here[..., 1] * there[..., 0]
-    return product
+    return here[..., 0] * there[..., 1] - here[..., 1] * there[..., 0]
 
 
 @cache

@@ -98,8 +98,7 @@ def _that_might_slide(model: AssemblyModel) -> Bools:
     order = np.argsort(owner, kind="stable")
     normals = np.concatenate([model.plus_motion[:joints, 0, :3], model.minus_motion[:joints, 0, :3][both]])[order]
     none = np.zeros(len(order))
-    slides: Bools = np.isfinite(sliding_factors(owner[order], normals, model.load[:, :3], none, none + 1.0))
-    return slides
+    return np.isfinite(sliding_factors(owner[order], normals, model.load[:, :3], none, none + 1.0))
 
 
 def _run(program: Shortfall, start: float, known: bool = False) -> StaticBound | None:

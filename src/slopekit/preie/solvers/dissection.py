@@ -49,8 +49,7 @@ def along_joints(model: AssemblyModel) -> Floats:
         normals, apart = normals[~alike], apart[~alike]
     axes = axes or [*np.eye(len(dimensions))]
     signs = [sign for sign in itertools.product((0, 1, -1), repeat=len(axes)) if sign > tuple(-s for s in sign)]
-    coordinates: Floats = np.array(signs) @ np.array(axes) @ centres.T
-    return coordinates
+    return np.array(signs) @ np.array(axes) @ centres.T
 
 
 def dissection(edges: Ints, coordinates: Floats, leaf: int) -> tuple[Ints, Ints]:

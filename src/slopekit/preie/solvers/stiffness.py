@@ -116,8 +116,7 @@ class SparseStiffness:
             row, column = np.broadcast_arrays(place[:, :, None], place[:, None, :])
             self._dense_index = np.where((row < size) & (column < size), row * size + column, size * size).ravel()
         summed = np.bincount(self._dense_index, values.ravel(), size * size + 1)
-        matrix: Floats = summed[:-1].astype(np.float64).reshape(size, size)
-        return matrix
+        return summed[:-1].astype(np.float64).reshape(size, size)
 
     def _planned(self, way: "Dense | Band | Fronts") -> "_Plan":
         return _Plan(self.model, way, self.contacts)

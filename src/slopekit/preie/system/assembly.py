@@ -131,8 +131,7 @@ class AssemblyModel(BlockContacts):
         """Sums over the node pairs of each friction force: (m,) to (g,)."""
         if len(self.group_first) == len(self.control_area):
             return of_pairs.copy()
-        sums: Floats = np.add.reduceat(of_pairs, self.group_first)
-        return sums
+        return np.add.reduceat(of_pairs, self.group_first)
 
     def touching(self, blocks: Bools) -> Bools:
         """Some blocks (n,) with those that they touch."""
@@ -140,8 +139,7 @@ class AssemblyModel(BlockContacts):
         near = inside.copy()
         near[self.plus[inside[self.minus]]] = True
         near[self.minus[inside[self.plus]]] = True
-        touched: Bools = near[:-1]
-        return touched
+        return near[:-1]
 
     def among(self, blocks: Ints) -> tuple["AssemblyModel", Ints, Ints, Ints]:
         """The model of some blocks (b,), ascending, with all others held.

@@ -27,8 +27,7 @@ class JointStrengths:
 
     def summed(self, of_pairs: Floats) -> Floats:
         """Sums over the node pairs of each friction force: (m,) to (g,)."""
-        sums: Floats = np.bincount(self._group, of_pairs, len(self._first)).astype(np.float64, copy=False)
-        return sums
+        return np.bincount(self._group, of_pairs, len(self._first)).astype(np.float64, copy=False)
 
     def at(self, normal: Floats, cohesion: Floats) -> Floats:
         """(g,) at normal forces (m,), with the cohesion (g,) that is left."""
@@ -40,13 +39,11 @@ class JointStrengths:
 
     def followed(self, slopes: Floats, pressed: Floats) -> Floats:
         """What changes of the normal forces (m,) are worth, (g,)."""
-        followed: Floats = slopes * self.summed(pressed)
-        return followed
+        return slopes * self.summed(pressed)
 
     def rows(self, slopes: Floats, pressing: Floats) -> Floats:
         """What motions of the contact are worth that press node pairs by rows (m, u): (g, u)."""
-        rows: Floats = slopes[:, None] * np.add.reduceat(pressing, self._first)
-        return rows
+        return slopes[:, None] * np.add.reduceat(pressing, self._first)
 
 
 class CurvedStrengths(JointStrengths):
@@ -93,8 +90,7 @@ class CurvedStrengths(JointStrengths):
 
     def rows(self, slopes: Floats, pressing: Floats) -> Floats:
         """What motions of the contact are worth that press node pairs by rows (m, u): (g, u)."""
-        rows: Floats = np.add.reduceat(slopes[:, None] * pressing, self._first)
-        return rows
+        return np.add.reduceat(slopes[:, None] * pressing, self._first)
 
 
 def strengths_of(model: AssemblyModel, group_of_pair: Ints) -> JointStrengths:

@@ -201,5 +201,4 @@ def local_axes(normals: Floats) -> Floats:
     other[steep, 1], other[~steep, 0] = 1.0, 1.0
     first = cross(normals, other)
     first /= np.sqrt((first * first).sum(axis=1))[:, None]
-    axes: Floats = np.stack([normals, first, cross(normals, first)], axis=1)
-    return axes
+    return np.stack([normals, first, cross(normals, first)], axis=1)

@@ -79,8 +79,7 @@ class ContactPattern:
         """Sums over the friction forces of each contact."""
         if self.one_each:
             return of_groups
-        sums: Floats = np.add.reduceat(of_groups, self.pairs_first)
-        return sums
+        return np.add.reduceat(of_groups, self.pairs_first)
 
     @staticmethod
     def _add(out: Floats, part: Ints, upper: tuple[Ints, Ints], entries: Floats) -> None:

@@ -215,8 +215,7 @@ def _mixed(steps: Sequence[tuple[Floats, Floats]]) -> Floats:
     parts = np.linalg.lstsq(turns, off, rcond=1e-10)[0]
     step = _MIX * off - (moves + _MIX * turns) @ parts
     longest = float(np.abs(step).max())
-    mixed: Floats = at + step * min(1.0, _LONGEST / max(longest, TINY))
-    return mixed
+    return at + step * min(1.0, _LONGEST / max(longest, TINY))
 
 
 # -- one block ----------------------------------------------------------------------------------------

@@ -173,8 +173,7 @@ def outcome_of(inputs: BenchInputs, trials: Trials, bench: Bench) -> OfBench:
 
 def steps_of(bench: Bench, every_m: float) -> Floats:
     """How much of the bench each place stands for, (n,): `every_m`, or what has failed there where that is wider."""
-    steps_m: Floats = np.maximum(every_m, bench.width_m)
-    return steps_m
+    return np.maximum(every_m, bench.width_m)
 
 
 def along(bench: Bench, steps: Floats) -> tuple[Floats, float]:

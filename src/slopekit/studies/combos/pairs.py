@@ -253,8 +253,7 @@ class JointPairs(Fitted):
     @property
     def is_removable(self) -> Bools:
         """Which pairs form a wedge that could leave the slope, and is large enough to count."""
-        removable: Bools = self.outcome < _STATUSES
-        return removable
+        return self.outcome < _STATUSES
 
     def fails(self, target: float) -> Bools:
         """Which of all pairs lie below a factor of safety by the closed form; what nothing holds is among them."""
@@ -274,8 +273,7 @@ def pairs_of(
         _part(joints, slope, limits, cohesion, friction, first[at : at + _AT_ONCE], second[at : at + _AT_ONCE])
         for at in range(0, len(first), _AT_ONCE)
     ]
-    pairs: JointPairs = parts[0] if len(parts) == 1 else _joined(parts)
-    return pairs
+    return parts[0] if len(parts) == 1 else _joined(parts)
 
 
 def _joined(parts: Sequence[Any]) -> Any:

@@ -270,8 +270,7 @@ def _trend_plunge(down: Floats) -> tuple[Floats, Floats]:
 
 def beside_deg(directions_deg: Floats, toward_deg: float) -> Floats:
     """Degrees between dip directions and another direction, 0 to 180."""
-    angles_deg: Floats = np.abs((directions_deg - toward_deg + 180.0) % 360.0 - 180.0)
-    return angles_deg
+    return np.abs((directions_deg - toward_deg + 180.0) % 360.0 - 180.0)
 
 
 @dataclass(frozen=True)

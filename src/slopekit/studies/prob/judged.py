@@ -76,8 +76,7 @@ def with_whole(judged: Judged, whole: ByMethod | None, target: float) -> Judged:
 def _levels(method: ByMethod) -> Floats:
     """Factors to compare: infinite where nothing drives or no block forms, 0 where nothing holds."""
     stands = np.array([not name or name.startswith((*NO_BLOCK, STANDS)) for name in method.names])[method.outcome]
-    levels: Floats = np.where(stands, np.inf, np.nan_to_num(method.factor, nan=0.0))
-    return levels
+    return np.where(stands, np.inf, np.nan_to_num(method.factor, nan=0.0))
 
 
 def sensitivities(samples: Samples, factor: Floats) -> tuple[tuple[str, float], ...]:

@@ -116,8 +116,7 @@ def _divided(poles: Floats, weights: Floats, sets: int, rng: np.random.Generator
 
 def _squares(poles: Floats, means: Floats) -> Floats:
     """Squared sines (n, m) between poles and means."""
-    squares: Floats = np.maximum(1.0 - (poles @ means.T) ** 2, _SMALLEST)
-    return squares
+    return np.maximum(1.0 - (poles @ means.T) ** 2, _SMALLEST)
 
 
 def _shares(poles: Floats, means: Floats) -> Floats:

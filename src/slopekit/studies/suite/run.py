@@ -294,5 +294,4 @@ def _value(result: Result, reference: Reference) -> float | str | None:
             return float(step.failed_pairs)
         axis = 0 if quantity == "displacement_x_mm" else 2
         return None if step.movement is None else 1e3 * float(step.movement.displacement[axis])
-    figure: float | None = getattr(result.fos, quantity, None)
-    return figure
+    return getattr(result.fos, quantity, None)

@@ -137,8 +137,7 @@ class Site:
     def inward(self) -> Floats:
         """Unit normal (3,) of the face into the rock, local axes."""
         normal = np.cross(self.face[2] - self.face[0], self.face[1] - self.face[0])
-        unit: Floats = normal / math.sqrt(float(normal @ normal))
-        return unit
+        return normal / math.sqrt(float(normal @ normal))
 
     def local(self, vectors: Floats) -> Floats:
         """Vectors (..., 3) in east, north, up as the block takes them: in a section without their part along it."""
@@ -149,8 +148,7 @@ class Site:
 
     def world(self, vectors: Floats) -> Floats:
         """Vectors (..., 3) in local axes as east, north, up."""
-        turned: Floats = vectors @ self.axes
-        return turned
+        return vectors @ self.axes
 
     def with_bolts(self, *bolts: Bolt) -> Design:
         """The design with more bolts."""

@@ -72,8 +72,7 @@ def _also_of(name: str) -> Callable[[Mapping[str, Any]], float | None]:
 
     def factor(row: Mapping[str, Any]) -> float | None:
         also = row.get(name) or {}
-        value: float | None = also.get("closed_form", also.get("limit"))
-        return value
+        return also.get("closed_form", also.get("limit"))
 
     return factor
 

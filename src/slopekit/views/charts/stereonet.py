@@ -43,8 +43,7 @@ def project(vectors: Floats) -> Floats:
     With d the downward component the points lie at (east, north) / √(1 + d): equal area (Snyder 1987, §24).
     """
     down = lower(vectors)
-    projected: Floats = down[:, :2] / np.sqrt(1.0 - down[:, 2])[:, None]
-    return projected
+    return down[:, :2] / np.sqrt(1.0 - down[:, 2])[:, None]
 
 
 def unproject(points: Floats) -> Floats:

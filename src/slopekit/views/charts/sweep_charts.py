@@ -242,8 +242,7 @@ def _name(document: Document, key: Document) -> str:
 
 def _shown(bar: Document) -> Sequence[str]:
     """The ends with their unit."""
-    said: Sequence[str] = bar.get("shown") or [_with_unit(bar[end], bar["unit"], 5) for end in ("low", "high")]
-    return said
+    return bar.get("shown") or [_with_unit(bar[end], bar["unit"], 5) for end in ("low", "high")]
 
 
 def _with_unit(value: float, unit: str, digits: int) -> str:

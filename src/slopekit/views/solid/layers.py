@@ -148,14 +148,13 @@ def free_triangles(shapes: Shapes) -> Bools:
     solids, contacts = shapes.solids, shapes.contacts
     if solids.faces:
         joints = [k for k, name in enumerate(solids.faces) if name in shapes.joints]
-        free: Bools = ~np.isin(solids.face, joints)
-        return free
+        return ~np.isin(solids.face, joints)
     middle = solids.vertices.mean(axis=0)
     size = float(np.ptp(solids.vertices, axis=0).max())
     corners = solids.vertices[solids.triangles] - middle
     normals = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.sqrt((normals * normals).sum(axis=1))
-    free = lengths > 1e-12 * size * size
+    free: Bools = lengths > 1e-12 * size * size
     normals = normals / np.where(free, lengths, 1.0)[:, None]
     for k in range(len(contacts)):
         polygon = contacts.corners[contacts.first[k] : contacts.first[k + 1]] - middle
@@ -170,8 +169,7 @@ def free_normal(shapes: Shapes) -> Floats:
     corners = shapes.solids.vertices[shapes.solids.triangles[free_triangles(shapes)]]
     total = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]).sum(axis=0)
     size = math.sqrt(float(total @ total))
-    unit: Floats = total / size if size > 0.0 else np.array([0.0, 0.0, 1.0])
-    return unit
+    return total / size if size > 0.0 else np.array([0.0, 0.0, 1.0])
 
 
 def _vector_area(polygon: Floats) -> Floats:

@@ -167,8 +167,7 @@ class Stage(ExportSource):
 
     def _of_mechanisms(self, wanted: Callable[[Mapping[str, Any]], bool]) -> Bools:
         numbers = [k for k, one in enumerate(self.mechanisms, 1) if wanted(one)]
-        in_mechanism: Bools = np.isin(self.scene.order, numbers)
-        return in_mechanism
+        return np.isin(self.scene.order, numbers)
 
     def ways(self, step: int) -> dict[str, str]:
         """How the blocks of a mechanism move, by name."""

@@ -208,8 +208,7 @@ def _at(points: Floats, centroids: Floats, velocity: Floats, block: Ints) -> Flo
     """What points (n, 3) of blocks (n,) move by: u + ω × (x - c), small rotations."""
     if not len(points):
         return np.zeros((0, 3))
-    moved: Floats = velocity[block, :3] + np.cross(velocity[block, 3:], points - centroids[block])
-    return moved
+    return velocity[block, :3] + np.cross(velocity[block, 3:], points - centroids[block])
 
 
 def _edges(vertices: Floats, triangles: Ints, face: Ints) -> Ints:
