@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from slopekit.studies.check import check
     from slopekit.studies.combos import Combos as Combos
     from slopekit.studies.combos import combos
+    from slopekit.studies.evaluation import evaluate
     from slopekit.studies.kinematic import Kinematic as Kinematic
     from slopekit.studies.kinematic import kinematic
     from slopekit.studies.prob import Probability as Probability
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "DesignError", "Fault", "GeometryError", "SlopekitError", "SolverError", "__version__", "analyse",
-    "bench_design", "check", "combos", "export", "kinematic", "load", "plot", "prob", "quake", "report",
+    "bench_design", "check", "combos", "evaluate", "export", "kinematic", "load", "plot", "prob", "quake", "report",
     "run", "sets", "solve", "support", "sweep", "tornado", "wedge",
 ]  # fmt: skip
 
@@ -54,7 +55,7 @@ _LATER = {
     **dict.fromkeys(("DesignError", "Fault", "GeometryError", "SlopekitError", "SolverError"), "core.errors"),
     "BenchDesigns": "studies.bench_design", "Cases": "studies.cases",
     "Check": "studies.check", "Combos": "studies.combos",
-    "export": "exchange.export", "JointSets": "studies.sets",
+    "evaluate": "studies.evaluation", "export": "exchange.export", "JointSets": "studies.sets",
     "Kinematic": "studies.kinematic", "Probability": "studies.prob",
     "Quake": "studies.quake", "Result": "result", "Solution": "studies.solve",
     "Support": "studies.support", "Sweep": "studies.sweep", "Tornado": "studies.tornado",

@@ -5,14 +5,17 @@ refuses, or with nearly parallel joints. Where a run says of the inputs of one o
 arrays find another answer there, no row is taken on arrays.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+import hashlib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.errors import DesignError, Notice
 from slopekit.design.common import Design
+from slopekit.design.fields import field_in
 from slopekit.design.ground_water import SlopeDesign
 from slopekit.design.parts import Strength
 from slopekit.design.reading.files import with_values
@@ -21,7 +24,7 @@ from slopekit.kinds import kind_of
 from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany, shaken_toward
 from slopekit.kinds.single_block.held_bolts import nearly_parallel
 from slopekit.kinds.single_block.one_block_notices import lost_contact, shaking, without_strength
-from slopekit.studies.evaluation.rows import Rows, outcomes_on_arrays
+from slopekit.studies.evaluation.rows import Rows, file_of, outcomes_on_arrays
 from slopekit.studies.evaluation.vectorised import Vectorised, vectorised
 from slopekit.studies.keys import Key, values_of
 from slopekit.studies.outcomes import NO_BLOCK, ByMethod, Outcomes
@@ -42,18 +45,27 @@ class ColumnRows(Rows):
     keys : (k); places : (n, k) their values
     """
 
-    def __init__(self, design: Design, keys: Sequence[Key], places: Sequence[Sequence[float]], pre_ie: bool) -> None:
-        settings = [values_of(design, keys, place) for place in places]
-        super().__init__(design, settings, not any(key.path.startswith("support.") for key in keys))
-        self.places = np.array(places, dtype=np.float64)
+    def __init__(self, design: Design, keys: Sequence[Key], places: Any, pre_ie: bool) -> None:
+        super().__init__(design, (), not any(key.path.startswith("support.") for key in keys))
+        self.keys, self.places = keys, np.array(places, dtype=np.float64)
         self.points = dict[int, Point]()  # of rows that are designs of their own, so far
         self.columns: Vectorised | None = None
         self.notices: tuple[Notice, ...] = ()  # that a run gives of the inputs
-        self.single = np.ones(len(places), dtype=bool)  # rows that are designs of their own
+        self.single = np.ones(len(self.places), dtype=bool)  # rows that are designs of their own
         is_laid_out = any(bolt.head_m is not None for bolt in design.bolts)
         is_searched = bool(getattr(design, "crack_searched", ""))
-        if kind_of(design).on_arrays is not None and len(places) > _FEW and not is_laid_out and not is_searched:
-            self._try_arrays(keys, pre_ie)
+        if kind_of(design).on_arrays is not None and len(self.places) > _FEW and not is_laid_out and not is_searched:
+            self._try_arrays(pre_ie)
+
+    def __len__(self) -> int:
+        return len(self.places)
+
+    def inputs(self) -> list[object]:
+        places = hashlib.sha256(self.places.tobytes()).hexdigest()
+        return [*file_of(self.design), [key.path for key in self.keys], places]
+
+    def settings_at(self, row: int) -> Mapping[str, object]:
+        return values_of(self.design, self.keys, self.places[row].tolist())
 
     def at_once(self, start: int, stop: int, pre_ie: bool) -> tuple[Ints, Outcomes | None]:
         # rows that form no block are designs of their own, which say why
@@ -67,17 +79,17 @@ class ColumnRows(Rows):
     def point(self, row: int, pre_ie: bool) -> Point:
         return self.points[row] if row in self.points else super().point(row, pre_ie)
 
-    def _try_arrays(self, keys: Sequence[Key], pre_ie: bool) -> None:
+    def _try_arrays(self, pre_ie: bool) -> None:
         """Take rows on arrays where these say of a few what runs say of them."""
-        places, design = self.places, self.design
+        places, keys, design = self.places, self.keys, self.design
         few = np.linspace(0, len(places) - 1, _FEW).astype(np.int64)
         probes = sorted({int(row) for row in (*few, *places.argmin(axis=0), *places.argmax(axis=0))})
         self.points.update((row, self.point(row, pre_ie)) for row in probes)
         try:  # with whatever has to be written first
-            fullest = with_values(design, self.settings[int(places[:, 0].argmax())])
+            fullest = with_values(design, self.settings_at(int(places[:, 0].argmax())))
         except DesignError:
             return
-        columns = vectorised(fullest, places, self.settings.__getitem__, [key.path for key in keys])
+        columns = vectorised(fullest, places, self.settings_at, [key.path for key in keys])
         of_inputs = {
             tuple(note for note in _renamed(point.notes, point.also, _WHOLE) if note.code not in _OF_ANSWERS)
             for point in self.points.values()
@@ -89,7 +101,8 @@ class ColumnRows(Rows):
         with np.errstate(divide="ignore", invalid="ignore"):  # at places whose planes cut no block
             single = nearly_parallel(columns.on_arrays.bounds(columns.at(places)[0]), len(places))
         for key, values in zip(keys, places.T, strict=True):
-            single |= np.isin(values, [value for value in np.unique(values).tolist() if _refused(design, key, value)])
+            refused = [value for value in np.unique(values).tolist() if _is_refused(design, key, value)]
+            single |= np.isin(values, refused)
         compared = [row for row in self.points if not single[row]]
         if compared:
             outcomes = self._outcomes(columns, places[compared], pre_ie)
@@ -145,13 +158,13 @@ class ColumnRows(Rows):
             )
 
 
-def _refused(design: Design, key: Key, value: float) -> bool:
+def _is_refused(design: Design, key: Key, value: float) -> bool:
     """Whether the reader of files refuses a value: a friction angle that looks like radians."""
+    field = None if design.source is None else field_in(type(design), design.source.root, key.path)
     try:
-        with_values(design, values_of(design, [key], [value]))
+        return field is not None and field.checked(value, key.path, "", key.written(value)) is None
     except DesignError:
         return True
-    return False
 
 
 def _renamed(

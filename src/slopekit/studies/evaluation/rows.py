@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from slopekit.core.arrays import Ints
+from slopekit.core.errors import DesignError, Fault
 from slopekit.core.options import Workplace
 from slopekit.design.common import Design
 from slopekit.evidence import WithoutBasal
@@ -48,15 +49,17 @@ class Rows:
 
     def inputs(self) -> list[object]:
         """Return everything that the outcomes depend on, as JSON values."""
-        source = self.design.source
-        settings = [list(values.items()) for values in self.settings]
-        return [None if source is None else source.root.plain(), self.design.input_hash(), settings]
+        return [*file_of(self.design), [list(values.items()) for values in self.settings]]
+
+    def settings_at(self, row: int) -> Mapping[str, object]:
+        """Return the values of a row, as `with_values` takes them."""
+        return self.settings[row]
 
     def part(self, start: int, stop: int) -> tuple["Rows", int, int]:
         """Return some rows as a worker gets them: rows, and which of these, from the first to an end."""
         if self.is_on_arrays:
             return self, start, stop
-        return Rows(self.design, self.settings[start:stop], self.keeps_bolts), 0, stop - start
+        return Rows(self.design, [*map(self.settings_at, range(start, stop))], self.keeps_bolts), 0, stop - start
 
     def at_once(self, start: int, stop: int, pre_ie: bool) -> tuple[Ints, Outcomes | None]:
         """Return which of some rows are taken at once, counted from the first of them, and what is said of those."""
@@ -64,7 +67,7 @@ class Rows:
 
     def point(self, row: int, pre_ie: bool) -> Point:
         """Return what both methods say of a row that is a design of its own, or the closed form alone."""
-        return point_with(self.design, pre_ie, self.keeps_bolts, self.settings[row])
+        return point_with(self.design, pre_ie, self.keeps_bolts, self.settings_at(row))
 
     def whole(self, row: int, point: Point) -> WithoutBasal | None:
         """Return what acceptance of such a row is held against too, by its point."""
@@ -99,6 +102,19 @@ class BlockRows(Rows):
     @abstractmethod
     def limits(self, rows: Ints) -> LimitsOfMany:
         """Return what PRE-IE says of some rows (m,)."""
+
+
+def methods_of(design: Design, closed_form: bool) -> str:
+    """What the document says of the methods: both, or closed-form; E313 where the kind has none to be asked alone."""
+    if closed_form and kind_of(design).closed_form is None:
+        message = f"a {design.kind} has no closed form that could be asked alone"
+        raise DesignError([Fault("E313", message, "", "Leave --closed-form out: PRE-IE answers.")])
+    return "closed-form" if closed_form else "both"
+
+
+def file_of(design: Design) -> list[object]:
+    """Return what stands in the file of a design, and its hash."""
+    return [None if design.source is None else design.source.root.plain(), design.input_hash()]
 
 
 def evaluated(

@@ -14,7 +14,7 @@ from slopekit.design.reading.files import with_values
 from slopekit.evidence import WithoutBasal
 from slopekit.kinds import kind_of
 from slopekit.studies.evaluation.bolts import as_laid_out, holding, standing
-from slopekit.studies.evaluation.rows import Rows, outcomes_on_arrays
+from slopekit.studies.evaluation.rows import Rows, file_of, outcomes_on_arrays
 from slopekit.studies.evaluation.vectorised import Vectorised, vectorised
 from slopekit.studies.outcomes import UNJUDGED, ByMethod, Outcomes
 from slopekit.studies.points import Point, point_of
@@ -57,9 +57,8 @@ class SampleRows(Rows):
 
     def inputs(self) -> list[object]:
         design, samples = self.design, self.samples
-        plain = design.source.root.plain() if design.source is not None else None
         drawn = [repr(design.variables), repr(design.correlation), samples.count, samples.method, samples.seed]
-        return [plain, design.input_hash(), *drawn]
+        return [*file_of(design), *drawn]
 
     def part(self, start: int, stop: int) -> tuple[Rows, int, int]:
         return self, start, stop  # each worker draws its own samples
@@ -89,7 +88,6 @@ class SampleRows(Rows):
         return standing(sample, self.before)
 
     def settings_at(self, row: int) -> dict[str, float | str]:
-        """The values of a sample, as `with_values` takes them."""
         return settings_of(self.design.variables, self.values(row, row + 1)[0])
 
     def values(self, start: int, stop: int) -> Floats:

@@ -21,9 +21,9 @@ from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, is_number
 from slopekit.design.common import Design
 from slopekit.design.parts import ON_FACTOR
-from slopekit.kinds import kind_of, notices_of_inputs, peak_only
+from slopekit.kinds import notices_of_inputs, peak_only
 from slopekit.studies.evaluation.columns import ColumnRows
-from slopekit.studies.evaluation.rows import evaluated
+from slopekit.studies.evaluation.rows import evaluated, methods_of
 from slopekit.studies.keys import Key, key_of
 from slopekit.studies.points import (
     Line,
@@ -324,14 +324,6 @@ def one_or_two(keys: Mapping[str, object]) -> None:
     if len(keys) > 2:
         message = f"{len(keys)} keys are given, a sweep takes one or two"
         raise DesignError([Fault("E313", message, ", ".join(keys), "For many keys one at a time: --tornado")])
-
-
-def methods_of(design: Design, closed_form: bool) -> str:
-    """What the document says of the methods: both, or closed-form; E313 where the kind has none to be asked alone."""
-    if closed_form and kind_of(design).closed_form is None:
-        message = f"a {design.kind} has no closed form that could be asked alone"
-        raise DesignError([Fault("E313", message, "", "Leave --closed-form out: PRE-IE answers.")])
-    return "closed-form" if closed_form else "both"
 
 
 def levels_of(design: Design, fos: float | None) -> tuple[tuple[float, str], ...]:

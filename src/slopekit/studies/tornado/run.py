@@ -20,7 +20,7 @@ from slopekit.core.errors import Faults, Notice
 from slopekit.design.common import Design
 from slopekit.design.scatter.distributions import Distribution
 from slopekit.kinds import notices_of_inputs, peak_only
-from slopekit.studies.evaluation.rows import Rows, evaluated
+from slopekit.studies.evaluation.rows import Rows, evaluated, methods_of
 from slopekit.studies.keys import Key, key_of, keys_of, values_of
 from slopekit.studies.points import (
     Method,
@@ -35,7 +35,7 @@ from slopekit.studies.points import (
 from slopekit.studies.protocol import DESK, ADesign, ClosedFormAlone, Jobs, Scheduler, StudyOutcome, Workplace, study
 from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.running import checked_crew
-from slopekit.studies.sweep.run import KEYS, methods_of
+from slopekit.studies.sweep.run import KEYS
 
 ANGLE, PART, FILL, TAIL = 2.0, 0.10, 0.1, 0.05
 RULE = (

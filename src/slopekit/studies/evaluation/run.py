@@ -1,0 +1,101 @@
+"""Both methods for many designs at once: a design with other numbers in each row.
+
+>>> import slopekit as sk
+>>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
+>>> found = evaluate(wedge, {"water.fill": [0, 0.5, 1], "slope.face.dip": [60, 65, 70]})
+>>> found.limit.words[0], found.limit.factor.round(4).tolist(), found.closed_form.factor.round(4).tolist()
+('slides_on_both', [1.5574, 1.2818, 0.9857], [1.5574, 1.2887, 1.014])
+"""
+
+from collections.abc import Iterable
+from typing import Annotated, Any
+
+import numpy as np
+
+from slopekit.core.errors import DesignError, Fault, Faults
+from slopekit.core.options import DESIGN
+from slopekit.core.taken import wrong_kind
+from slopekit.design.reading.files import design_from
+from slopekit.studies.evaluation.columns import ColumnRows
+from slopekit.studies.evaluation.rows import evaluated, methods_of
+from slopekit.studies.keys import Key, key_of
+from slopekit.studies.outcomes import Outcomes
+from slopekit.studies.protocol import DESK, ClosedFormAlone, Jobs, Scheduler, Workplace
+from slopekit.studies.running import checked_crew
+
+
+def evaluate(
+    design: Annotated[Any, DESIGN],
+    columns: Any,
+    *,
+    closed_form: ClosedFormAlone = False,
+    jobs: Jobs = 1,
+    scheduler: Scheduler = None,
+    desk: Workplace = DESK,
+) -> Outcomes:
+    """Both methods for n designs: one with other numbers in each row.
+
+    Parameters
+    ----------
+    design : a path, the same as a dict, or what `load` has read
+    columns : values by the path of a number, {"joints.J1.plane.dip": [44, 45], "water.fill": 0.5}, n of each or one for
+        all rows, in the unit of bare numbers or as texts with theirs; or a data frame with such columns
+    closed_form : the closed form alone, quick
+
+    Returns
+    -------
+    Outcomes
+        `limit` and `closed_form`, each with `words` (the status of every row, or the code of why it forms no block) and
+        `factor` (n,), not a number where there is none; `difference`, `agree` (1, 0, -1 not compared),
+        `moments_govern` (n,); `points`, the same row by row with notices and reasons.
+
+    Raises
+    ------
+    DesignError
+        E280 a design without a file, E310 and E311 for a path, E312 for the values, E313 for a design with load cases
+        (`load(path, case=...)` takes one) or a closed form that there is none of, and those of `run_all`.
+
+    Notes
+    -----
+    Rows of a wedge or a plane are taken all at once on arrays, where a few of them, analysed as designs of their own,
+    say the same; other rows are read and analysed one after the other. No row is left out.
+
+    Examples
+    --------
+    >>> import slopekit as sk
+    >>> found = sk.evaluate("templates/wedge.yaml", {"slope.height": ["20 m", "30 m"]}, closed_form=True)
+    >>> found.limit.factor.round(3).tolist()
+    [3.364, 2.478]
+    """
+    crew, read = checked_crew(jobs, scheduler), design_from(design, "evaluate", "design")
+    if read.cases:
+        message = f"the design has load cases ({', '.join(case.name for case in read.cases)}): rows are of one of them"
+        raise DesignError([Fault("E313", message, "design", "Load it with one: load(path, case=NAME).")])
+    methods_of(read, closed_form)
+    keys, values, faults = list[Key](), list[Any](), Faults()
+    paths = getattr(columns, "columns", columns)
+    if isinstance(columns, str) or not isinstance(paths, Iterable):
+        raise wrong_kind("evaluate", "columns", "values by the path of a number", columns)
+    for path in paths:
+        with faults.kept():
+            key = key_of(read, str(path))
+            keys.append(key)
+            values.append(_numbers(key, columns[path]))
+    faults.refuse()
+    counts = {len(of) for of in values if of.ndim}
+    if len(counts) > 1 or not keys or len({key.path for key in keys}) < len(keys):
+        lengths = ", ".join(f"{key.path} {of.size}" for key, of in zip(keys, values, strict=True))
+        message = f"columns are of other lengths, or given twice: {lengths}" if keys else "no column is given"
+        raise DesignError([Fault("E312", message, "columns", "Give each number once, n values or one for all rows.")])
+    count = counts.pop() if counts else 1
+    places = np.stack([np.broadcast_to(of, count) for of in values], axis=1)
+    return evaluated(ColumnRows(read, keys, places, not closed_form), "evaluate", crew, desk, not closed_form, "rows")
+
+
+def _numbers(key: Key, given: Any) -> Any:
+    """Return the values of a column, (n,) or () of one for all rows."""
+    every = np.asarray(given)
+    if every.dtype.kind not in "iuf" or not np.isfinite(every).all() or every.ndim > 1:
+        every = np.array([key.read(value) for value in np.atleast_1d(every).tolist()])
+        every = every if np.ndim(given) else every[0]
+    return every.astype(np.float64)
