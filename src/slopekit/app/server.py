@@ -396,11 +396,6 @@ def _asset(name: str) -> Path | None:
     return {path.name: path for path in _PAGE.iterdir() if path.suffix in _TYPES}.get(name)
 
 
-def new_token() -> str:
-    """A token that nobody guesses."""
-    return secrets.token_urlsafe(24)
-
-
 def serve(opened: Opened, port: int, ready: Callable[[str], None]) -> None:
     """Serve a design on this machine until it is stopped (Ctrl-C).
 
@@ -419,7 +414,7 @@ def serve(opened: Opened, port: int, ready: Callable[[str], None]) -> None:
 
     import uvicorn
 
-    desk = Desk(opened, new_token(), warm=True)
+    desk = Desk(opened, secrets.token_urlsafe(24), warm=True)
     sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     if sys.platform != "win32":
         sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

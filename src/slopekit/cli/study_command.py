@@ -223,7 +223,8 @@ def _deliver(outcome: Shown, folder: Path | None, image: Path | None, given: Map
     say("pictures", head=True)
     for name, part in outcome.parts.items():
         record_of_part = record["cases"][name] if record else {}
-        _draw(part, record_of_part, folder and folder / name, _beside(image, name), given, removed)
+        picture = image and image.with_name(f"{image.stem}-{name}{image.suffix}")
+        _draw(part, record_of_part, folder and folder / name, picture, given, removed)
     if not outcome.parts:
         _draw(outcome, record, folder, image, given, removed)
 
@@ -249,11 +250,6 @@ def _without_older(outcome: Shown, folder: Path) -> list[Path]:
     if isinstance(outcome, StudyOutcome):
         return results.remove([folder / f"{what}.png" for what in outcome.charts], "pictures")
     return results.remove_older(outcome.to_dict(), folder)
-
-
-def _beside(image: Path | None, name: str) -> Path | None:
-    """The picture of a case: SLOPE-quake.png."""
-    return None if image is None else image.with_name(f"{image.stem}-{name}{image.suffix}")
 
 
 def _draw(

@@ -55,7 +55,7 @@ def marginal(distribution: Distribution) -> Marginal:
     if distribution.name == "triangular":
         return _by_tail(partial(_triangular, given["min"], given["mode"], given["max"]))
     if given["sd"] == 0.0:
-        return _by_normal(partial(_constant, given["mean"]))
+        return _by_normal(partial(_normal, given["mean"], 0.0, False, (-math.inf, math.inf)))
     mean, sd, low, high = _standard(distribution)
     bounds = (given.get("min", -math.inf), given.get("max", math.inf))
     of_normal = partial(_normal, mean, sd, distribution.name == "lognormal", bounds)
@@ -70,7 +70,7 @@ def standard_normal() -> Marginal:
     >>> standard_normal().of_tail(np.array([0.5]), -1.0).tolist()
     [0.0]
     """
-    return _by_normal(_as_it_is)
+    return _by_normal(partial(_normal, 0.0, 1.0, False, (-math.inf, math.inf)))
 
 
 def tails(distribution: Distribution, least: float, most: float) -> tuple[float, float]:
@@ -169,14 +169,6 @@ def _toward(lower: Floats, side: Floats | float) -> Floats:
     """Quantiles of the lower tail, those of the upper side mirrored."""
     lower *= -np.copysign(1.0, side)
     return lower
-
-
-def _as_it_is(normal: Floats) -> Floats:
-    return normal
-
-
-def _constant(value: float, normal: Floats) -> Floats:
-    return np.full(len(normal), value)
 
 
 def _normal(mean: float, sd: float, is_log: bool, bounds: tuple[float, float], normal: Floats) -> Floats:

@@ -175,10 +175,6 @@ _OFFERS = {**_SCENES, **CHARTS}
 EVERY = tuple(_OFFERS)
 
 
-def _chart(what: str, document: Document) -> Offer:
-    return _OF_SURVEYS[document["kind"]] if what == "stereonet" and _is_survey(document) else CHARTS[what]
-
-
 def offers(document: Document) -> dict[str, str]:
     """What a document can give: the words, and what each picture shows."""
     return {what: one.shows for what, one in _OFFERS.items() if one.given_by(document)}
@@ -212,7 +208,9 @@ def draw(document: Document, what: str, path: Path, *, test: str | None = None, 
         with plain_numbers(), warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # a letter that the font has not, no contour between two
             is_test = what == "stereonet" and _is_kinematic(document)
-            _chart(what, document).draw(figure, document, *((test,) if is_test else ()))
+            of_survey = what == "stereonet" and _is_survey(document)
+            chart = _OF_SURVEYS[document["kind"]] if of_survey else CHARTS[what]
+            chart.draw(figure, document, *((test,) if is_test else ()))
             save(figure, path)
     except MISREAD as error:
         if not is_of_document(error):  # the fault is ours, and shall be seen

@@ -174,7 +174,11 @@ def document_from(mapping: Mapping[str, Any], name: str = "design") -> Document:
     design: strength.weak.phi = 25
     """
     faults: list[Fault] = []
-    root = from_python(mapping, "", lambda path, value: _python_place(name, path, value), faults)
+
+    def place(path: str, value: object) -> Place:
+        return Place(name, 0, 0, cut(f"{path} = {shown_of(value)}" if path else shown_of(value)))
+
+    root = from_python(mapping, "", place, faults)
     if not root.is_mapping and not faults:
         faults.append(Fault("E150", f"{name} is {type(mapping).__name__}, not keys with values", name))
     if faults:
@@ -243,10 +247,6 @@ def _text_of(value: object) -> str | None:
     if isinstance(value, Real):
         return repr(float(value))
     return None
-
-
-def _python_place(name: str, path: str, value: object) -> Place:
-    return Place(name, 0, 0, cut(f"{path} = {shown_of(value)}" if path else shown_of(value)))
 
 
 def shown_of(value: object) -> str:

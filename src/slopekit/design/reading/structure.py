@@ -189,7 +189,8 @@ class _Checker:
         nameless = without_name(node, spec.of)
         if nameless:
             message = f"{node.path} has {' and '.join(nameless)} of no name"
-            self.fault("E144", message, node, f"Write {node.path}: {{joint: {{{_listed(nameless)}}}}}")
+            values = ", ".join(f"{key}: {value}" for key, value in nameless.items())
+            self.fault("E144", message, node, f"Write {node.path}: {{joint: {{{values}}}}}")
         for name, below in node.items():
             if name in nameless:
                 continue
@@ -389,10 +390,6 @@ def without_name(node: Node, spec: Spec) -> dict[str, str]:
     return {key: below.text for key, below in node.items() if below.text is not None and (
         key in spec.keys or synonym(key, spec.keys) is not None
     )}  # fmt: skip
-
-
-def _listed(values: Mapping[str, str]) -> str:
-    return ", ".join(f"{key}: {value}" for key, value in values.items())
 
 
 def _count(number: int) -> str:

@@ -1,6 +1,6 @@
 """The sheet of a result: one design on one screen, 100 columns, no colour needed. Never a bare factor of safety."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from operator import attrgetter
 
 import numpy as np
@@ -61,7 +61,12 @@ def _sections(result: Result) -> Iterator[Section]:
         from slopekit.kinds.sheets import many_blocks
 
         yield from many_blocks.sections(result, many)
-    yield Section(TIME, [_time(result.timing_s)])
+    times = "  ".join(
+        f"{name.replace('_', ' ')} {seconds * 1e3:.1f} ms"
+        for name, seconds in result.timing_s.items()
+        if seconds > 5e-5
+    )
+    yield Section(TIME, [times])
     yield Section("SENSITIVITY", (), details=shared.governs(result))
     yield Section("NOT GIVEN", _not_given(result))
     yield Section("NOTE", [str(notice) for notice in result.warnings if notice.code != INVENTED])
@@ -178,12 +183,6 @@ def _size_m(result: Result) -> float:
     """Return the displacement of the centroid at full strength, m; 0 where it is not known."""
     state = result.displacements.at_factor_one
     return 0.0 if state is None else float(np.linalg.norm(state.movement.displacement))
-
-
-def _time(timing_s: Mapping[str, float]) -> str:
-    return "  ".join(
-        f"{name.replace('_', ' ')} {seconds * 1e3:.1f} ms" for name, seconds in timing_s.items() if seconds > 5e-5
-    )
 
 
 def _not_given(result: Result) -> list[str]:

@@ -83,7 +83,8 @@ def _analysed(design: SurfaceDesign, find: Callable[[Cut, Clock], FoundLimit]) -
     made = _made(design, mass, loads, slip, scene)
     found = find(made, clock)
     status = block_status(found, made.joints)
-    if status in ("slides_on_J1", "slides_up") and _turns(found.limit.velocity):
+    turning, velocity = found.limit.velocity[3:], found.limit.velocity
+    if status in ("slides_on_J1", "slides_up") and float(turning @ turning) > 1e-6 * float(velocity @ velocity):
         status = "rotates"
     pressed = {NAME: 0.0 if "water" not in loads.parts else float(np.linalg.norm(loads.parts["water"]))}
     if "pond" in loads.parts:
@@ -142,10 +143,6 @@ def _scene(design: SurfaceDesign, mass: SlidingMass, pairs: NodePairs, loads: Lo
     slip = slippable(pairs, mass.centroid, np.concatenate([loads.force, loads.moment]))
     pairs = pairs if design.slip.normals == "facet" else slip.pairs
     return slip, ContactModel(pairs, build_model(pairs, loads, mass.centroid, joint_strength([design.strength])))
-
-
-def _turns(velocity: Floats) -> bool:
-    return float(velocity[3:] @ velocity[3:]) > 1e-6 * float(velocity @ velocity)
 
 
 def _cut(design: SurfaceDesign) -> tuple[SlidingMass, NodePairs]:

@@ -76,13 +76,14 @@ def judged_benches(
     sizes = [(height, dip) for height in asked.heights_m for dip in asked.face_dips_deg]
     parts = [parts_of(asked, trials, *size) for size in sizes]
     standing, blocks, closed = list[tuple[Part, Ints, Ints]](), list[Floats](), list[ByMethod]()
-    count = 0
+    # blocks of all sizes have the same factor: there is neither cohesion nor a pressure given in kPa
+    is_free_of_size, count = not asked.has_cohesion and asked.slope.water.mode != "pressures", 0
     for (height, face), of_bench in zip(sizes, parts, strict=True):
         for mode in (WEDGE, PLANE):
             part = of_bench[mode]
             rows = np.flatnonzero(part["forms"] & ~part["fails"])
             second = trials.second[rows] if mode == WEDGE else np.full(len(rows), -1)
-            heights = np.full(len(rows), height) if _is_free_of_size(asked) else part["block_height_m"][rows]
+            heights = np.full(len(rows), height) if is_free_of_size else part["block_height_m"][rows]
             of_all = np.stack([trials.first[rows], second, heights], axis=1)
             different, at, back = np.unique(of_all, axis=0, return_index=True, return_inverse=True)
             standing.append((part, rows, back.reshape(-1) + count))
@@ -96,11 +97,6 @@ def judged_benches(
     target = asked.number("fos")
     both = [_judge(part, rows, outcomes.of(places), target) for part, rows, places in standing]
     return [bench_of(*size, of_bench) for size, of_bench in zip(sizes, parts, strict=True)], both
-
-
-def _is_free_of_size(asked: BenchInputs) -> bool:
-    """Whether blocks of all sizes have the same factor: there is neither cohesion nor a pressure given in kPa."""
-    return not asked.has_cohesion and asked.slope.water.mode != "pressures"
 
 
 def _judge(part: Part, rows: Ints, outcomes: Outcomes, target: float) -> BothMethods:

@@ -173,7 +173,8 @@ def _sets(analysis: Kinematic) -> list[Entry]:
 
     return [
         Table([named("set"), _count("joints", "joints", 7), _count("planar", "planar", 8),
-               _count("flexural", "flexural", 10), Column("bases", _bases, "bases", width=7)], by_set),
+               _count("flexural", "flexural", 10),
+               Column("bases", lambda row: row[1]["base_sliding"] + row[1]["base_release"], "bases", width=7)], by_set),
         Table([named("sets"), _count("lines", "lines", 7), _count("primary", "wedge_primary", 9),
                _count("secondary", "wedge_secondary", 11), _count("by friction", "wedge_by_friction", 13),
                _count("direct", "direct", 8), _count("oblique", "oblique", 9)], by_pair),
@@ -182,7 +183,3 @@ def _sets(analysis: Kinematic) -> list[Entry]:
 
 def _count(title: str, kind: str, width: int) -> Column[_Counted]:
     return Column(title, lambda row: row[1][kind], kind, width=width)
-
-
-def _bases(row: _Counted) -> Any:
-    return row[1]["base_sliding"] + row[1]["base_release"]

@@ -27,7 +27,7 @@ def sheet_of(quake: Quake) -> Sheet:
         Section("NOW", [_now(quake)]),
         Section("YIELD", [*(_yield(quake, one) for one in quake.yields), *_agree(quake)], hang=14),
         Section("SIX", [leading, _six(quake), *_six_notes(quake)] if quake.six else []),
-        Section("SLIDES", [*_beside(quake), records]),
+        Section("SLIDES", [*(["one way, rigid, for comparison with SIX:"] if quake.six else []), records]),
         Section("OVERALL", _overall(quake.leading)),
         Section("MODEL", [_model(quake)]),
         Section("TIME", [f"{quake.seconds:.2f} s"]),
@@ -60,10 +60,6 @@ def _moves(displacement: Mapping[str, Any]) -> str:
     if displacement["median_m"] is None:
         return "no displacement, a step did not settle (W464)"
     return f"median {_centimetres(displacement['median_m'])} cm, most {_centimetres(displacement['largest_m'])} cm"
-
-
-def _beside(quake: Quake) -> list[str]:
-    return ["one way, rigid, for comparison with SIX:"] if quake.six else []
 
 
 def _centimetres(metres: float) -> str:

@@ -186,7 +186,10 @@ def shaken_in_six(
         for way, sign in WAYS.items():
             out = known[way] if record is strongest else shake(block, _STEP, sign * pushes)
             moved, turned = _in_space(out, block, made)
-            shaken.append(_said(record.name, way, moved[-1], turned[-1], out))
+            shaken.append(Shaking(
+                record.name, way, moved[-1], float(np.linalg.norm(moved[-1])), float(np.linalg.norm(turned[-1])),
+                out.slipped, out.opened, out.debonded, out.steps, out.halved, out.ended, float(out.times[-1]), out.work,
+            ))  # fmt: skip
             columns = zip(_COLUMNS, np.hstack([moved, turned]).T, strict=True)
             motions.append({"record": record.name, "way": way, "t_s": out.times, **dict(columns)})
             advance(1)
@@ -324,10 +327,3 @@ def _in_space(out: Shake, block: ShakenBlock, made: Cut) -> tuple[Floats, Floats
     moved[:, [0, 2] if section else [0, 1, 2]] = out.motion[:, : block.translations]
     turned[:, [1] if section else [0, 1, 2]] = out.motion[:, block.translations :]
     return moved @ made.axes, np.degrees(turned @ made.axes)
-
-
-def _said(record: str, way: str, moved: Floats, turned: Floats, out: Shake) -> Shaking:
-    return Shaking(
-        record, way, moved, math.sqrt(float(moved @ moved)), math.sqrt(float(turned @ turned)), out.slipped,
-        out.opened, out.debonded, out.steps, out.halved, out.ended, float(out.times[-1]), out.work,
-    )  # fmt: skip

@@ -11,10 +11,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from scipy.optimize import newton
 
 from slopekit.core.arrays import Floats
 from slopekit.core.codec import NO_JSON
-from slopekit.core.errors import DesignError, Fault, NoConvergenceError, Notice, SlopekitError
+from slopekit.core.errors import DesignError, Fault, GeometryError, NoConvergenceError, Notice, SlopekitError
 from slopekit.core.orientation import number, opposite
 from slopekit.design.common import Design
 from slopekit.design.parts import Force
@@ -35,7 +36,6 @@ _SOME_K = 0.1  # a coefficient to ask whether the design takes one
 _PUSH = 0.02  # of the yield coefficient, in parts of the weight: how much a force along the sliding moves it
 _LEAST_PUSH = 1e-3
 _CLOSE = {"closed_form": 1e-12, "pre_ie": 1e-9}  # of k: how near the moved ones are found
-_MOST_STEPS = 25
 NO_FORM = "it says nothing of shaking that way"
 _DILATES = "its joints dilate: it rises as it slides"
 _JUST_ABOVE = 1.0 + 1e-7  # of k_y: the block moves as it will, and no elastic state at rest is asked for
@@ -221,25 +221,20 @@ def _level(factors: Factors, method: Method) -> float | None:
 
 def _root(level: Callable[[float], float | None], start: float, close: float, advance: Advance) -> float | None:
     """Where ln F is 0, by secants from nearby; None where they lead nowhere."""
-    a, b = start, start * (1.0 + 1e-3) + 1e-6
+
+    def known(at: float) -> float:
+        found = level(at) if 0.0 <= at <= MOST_K else None
+        advance(1)
+        if found is None:
+            raise GeometryError([Fault("E319", f"no factor of safety at k = {number(at)}")])
+        return found
+
     try:
-        at_a, at_b = level(a), level(b)
-        advance(2)
-        for _ in range(_MOST_STEPS):
-            if at_a is None or at_b is None or at_a == at_b:
-                return None if at_b != 0.0 else b
-            a, b, at_a = b, b - at_b * (b - a) / (at_b - at_a), at_b
-            if not 0.0 <= b <= MOST_K:
-                return None
-            if abs(b - a) <= close * max(b, 1e-3):
-                return b
-            at_b = level(b)
-            advance(1)
-            if at_b == 0.0:
-                return b
+        beside = start * (1.0 + 1e-3) + 1e-6
+        k, found = newton(known, start, x1=beside, tol=close * 1e-3, rtol=close, full_output=True, disp=False)
     except SlopekitError:
         return None
-    return None
+    return float(k) if found.converged else None
 
 
 def _gain(static: Design, method: Method, k: float, advance: Advance) -> tuple[float | None, str]:

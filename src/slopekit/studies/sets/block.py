@@ -29,7 +29,8 @@ def bench_block(joint_sets: JointSets) -> str:
         if one.spacing is not None and one.spacing.sd_m > 0.0:
             varies = one.spacing.sd_m / one.spacing.mean_m
             parts.append(f"spacing_scatter: {min(1.0, varies):.0%}".replace("%", " %"))
-        said = "; ".join([counted(len(one.members), "joint"), *_k(one), *lacks])
+        k = [f"K {number(float(f'{one.axes.k:.3g}'))}"] if math.isfinite(one.axes.k) else []
+        said = "; ".join([counted(len(one.members), "joint"), *k, *lacks])
         lines.append(f"  {_key(one.name)}: {{{', '.join(parts)}}}  # {said}")
     return "\n".join(["sets:", *lines, ""]) if lines else ""
 
@@ -55,10 +56,6 @@ def _plane(one: FoundSet) -> str:
     dip, direction = round(one.plane.dip_deg, 1), round(one.plane.dip_direction_deg, 1) % 360.0
     whole, _, tenth = f"{direction:.1f}".partition(".")
     return f"{number(dip)}/{whole.zfill(3)}" + (f".{tenth}" if tenth != "0" else "")
-
-
-def _k(one: FoundSet) -> list[str]:
-    return [f"K {number(float(f'{one.axes.k:.3g}'))}"] if math.isfinite(one.axes.k) else []
 
 
 def _key(name: str) -> str:

@@ -10,7 +10,7 @@ from slopekit.core.sheet import Column, Section, Sheet, Table, factor_text
 from slopekit.design.common import Design
 from slopekit.studies.keys import Key, in_words
 from slopekit.studies.points import UNSETTLED, Point
-from slopekit.studies.solve.solutions import Answers, Solution, SolvedValue
+from slopekit.studies.solve.solutions import Solution, SolvedValue
 from slopekit.studies.words import status_words, study_sheet
 
 _MOST_REFUSED = 6
@@ -57,7 +57,12 @@ def _sections(solution: Solution) -> tuple[Section, ...]:
 def _values(solution: Solution) -> Table[Any]:
     """Every value by each method: roots, then jumps and gaps; the one nearest to the present value first."""
     key = solution.key
-    rows = [(answers.method, crossing) for answers in _all(solution) for crossing in (*answers.roots, *answers.others)]
+    rows = [
+        (answers.method, crossing)
+        for answers in (solution.pre_ie, solution.closed_form)
+        if answers is not None
+        for crossing in (*answers.roots, *answers.others)
+    ]
     columns: list[Column[tuple[str, SolvedValue]]] = [
         Column("method", itemgetter(0), "method"),
         Column(key.path, lambda row: key.reduced(row[1].value), key.path, key.unit, key.shown, exact=key.in_csv),
@@ -134,7 +139,3 @@ def _factor(factor: float) -> str:
     if math.isinf(factor):
         return "none (nothing drives)"
     return "none (nothing holds)" if factor == 0.0 else f"{factor:.6g}"
-
-
-def _all(solution: Solution) -> list[Answers]:
-    return [answers for answers in (solution.pre_ie, solution.closed_form) if answers is not None]

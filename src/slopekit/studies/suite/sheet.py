@@ -132,10 +132,6 @@ def _case(row: Row) -> str:
     return f"{row.case.title} (`{row.case.id}`)".replace("|", r"\|")
 
 
-def _within(row: Row) -> str:
-    return "not judged" if row.ok is None else _MARKS[row.ok]
-
-
 #: On a terminal.
 _SHORT: tuple[Column[Row], ...] = (
     Column("  source", attrgetter("reference.source"), show="  {}".format, width=-18),
@@ -159,6 +155,6 @@ COLUMNS: tuple[Column[Row], ...] = (
     Column("Upper bound", attrgetter("static_bound"), "static_bound", show=value_text),
     Column("Error", attrgetter("error"), "error", text=_error),
     Column("Tolerance and its cause", attrgetter("reference.tolerance"), "tolerance", text=_tolerance),
-    Column("Within", attrgetter("ok"), "ok", text=_within),
+    Column("Within", attrgetter("ok"), "ok", text=lambda row: "not judged" if row.ok is None else _MARKS[row.ok]),
     Column("Time", attrgetter("seconds"), "seconds", "s", text=_time, timed=True),
 )

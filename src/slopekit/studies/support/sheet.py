@@ -3,7 +3,6 @@
 from operator import attrgetter
 
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, Verbatim, counted, factor_text
-from slopekit.design.common import Design
 from slopekit.kinds.sheets.bolts import schedule, schedule_entries
 from slopekit.kinds.words import bolt_text, line_in_words, size_number
 from slopekit.studies.support.pattern import Layout
@@ -17,11 +16,11 @@ _FEW = 12  # bolts that are printed to be pasted
 
 def sheet_of(support: Support) -> Sheet:
     """The sheet of a support study."""
-    cases = _cases(support)
+    cases, design = _cases(support), support.design
     pressure = [] if support.pressure is None else [f"uniform, normal to the face: {size_number(support.pressure)} kPa"]
     return study_sheet(support.design, "support", (
         Section("TARGET", _target(support)),
-        Section("BOLTS", _own_bolts(support.design)),
+        Section("BOLTS", schedule_entries(schedule({"inputs": design.inputs()})) or [*map(bolt_text, design.bolts)]),
         *(Section(case.acts.upper(), [_ROLES[case.acts], *_case(support, case)]) for case in support.cases),
         Section("PRESSURE", pressure),
         Section("CASES", [cases] if cases.rows else []),
@@ -29,11 +28,6 @@ def sheet_of(support: Support) -> Sheet:
         Section("PASTE", _paste(support)),
         Section("TIME", [f"{support.seconds:.2f} s"]),
     ), {"support.csv": cases})  # fmt: skip
-
-
-def _own_bolts(design: Design) -> list[Entry]:
-    """The bolts that the design has: the schedule of its result, or a few without a head one by one."""
-    return schedule_entries(schedule({"inputs": design.inputs()})) or [bolt_text(bolt) for bolt in design.bolts]
 
 
 def line_of(support: Support) -> str:

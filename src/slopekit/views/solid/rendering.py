@@ -232,10 +232,10 @@ def _write_labels(axes: Any, picture: Picture, camera: Camera, wide: float, high
     for point, text in picture.labels:
         x, y = camera.seen(point)
         half, tall = 2.0 * wide * _LABEL[0] * (len(text) + 1), high * _LABEL[1]
-        box = (x - half, y + lift - tall, x + half, y + lift + tall)
+        box = x0, y0, x1, y1 = x - half, y + lift - tall, x + half, y + lift + tall
         if max(map(abs, box[::2])) > wide or max(map(abs, box[1::2])) > high:
             continue
-        if any(_overlap(box, earlier) for earlier in taken):
+        if any(a < x1 and x0 < c and b < y1 and y0 < d for a, b, c, d in taken):
             continue
         taken.append(box)
         if picture.beside:
@@ -243,10 +243,6 @@ def _write_labels(axes: Any, picture: Picture, camera: Camera, wide: float, high
         axes.text(x, y + lift, text, fontsize=8, ha="center", va="center", bbox=drawing.BOX)
     if left := len(picture.labels) - len(taken):
         axes.text(wide, -1.03 * high, f"{left} names left out: no room", fontsize=7.5, ha="right", color=_QUIET)
-
-
-def _overlap(first: _Box, second: _Box) -> bool:
-    return first[0] < second[2] and second[0] < first[2] and first[1] < second[3] and second[1] < first[3]
 
 
 # -- GLB and glTF -----------------------------------------------------------------------------------------------------
