@@ -113,7 +113,7 @@ def _sets(path: Path) -> Mapping[str, PartialFactors]:
 
     root = load_document(path).root
     faults, factor_sets = Faults(), dict[str, PartialFactors]()
-    title, source, date = (_text(root.get(key)) for key in ("title", "source", "date"))
+    title, source, date = (getattr(root.get(key), "text", None) or "" for key in ("title", "source", "date"))
     sets = root.get("sets")
     groups = dict(sets.items()) if sets is not None else {title or path.stem: root}
     for name, node in groups.items():
@@ -133,10 +133,6 @@ def _sets(path: Path) -> Mapping[str, PartialFactors]:
         faults.append(Fault("E480", message, str(root.place), "Write sets: {NAME: {tan_phi: 1.25, c: 1.25}}"))
     faults.refuse()
     return factor_sets
-
-
-def _text(node: Node | None) -> str:
-    return "" if node is None or node.text is None else node.text
 
 
 # -- the design with them ---------------------------------------------------------------------------------------------

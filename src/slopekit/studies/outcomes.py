@@ -248,7 +248,9 @@ def merged(parts: Sequence[tuple[Ints, Outcomes]]) -> Outcomes:
     difference, agree, moments_govern = (np.concatenate([getattr(own, name) for own in every]) for name in COMPARED)
     whole = None
     if any(own.whole is not None for own in every):
-        whole = one_after_the_other([own.whole or _nothing(len(own.agree)) for own in every])
+        whole = one_after_the_other(
+            [own.whole or ByMethod.of([""] * len(own.agree), [None] * len(own.agree)) for own in every]
+        )
     limit, closed = (one_after_the_other([getattr(own, name) for own in every]) for name in ("limit", "closed_form"))
     notes = [note for own in every for note in own.notes]
     return Outcomes(limit, closed, difference, agree, moments_govern, whole, notes, every[0].pre_ie).of(order)
@@ -258,10 +260,6 @@ def one_after_the_other(methods: Sequence[ByMethod]) -> ByMethod:
     """Return what is said of designs by several, the first's first."""
     words = [word for method in methods for word in method.words]
     return ByMethod.of(words, np.concatenate([method.factor for method in methods]))
-
-
-def _nothing(count: int) -> ByMethod:
-    return ByMethod(("",), np.zeros(count, dtype=np.int16), np.full(count, np.nan))
 
 
 def of_limits(limits: LimitsOfMany, closed: ByMethod, within: float) -> Outcomes:

@@ -4,6 +4,7 @@ A limit is never above the factor of the forces, so that what fails by the close
 """
 
 from dataclasses import fields, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -25,48 +26,44 @@ from slopekit.studies.protocol import Workplace
 from slopekit.studies.running import Crew
 
 
-class BenchRows(BlockRows):
-    """Wedges and planes in benches.
+def _limits(asked: BenchInputs, every: Floats, rows: Ints) -> LimitsOfMany:
+    """What PRE-IE says of some blocks (m,) in benches.
 
     Parameters
     ----------
-    blocks : (m, 5) their mode, the dip of the face, their joints by number (the second of a plane is none), how high
-        they are in m; closed : (m) what the closed forms say of them
+    every : (n, 5) the mode of blocks, the dip of the face, their joints by number (the second of a plane is none), how
+        high they are in m
     """
+    blocks, toward, upper = every[rows], asked.toward_deg, Plane(0.0, asked.toward_deg)
+    status, (limit, forces) = np.empty(len(rows), dtype=object), np.empty((2, len(rows)))
+    for mode, limits_of in ((WEDGE, _wedges), (PLANE, _planes)):
+        own = np.flatnonzero(blocks[:, 0] == mode)
+        if len(own):
+            dip: Any = blocks[own, 1]
+            slope = replace(asked.slope, face=Plane(dip, toward), upper=upper)
+            first, second = blocks[own, 2:4].astype(np.int64).T
+            found = limits_of(asked, slope, first, second, blocks[own, 4])
+            status[own], limit[own], forces[own] = found.status, found.limit, found.forces
+    return LimitsOfMany(status.astype(np.str_), limit, forces)
 
-    def __init__(self, asked: BenchInputs, blocks: Floats, closed: ByMethod) -> None:
-        super().__init__(asked.slope, closed, [asked.input_hash(), asked.has_cohesion])
-        self.asked, self.blocks = asked, blocks
 
-    def limits(self, rows: Ints) -> LimitsOfMany:
-        blocks, toward, upper = self.blocks[rows], self.asked.toward_deg, Plane(0.0, self.asked.toward_deg)
-        status, (limit, forces) = np.empty(len(rows), dtype=object), np.empty((2, len(rows)))
-        for mode, limits_of in ((WEDGE, self._wedges), (PLANE, self._planes)):
-            own = np.flatnonzero(blocks[:, 0] == mode)
-            if len(own):
-                dip: Any = blocks[own, 1]
-                slope = replace(self.asked.slope, face=Plane(dip, toward), upper=upper)
-                first, second = blocks[own, 2:4].astype(np.int64).T
-                found = limits_of(slope, first, second, blocks[own, 4])
-                status[own], limit[own], forces[own] = found.status, found.limit, found.forces
-        return LimitsOfMany(status.astype(np.str_), limit, forces)
+def _wedges(asked: BenchInputs, slope: Any, first: Ints, second: Ints, height: Floats) -> LimitsOfMany:
+    strengths = asked.cohesion_kpa, asked.friction_deg
+    return limits_of_wedges(slope, asked.joints, strengths, first, second, height)
 
-    def _wedges(self, slope: Any, first: Ints, second: Ints, height: Floats) -> LimitsOfMany:
-        strengths = self.asked.cohesion_kpa, self.asked.friction_deg
-        return limits_of_wedges(slope, self.asked.joints, strengths, first, second, height)
 
-    def _planes(self, slope: Any, first: Ints, _: Ints, height: Any) -> LimitsOfMany:
-        common = {field.name: getattr(slope, field.name) for field in fields(Design)}
-        if slope.water.mode == "pressures":
-            common["water"] = Water("pressures", 0.0, slope.water.pressures_kpa[:1])
-        dip: Any = self.asked.joints.dips_deg[first]  # in the section, as the closed form has it
-        own: list[Any] = [of[first] for of in (self.asked.cohesion_kpa, self.asked.friction_deg)]
-        strength = Strength(*own)
-        plane = PlaneDesign(
-            **common, joint=Plane(dip, self.asked.toward_deg), joint_name="J1", face=slope.face, upper=slope.upper,
-            height_m=height, strength=strength,
-        )  # fmt: skip
-        return limits_on_arrays(plane, PLANES, [strength], len(first))
+def _planes(asked: BenchInputs, slope: Any, first: Ints, _: Ints, height: Any) -> LimitsOfMany:
+    common = {field.name: getattr(slope, field.name) for field in fields(Design)}
+    if slope.water.mode == "pressures":
+        common["water"] = Water("pressures", 0.0, slope.water.pressures_kpa[:1])
+    dip: Any = asked.joints.dips_deg[first]  # in the section, as the closed form has it
+    own: list[Any] = [of[first] for of in (asked.cohesion_kpa, asked.friction_deg)]
+    strength = Strength(*own)
+    plane = PlaneDesign(
+        **common, joint=Plane(dip, asked.toward_deg), joint_name="J1", face=slope.face, upper=slope.upper,
+        height_m=height, strength=strength,
+    )  # fmt: skip
+    return limits_on_arrays(plane, PLANES, [strength], len(first))
 
 
 def judged_benches(
@@ -91,9 +88,9 @@ def judged_benches(
             closed.append(ByMethod(CLOSED_OUTCOMES[mode], part["outcome"][rows[at]], part["factor"][rows[at]]))
             count += len(different)
     every = np.concatenate(blocks)
-    outcomes = evaluated(
-        BenchRows(asked, every, one_after_the_other(closed)), "bench-design", crew, desk, label="blocks"
-    )
+    source = [asked.input_hash(), asked.has_cohesion]
+    block_rows = BlockRows(asked.slope, one_after_the_other(closed), source, partial(_limits, asked, every))
+    outcomes = evaluated(block_rows, "bench-design", crew, desk, label="blocks")
     target = asked.number("fos")
     both = [_judge(part, rows, outcomes.of(places), target) for part, rows, places in standing]
     return [bench_of(*size, of_bench) for size, of_bench in zip(sizes, parts, strict=True)], both

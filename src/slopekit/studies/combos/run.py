@@ -11,7 +11,7 @@
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -300,7 +300,8 @@ def combos(
     by_forces = ByMethod(PAIR_OUTCOMES, pairs.outcome[removable].astype(np.int16), pairs.factor[removable])
     outcomes = None
     if not closed_form:
-        rows = PairRows(inputs, pairs, removable, by_forces)
+        wedges = pairs.first[removable], pairs.second[removable], pairs.height_m[removable]
+        rows = BlockRows(inputs.slope, by_forces, [inputs.input_hash()], partial(_limits, inputs, wedges))
         outcomes = evaluated(rows, "combos", crew, desk, label="pairs")
     if outcomes is not None and (lost := outcomes.limit.among("E")).any():  # planes so nearly parallel cut none
         pairs.outcome[removable[lost]], pairs.factor[removable[lost]] = PAIR_OUTCOMES.index("no_wedge"), np.nan
@@ -318,14 +319,7 @@ def _order(limit: ByMethod, volume_m3: Floats) -> Ints:
     return np.lexsort((-volume_m3, np.nan_to_num(limit.factor), rank))
 
 
-class PairRows(BlockRows):
-    """Some pairs of a survey as wedges; `rows` are their numbers, `closed` is what the closed form says of these."""
-
-    def __init__(self, asked: PairInputs, pairs: JointPairs, rows: Ints, closed: ByMethod) -> None:
-        super().__init__(asked.slope, closed, [asked.input_hash()])
-        self.asked, self.first, self.second = asked, pairs.first[rows], pairs.second[rows]
-        self.height_m = pairs.height_m[rows]
-
-    def limits(self, rows: Ints) -> LimitsOfMany:
-        asked, wedges = self.asked, (self.first[rows], self.second[rows], self.height_m[rows])
-        return limits_of_wedges(asked.slope, asked.joints, (asked.cohesion_kpa, asked.friction_deg), *wedges)
+def _limits(asked: PairInputs, wedges: tuple[Ints, Ints, Floats], rows: Ints) -> LimitsOfMany:
+    """What PRE-IE says of some wedges (m,), given by their joints (r,) and how high they are."""
+    strengths, (first, second, height_m) = (asked.cohesion_kpa, asked.friction_deg), wedges
+    return limits_of_wedges(asked.slope, asked.joints, strengths, first[rows], second[rows], height_m[rows])

@@ -3,8 +3,7 @@
 rows -> pieces -> outcomes of each, on arrays where the kind takes them, else design by design -> outcomes of all
 """
 
-from abc import abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -80,13 +79,16 @@ class BlockRows(Rows):
     Parameters
     ----------
     closed : (n) what the closed form says of them; source : what they depend on, as JSON values
+    limits : what PRE-IE says of some of them (m,), by their numbers
     """
 
     is_on_arrays = True
 
-    def __init__(self, design: Design, closed: ByMethod, source: list[object]) -> None:
+    def __init__(
+        self, design: Design, closed: ByMethod, source: list[object], limits: Callable[[Ints], LimitsOfMany]
+    ) -> None:
         super().__init__(design, ())
-        self.closed, self.source = closed, source
+        self.closed, self.source, self.limits = closed, source, limits
 
     def __len__(self) -> int:
         return len(self.closed.outcome)
@@ -98,10 +100,6 @@ class BlockRows(Rows):
         rows = np.arange(start, stop)
         within = self.design.analysis.agree_within
         return rows - start, of_limits(self.limits(rows), self.closed.of_rows(rows), within)
-
-    @abstractmethod
-    def limits(self, rows: Ints) -> LimitsOfMany:
-        """Return what PRE-IE says of some rows (m,)."""
 
 
 def methods_of(design: Design, closed_form: bool) -> str:
@@ -130,8 +128,7 @@ def evaluated(
     given_up = of_points([GIVEN_UP], [None], pre_ie).record() if size == 1 else None
     columns = RowArrays([*range(0, len(rows), size), len(rows)])
     tasks = [rows.part(*piece) for piece in columns.pieces]
-    is_quick = kind_of(rows.design).closed_form is not None
-    handed_out = 1 if size > 1 or not is_quick else 8 if pre_ie else 64
+    handed_out = 8 if size == 1 and kind_of(rows.design).closed_form is not None else 1
     run, label = [*rows.inputs(), pre_ie], label if size == 1 else f"pieces of {size} {label}"
     map_rows(partial(outcomes_of_part, pre_ie), tasks, columns, crew, desk, study, label, run, handed_out, given_up)
     return Outcomes.joined(columns, pre_ie)

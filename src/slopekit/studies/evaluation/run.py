@@ -82,20 +82,18 @@ def evaluate(
             keys.append(key)
             values.append(_numbers(key, columns[path]))
     faults.refuse()
-    counts = {len(of) for of in values if of.ndim}
-    if len(counts) > 1 or not keys or len({key.path for key in keys}) < len(keys):
-        lengths = ", ".join(f"{key.path} {of.size}" for key, of in zip(keys, values, strict=True))
-        message = f"columns are of other lengths, or given twice: {lengths}" if keys else "no column is given"
-        raise DesignError([Fault("E312", message, "columns", "Give each number once, n values or one for all rows.")])
-    count = counts.pop() if counts else 1
-    places = np.stack([np.broadcast_to(of, count) for of in values], axis=1)
+    try:
+        places = np.stack(np.broadcast_arrays(*values), axis=1)
+    except ValueError:
+        sizes = ", ".join(f"{key.path} {len(of)}" for key, of in zip(keys, values, strict=True))
+        message = f"columns have other numbers of values: {sizes}" if keys else "no column is given"
+        raise DesignError([Fault("E312", message, "columns", "Give n values of each, or one for all rows.")]) from None
     return evaluated(ColumnRows(read, keys, places, not closed_form), "evaluate", crew, desk, not closed_form, "rows")
 
 
 def _numbers(key: Key, given: Any) -> Any:
-    """Return the values of a column, (n,) or () of one for all rows."""
-    every = np.asarray(given)
-    if every.dtype.kind not in "iuf" or not np.isfinite(every).all() or every.ndim > 1:
-        every = np.array([key.read(value) for value in np.atleast_1d(every).tolist()])
-        every = every if np.ndim(given) else every[0]
-    return every.astype(np.float64)
+    """Return the values of a column, (n,), or (1,) of one for all rows."""
+    every = np.atleast_1d(np.asarray(given))
+    if every.dtype.kind in "iuf" and np.isfinite(every).all() and every.ndim == 1:
+        return every.astype(np.float64)
+    return np.array([key.read(value) for value in every.tolist()], dtype=np.float64)

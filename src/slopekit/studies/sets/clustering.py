@@ -137,11 +137,6 @@ def _settled(poles: Floats, weights: Floats, means: Floats, steps: int = _STEPS)
     return means
 
 
-def _objective(poles: Floats, weights: Floats, means: Floats) -> float:
-    """Σ w u² d² = Σ w / Σ d⁻²."""
-    return float((weights / (1.0 / _squares(poles, means)).sum(axis=1)).sum())
-
-
 def _started(poles: Floats, weights: Floats, sets: int, rng: np.random.Generator) -> Floats:
     """The best of several starts far from each other (Arthur & Vassilvitskii 2007), on a sample of many joints."""
     if len(poles) > _SAMPLE:
@@ -154,7 +149,8 @@ def _started(poles: Floats, weights: Floats, sets: int, rng: np.random.Generator
             far = _squares(poles, means).min(axis=1) * weights
             means = np.concatenate([means, poles[rng.choice(len(poles), p=far / far.sum())][None]])
         tries.append(_settled(poles, weights, means, _FIRST_STEPS))
-    return min(tries, key=lambda means: _objective(poles, weights, means))
+    # Σ w u² d² = Σ w / Σ d⁻²
+    return min(tries, key=lambda means: float((weights / (1.0 / _squares(poles, means)).sum(axis=1)).sum()))
 
 
 # -- joints of no set -------------------------------------------------------------------------------------------------

@@ -80,15 +80,18 @@ def input_rows(inputs: Mapping[str, Any]) -> list[tuple[str, str]]:
         if isinstance(value, Mapping):
             rows += [(f"{name}: {below}", text) for below, text in input_rows(value)]
         elif is_list and any(isinstance(one, Mapping) for one in value):
-            rows += [(f"{name} {one.get('name', k)}", _in_words(one)) for k, one in enumerate(value[:_MOST], 1) if one]
+            rows += [
+                (
+                    f"{name} {one.get('name', k)}",
+                    "; ".join(f"{key} {text}" for key, text in input_rows(one) if key != "name"),
+                )
+                for k, one in enumerate(value[:_MOST], 1)
+                if one
+            ]
             rows += [(f"... {len(value) - _MOST} more", "in the JSON")] if len(value) > _MOST else []
         else:
             rows.append((name, value_text(key, value)))
     return rows
-
-
-def _in_words(one: Mapping[str, Any]) -> str:
-    return "; ".join(f"{name} {text}" for name, text in input_rows(one) if name != "name")
 
 
 def value_text(key: str, value: Any) -> str:
