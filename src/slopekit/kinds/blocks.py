@@ -534,10 +534,6 @@ def _own_weights(design: BlocksDesign) -> list[str]:
     return ["own unit weights: " + "; ".join([*shown, *more, *last])]
 
 
-def _pressures(design: BlocksDesign) -> list[tuple[str, float]]:
-    return [(f"{one}/{other}", pressure) for one, other, pressure in design.pressures_kpa]
-
-
 OWN = Blocks(
     Words(
         "blocks of any shape", "blocks", "the way the file says", "closed form", "", BLOCKS_STATUSES,
@@ -546,5 +542,6 @@ OWN = Blocks(
     cut, no_closed_form, no_notices,
 )  # fmt: skip
 KIND = kind_of_many_blocks(
-    BlocksDesign, read_blocks, OWN, _slope, _pressures,
+    BlocksDesign, read_blocks, OWN, _slope,
+    lambda design: [(f"{block}/{other}", pressure) for block, other, pressure in design.pressures_kpa],
 )  # fmt: skip

@@ -407,14 +407,9 @@ def crack_reach(design: PlaneDesign) -> Floats:
     return _extents(design, None).setback_m
 
 
-def _shaken(design: PlaneDesign) -> Floats:
-    """Which way an earthquake without a trend acts: out of the face."""
-    return upward(90.0, design.face.dip_direction_deg)
-
-
 ON_ARRAYS = OnArrays(
     arguments, _passive, _strengths, _of_strengths, closed_forms, bounds, _sizes, crack_reach, None, _full_water,
-    _shaken,
+    lambda design: upward(90.0, design.face.dip_direction_deg),  # out of the face
 )  # fmt: skip
 
 

@@ -11,7 +11,6 @@ from slopekit.core.arrays import Bools, Floats, Ints, NDArray, number_or_none
 from slopekit.core.errors import Notice
 from slopekit.evidence import WithoutBasal
 from slopekit.kinds.protocol import Factors
-from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany
 from slopekit.preie.tolerances import SAME_LIMIT
 from slopekit.studies.points import SAME_FACTOR, UNSETTLED, Method, Point, status_of
 from slopekit.studies.running import RowArrays
@@ -146,7 +145,7 @@ class Outcomes:
     @classmethod
     def joined(cls, columns: RowArrays, pre_ie: bool) -> "Outcomes":
         """Return what `record` made of all pieces of many designs; once, as their outcomes are numbered anew."""
-        if not columns.pieces or not columns.count:
+        if not columns.count:
             return of_points([], [], pre_ie)
         pieces = [columns[piece] for piece in sorted(columns)]
         notes = [[Notice(*note) for note in own] for piece in pieces for own in piece.get("notes", ())]
@@ -260,11 +259,6 @@ def one_after_the_other(methods: Sequence[ByMethod]) -> ByMethod:
     """Return what is said of designs by several, the first's first."""
     words = [word for method in methods for word in method.words]
     return ByMethod.of(words, np.concatenate([method.factor for method in methods]))
-
-
-def of_limits(limits: LimitsOfMany, closed: ByMethod, within: float) -> Outcomes:
-    """Return what both methods say of single blocks that all form by the closed form."""
-    return agreement(ByMethod.of(limits.status.tolist(), limits.limit), limits.forces, closed, within)
 
 
 def agreement(

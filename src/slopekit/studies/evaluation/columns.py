@@ -24,7 +24,7 @@ from slopekit.kinds import kind_of
 from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany, shaken_toward
 from slopekit.kinds.single_block.held_bolts import nearly_parallel
 from slopekit.kinds.single_block.one_block_notices import lost_contact, shaking, without_strength
-from slopekit.studies.evaluation.rows import Rows, file_of, outcomes_on_arrays
+from slopekit.studies.evaluation.rows import Rows, outcomes_on_arrays
 from slopekit.studies.evaluation.vectorised import Vectorised, vectorised
 from slopekit.studies.keys import Key, values_of
 from slopekit.studies.outcomes import NO_BLOCK, ByMethod, Outcomes
@@ -62,7 +62,7 @@ class ColumnRows(Rows):
 
     def inputs(self) -> list[object]:
         places = hashlib.sha256(self.places.tobytes()).hexdigest()
-        return [*file_of(self.design), [key.path for key in self.keys], places]
+        return [*super().inputs(), [key.path for key in self.keys], places]
 
     def settings_at(self, row: int) -> Mapping[str, object]:
         return values_of(self.design, self.keys, self.places[row].tolist())

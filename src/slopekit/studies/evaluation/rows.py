@@ -17,7 +17,7 @@ from slopekit.evidence import WithoutBasal
 from slopekit.kinds import kind_of
 from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany
 from slopekit.studies.evaluation.vectorised import Vectorised
-from slopekit.studies.outcomes import NO_BLOCK, ByMethod, Outcomes, agreement, merged, of_limits, of_points
+from slopekit.studies.outcomes import NO_BLOCK, ByMethod, Outcomes, agreement, merged, of_points
 from slopekit.studies.points import GIVEN_UP, Point, map_rows, point_with
 from slopekit.studies.running import Crew, Record, RowArrays
 
@@ -48,7 +48,8 @@ class Rows:
 
     def inputs(self) -> list[object]:
         """Return everything that the outcomes depend on, as JSON values."""
-        return [*file_of(self.design), [list(values.items()) for values in self.settings]]
+        source, settings = self.design.source, [list(values.items()) for values in self.settings]
+        return [None if source is None else source.root.plain(), self.design.input_hash(), settings]
 
     def settings_at(self, row: int) -> Mapping[str, object]:
         """Return the values of a row, as `with_values` takes them."""
@@ -98,8 +99,9 @@ class BlockRows(Rows):
 
     def at_once(self, start: int, stop: int, pre_ie: bool) -> tuple[Ints, Outcomes | None]:
         rows = np.arange(start, stop)
-        within = self.design.analysis.agree_within
-        return rows - start, of_limits(self.limits(rows), self.closed.of_rows(rows), within)
+        found, within = self.limits(rows), self.design.analysis.agree_within
+        limit = ByMethod.of(found.status.tolist(), found.limit)
+        return rows - start, agreement(limit, found.forces, self.closed.of_rows(rows), within)
 
 
 def methods_of(design: Design, closed_form: bool) -> str:
@@ -108,11 +110,6 @@ def methods_of(design: Design, closed_form: bool) -> str:
         message = f"a {design.kind} has no closed form that could be asked alone"
         raise DesignError([Fault("E313", message, "", "Leave --closed-form out: PRE-IE answers.")])
     return "closed-form" if closed_form else "both"
-
-
-def file_of(design: Design) -> list[object]:
-    """Return what stands in the file of a design, and its hash."""
-    return [None if design.source is None else design.source.root.plain(), design.input_hash()]
 
 
 def evaluated(

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from slopekit.design.reading.files import with_values
 from slopekit.evidence import WithoutBasal
 from slopekit.kinds import kind_of
 from slopekit.studies.evaluation.bolts import as_laid_out, holding, standing
-from slopekit.studies.evaluation.rows import Rows, file_of, outcomes_on_arrays
+from slopekit.studies.evaluation.rows import Rows, outcomes_on_arrays
 from slopekit.studies.evaluation.vectorised import Vectorised, vectorised
 from slopekit.studies.outcomes import UNJUDGED, ByMethod, Outcomes
 from slopekit.studies.points import Point, point_of
@@ -42,7 +43,8 @@ class SampleRows(Rows):
     def __init__(self, design: Design, samples: Samples, pre_ie: bool) -> None:
         ends = [piece[[*piece.argmin(axis=0), *piece.argmax(axis=0)]] for piece in samples.pieces()]
         values = np.concatenate([samples.rows(0, min(_FIRST, samples.count)), *ends])
-        self.samples, self.design, self.search = samples, design, None
+        super().__init__(design, ())
+        self.samples, self.search = samples, None
         search = crack_search(design, values)
         if search is not None:
             self.design, self.search = search
@@ -58,7 +60,7 @@ class SampleRows(Rows):
     def inputs(self) -> list[object]:
         design, samples = self.design, self.samples
         drawn = [repr(design.variables), repr(design.correlation), samples.count, samples.method, samples.seed]
-        return [*file_of(design), *drawn]
+        return [*super().inputs(), *drawn]
 
     def part(self, start: int, stop: int) -> tuple[Rows, int, int]:
         return self, start, stop  # each worker draws its own samples
@@ -72,7 +74,7 @@ class SampleRows(Rows):
 
     def point(self, row: int, pre_ie: bool) -> Point:
         # with the bolts that hold the block; without notes, which are said of the means once
-        point = point_of(self.design, self.settings_at(row), pre_ie, self._standing)
+        point = point_of(self.design, self.settings_at(row), pre_ie, partial(standing, before=self.before))
         return point if point.factors is None else replace(point, factors=replace(point.factors, notes=()))
 
     def whole(self, row: int, point: Point) -> WithoutBasal | None:
@@ -80,12 +82,9 @@ class SampleRows(Rows):
             return point.also
         try:
             sample = with_values(self.design, self.settings_at(row))
-            return kind_of(sample).without_basal(self._standing(sample))
+            return kind_of(sample).without_basal(standing(sample, self.before))
         except SlopekitError:
             return None
-
-    def _standing(self, sample: Design) -> Design:
-        return standing(sample, self.before)
 
     def settings_at(self, row: int) -> dict[str, float | str]:
         return settings_of(self.design.variables, self.values(row, row + 1)[0])

@@ -4,9 +4,10 @@ samples -> outcome and factor of each -> shares with their confidence limits.
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from operator import attrgetter
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -208,7 +209,7 @@ class Probability(StudyOutcome):
         """The probability of failure, its limits."""
         columns = (("P of failure", "share", "probability", 14), ("from", "low", "low", 10), ("to", "high", "high", 10))
         return [
-            Column(title, _figure(name), key, show=".3g", width=width)
+            Column(title, attrgetter(f"all_samples.{name}"), key, show=".3g", width=width)
             for title, name, key, width in columns
         ]  # fmt: skip
 
@@ -325,12 +326,16 @@ def prob(
             rows = SampleRows(design, replace(drawn, count=MANY), pre_ie)
     with clock("factors"):
         outcomes = evaluated(rows, "prob", crew, desk, pre_ie, "samples")
-        has_both = pre_ie and kind_of(design).closed_form is not None
-        whose = "closed form and PRE-IE" if has_both else "PRE-IE" if pre_ie else "closed form"
+        has_closed_form = kind_of(design).closed_form is not None
+        whose = " and ".join(["closed form"] * has_closed_form + ["PRE-IE"] * pre_ie)
         evaluator = f"{whose} of every sample{', all at once' if rows.is_on_arrays else ''}"
         judged = with_whole(Judged.by(outcomes.limit, fos, evaluator), outcomes.whole, fos)
         of_bolts = tuple(_of_bolts(rows, judged.forms))
-    beside = with_whole(Judged.by(outcomes.closed_form, fos, ""), outcomes.whole, fos) if has_both else None
+    beside = (
+        with_whole(Judged.by(outcomes.closed_form, fos, ""), outcomes.whole, fos)
+        if pre_ie and has_closed_form
+        else None
+    )
     both = compared(outcomes, judged.fails, (beside or judged).fails) if pre_ie else None
     replicate, counted_samples = rows.samples.replicate, judged.counted
     all_samples = share_of(judged.fails, counted_samples, replicate, confidence)
@@ -341,10 +346,6 @@ def prob(
         (*notices_of(fos, judged, rows.samples, all_samples), *said, *of_bolts, *not_as_given(design),
          *likely_slips(design)), clock.done(),
     )  # fmt: skip
-
-
-def _figure(name: str) -> Callable[[Probability], float | None]:
-    return lambda study: getattr(study.all_samples, name)
 
 
 def _of_bolts(rows: SampleRows, forms: Bools) -> Iterator[Notice]:
