@@ -5,6 +5,7 @@ import inspect
 import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -146,6 +147,7 @@ def test_what_is_said(call, said) -> None:
 OF_A_DESIGN: dict[str, Callable[[Any], Any]] = {
     "run": sk.run, "analyse": sk.analyse, "check": sk.check,
     "support": lambda design: sk.support(design, 1.6, acts="active"),
+    "evaluate": lambda design: SimpleNamespace(line=str(sk.evaluate(design, {"slope.height": [20]}).limit.factor)),
     "sweep": lambda design: sk.sweep(design, {"slope.height": [20]}),
     "solve": lambda design: sk.solve(design, "slope.height", fos=1.5),
     "tornado": lambda design: sk.tornado(design, {"slope.height": "20:21"}),

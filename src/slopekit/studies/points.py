@@ -232,7 +232,7 @@ def said_at(
     where : the place of a point by its number, in words
     besides : what is said of the design already
 
-    >>> there = Point(Factors("slides_on_J1", 1.0, None, None, None, None, False, True, notes=(Notice("W310", "so"),)))
+    >>> there = Point(Factors("slides_on_J1", 1.0, None, None, None, None, False, notes=(Notice("W310", "so"),)))
     >>> [str(notice) for notice in said_at([Point(None, "E203", "no"), there], "at c = {}".format)]
     ['W310 1 of 2 points, at c = 1: so']
     """

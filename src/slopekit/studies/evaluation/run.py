@@ -13,7 +13,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from slopekit.core.errors import DesignError, Fault, Faults
-from slopekit.core.options import DESIGN
+from slopekit.core.options import DESIGN, Option, documented
 from slopekit.core.taken import wrong_kind
 from slopekit.design.reading.files import design_from
 from slopekit.studies.evaluation.columns import ColumnRows
@@ -23,10 +23,16 @@ from slopekit.studies.outcomes import Outcomes
 from slopekit.studies.protocol import DESK, ClosedFormAlone, Jobs, Scheduler, Workplace
 from slopekit.studies.running import checked_crew
 
+_COLUMNS = Option(
+    'Values by the path of a number, {"joints.J1.plane.dip": [44, 45], "water.fill": 0.5}: n of each or one for all '
+    "rows, in the unit of bare numbers or texts with theirs; or a data frame with such columns."
+)
 
+
+@documented
 def evaluate(
     design: Annotated[Any, DESIGN],
-    columns: Any,
+    columns: Annotated[Any, _COLUMNS],
     *,
     closed_form: ClosedFormAlone = False,
     jobs: Jobs = 1,
@@ -34,13 +40,6 @@ def evaluate(
     desk: Workplace = DESK,
 ) -> Outcomes:
     """Both methods for n designs: one with other numbers in each row.
-
-    Parameters
-    ----------
-    design : a path, the same as a dict, or what `load` has read
-    columns : values by the path of a number, {"joints.J1.plane.dip": [44, 45], "water.fill": 0.5}, n of each or one for
-        all rows, in the unit of bare numbers or as texts with theirs; or a data frame with such columns
-    closed_form : the closed form alone, quick
 
     Returns
     -------
