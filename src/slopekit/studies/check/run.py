@@ -10,6 +10,7 @@
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import accumulate, pairwise
 from operator import attrgetter
 from typing import Any, ClassVar
 
@@ -17,7 +18,7 @@ from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import Notice
 from slopekit.core.sheet import Column
 from slopekit.kinds import kind_of, with_all_said
-from slopekit.kinds.single_block.ladders import Ladder, Rung
+from slopekit.kinds.single_block.ladders import NEAR_STRENGTH, Ladder, Rung
 from slopekit.preie.motion.balance import Balance
 from slopekit.preie.tolerances import PASSES_SETTLED
 from slopekit.result import Result
@@ -215,6 +216,8 @@ def _findings(result: Result, ladder: tuple[Rung, ...], evidence: Ladder) -> Ite
             words = "with its strength changed another limit state is found: the factor is not unique"
         yield Finding("other strengths", off if all(others) else None, design.analysis.agree_within,
                       bool(all(others)) and off <= design.analysis.agree_within, words)  # fmt: skip
+    if evidence.neighbours:
+        yield _neighbours(fos.limit, evidence.neighbours, design.analysis.agree_within)
     yield from _stiffness(result, fos.limit, [rung for rung in ladder if rung.method == "stiffness"])
     if fos.static_bound is None:
         yield Finding("upper bound", None, None, None, "not found: nothing is said of limit <= bound")
@@ -259,7 +262,10 @@ def _convergence(result: Result, ladder: tuple[Rung, ...], unrefined: str) -> Fi
     limit, last, other = result.fos.limit, finest.factor, before.factor
     if not limit or not last or not other:
         return Finding(name, None, None, False, "a mesh gave no factor to compare with")
-    off = max(abs(limit / last - 1.0), abs(other / last - 1.0))
+    # what changed by little on coarse meshes may not change by more on finer ones
+    steps = [abs((b.factor or 0.0) / (a.factor or 1.0) - 1.0) for a, b in pairwise(meshes)]
+    flips = [step for step, least in zip(steps, accumulate(steps, min), strict=True) if least <= within]
+    off = max(abs(limit / last - 1.0), abs(other / last - 1.0), *flips)
     if off > within:
         words = "finer ones change the factor: it is not settled"
     elif off < _EXACT:
@@ -267,6 +273,19 @@ def _convergence(result: Result, ladder: tuple[Rung, ...], unrefined: str) -> Fi
     else:
         words = "how far the limit and the last two meshes lie apart"
     return Finding(name, off, within, off <= within, words)
+
+
+def _neighbours(limit: float, near: Sequence[float | None], within: float) -> Finding:
+    """Whether the limit stays between those of strengths a little lower and higher, as scaling has it."""
+    factors, percent = [factor for factor in near if factor], f"{NEAR_STRENGTH:.0%}"
+    off = max((max(abs(factor / limit - 1.0) - NEAR_STRENGTH, 0.0) for factor in factors), default=0.0)
+    met = len(factors) == len(near) and off <= within
+    words = f"what {percent} of strength, of one joint, moves the limit by beyond {percent}"
+    if not met:
+        ends = f"{min(limit, *factors):.4g} to {max(limit, *factors):.4g}"
+        none = "" if len(factors) == len(near) else ", or none,"
+        words = f"{ends}{none} with {percent} more or less strength of one joint: two limit states, take the lower"
+    return Finding("neighbours", off, within, met, words)
 
 
 def _stiffness(result: Result, limit: float, rungs: Sequence[Rung]) -> Iterator[Finding]:
