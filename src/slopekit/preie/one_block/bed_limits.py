@@ -421,7 +421,9 @@ def _run(springs: BedSprings, blocks: Ints, bases: Bases, velocity: Floats, poin
         slopes = np.concatenate([at.by_slip @ some[0], at.by_opening @ some[1]], axis=2)
         speed = np.concatenate([x[:, :free], np.zeros((len(x), size + 1 - free))], axis=1)
         off = 0.5 * ((speed * speed).sum(axis=1) - 1.0)
-        small = NO_FORCE * np.maximum(1.0, np.abs(lam))
+        # what wedges a block in may push far more than its load
+        pushes = (np.abs(at.by_opening) @ np.abs(w)[:, :, None]).max(axis=(1, 2))
+        small = NO_FORCE * np.maximum(np.maximum(1.0, np.abs(lam)), pushes)
         return np.concatenate([at.out, off[:, None]], axis=1), bordered(slopes, at.by_reduction, speed), small
 
     return solve_rows(equations, start, _RUNNING)
