@@ -155,10 +155,15 @@ def _others(result: Result, made: Cut) -> Iterator[float | None]:
 
 
 def _neighbours(scene: ContactModel, made: Cut) -> Iterator[float | None]:
-    """Yield factors with the strength of one joint a little changed; of the last it is as if all others were."""
-    if scene.bedding is None or scene.model.lines is not None:
+    """Yield factors with the strength of one joint a little changed; of the last it is as if all others were.
+
+    None of a block that presses on the whole of its joints, which has no path.
+    """
+    bedding = scene.bedding
+    if bedding is None or scene.model.lines is not None:
         return
-    for key in sorted(scene.bedding.polygons)[:-1]:
+    has_path = flat_limit(scene.model, bedding.polygons, bedding.centroid).bed is not None
+    for key in sorted(bedding.polygons)[:-1] if has_path else ():
         for k in (1.0 - NEAR_STRENGTH, 1.0 + NEAR_STRENGTH):
             say("strength of one joint, divided by", k, head=True)
             yield _factor(made, partial(_reduced, k, key=key))

@@ -264,7 +264,7 @@ def _convergence(result: Result, ladder: tuple[Rung, ...], unrefined: str) -> Fi
         return Finding(name, None, None, False, "a mesh gave no factor to compare with")
     # what changed by little on coarse meshes may not change by more on finer ones
     steps = [abs((b.factor or 0.0) / (a.factor or 1.0) - 1.0) for a, b in pairwise(meshes)]
-    flips = [step for step, least in zip(steps, accumulate(steps, min), strict=True) if least <= within]
+    flips = [step for step, least in zip(steps, accumulate(steps, min), strict=True) if least <= within < step]
     off = max(abs(limit / last - 1.0), abs(other / last - 1.0), *flips)
     if off > within:
         words = "finer ones change the factor: it is not settled"
