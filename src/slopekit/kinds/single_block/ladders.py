@@ -166,7 +166,7 @@ def _neighbours(scene: ContactModel, made: Cut) -> Iterator[float | None]:
     for key in sorted(bedding.polygons)[:-1] if has_path else ():
         for k in (1.0 - NEAR_STRENGTH, 1.0 + NEAR_STRENGTH):
             say("strength of one joint, divided by", k, head=True)
-            yield _factor(made, partial(_reduced, k, key=key))
+            yield _factor(made, partial(_joint_reduced, key, k))
 
 
 def _factor(made: Cut, changed: Callable[[Model], Model]) -> float | None:
@@ -175,14 +175,22 @@ def _factor(made: Cut, changed: Callable[[Model], Model]) -> float | None:
     return limit.factor if limit.factor and limit.outcome is not Outcome.NOT_CONVERGED else None
 
 
-def _reduced(k: float, model: Model, key: int | None = None) -> Model:
-    """Return a model with the strength of all joints and bolts divided by k, or of one straight joint."""
-    by = k if key is None else np.where(model.interface == key, k, 1.0)
-    less = replace(model, cohesion=model.cohesion / by, tan_friction=model.tan_friction / by)
-    if key is not None:
-        return less
+def _reduced(k: float, model: Model) -> Model:
+    """Return a model with the strength of all joints and bolts divided by k."""
     lines = None if model.lines is None else model.lines.reduced(k)
-    return replace(less, bolt_capacity=model.bolt_capacity / k, lines=lines)
+    return replace(
+        model,
+        cohesion=model.cohesion / k,
+        tan_friction=model.tan_friction / k,
+        bolt_capacity=model.bolt_capacity / k,
+        lines=lines,
+    )
+
+
+def _joint_reduced(key: int, k: float, model: Model) -> Model:
+    """Return a model with the strength of one joint divided by k."""
+    by = np.where(model.interface == key, k, 1.0)
+    return replace(model, cohesion=model.cohesion / by, tan_friction=model.tan_friction / by)
 
 
 def _scene_with(scene: ContactModel, changed: Callable[[Model], Model]) -> ContactModel:

@@ -323,22 +323,21 @@ def _parallel_note(design: WedgeDesign, apart: float) -> str:
         sizes = math.sqrt(float(line @ line) * float(other @ other))
         if sizes > 0.0:
             moved = max(moved, math.degrees(math.acos(min(1.0, abs(float(line @ other)) / sizes))))
-    less, more = factors = [_turned_limit(design, turn) for turn in (-_TURN_DEG, _TURN_DEG)]
-    shown = " or ".join("none" if factor is None else f"{factor:.4g}" for factor in factors)
-    settled = less and more and abs(more / less - 1.0) <= design.analysis.agree_within
+    less, more = (_turned_limit(design, turn) for turn in (-_TURN_DEG, _TURN_DEG))
+    settled = less > 0.0 and abs(more - less) <= design.analysis.agree_within * less
     return (
         f"J1 and J2 are only {apart:.3g}° apart: one degree on J1 moves the line of intersection by up to {moved:.0f}°"
-        f", and with {_TURN_DEG:g}° less or more dip of J1 the factor of safety is {shown}"
+        f", and with {_TURN_DEG:g}° less or more dip of J1 the factor of safety is {less:.4g} or {more:.4g}"
         + ("" if settled else ": it is not settled by the digits of the planes")
     )
 
 
-def _turned_limit(design: WedgeDesign, turn: float) -> float | None:
-    """The limit with the dip of J1 changed by so much (°), None without one."""
+def _turned_limit(design: WedgeDesign, turn: float) -> float:
+    """The limit with the dip of J1 changed by so much (°), 0 without one."""
     first = replace(design.joints[0], dip_deg=min(max(design.joints[0].dip_deg + turn, 0.0), 90.0))
     with suppress(GeometryError):
-        return find_limit(cut(replace(design, joints=(first, *design.joints[1:]))), Clock()).limit.factor or None
-    return None
+        return find_limit(cut(replace(design, joints=(first, *design.joints[1:]))), Clock()).limit.factor or 0.0
+    return 0.0
 
 
 def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:

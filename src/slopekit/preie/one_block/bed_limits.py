@@ -156,8 +156,13 @@ def running_limits(beds: Beds, slides: Floats, splits: tuple[int, ...] = SPLITS)
 
 
 def follow_paths(
-    beds: Beds, found: BedLimits, guess: Floats, ends: Floats, splits: tuple[int, ...] = SPLITS, along: int = COARSE
-) -> None:  # fmt: skip
+    beds: Beds,
+    found: BedLimits,
+    guess: Floats,
+    ends: Floats,
+    splits: tuple[int, ...] = SPLITS,
+    along: int = COARSE,
+) -> None:
     """Note the limits that blocks have on their paths (stages 3 and 4).
 
     Parameters

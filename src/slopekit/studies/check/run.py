@@ -216,8 +216,8 @@ def _findings(result: Result, ladder: tuple[Rung, ...], evidence: Ladder) -> Ite
             words = "with its strength changed another limit state is found: the factor is not unique"
         yield Finding("other strengths", off if all(others) else None, design.analysis.agree_within,
                       bool(all(others)) and off <= design.analysis.agree_within, words)  # fmt: skip
-    if evidence.neighbours:
-        yield _neighbours(fos.limit, evidence.neighbours, design.analysis.agree_within)
+    if near := evidence.neighbours:
+        yield _neighbours(fos.limit, near, design.analysis.agree_within)
     yield from _stiffness(result, fos.limit, [rung for rung in ladder if rung.method == "stiffness"])
     if fos.static_bound is None:
         yield Finding("upper bound", None, None, None, "not found: nothing is said of limit <= bound")
@@ -264,7 +264,7 @@ def _convergence(result: Result, ladder: tuple[Rung, ...], unrefined: str) -> Fi
         return Finding(name, None, None, False, "a mesh gave no factor to compare with")
     # what changed by little on coarse meshes may not change by more on finer ones
     steps = [abs((b.factor or 0.0) / (a.factor or 1.0) - 1.0) for a, b in pairwise(meshes)]
-    flips = [step for step, least in zip(steps, accumulate(steps, min), strict=True) if least <= within < step]
+    flips = (step for step, least in zip(steps, accumulate(steps, min), strict=True) if least <= within < step)
     off = max(abs(limit / last - 1.0), abs(other / last - 1.0), *flips)
     if off > within:
         words = "finer ones change the factor: it is not settled"
@@ -277,14 +277,13 @@ def _convergence(result: Result, ladder: tuple[Rung, ...], unrefined: str) -> Fi
 
 def _neighbours(limit: float, near: Sequence[float | None], within: float) -> Finding:
     """Whether the limit stays between those of strengths a little lower and higher, as scaling has it."""
-    factors, percent = [factor for factor in near if factor], f"{NEAR_STRENGTH:.0%}"
-    off = max((max(abs(factor / limit - 1.0) - NEAR_STRENGTH, 0.0) for factor in factors), default=0.0)
-    met = len(factors) == len(near) and off <= within
-    words = f"what {percent} of strength, of one joint, moves the limit by beyond {percent}"
-    if not met:
-        ends = f"{min(limit, *factors):.4g} to {max(limit, *factors):.4g}"
-        none = "" if len(factors) == len(near) else ", or none,"
-        words = f"{ends}{none} with {percent} more or less strength of one joint: two limit states, take the lower"
+    ends = min(limit, *(factor or 0.0 for factor in near)), max(limit, *(factor or 0.0 for factor in near))
+    off = max(1.0 - ends[0] / limit, ends[1] / limit - 1.0, NEAR_STRENGTH) - NEAR_STRENGTH
+    met, percent = off <= within, f"{NEAR_STRENGTH:.0%}"
+    words = (
+        f"{ends[0]:.4g} to {ends[1]:.4g} with {percent} more or less strength of one joint, how far beyond {percent}"
+    )
+    words += "" if met else ": two limit states, take the lower"
     return Finding("neighbours", off, within, met, words)
 
 
