@@ -30,7 +30,8 @@ ONE_PLANE = {"dips": ("40/160", "80/220"), "face": "65/180", "upper": "0/180", "
              "unit_weight": 26}  # fmt: skip
 # code, inputs of a wedge, what the notice says
 OF_A_WEDGE = [
-    ("W301", {"dips": ("45/178", "45/182")}, "J1 and J2"),
+    ("W301", {"dips": ("45/178", "45/182")}, "less or more dip of J1 the factor of safety is 0.5794 or 0.5791"),
+    ("W301", {"dips": ("45/178", "45.3/178.4"), "water": "full"}, "it is not settled by the digits of the planes"),
     ("W302", {"unit_weight": 100}, "a unit weight of 100 kN/m³ is not that of rock"),
     ("W307", ONE_PLANE, "J2 has lost contact"),
     ("W308", {"c": 0, "phi": 0}, "the joints have no strength"),

@@ -11,7 +11,7 @@ from benchmarks.moments import beside, has_passive_bolts, lower_of_both
 from benchmarks.wedge_paths import as_assembly
 from slopekit.geometry.interfaces import BEDROCK, NodePairs, node_pairs
 from slopekit.geometry.rock.rockmass import J1, J2
-from slopekit.kinds import cut, wedge
+from slopekit.kinds import cut, factors_of, wedge
 from slopekit.kinds.single_block.one_block_limit import FoundLimit, moment_limit
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import Loads
@@ -23,6 +23,7 @@ from slopekit.preie.one_block.polygon_bed import Beds, BedSprings, Unbalanced, e
 from slopekit.preie.system.model import JointStrength, build_model
 from slopekit.result import Result
 from tests.preie.cracked_oracle import Block, springs_on
+from tests.properties.test_not_unique import two_paths
 from tests.support import random_wedge
 
 WIDTH, WEIGHT = 8.0, 2400.0  # m, kN per metre of dam
@@ -380,3 +381,25 @@ def test_no_turn_of_a_path_lies_between_two_of_its_points() -> None:
     found = flat_limit(scene.model, scene.bedding.polygons, scene.bedding.centroid)
     many = limit_of_blocks(as_assembly(scene), ranged=False)
     assert found.factor == pytest.approx(many.factor, rel=0.01)
+
+
+def test_a_path_that_passes_close_to_another_keeps_to_itself() -> None:
+    """Two paths cross where φ of J1 is 20.658°: below it the block comes past there, above it the limit is there.
+
+    0.5318 to 0.4766 were jumped between in steps of 0.02° on both sides. Against strength that goes down in steps of
+    2e-2 to 1e-5 from rest to rest, on triangles split 64 times: 0.53230, 0.47804, 0.47676, 0.47585 (finer: 0.47365).
+    """
+    angles, expected = (20.64, 20.68, 20.7, 20.72, 20.8), (0.53230, 0.47804, 0.47676, 0.47585, 0.47365)
+    assert [factors_of(sk.load(two_paths(phi))).limit for phi in angles] == pytest.approx(expected, rel=3e-4)
+
+
+@pytest.mark.slow
+def test_both_paths_are_those_of_springs() -> None:
+    """Within what 1,500 springs a joint leave of the limit; near the crossing they may take either path."""
+    for phi in (20.6, 21.0):
+        design = sk.load(two_paths(phi))
+        made = cut(design)
+        faces = [made.block.faces[joint] for joint in (J1, J2)]
+        springs = springs_on(faces, (20.0, 30.0), np.tan(np.radians([phi, 33.0])), made.block.centroid, 1500)
+        bracket = Block(springs, made.loads.force, made.loads.moment).factor(0.5)
+        assert abs(beside(factors_of(design).limit, bracket)) < 2e-3

@@ -66,6 +66,17 @@ BENCH = {
 }  # fmt: skip
 
 
+def two_paths(phi: float) -> changes.Design:
+    """A wedge of which two paths of the bed cross where φ of J1 is 20.658°, at a factor of 0.481."""
+    return {
+        "slopekit": 1, "kind": "wedge", "slope": {"face": "68/178", "upper": "8/178", "height": 28},
+        "joints": {"J1": {"plane": "48/124", "strength": "a"}, "J2": {"plane": "61/231", "strength": "b"}},
+        "crack": {"plane": "85/178", "distance": 6}, "rock": {"unit_weight": 26},
+        "strength": {"a": {"c": 20, "phi": phi}, "b": {"c": 30, "phi": 33}},
+        "water": {"mode": "table", "depth": 1.894737}, "loads": {"surcharge": 20},
+    }  # fmt: skip
+
+
 GOODMAN_BRAY = {
     "slopekit": 1, "kind": "topple",
     "columns": {"dip": 60, "width": 10, "base_step": 1,

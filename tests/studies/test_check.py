@@ -17,7 +17,7 @@ from slopekit.kinds.single_block.ladders import Rung, timed
 from slopekit.preie.elastic_path.rests import JUST
 from slopekit.studies.check import Check, Finding, check
 from tests.closed_form.scalar_wedge import hoek_bray_wedge
-from tests.properties.test_not_unique import BONDED_ROW, ROUGH_COLUMNS, TWO_BLOCKS
+from tests.properties.test_not_unique import BONDED_ROW, ROUGH_COLUMNS, TWO_BLOCKS, two_paths
 
 ONE_PLANE = {
     "slopekit": 1, "kind": "wedge", "slope": {"face": "65/180", "upper": "0/180", "height": 10},
@@ -47,6 +47,19 @@ def finding(found: Check, name: str) -> Finding:
 
 def rungs(found: Check, method: str) -> list[tuple[Rung, float | None]]:
     return [(rung, error) for rung, error in zip(found.ladder, found.errors, strict=True) if rung.method == method]
+
+
+@pytest.mark.parametrize(("phi", "consistent"), [(20.6, False), (20.7, False), (21.2, True)])
+def test_two_limit_states_close_together_are_not_consistent(phi, consistent) -> None:
+    """1 % of the strength of one joint moves the limit by 12 % where two paths of the bed cross."""
+    found = check(sk.load(two_paths(phi)))
+    assert found.consistent is finding(found, "neighbours").met is consistent
+
+
+def test_meshes_that_flip_are_not_consistent(monkeypatch) -> None:
+    """The last two agree, but finer ones have moved the limit by more than coarser ones did."""
+    monkeypatch.setattr(ladders, "_split_factor", lambda _, level: 0.53 if level < 2 else 0.4712)
+    assert finding(check(sk.load(two_paths(21.2))), "node pairs").met is False
 
 
 def test_the_paper_wedge() -> None:

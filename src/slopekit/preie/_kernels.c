@@ -1309,10 +1309,11 @@ static double on_plane(Polygons *p, const Sought *s, const double *x, double *ou
     return reduction;
 }
 
-/* Solves a small system by elimination with pivots; 0 where it is singular. */
+/* Solves a small system by elimination with pivots; returns the sign of its determinant, 0 where it is singular. */
 static int eliminated(const double *from, const double *right, whole n, double *x)
 {
     double a[7][7];
+    int sign = 1;
     for (whole i = 0; i < n; i++) {
         memcpy(a[i], from + i * n, n * sizeof(double));
         x[i] = right[i];
@@ -1328,6 +1329,7 @@ static int eliminated(const double *from, const double *right, whole n, double *
         }
         double right_kept = x[k];
         x[k] = x[best], x[best] = right_kept;
+        if ((best != k) != (a[k][k] < 0.0)) sign = -sign;
         for (whole i = k + 1; i < n; i++) {
             double part = a[i][k] / a[k][k];
             for (whole j = k + 1; j < n; j++) a[i][j] -= part * a[k][j];
@@ -1338,7 +1340,7 @@ static int eliminated(const double *from, const double *right, whole n, double *
         for (whole j = k + 1; j < n; j++) x[k] -= a[k][j] * x[j];
         x[k] /= a[k][k];
     }
-    return 1;
+    return sign;
 }
 
 /* Newton's method of one block from x, which becomes what it found: `newton_rows` and `damped_rows` of bed_path.py. */
@@ -1376,11 +1378,11 @@ static int found_balance(Polygons *p, const Sought *s, double *x, double *slopes
 }
 
 /* balanced(polygons, blocks, load, planes, offsets, scale, drag, held, sticks, (most, patience, farthest, shortest,
-   balanced), x, tangents, settled, used): x is where to start, and then what was found, with unit tangents across the
-   planes; drag and held may be empty */
+   balanced), x, tangents, sides, settled, used): x is where to start, and then what was found, with unit tangents across
+   the planes and the signs of the determinants; drag and held may be empty */
 static PyObject *balanced(PyObject *self, PyObject *const *a, Py_ssize_t n)
 {
-    if (!enough(n, 14)) return NULL;
+    if (!enough(n, 15)) return NULL;
     Polygons *p = PyCapsule_GetPointer(a[0], POLYGONS);
     if (!p) return NULL;
     const whole u = p->u, k = u + 1;
@@ -1398,8 +1400,9 @@ static PyObject *balanced(PyObject *self, PyObject *const *a, Py_ssize_t n)
     const double *held = FLOATS(a[7], dragged ? count * u : -1);
     const double *limits = FLOATS(a[9], 5);
     double *x = OUT(a[10], count * k), *tangents = OUT(a[11], count * k), slopes[49];
-    char *settled = OUT_BOOLS(a[12], count);
-    whole *evaluations = (whole *)OUT(a[13], count);
+    double *sides = OUT(a[12], count);
+    char *settled = OUT_BOOLS(a[13], count);
+    whole *evaluations = (whole *)OUT(a[14], count);
     for (whole r = 0; !failed && r < count; r++)
         if (blocks[r] < 0 || blocks[r] >= p->blocks) {
             PyErr_SetString(PyExc_ValueError, "there is no such block");
@@ -1419,7 +1422,8 @@ static PyObject *balanced(PyObject *self, PyObject *const *a, Py_ssize_t n)
         memcpy(x + r * k, at, k * sizeof(double));
         double ahead[7] = {0.0}, *tangent = tangents + r * k;
         ahead[u] = 1.0;
-        if (!eliminated(slopes, ahead, k, tangent)) memset(tangent, 0, k * sizeof(double));
+        sides[r] = eliminated(slopes, ahead, k, tangent);
+        if (sides[r] == 0.0) memset(tangent, 0, k * sizeof(double));
         double length = sqrt(dot(tangent, tangent, (int)k));
         for (whole i = 0; i < k; i++) tangent[i] /= length > 1e-300 ? length : 1e-300;
     }

@@ -10,6 +10,8 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
+import numpy as np
+
 from slopekit.core.onlooker import Clock, say
 from slopekit.kinds.protocol import ClosedForm, D
 from slopekit.kinds.single_block.one_block_limit import Cut, find_limit
@@ -31,6 +33,7 @@ METHODS = {
 _MOST_REFINED = 4
 MOST_PAIRS = 12_000  # node pairs of a finer mesh; beyond that the rung is left out
 OTHER_STRENGTH = 0.5  # strength divided by so much, and by the limit itself
+NEAR_STRENGTH = 0.01  # part by which the strength of one joint is made more and less
 _SHORT_S, _REPEATS = 0.05, 5  # what is shorter is measured so often, and the median taken
 _ONCE_S = 5.0  # what is longer is measured once; the first run of the others may load a library
 
@@ -70,6 +73,7 @@ class Ladder:
     unrefined : why there are no finer node pairs, empty where there are
     rest : the forces of all blocks held against the strength at which they last rest, where the limit is that of a
         group of them; None where all blocks are at theirs
+    neighbours : F with the strength of one joint changed by `NEAR_STRENGTH`, of each joint but the last
     """
 
     result: Result
@@ -77,6 +81,7 @@ class Ladder:
     others: tuple[float | None, ...] = ()
     unrefined: str = ""
     rest: Balance | None = None
+    neighbours: tuple[float | None, ...] = ()
 
 
 def timed(work: Callable[[], Any]) -> tuple[Any, float]:
@@ -113,7 +118,9 @@ def ladder_of_block(
     if scene.bedding is not None:
         alone, seconds = timed(partial(forces_limit, scene.model))
         rungs.append(Rung("forces alone", "no turning", len(scene.pairs), None, alone.factor, seconds))
-    return Ladder(result, (*rungs, *finer(design, result, made)), tuple(_others(result, made)))
+    rungs += finer(design, result, made)
+    near = tuple(_neighbours(scene, made))
+    return Ladder(result, tuple(rungs), tuple(_others(result, made)), neighbours=near)
 
 
 def meshes(_: object, result: Result, made: Cut) -> Iterator[Rung]:
@@ -141,32 +148,58 @@ def limit_rung(scene: ContactModel, analyse: Callable[[Model], LimitAnalysis], s
 
 
 def _others(result: Result, made: Cut) -> Iterator[float | None]:
-    scene = made.scene_at(made.refine)
     for k in (OTHER_STRENGTH, result.fos.limit or 1.0):
         say("other strengths, divided by", k, head=True)
-        limit = find_limit(replace(made, scene_at=partial(_reduced, scene, k)), Clock()).limit
-        yield k * limit.factor if limit.factor and limit.outcome is not Outcome.NOT_CONVERGED else None
+        factor = _factor(made, partial(_reduced, k))
+        yield None if factor is None else k * factor
 
 
-def _reduced(scene: ContactModel, k: float, _: int) -> ContactModel:
-    """Return the scene with the strength of all joints and bolts divided by k."""
+def _neighbours(scene: ContactModel, made: Cut) -> Iterator[float | None]:
+    """Yield factors with the strength of one joint a little changed; of the last it is as if all others were.
 
-    def weaker(model: Model) -> Model:
-        return replace(
-            model,
-            cohesion=model.cohesion / k,
-            tan_friction=model.tan_friction / k,
-            bolt_capacity=model.bolt_capacity / k,
-            lines=None if model.lines is None else model.lines.reduced(k),
-        )
-
+    None of a block that presses on the whole of its joints, which has no path.
+    """
     bedding = scene.bedding
-    if bedding is None:
-        return replace(scene, model=weaker(scene.model))
-    model_of = bedding.model_of
+    if bedding is None or scene.model.lines is not None:
+        return
+    has_path = flat_limit(scene.model, bedding.polygons, bedding.centroid).bed is not None
+    for key in sorted(bedding.polygons)[:-1] if has_path else ():
+        for k in (1.0 - NEAR_STRENGTH, 1.0 + NEAR_STRENGTH):
+            say("strength of one joint, divided by", k, head=True)
+            yield _factor(made, partial(_joint_reduced, key, k))
+
+
+def _factor(made: Cut, changed: Callable[[Model], Model]) -> float | None:
+    """Return the factor of a block whose model is changed."""
+    limit = find_limit(replace(made, scene_at=lambda level: _scene_with(made.scene_at(level), changed)), Clock()).limit
+    return limit.factor if limit.factor and limit.outcome is not Outcome.NOT_CONVERGED else None
+
+
+def _reduced(k: float, model: Model) -> Model:
+    """Return a model with the strength of all joints and bolts divided by k."""
+    lines = None if model.lines is None else model.lines.reduced(k)
     return replace(
-        scene, model=weaker(scene.model), bedding=replace(bedding, model_of=lambda pairs: weaker(model_of(pairs)))
+        model,
+        cohesion=model.cohesion / k,
+        tan_friction=model.tan_friction / k,
+        bolt_capacity=model.bolt_capacity / k,
+        lines=lines,
     )
+
+
+def _joint_reduced(key: int, k: float, model: Model) -> Model:
+    """Return a model with the strength of one joint divided by k."""
+    by = np.where(model.interface == key, k, 1.0)
+    return replace(model, cohesion=model.cohesion / by, tan_friction=model.tan_friction / by)
+
+
+def _scene_with(scene: ContactModel, changed: Callable[[Model], Model]) -> ContactModel:
+    """Return a scene whose model is changed, on whatever node pairs."""
+    bedding = scene.bedding
+    if bedding is not None:
+        model_of = bedding.model_of
+        bedding = replace(bedding, model_of=lambda pairs: changed(model_of(pairs)))
+    return replace(scene, model=changed(scene.model), bedding=bedding)
 
 
 def often(count: int) -> str:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
 from slopekit.core.arrays import Floats, cross
 from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
+from slopekit.core.onlooker import Clock
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.sheet import Section
 from slopekit.design.parts import Strength, Water
@@ -28,6 +30,7 @@ from slopekit.kinds.single_block.closed_forms import (
 )
 from slopekit.kinds.single_block.held_bolts import NEARLY_PARALLEL_DEG, Bounds, bounds_of, upward
 from slopekit.kinds.single_block.one_block import DILATES, kind_of_one_block, other_strengths
+from slopekit.kinds.single_block.one_block_limit import find_limit
 from slopekit.kinds.wedge import limits
 from slopekit.kinds.wedge.cutting import JOINTS, cut, full_water, height_of, rock_mass, shape_of, size_scale
 from slopekit.kinds.wedge.design import WedgeDesign, read_wedge
@@ -41,6 +44,7 @@ from slopekit.kinds.words import (
 )
 from slopekit.result import Result, Words
 
+_TURN_DEG = 0.1  # of a nearly parallel joint: as well as a compass and a survey know it
 _ON = 1e-12  # of the size of a wedge: its crest is on the crack
 _PRESSURES = ("pressure1", "pressure2", "pressure3", "pressure5")
 
@@ -308,7 +312,7 @@ def _without_basal(design: WedgeDesign) -> WithoutBasal | None:
 
 
 def _parallel_note(design: WedgeDesign, apart: float) -> str:
-    """How far one degree of one joint moves the line of intersection."""
+    """How far one degree of one joint moves the line of intersection, and what a tenth of one makes of the factor."""
     first, second = design.joints
     normals = second.normal()
     line = np.cross(first.normal(), normals)
@@ -318,9 +322,21 @@ def _parallel_note(design: WedgeDesign, apart: float) -> str:
         sizes = math.sqrt(float(line @ line) * float(other @ other))
         if sizes > 0.0:
             moved = max(moved, math.degrees(math.acos(min(1.0, abs(float(line @ other)) / sizes))))
+    less, more = (_turned_limit(design, turn) for turn in (-_TURN_DEG, _TURN_DEG))
+    settled = less > 0.0 and abs(more - less) <= design.analysis.agree_within * less
     return (
         f"J1 and J2 are only {apart:.3g}° apart: one degree on J1 moves the line of intersection by up to {moved:.0f}°"
+        f", and with {_TURN_DEG:g}° less or more dip of J1 the factor of safety is {less:.4g} or {more:.4g}"
+        + ("" if settled else ": it is not settled by the digits of the planes")
     )
+
+
+def _turned_limit(design: WedgeDesign, turn: float) -> float:
+    """The limit with the dip of J1 changed by so much (°), 0 without one."""
+    first = replace(design.joints[0], dip_deg=min(max(design.joints[0].dip_deg + turn, 0.0), 90.0))
+    with suppress(GeometryError):
+        return find_limit(cut(replace(design, joints=(first, *design.joints[1:]))), Clock()).limit.factor or 0.0
+    return 0.0
 
 
 def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:

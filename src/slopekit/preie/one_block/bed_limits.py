@@ -117,7 +117,7 @@ class BedLimits:
         self.displacement[blocks], self.velocity[blocks] = points[:, :-1], units(velocity)
 
 
-def bed_limits(beds: Beds, slides: Floats, splits: tuple[int, ...] = SPLITS) -> BedLimits:
+def bed_limits(beds: Beds, slides: Floats, splits: tuple[int, ...] = SPLITS, along: int = COARSE) -> BedLimits:
     """Return the limits of some blocks on their beds.
 
     Parameters
@@ -125,9 +125,10 @@ def bed_limits(beds: Beds, slides: Floats, splits: tuple[int, ...] = SPLITS) -> 
     slides : (n, u + 1) of their forces alone: velocity of length one without turning, none where it is not known, and
         λ = 1/F, or a guess of about the right size; a block is left alone where that is not a number
     splits : of the triangles on which limits are settled; the next where it changes one by more than `FINER_PRESSED`
+    along : split of the triangles along paths
     """
     found, ends = running_limits(beds, slides, splits)
-    follow_paths(beds, found, slides[:, -1], ends, splits)
+    follow_paths(beds, found, slides[:, -1], ends, splits, along)
     return found
 
 
@@ -154,7 +155,14 @@ def running_limits(beds: Beds, slides: Floats, splits: tuple[int, ...] = SPLITS)
     return found, ends
 
 
-def follow_paths(beds: Beds, found: BedLimits, guess: Floats, ends: Floats, splits: tuple[int, ...] = SPLITS) -> None:
+def follow_paths(
+    beds: Beds,
+    found: BedLimits,
+    guess: Floats,
+    ends: Floats,
+    splits: tuple[int, ...] = SPLITS,
+    along: int = COARSE,
+) -> None:
     """Note the limits that blocks have on their paths (stages 3 and 4).
 
     Parameters
@@ -164,15 +172,15 @@ def follow_paths(beds: Beds, found: BedLimits, guess: Floats, ends: Floats, spli
     """
     blocks = np.flatnonzero(~np.isnan(ends))
     if len(blocks):
-        _Limits(beds, splits, found).along_paths(blocks, guess[blocks], ends[blocks])
+        _Limits(beds, splits, found, along).along_paths(blocks, guess[blocks], ends[blocks])
 
 
 class _Limits:
     """The stages, and what they found."""
 
-    def __init__(self, beds: Beds, splits: Sequence[int], found: BedLimits) -> None:
+    def __init__(self, beds: Beds, splits: Sequence[int], found: BedLimits, along: int = COARSE) -> None:
         self.beds, self.found = beds, found
-        self.whole, self.coarse = BedSprings(beds, 1), BedPath(BedSprings(beds, COARSE), ROUGHLY_SETTLED)
+        self.whole, self.coarse = BedSprings(beds, 1), BedPath(BedSprings(beds, along), ROUGHLY_SETTLED)
         self.finer = [BedPath(BedSprings(beds, split)) for split in splits]
 
     def gaps(self, blocks: Ints, opening: Floats, extreme: np.ufunc) -> Floats:
@@ -314,7 +322,7 @@ class _Limits:
         path.turns &= ~is_far | (path.point[:, -1] - path.lowest[:, -1] > POLISHED)  # else it is level
         turns = np.flatnonzero(path.turns)
         for fine in self.finer:
-            at, along = fine.settle(blocks[turns], lowest[turns], path.heading[turns])
+            at, along = fine.settle(blocks[turns], lowest[turns], path.heading[turns], path.side[turns])
             known = np.isfinite(at[:, -1])
             lowest[turns[known]], tangent[turns[known]] = at[known], along[known]
             turns = self.checked(fine, blocks, turns, lowest, tangent)
@@ -324,7 +332,7 @@ class _Limits:
         creeps = is_left & is_far & ~path.turns
         rows = np.flatnonzero(creeps)
         lowest[rows], tangent[rows] = path.point[rows], path.tangent[rows]  # as low, and nearer to where it is left
-        self.found.split[blocks[rows]] = COARSE  # where no finer triangles balance
+        self.found.split[blocks[rows]] = self.coarse.springs.split  # where no finer triangles balance
         for fine in self.finer:
             landed = _land(fine, blocks, rows, elastic, lowest, tangent)
             rows = self.checked(fine, blocks, rows[landed], lowest, tangent)
@@ -343,7 +351,7 @@ class _Limits:
         for _ in range(_MOST_LOWERED):
             lost = np.flatnonzero(path.outcome >= PathEnd.BACK)
             turns = lost[path.turns[lost]]
-            at, _ = self.coarse.settle(blocks[turns], path.lowest[turns], path.heading[turns])
+            at, _ = self.coarse.settle(blocks[turns], path.lowest[turns], path.heading[turns], path.side[turns])
             path.lowest[turns] = np.where(np.isfinite(at[:, -1:]), at, path.lowest[turns])
             rest, lower = self.coarse.lower(blocks[lost], path.lowest[lost], elastic[lost])
             goes_on = np.isfinite(lower)
@@ -417,7 +425,9 @@ def _run(springs: BedSprings, blocks: Ints, bases: Bases, velocity: Floats, poin
         slopes = np.concatenate([at.by_slip @ some[0], at.by_opening @ some[1]], axis=2)
         speed = np.concatenate([x[:, :free], np.zeros((len(x), size + 1 - free))], axis=1)
         off = 0.5 * ((speed * speed).sum(axis=1) - 1.0)
-        small = NO_FORCE * np.maximum(1.0, np.abs(lam))
+        # what wedges a block in may push far more than its load
+        pushes = (np.abs(at.by_opening) @ np.abs(w)[:, :, None]).max(axis=(1, 2))
+        small = NO_FORCE * np.maximum(np.maximum(1.0, np.abs(lam)), pushes)
         return np.concatenate([at.out, off[:, None]], axis=1), bordered(slopes, at.by_reduction, speed), small
 
     return solve_rows(equations, start, _RUNNING)

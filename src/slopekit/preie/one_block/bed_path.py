@@ -67,6 +67,7 @@ class Roots:
     x : (n, k); settled : (n,) which of them were found; evaluations : (n,) of the equations
     slopes : (n, k, k) there, where NumPy solved them
     tangent : (n, k) unit tangents of the paths through points on planes, the way these look
+    side : (n,) signs of the determinants of the slopes there: of one on each path that does not turn back
     """
 
     x: Floats
@@ -74,13 +75,16 @@ class Roots:
     evaluations: Ints
     slopes: Floats
     tangent: Floats
+    side: Floats
 
     @classmethod
     def none(cls, start: Floats) -> "Roots":
         """Return roots at their start, none of which was found yet."""
         count, size = start.shape
         settled, evaluations = np.zeros(count, dtype=bool), np.zeros(count, dtype=np.int64)
-        return cls(start.copy(), settled, evaluations, np.zeros((count, size, size)), np.zeros_like(start))
+        return cls(
+            start.copy(), settled, evaluations, np.zeros((count, size, size)), np.zeros_like(start), np.zeros(count)
+        )
 
 
 def solve_rows(equations: Equations, start: Floats, effort: Effort) -> Roots:
@@ -161,7 +165,7 @@ class Paths:
     point : (n, u + 1) u and ln λ; tangent : (n, u + 1) unit vectors in (u / |u|, ln λ)
     length : (n,) of the next step
     lowest : (n, u + 1) u and ln λ where that is least; turns : (n,) whether λ rises again behind it
-    heading : (n, u) unit direction of u there
+    heading : (n, u) direction of u there, half-way between those at both ends of a step, and as long as the step
     early : (n,) the least ln λ within `EARLY` elastic displacements; steps : (n,)
     outcome : (n,) `PathEnd`, -1 on the way
     """
@@ -169,6 +173,7 @@ class Paths:
     rows: Ints
     point: Floats
     tangent: Floats
+    side: Floats
     length: Floats
     lowest: Floats
     turns: Bools
@@ -229,13 +234,14 @@ class BedPath:
             along = np.zeros_like(start)
             along[:, -1] = 1.0
             roots.tangent[roots.settled] = units(solved(roots.slopes[roots.settled], along[roots.settled]))
+            roots.side[:] = np.sign(np.linalg.det(roots.slopes))
             return roots
         roots, limits = Roots.none(start), np.array([*effort, self.balanced])
         drags = (_NONE, _NONE) if drag is None else (drag, held)
         plain = map(np.ascontiguousarray, (planes, offsets, scale, *drags))
         springs.kernels.balanced(
-            springs.polygons, blocks, springs.beds.load, *plain, sticks, limits, roots.x, roots.tangent, roots.settled,
-            roots.evaluations,
+            springs.polygons, blocks, springs.beds.load, *plain, sticks, limits, roots.x, roots.tangent, roots.side,
+            roots.settled, roots.evaluations,
         )  # fmt: skip
         return roots
 
@@ -321,6 +327,7 @@ class BedPath:
             rows=np.arange(count),
             point=point,
             tangent=begun.tangent,
+            side=begun.side,
             length=np.full(count, _FIRST),
             lowest=point.copy(),
             turns=np.zeros(count, dtype=bool),
@@ -346,13 +353,16 @@ class BedPath:
         before_slope, slope, change = tangent[:, -1], after[:, -1], found.x[:, -1] - before[:, -1]
         # between two points λ did what its slopes at them do not make: it may have turned
         strays = np.abs(change - 0.5 * along * (before_slope + slope)) > _MISSED * along
-        good = found.settled & ~(strays & (along > _CORNER))
+        other = found.side != at.side  # another path, which passes close by
+        good = found.settled & ~((strays | other) & (along > _CORNER))
+        at.side = np.where(good, found.side, at.side)
         at.point = np.where(good[:, None], on_scale(found.x, here), before)
         ln, scale = at.point[:, -1], lengths(at.point[:, :-1])
-        at.turns |= good & (before_slope < 0.0) & (slope >= 0.0) & (before[:, -1] <= at.lowest[:, -1])
+        turns = good & (before_slope < 0.0) & (slope >= 0.0) & (before[:, -1] <= at.lowest[:, -1])
         lower = ln < at.lowest[:, -1]
-        at.lowest[lower], at.turns[lower] = at.point[lower], (slope >= 0.0)[lower]
-        at.heading[lower] = units((at.point - before)[lower, :-1])
+        at.lowest[lower], at.turns = at.point[lower], np.where(lower, slope >= 0.0, at.turns | turns)
+        bent = units((tangent + after)[:, :-1]) * lengths((at.point - before)[:, :-1])[:, None]
+        at.heading[turns | lower] = bent[turns | lower]
         # between two points ln λ is a line of 1 / |u|, as it is far out
         inside = np.clip((1.0 - here / (EARLY * elastic)) / np.maximum(1.0 - here / scale, LEVEL), 0.0, 1.0)
         reached = np.where(here <= EARLY * elastic, before[:, -1] + inside * (ln - before[:, -1]), np.inf)
@@ -369,30 +379,32 @@ class BedPath:
         at.outcome[turned] = PathEnd.TURNED
         at.outcome[scale > FAR * elastic] = PathEnd.FAR
 
-    def settle(self, blocks: Ints, lowest: Floats, heading: Floats) -> tuple[Floats, Floats]:
+    def settle(self, blocks: Ints, lowest: Floats, heading: Floats, branch: Floats) -> tuple[Floats, Floats]:
         """Find the least λ on turns of paths: where its slope along a direction is none, by Illinois' rule.
 
         Parameters
         ----------
-        lowest : (n, u + 1) u and ln λ near it; heading : (n, u) as of `Paths`
+        lowest : (n, u + 1) u and ln λ near it; heading : (n, u) as of `Paths`; branch : (n,) its `side`
 
         Returns
         -------
         u and ln λ (n, u + 1), that infinite where no point was found, and unit tangents (n, u + 1)
         """
         count, scale = len(blocks), lengths(lowest[:, :-1])
-        planes, x = np.concatenate([heading, np.zeros((count, 1))], axis=1), on_scale(lowest, 1.0 / scale)
+        planes, x = np.concatenate([units(heading), np.zeros((count, 1))], axis=1), on_scale(lowest, 1.0 / scale)
+        stride = lengths(heading) / scale
         best, tangent, rows = x.copy(), planes.copy(), np.arange(count)
         best[:, -1] = np.inf
         at, last, side_before = np.zeros(count), np.full((count, 2), np.nan), np.full(count, -1)
         sides = np.full((count, 2, 2), np.nan)  # where ln λ falls, and where it rises: place and slope
         for _ in range(_MOST_POLISH):
             found = self.on_planes(blocks[rows], planes[rows], scale[rows], x[rows])
-            good, lost = rows[found.settled], rows[~found.settled]
+            ours = found.settled & (found.side == branch[rows])
+            good, lost = rows[ours], rows[~ours]
             back = 0.5 * (at[lost] - last[lost, 0])  # half as far from where the last point was found
             x[lost] -= back[:, None] * planes[lost]
             at[lost] -= back
-            points, after = found.x[found.settled], found.tangent[found.settled]
+            points, after = found.x[ours], found.tangent[ours]
             along = dots(after, planes[good])
             after /= np.where(along == 0.0, 1.0, along)[:, None]
             here, slope = at[good], after[:, -1]
@@ -405,14 +417,15 @@ class BedPath:
             span, rise = (sides[good, 1] - sides[good, 0]).T
             is_between = span > 0.0
             with np.errstate(divide="ignore", invalid="ignore"):  # a slope that stayed as it was bends nowhere
-                bent = (slope - last[good, 1]) / (here - last[good, 0])
-                reach = np.fmax(np.abs(slope) / np.where(bent > 0.0, bent, 1.0), 2.0 * np.abs(here - last[good, 0]))
+                bent, twice = (slope - last[good, 1]) / (here - last[good, 0]), 2.0 * np.abs(here - last[good, 0])
+                reach = np.fmax(np.abs(slope) / np.where(bent > 0.0, bent, 1.0), twice)
+                reach = np.fmin(reach, np.fmax(stride[good], twice))  # another path may pass close by
                 reach = np.where(is_between, np.abs(slope) * span / rise, reach)
             last[good, 0], last[good, 1], side_before[good] = here, slope, side
             at[good] = here - np.sign(slope) * reach
             x[good] = points + (at[good] - here)[:, None] * after
             goes_on = np.isfinite(at[rows])
-            goes_on[found.settled] &= ~is_between | (np.abs(slope) * reach > _LEAST)
+            goes_on[ours] &= ~is_between | (np.abs(slope) * reach > _LEAST)
             rows = rows[goes_on]
             if not len(rows):
                 break

@@ -101,10 +101,13 @@ def forces_limit(model: Model) -> Limit:
 
 
 def refined_factor(limit: FlatLimit, split: int) -> float | None:
-    """Return the limit factor with each triangle of a pressed part split in four `split` times; None without one."""
+    """Return the limit factor with each triangle of a pressed part split in four `split` times; None without one.
+
+    The path is followed on triangles as fine, not on the coarse ones of `flat_limit`.
+    """
     if limit.bed is None or limit.slides is None:
         return limit.factor
-    return lower(limit.forces.factor, bed_limits(limit.bed, limit.slides, (split,)))
+    return lower(limit.forces.factor, bed_limits(limit.bed, limit.slides, (split,), max(split, COARSE)))
 
 
 def lowest_factor(limit: FlatLimit) -> float | None:

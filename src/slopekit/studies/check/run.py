@@ -10,6 +10,7 @@
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import accumulate, pairwise
 from operator import attrgetter
 from typing import Any, ClassVar
 
@@ -17,7 +18,7 @@ from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import Notice
 from slopekit.core.sheet import Column
 from slopekit.kinds import kind_of, with_all_said
-from slopekit.kinds.single_block.ladders import Ladder, Rung
+from slopekit.kinds.single_block.ladders import NEAR_STRENGTH, Ladder, Rung
 from slopekit.preie.motion.balance import Balance
 from slopekit.preie.tolerances import PASSES_SETTLED
 from slopekit.result import Result
@@ -215,6 +216,8 @@ def _findings(result: Result, ladder: tuple[Rung, ...], evidence: Ladder) -> Ite
             words = "with its strength changed another limit state is found: the factor is not unique"
         yield Finding("other strengths", off if all(others) else None, design.analysis.agree_within,
                       bool(all(others)) and off <= design.analysis.agree_within, words)  # fmt: skip
+    if near := evidence.neighbours:
+        yield _neighbours(fos.limit, near, design.analysis.agree_within)
     yield from _stiffness(result, fos.limit, [rung for rung in ladder if rung.method == "stiffness"])
     if fos.static_bound is None:
         yield Finding("upper bound", None, None, None, "not found: nothing is said of limit <= bound")
@@ -259,7 +262,10 @@ def _convergence(result: Result, ladder: tuple[Rung, ...], unrefined: str) -> Fi
     limit, last, other = result.fos.limit, finest.factor, before.factor
     if not limit or not last or not other:
         return Finding(name, None, None, False, "a mesh gave no factor to compare with")
-    off = max(abs(limit / last - 1.0), abs(other / last - 1.0))
+    # what changed by little on coarse meshes may not change by more on finer ones
+    steps = [abs((b.factor or 0.0) / (a.factor or 1.0) - 1.0) for a, b in pairwise(meshes)]
+    flips = (step for step, least in zip(steps, accumulate(steps, min), strict=True) if least <= within < step)
+    off = max(abs(limit / last - 1.0), abs(other / last - 1.0), *flips)
     if off > within:
         words = "finer ones change the factor: it is not settled"
     elif off < _EXACT:
@@ -267,6 +273,18 @@ def _convergence(result: Result, ladder: tuple[Rung, ...], unrefined: str) -> Fi
     else:
         words = "how far the limit and the last two meshes lie apart"
     return Finding(name, off, within, off <= within, words)
+
+
+def _neighbours(limit: float, near: Sequence[float | None], within: float) -> Finding:
+    """Whether the limit stays between those of strengths a little lower and higher, as scaling has it."""
+    ends = min(limit, *(factor or 0.0 for factor in near)), max(limit, *(factor or 0.0 for factor in near))
+    off = max(1.0 - ends[0] / limit, ends[1] / limit - 1.0, NEAR_STRENGTH) - NEAR_STRENGTH
+    met, percent = off <= within, f"{NEAR_STRENGTH:.0%}"
+    words = (
+        f"{ends[0]:.4g} to {ends[1]:.4g} with {percent} more or less strength of one joint, how far beyond {percent}"
+    )
+    words += "" if met else ": two limit states, take the lower"
+    return Finding("neighbours", off, within, met, words)
 
 
 def _stiffness(result: Result, limit: float, rungs: Sequence[Rung]) -> Iterator[Finding]:
