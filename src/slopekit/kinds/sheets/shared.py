@@ -191,9 +191,7 @@ def judged_difference(difference: float | None, agree: bool, agree_within: float
     if difference is None:
         return f"{word} (no number from either)" if agree else word
     percent = _rounded_up(max(difference * 100.0, _LEAST_PERCENT))
-    if agree:
-        return f"{word} within {percent} %"
-    return f"{word} by {percent} % (limit {agree_within * 100:g} %)"
+    return f"{word} within {percent} %" if agree else f"{word} by {percent} % (limit {agree_within * 100:g} %)"
 
 
 def _rounded_up(value: float) -> str:
