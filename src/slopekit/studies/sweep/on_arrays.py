@@ -56,7 +56,7 @@ class PointsOnArrays:
     alone: Bools
 
     def __call__(self, places: Floats) -> list[Point | None]:
-        """Return the points at places (n, k), None where no block forms: its own analysis says why."""
+        """Return the points at places (n, k), None where no block forms or none is compared: a run says why."""
         forms, also = self.columns(places), self.columns.also(places)
         words, factor = np.array(forms.names)[forms.outcome], np.where(forms.factor > 0.0, forms.factor, np.nan)
         rows, points = np.flatnonzero(~np.char.startswith(words, "E")), list[Point | None]([None] * len(places))
@@ -81,7 +81,7 @@ class PointsOnArrays:
         both = agreement(limit, limits.forces, closed, design.analysis.agree_within)
         notes = self._notes(design, strengths, limits)
         for row, (status, other) in enumerate(zip(limit.words, closed.words, strict=True)):
-            yield None if status.startswith("E") else Factors(
+            yield None if status.startswith("E") or both.agree[row] < 0 else Factors(
                 status, _known(limit.factor[row]), other, _known(closed.factor[row]), _known(both.difference[row]),
                 bool(both.agree[row]), bool(both.moments_govern[row]), True, notes=(*self.said, *next(notes)),
             )  # fmt: skip
