@@ -271,9 +271,7 @@ def _judgement(result: Result, rule: Rule) -> str:
         return "NOT MET (the methods disagree or did not converge: no number to judge)"
     if result.fos.limit is None and result.status != "no_driving_force":
         return "NOT MET (no factor of safety)"
-    if result.value_of(rule) is None:
-        return "NOT MET (there is no such number here)"
-    return "NOT MET"
+    return "NOT MET (there is no such number here)" if result.value_of(rule) is None else "NOT MET"
 
 
 def mechanisms(result: Result) -> list[Entry]:
