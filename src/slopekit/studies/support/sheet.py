@@ -129,6 +129,8 @@ def _built(support: Support, laid: Layout, each: float) -> str:
         needed_count = "" if laid.needed == len(laid) else f" ({laid.needed} would do by their capacity)"
         rows = f"{counted(laid.rows, 'row')} and {counted(laid.columns, 'column')}"
         apart = f", {laid.across_m:.4g} m apart" if len(laid) > 1 else ""
+        empty = laid.rows * laid.columns - len(laid)
+        apart += f" ({empty} of the {laid.rows * laid.columns} places of that grid hold none)" if empty else ""
         bolts = f"{counted(len(laid), 'bolt')}{needed_count} in {rows}{apart}"
     return f"{bolts}, {size_number(each)} of {support.options.capacity:g} kN in each"
 
