@@ -30,8 +30,8 @@ frames: dict[str, Any] = one.to_frames()
 [table.records() for table in one.tables().values()]
 
 assert_type(sk.check("wedge.yaml"), sk.Check | sk.Cases[sk.Check])
-found = sk.evaluate(design, {"strength.weak.phi": [20, 25], "water.fill": 0.5})
-print(found.limit.words, found.limit.factor, found.agree, found.points[0].message)
+rows = sk.evaluate(design, {"strength.weak.phi": [20, 25], "water.fill": 0.5})
+print(rows.limit.words, rows.limit.factor, rows.agree, rows.points[0].message)
 swept = sk.sweep(design, {"strength.weak.phi": [20, 25]}, closed_form=True, fos=1.2)
 assert_type(swept, sk.Sweep | sk.Cases[sk.Sweep])
 assert isinstance(swept, sk.Sweep)

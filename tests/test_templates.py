@@ -172,6 +172,14 @@ def test_sheets_fit_the_page_and_name_what_they_give() -> None:
         assert "left out:" in full
 
 
+@pytest.mark.parametrize("name", ["plane", "bench", "rough"])
+def test_a_column_of_forces_has_one_number_of_decimals(name) -> None:
+    rows = ran(name).sheet.full.split("\nFORCES")[1].split("\nSTATUS")[0].splitlines()[1:]
+    table = [row[28:].split() for row in rows if not row.strip().startswith(("weight", "driving", "resisting"))]
+    for column in zip(*table, strict=True):
+        assert len({len(cell.partition(".")[2]) for cell in column if cell != "-"}) == 1
+
+
 def test_half_an_orientation_can_be_set() -> None:
     """`slope.face.dip` is a key of UX.md's sweeps."""
     halves = sk.run(path_of("wedge"), set={"slope.face.dip": 65, "joints.J1.plane.dip_direction": 110})

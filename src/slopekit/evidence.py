@@ -48,7 +48,10 @@ class Forces:
 
 @dataclass(frozen=True)
 class ModelSize:
-    """What was modelled and what was left out."""
+    """What was modelled and what was left out.
+
+    `node_pairs` are those that bound, displacements and failed pairs are asked of; the limit's are those of `Balance`.
+    """
 
     moving_blocks: int
     unknowns: int

@@ -52,6 +52,16 @@ def test_a_piece_below_a_fiftieth_of_the_median_block_is_a_chip(high, is_chip) -
         assert [row["fos"] for row in rows] == [chips[0].fos, result.fos.limit]
 
 
+def test_a_chip_that_fails_after_the_first_mechanism_is_on_the_sheet() -> None:
+    """The chip is held by friction of 40°, above the walls' 35°."""
+    result = sk.run(design(0.1, friction=40.0, analysis={"mechanisms": 2}))
+    rows = result.to_dict()["mechanisms"]
+    assert [row["mechanism"] for row in rows] == ["first", "chip"]
+    assert not result.findings.chips
+    said = f"1 block (102 kg in all) too light to count, failing from FoS {slides(40.0):.3f}: taken away after"
+    assert f"CHIPS {said}" in " ".join(str(result).split())
+
+
 def test_what_counts_is_set_by_the_smallest_block() -> None:
     assert sk.run(design(0.1), set={"analysis.smallest_block": 0}).fos.limit == pytest.approx(slides(30.0), rel=1e-9)
     result = sk.run(design(0.3), set={"analysis.smallest_block": 0.04})

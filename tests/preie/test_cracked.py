@@ -349,6 +349,10 @@ def test_the_sheet_and_the_json_say_what_opens() -> None:
     assert found["J2"]["opens_at_m"] is None
     line = " ".join(result.sheet.full.split("MOMENTS")[1].split("MODEL")[0].split())
     assert line.startswith("6.99 % of J1 opens at failure and carries no cohesion: FoS 3.764 (forces only 4.604)")
+    model = " ".join(result.sheet.full.split("MODEL")[1].split("MOVES")[0].split())
+    points = len(result.limit_state.node_pairs.points_m)
+    assert points > result.model.node_pairs
+    assert f"node pairs (bound, displacements), the limit on {points} points of the elastic bed" in model
 
 
 def test_a_wedge_that_presses_on_all_of_its_joints_follows_no_path(monkeypatch) -> None:

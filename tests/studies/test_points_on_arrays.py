@@ -1,11 +1,13 @@
 """Points that a sweep takes all at once are those of runs: numbers, statuses, notices, and reasons where none forms."""
 
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.studies.evaluation import rows
+from slopekit.studies.evaluation import columns, rows, vectorised
 from slopekit.studies.keys import key_of, values_of
 from slopekit.studies.points import point_of, point_with
 
@@ -78,3 +80,19 @@ def test_points_at_once_are_those_of_runs(name: str, monkeypatch: pytest.MonkeyP
             pairs.append((ours.also.factor, runs.also.factor, 1e-12))
         for own, of_run, part in pairs:
             assert own == (None if of_run is None else pytest.approx(of_run, rel=part))
+
+
+def test_points_without_an_answer_on_arrays_are_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where PRE-IE does not converge the methods are not compared, which is no agreement."""
+    limits_on_arrays, places = vectorised.limits_on_arrays, {"strength.a.phi": [float(phi) for phi in range(20, 41)]}
+
+    def without_some(*given: Any) -> Any:
+        limits = limits_on_arrays(*given)
+        return replace(limits, status=np.where(limits.limit > 1.9, "not_converged", limits.status))
+
+    design = sk.load(WEDGE)
+    expected = sk.sweep(design, places)
+    monkeypatch.setattr(vectorised, "limits_on_arrays", without_some)
+    monkeypatch.setattr(columns, "_alike", lambda *_: True)
+    answers = [(point.factors.status, point.agree) for point in sk.sweep(design, places).points if point.factors]
+    assert answers == [(point.factors.status, point.agree) for point in expected.points if point.factors]

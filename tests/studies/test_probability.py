@@ -301,6 +301,17 @@ def test_samples_that_cannot_be_are_counted_apart() -> None:
     assert "W350" in {notice.code for notice in study.warnings}
 
 
+def test_what_is_drawn_has_its_unit() -> None:
+    """An orientation, an angle, a pressure, a share."""
+    made = default_wedge() | {"water": {"fill": {"dist": "uniform", "min": 0, "max": 0.5}}}
+    made["joints"]["J1"]["plane"] = {"dist": "fisher", "mean": "45/115", "k": 400}
+    made["strength"]["b"] = {"c": {"dist": "uniform", "min": 40, "max": 60}, "phi": 20}
+    rows = str(prob(load(made), n=100, by="closed-form")).split("RANDOM")[1].split("SAMPLES")[0].splitlines()[1:]
+    units = {row.split()[0]: row.split()[3:] for row in rows if row.strip()}
+    angles = ("joints.J1.plane.dip", "joints.J1.plane.dip_direction", "strength.a.phi")
+    assert units == {key: ["°"] for key in angles} | {"strength.b.c": ["kPa"], "water.fill": []}
+
+
 def test_too_many_of_them_are_refused_and_small_friction_is_no_radian() -> None:
     joints = {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}
     wide = {"c": {"dist": "normal", "mean": 5, "sd": 5}, "phi": 20}

@@ -513,7 +513,10 @@ def test_rows_and_columns_are_even_over_the_face() -> None:
         within &= (grid - a) @ inward >= 0.25 * laid.across_m - 1e-9
     assert within.sum() == len(laid)
     assert laid.left_out == 0
-    assert f"{laid.across_m:g} m apart" in " ".join(str(found).split())
+    places = laid.rows * laid.columns
+    assert places > len(laid)
+    said = f"{laid.across_m:g} m apart ({places - len(laid)} of the {places} places of that grid hold none)"
+    assert said in " ".join(str(found).split())
 
 
 # -- where there is no answer ------------------------------------------------------------------------------------------

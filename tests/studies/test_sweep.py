@@ -199,6 +199,15 @@ def test_sheets_are_a_hundred_columns_wide(curve, grid) -> None:
     assert "1.557" in grid.sheet.full
 
 
+def test_headings_of_a_grid_stand_apart() -> None:
+    """Thirds of a degree, and dips that differ in the sixth digit."""
+    keys = {"strength.weak.phi": [20 + k / 3 for k in range(8)], "joints.J1.plane.dip": [45.0, 45.0001]}
+    lines = str(sweep(sk.load(WEDGE), keys, closed_form=True)).splitlines()
+    heads = next(k for k, line in enumerate(lines) if line.startswith("GRID")) + 1
+    assert lines[heads].split() == ["20", "20.33", "20.67", "21", "21.33", "21.67", "22", "22.33"]
+    assert [line.split()[0] for line in lines[heads + 1 : heads + 3]] == ["45", "45.0001"]
+
+
 def test_json_is_strict_and_the_same_twice_but_for_times(curve) -> None:
     first, second = curve.to_dict(), sweep(sk.load(WEDGE), {"slope.face.dip": "20:88:5"}, fos=1.6).to_dict()
     assert json.loads(json.dumps(first, allow_nan=False)) == first

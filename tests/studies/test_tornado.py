@@ -148,6 +148,16 @@ def test_sheet_json_and_line(study) -> None:
     assert document["bars"][0]["swing"].keys() == {"pre_ie", "closed_form"}
 
 
+@pytest.mark.parametrize(
+    ("rock", "ends"),
+    [({"unit_weight": "25.5 kN/m3"}, "22.95 kN/m³ 28.05 kN/m³"), ({"density": 2600}, "2340 kg/m³ 2860 kg/m³")],
+)
+def test_every_end_has_its_unit(rock, ends) -> None:
+    wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
+    found = str(tornado(sk.load(wedge | {"rock": rock}), closed_form=True))
+    assert f"rock.{next(iter(rock))} {ends} " in " ".join(found.split())
+
+
 @pytest.mark.slow
 def test_picture(study, tmp_path) -> None:
     pytest.importorskip("matplotlib")

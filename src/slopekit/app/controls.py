@@ -224,9 +224,7 @@ def shown(key: Key, written: str | None) -> str:
 def _scatter(of: Distribution | Fisher | None) -> dict[str, Any] | None:
     if of is None:
         return None
-    if isinstance(of, Fisher):
-        return {"dist": "fisher", "k": of.k}
-    return {"dist": of.name, **of.parameters}
+    return {"dist": "fisher", "k": of.k} if isinstance(of, Fisher) else {"dist": of.name, **of.parameters}
 
 
 def _doc(field: Field | None) -> str:

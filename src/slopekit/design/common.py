@@ -404,6 +404,4 @@ def _plain(value: Any, exact: bool = False) -> Any:
             inner = record.pop("law", {"law": getattr(value, "name", "")})
             record = inner | record
         return record
-    if isinstance(value, tuple):
-        return [_plain(item, exact) for item in value]
-    return value
+    return [_plain(item, exact) for item in value] if isinstance(value, tuple) else value

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TypeVar
 
 from slopekit.block_scene import Sizes
@@ -85,9 +85,7 @@ def first_and_last(items: Sequence[T], first: int, last: int) -> tuple[Sequence[
     (range(0, 2), 3, range(5, 6))
     """
     between = len(items) - first - last
-    if between <= 1:
-        return items, 0, ()
-    return items[:first], between, items[len(items) - last :]
+    return (items, 0, ()) if between <= 1 else (items[:first], between, items[len(items) - last :])
 
 
 def shortened(items: Sequence[str], most: int) -> list[str]:
@@ -297,6 +295,23 @@ def _in_digits(value: float, digits: str) -> str:
 def line_in_words(line: Line) -> str:
     """Trend and plunge as the sheet prints them."""
     return f"{line.trend_deg % 360.0:03.0f}/{line.plunge_deg:.1f}"
+
+
+def alike(numbers: Iterable[float | None]) -> Callable[[float | None], str]:
+    """Return how to write the numbers of a column: all with as many decimals as give its least number four digits.
+
+    The largest has six digits at most. Zeros at the ends of all are left out, and a dash stands for None.
+
+    >>> show = alike([6.971, 4.9, 19.85, None])
+    >>> show(6.971), show(4.9), show(19.85), show(None)
+    ('6.971', '4.900', '19.850', '-')
+    >>> alike([70174.93, 0.02])(70174.93), alike([4.0, 12.5])(4.0), alike([0.0])(0.0)
+    ('70174.9', '4.0', '0')
+    """
+    sizes = [abs(size) for size in numbers if size and math.isfinite(size)] or [1.0]
+    finest = max(min(3 - math.floor(math.log10(min(sizes))), 5 - math.floor(math.log10(max(sizes)))), 0)
+    digits = max(len(f"{size:.{finest}f}".rstrip("0").partition(".")[2]) for size in sizes)
+    return lambda size: "-" if size is None else f"{round(size, digits) + 0.0:.{digits}f}"
 
 
 def size_number(value: float) -> str:

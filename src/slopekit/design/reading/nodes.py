@@ -244,9 +244,7 @@ def _text_of(value: object) -> str | None:
         return path if isinstance(path, str) else None
     if isinstance(value, int):
         return str(value) if value.bit_length() < 1024 else ("inf" if value > 0 else "-inf")
-    if isinstance(value, Real):
-        return repr(float(value))
-    return None
+    return repr(float(value)) if isinstance(value, Real) else None
 
 
 def shown_of(value: object) -> str:

@@ -41,7 +41,7 @@ def sections(result: Result, findings: Findings) -> Iterator[Section]:
     first = findings.first
     yield Section("MOVES", (), details=_moves(result, first))
     left = [findings.standing] if findings.standing else []
-    yield Section("CHIPS", _chips(findings.chips))
+    yield Section("CHIPS", _chips(findings))
     yield Section("MECHANISM", _mechanisms(result, findings, _order(result)), hang=42, details=left)
     yield Section("TABLE", (), details=toppling_rows(result, findings.table))
     yield Section("CHECKS", (), details=_checks(result, findings, first))
@@ -172,17 +172,21 @@ def _pairs(by_mode: Mapping[str, int]) -> list[str]:
 # -- what comes after -----------------------------------------------------------------------------------------------
 
 
-def _chips(chips: Sequence[Mechanism]) -> list[Entry]:
-    """What fails first and is too light to count."""
-    if not chips:
-        return []
+def _chips(findings: Findings) -> list[Entry]:
+    """What fails and is too light to count: before the first mechanism, and after it."""
+    chips, first = [row for row in findings.mechanisms if row.role == "chip"], len(findings.chips)
+    stages = ((chips[:first], "first"), (chips[first:], "after the first mechanism"))
+    return [_too_light(rows, stage) for rows, stage in stages if rows]
+
+
+def _too_light(chips: Sequence[Mechanism], stage: str) -> str:
     number, mass = sum(len(chip.blocks) for chip in chips), sum(chip.size.mass_t for chip in chips if chip.size)
     factors = [chip.fos for chip in chips if chip.fos is not None]
     at = f"from FoS {factor_text(min(factors)).strip()}" if len(factors) == len(chips) else "whatever their strength"
-    return [
-        f"{counted(number, 'block')} ({mass_in_words(mass)} in all) too light to count, failing {at}: taken away first "
-        "(analysis.smallest_block)"
-    ]
+    return (
+        f"{counted(number, 'block')} ({mass_in_words(mass)} in all) too light to count, failing {at}: "
+        f"taken away {stage} (analysis.smallest_block)"
+    )
 
 
 def _mechanisms(result: Result, findings: Findings, order: Mapping[str, int]) -> list[Entry]:

@@ -147,11 +147,13 @@ def moments(result: Result) -> list[str]:
 
 
 def _model(result: Result) -> str:
-    model = result.model
+    model, bed, balance = result.model, "", result.limit_state.balance
+    if result.limit_state.openings and balance is not None:
+        bed = f" (bound, displacements), the limit on {counted(balance.node_pairs, 'point')} of the elastic bed"
     refined = f", triangles split {shared.times(model.refined)}" if model.refined else ""
     return (
         f"{counted(model.moving_blocks, 'moving block')}, {counted(model.unknowns, 'unknown')}, "
-        f"{counted(model.node_pairs, 'node pair')}{refined}; left out: {', '.join(model.left_out)}"
+        f"{counted(model.node_pairs, 'node pair')}{refined}{bed}; left out: {', '.join(model.left_out)}"
     )
 
 

@@ -1,6 +1,6 @@
 """Entries that the sheets of one block and of many blocks share."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context
 from functools import partial
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from slopekit.core.sheet import Column, Entry, Table, factor_text
 from slopekit.design.parts import Rule
 from slopekit.evidence import ReductionStep
-from slopekit.kinds.words import short, size_number
+from slopekit.kinds.words import alike, short
 from slopekit.result import JUDGED, METHODS, STATUSES, Result
 
 if TYPE_CHECKING:
@@ -37,16 +37,20 @@ def forces(result: Result) -> list[Entry]:
         return given[0] if given and water is not None else water / area if water and area else 0.0
 
     names = list(dict.fromkeys([*acting.normal, *acting.water]))
-    own: list[Column[str]] = [
-        Column("N'", acting.normal.get, "normal_kn", "kN", _size_or_dash, 14),
-        Column("mean σ'", stress, "stress_kpa", "kPa", _rounded_or_dash, 12),
+
+    def numbers(title: str, number: Callable[[str], float | None], key: str, unit: str, width: int) -> Column[str]:
+        return Column(title, number, key, unit, alike(map(number, names)), width)
+
+    own = [
+        numbers("N'", acting.normal.get, "normal_kn", "kN", 14),
+        numbers("mean σ'", stress, "stress_kpa", "kPa", 12),
     ]
     columns: list[Column[str]] = [
         Column("on (m², kN, kPa)", str, "interface", width=-18),
-        Column("area", areas.get, "area_m2", "m²", _size_or_dash, 12),
+        numbers("area", areas.get, "area_m2", "m²", 12),
         *(own if result.fos.limit is not None and any(map(acting.normal.get, names)) else ()),
-        Column("water", lambda name: acting.water.get(name) or 0.0, "water_kn", "kN", _size_or_dash, 14),
-        Column("mean u", pressure, "pressure_kpa", "kPa", _rounded_or_dash, 12),
+        numbers("water", lambda name: acting.water.get(name) or 0.0, "water_kn", "kN", 14),
+        numbers("mean u", pressure, "pressure_kpa", "kPa", 12),
     ]
     alone = " (forces alone)" if result.moments_govern else ""
     whole = [
@@ -54,22 +58,14 @@ def forces(result: Result) -> list[Entry]:
     ]  # fmt: skip
     sums: list[Column[tuple[str, float | None]]] = [
         Column("load", itemgetter(0), width=-40),
-        Column("force", itemgetter(1), unit="kN", show=_size_or_dash, width=14),
+        Column("force", itemgetter(1), unit="kN", show=alike(map(itemgetter(1), whole)), width=14),
     ]
     return [Table(columns, names), Table(sums, [row for row in whole if row[1] is not None], headless=True)]
-
-
-def _size_or_dash(value: float | None) -> str:
-    return "-" if value is None else size_number(value)
 
 
 def short_or_dash(value: float | None) -> str:
     """A size in three digits; a dash where it was not measured."""
     return "-" if value is None else short(value)
-
-
-def _rounded_or_dash(value: float | None) -> str:
-    return "-" if value is None else size_number(float(f"{value:.4g}"))
 
 
 @dataclass(frozen=True)
@@ -191,9 +187,7 @@ def judged_difference(difference: float | None, agree: bool, agree_within: float
     if difference is None:
         return f"{word} (no number from either)" if agree else word
     percent = _rounded_up(max(difference * 100.0, _LEAST_PERCENT))
-    if agree:
-        return f"{word} within {percent} %"
-    return f"{word} by {percent} % (limit {agree_within * 100:g} %)"
+    return f"{word} within {percent} %" if agree else f"{word} by {percent} % (limit {agree_within * 100:g} %)"
 
 
 def _rounded_up(value: float) -> str:
@@ -273,9 +267,7 @@ def _judgement(result: Result, rule: Rule) -> str:
         return "NOT MET (the methods disagree or did not converge: no number to judge)"
     if result.fos.limit is None and result.status != "no_driving_force":
         return "NOT MET (no factor of safety)"
-    if result.value_of(rule) is None:
-        return "NOT MET (there is no such number here)"
-    return "NOT MET"
+    return "NOT MET (there is no such number here)" if result.value_of(rule) is None else "NOT MET"
 
 
 def mechanisms(result: Result) -> list[Entry]:

@@ -59,9 +59,9 @@ def compared(design: WedgeDesign) -> ClosedForm:
 
 
 def _heights(design: WedgeDesign) -> tuple[Any, Any]:
-    """The same of a design whose numbers may be arrays, and which of `limits.CODES` refuses it, below 0 for none.
+    """Return the height (m) of a wedge whose numbers may be arrays, and which of `limits.CODES` refuses its size.
 
-    None where nothing limits them.
+    The latter is below 0 where none does, and None where nothing limits the size.
     """
     if design.limits is None:
         return design.height_m, None

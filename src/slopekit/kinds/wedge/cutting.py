@@ -126,9 +126,7 @@ def rock_mass(design: WedgeDesign) -> RockMass:
 
 def height_of(design: WedgeDesign) -> float:
     """Of the wedge itself: where limits of size make it smaller, less than the slope's."""
-    if design.limits is None:
-        return design.height_m
-    return limits.fitted_height(design)
+    return design.height_m if design.limits is None else limits.fitted_height(design)
 
 
 def _loads(design: WedgeDesign, shape: Shape) -> Loads:
@@ -190,6 +188,4 @@ def _geometry(design: WedgeDesign, shape: Shape) -> WedgeGeometry:
 
 
 def size_scale(design: WedgeDesign) -> "Mapping[str, Any] | None":
-    if design.limits is None:
-        return None
-    return limits.scaled(design)
+    return None if design.limits is None else limits.scaled(design)

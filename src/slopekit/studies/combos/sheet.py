@@ -9,7 +9,7 @@ import numpy as np
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted, factor_text
 from slopekit.kinds.wedge.limits import LIMITED_BY
-from slopekit.kinds.words import size_number
+from slopekit.kinds.words import alike, short, size_number
 from slopekit.studies.combos.pairs import NOT_REMOVABLE, PAIR_OUTCOMES
 from slopekit.studies.combos.run import Combos, PairCheck
 from slopekit.studies.surveys import codes_of, inputs_in_words, study_sheet, survey_entry
@@ -67,7 +67,7 @@ def _every_pair(combos: Combos) -> Table[int]:
     pairs, joints = combos.pairs, combos.joints.joints
     looked = {pair.index: pair for pair in combos.worst}
     is_wedge, ranked = pairs.volume_m3 > 0.0, combos.ranked.tolist()
-    shown, left = list(looked)[:_MOST_ROWS], len(looked) - _MOST_ROWS
+    worst, left = list(looked)[:_MOST_ROWS], len(looked) - _MOST_ROWS
 
     def of_joint(which: Any) -> Callable[[int], str]:
         return lambda k: joints[which[k]].name
@@ -92,8 +92,8 @@ def _every_pair(combos: Combos) -> Table[int]:
         Column("closed form", factor(pairs.factor), "fos_closed_form", show=factor_text, width=11, exact=".9g"),
         *by_pre_ie,
         Column("", lambda k: _mark(looked[k]), width=3),
-        Column("m³", of_wedge(pairs.volume_m3), "volume_m3", "m³", ".4g", 9, ".6g"),
-        Column("H1 m", of_wedge(pairs.height_m), "height_m", "m", ".4g", 10, ".6g"),
+        Column("m³", of_wedge(pairs.volume_m3), "volume_m3", "m³", alike(pairs.volume_m3[worst]), 9, ".6g"),
+        Column("H1 m", of_wedge(pairs.height_m), "height_m", "m", alike(pairs.height_m[worst]), 10, ".6g"),
         Column("line", lambda k: f"{pairs.trend_deg[k] % 360.0:03.0f}/{pairs.plunge_deg[k]:.1f}", width=12),
         Column("trend", of_wedge(pairs.trend_deg), "trend", "°", exact=".4f"),
         Column("plunge", of_wedge(pairs.plunge_deg), "plunge", "°", exact=".4f"),
@@ -101,7 +101,7 @@ def _every_pair(combos: Combos) -> Table[int]:
         Column("face width m", of_wedge(pairs.sizes.face_width_m), "face_width_m", "m", exact=".6g"),
         Column("scale", of_wedge(pairs.scale), "scale", exact=".6g"),
         Column("made smaller by", lambda k: LIMITED_BY[pairs.by[k]] if is_wedge[k] else "", "limited_by"),
-    ], ranked + np.flatnonzero(~pairs.is_removable).tolist(), shown,
+    ], ranked + np.flatnonzero(~pairs.is_removable).tolist(), worst,
         f"and {left} more in combos.json" if left > 0 else "")  # fmt: skip
 
 
@@ -152,7 +152,7 @@ def _target(combos: Combos) -> list[str]:
     head = f"FoS {fos:g}: NOT MET, {below} of {removable} removable pairs lie below"
     share = f"{100 * below / removable:.1f} %; {100 * below / len(combos.pairs):.1f} % of all"
     by = f", {target['by_pre_ie_only']} by PRE-IE only" if target["by_pre_ie_only"] else ""
-    largest, median = (size_number(target[f"{which}_volume_m3"]) for which in ("largest", "median"))
+    largest, median = (short(target[f"{which}_volume_m3"]) for which in ("largest", "median"))
     return [f"{head} ({share}{by})", whose, f"volumes up to {largest} m³, median {median} m³"]
 
 

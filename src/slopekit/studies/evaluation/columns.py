@@ -28,7 +28,7 @@ from slopekit.studies.evaluation.rows import Rows, outcomes_on_arrays
 from slopekit.studies.evaluation.vectorised import Vectorised, vectorised
 from slopekit.studies.keys import Key, values_of
 from slopekit.studies.outcomes import NO_BLOCK, ByMethod, Outcomes
-from slopekit.studies.points import Point
+from slopekit.studies.points import UNSETTLED, Point
 
 #: What a run says because of its answer; all else that it says follows from the inputs.
 _OF_ANSWERS = ("W307", "W308", "W328")
@@ -68,12 +68,12 @@ class ColumnRows(Rows):
         return values_of(self.design, self.keys, self.places[row].tolist())
 
     def at_once(self, start: int, stop: int, pre_ie: bool) -> tuple[Ints, Outcomes | None]:
-        # rows that form no block are designs of their own, which say why
+        # rows without a block or an answer are designs of their own, which say why
         rows = np.flatnonzero(~self.single[start:stop])
         if self.columns is None or not len(rows):
             return rows[:0], None
         outcomes = self._outcomes(self.columns, self.places[start + rows], pre_ie)
-        formed = np.flatnonzero(~outcomes.limit.among(*NO_BLOCK))
+        formed = np.flatnonzero(~outcomes.limit.among(*NO_BLOCK, UNSETTLED))
         return rows[formed], outcomes.of(formed)
 
     def point(self, row: int, pre_ie: bool) -> Point:

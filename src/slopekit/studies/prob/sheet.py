@@ -8,6 +8,7 @@ import numpy as np
 
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted
+from slopekit.design.fields import UNITS
 from slopekit.design.scatter.distributions import Angles, Distribution
 from slopekit.evidence import WithoutBasal
 from slopekit.kinds import kind_of
@@ -116,6 +117,12 @@ def _inputs(study: Probability) -> list[Entry]:
     columns: list[Column[Any]] = [Column("as drawn", itemgetter("path"), "path", width=-38)]
     for name, width in (("mean", 12), ("sd", 12), ("min", 0), ("max", 0)):
         columns.append(Column(name, itemgetter(name), name, show=".5g", width=width))
+    units = {
+        name: UNITS[getattr(variable.distribution, "kind", "angle")]
+        for variable in study.samples.variables
+        for name in variable.columns
+    }
+    columns.append(Column("unit", lambda row: units[row["path"]], "unit", width=1, about="  {}"))
     left = len(study.variables) - _MOST_INPUTS
     rest = f"and {left} more: see the JSON" if left > 0 else ""
     return [Table(columns, study.variables, study.variables[:_MOST_INPUTS], rest), *_beyond_the_vertical(study)]
@@ -167,9 +174,7 @@ def _probabilities(study: Probability) -> Table[tuple[Share, str]]:
 
 
 def _percent(share: float | None) -> str:
-    if share is None:
-        return "none"
-    return f"{share * 100:.4g} %"
+    return "none" if share is None else f"{share * 100:.4g} %"
 
 
 def _limits(share: Share) -> str:

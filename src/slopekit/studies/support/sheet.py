@@ -4,7 +4,7 @@ from operator import attrgetter
 
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, Verbatim, counted, factor_text
 from slopekit.kinds.sheets.bolts import schedule, schedule_entries
-from slopekit.kinds.words import bolt_text, line_in_words, size_number
+from slopekit.kinds.words import alike, bolt_text, line_in_words, size_number
 from slopekit.studies.support.pattern import Layout
 from slopekit.studies.support.records import BoltCase, Support, wanted_in_words
 from slopekit.studies.support.search import Answer
@@ -51,14 +51,15 @@ def line_of(support: Support) -> str:
 
 def _cases(support: Support) -> Table[BoltCase]:
     """What the sections of active and passive bolts say, in rows; text has the sections."""
+    size = alike(force for case in support.cases for force in (case.closed_form.force, case.force))
     columns: list[Column[BoltCase]] = [
         Column("bolts are", attrgetter("acts"), "acts"),
         Column("toward", lambda case: None if case.toward is None else line_in_words(case.toward), "toward"),
-        Column("closed form", attrgetter("closed_form.force"), "closed_form_kn", support.unit, _size),
+        Column("closed form", attrgetter("closed_form.force"), "closed_form_kn", support.unit, size),
         Column(
-            "PRE-IE", lambda case: None if case.pre_ie is None else case.pre_ie.force, "pre_ie_kn", support.unit, _size
+            "PRE-IE", lambda case: None if case.pre_ie is None else case.pre_ie.force, "pre_ie_kn", support.unit, size
         ),
-        Column("to use", attrgetter("force"), "use_kn", support.unit, _size),
+        Column("to use", attrgetter("force"), "use_kn", support.unit, size),
         Column("FoS", lambda case: None if case.factors is None else case.factors.limit, "fos", show=".4f"),
         Column("reached", attrgetter("reached"), "reached", show=lambda reached: "yes" if reached else "no"),
         Column("bolts", lambda case: None if case.layout is None else len(case.layout), "bolts"),
@@ -122,6 +123,8 @@ def _built(support: Support, laid: Layout, each: float) -> str:
         needed_count = "" if laid.needed == len(laid) else f" ({laid.needed} would do by their capacity)"
         rows = f"{counted(laid.rows, 'row')} and {counted(laid.columns, 'column')}"
         apart = f", {laid.across_m:.4g} m apart" if len(laid) > 1 else ""
+        empty = laid.rows * laid.columns - len(laid)
+        apart += f" ({empty} of the {laid.rows * laid.columns} places of that grid hold none)" if empty else ""
         bolts = f"{counted(len(laid), 'bolt')}{needed_count} in {rows}{apart}"
     return f"{bolts}, {size_number(each)} of {support.options.capacity:g} kN in each"
 

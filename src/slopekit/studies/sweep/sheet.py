@@ -2,6 +2,7 @@
 
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import pairwise
 from operator import itemgetter
 from typing import Any, TypeAlias
 
@@ -91,7 +92,7 @@ def _curve(swept: Sweep) -> Table[_PointOfCurve]:
         (*point, status, k > 0 and status != statuses[k - 1])
         for k, (point, status) in enumerate(zip(points, statuses, strict=True))
     ]
-    title = key.path if len(key.path) <= 22 else "…" + key.path[-21:]
+    title = key.path if len(key.path) <= 21 else "…" + key.path[-20:]
     known = next((one.also for _, one in points if one.also), None)
     least, before = (17, "   ") if known is None else (9, " ")  # with a column more the lines are as long
     columns: list[Column[_PointOfCurve]] = [
@@ -115,9 +116,8 @@ def _slides(status: str) -> bool:
 def _status(row: _PointOfCurve) -> str:
     """The status, or why there is no block."""
     _, point, status, _ = row
-    if point.factors is not None:
-        return status
-    return textwrap.shorten(f"{point.code} {point.message}", WIDTH - LABEL - 23, placeholder=" …")
+    reason = textwrap.shorten(f"{point.code} {point.message}", WIDTH - LABEL - 23, placeholder=" …")
+    return reason if point.factors is None else status
 
 
 def _by(method: Method) -> Callable[[_PointOfCurve], float | str | None]:
@@ -145,17 +145,17 @@ def _factor_text(factor: float | str | None) -> str:
 
 def _grid(swept: Sweep) -> list[Entry]:
     """Factors by the method that counts; columns are the first key, rows the second."""
-    first, second = swept.keys
-    method = swept.asked[0]
-    lines = swept.lines()
+    (first, second), method, lines = swept.keys, swept.asked[0], swept.lines()
     across = [value for value, _ in lines[0][1]]
     rows = sorted(lines, key=lambda line: line[0] or 0.0)
-    many = (WIDTH - LABEL - 14) // _CELL
+    down = [value for value, _ in rows if value is not None]
+    heads, labels = _headings(across), dict(zip(down, _headings(down), strict=True))
+    width, wide = max(_CELL - 1, *map(len, heads)) + 1, max(12, *map(len, labels.values()))
+    many = (WIDTH - LABEL - wide - 2) // width
     entries: list[Entry] = [f"{METHODS[method]}; across {first.path}{_unit(first)}, down {second.path}{_unit(second)}"]
     for begin in range(0, len(across), many):
-        columns: list[Column[_Line]] = [Column("", itemgetter(0), show=_rounded, width=12)]
-        for k in range(begin, min(begin + many, len(across))):
-            columns.append(_across(swept, method, k, across[k]))
+        columns: list[Column[_Line]] = [Column("", itemgetter(0), show=labels.__getitem__, width=wide)]
+        columns += [_across(swept, method, k, heads[k], width) for k in range(len(across))[begin : begin + many]]
         entries.append(Table(columns, rows))
     if any(point.moments_govern for point in swept.points):
         entries.append("* moments govern")
@@ -171,7 +171,7 @@ def _grid(swept: Sweep) -> list[Entry]:
 _Line: TypeAlias = tuple[float | None, list[tuple[float, Point]]]
 
 
-def _across(swept: Sweep, method: Method, k: int, value: float) -> Column[_Line]:
+def _across(swept: Sweep, method: Method, k: int, head: str, width: int) -> Column[_Line]:
     """The points of a grid at one value of the first key."""
 
     def cell_of(line: _Line) -> float | str:
@@ -181,13 +181,24 @@ def _across(swept: Sweep, method: Method, k: int, value: float) -> Column[_Line]
     def marked(line: _Line) -> str:
         content, point = cell_of(line), line[1][k][1]
         text = cell(content) if isinstance(content, float) else content
-        return f"{text:>{_CELL - 1}}{'!' if point.is_in_doubt else '*' if point.moments_govern else ' '}"
+        return f"{text:>{width - 1}}{'!' if point.is_in_doubt else '*' if point.moments_govern else ' '}"
 
-    return Column(_rounded(value), cell_of, width=_CELL, text=marked)
+    return Column(head, cell_of, width=width, text=marked)
 
 
-def _rounded(value: float | None) -> str:
-    return number(round(value or 0.0, 6))
+def _headings(values: Sequence[float]) -> list[str]:
+    """Write values as briefly as tells them apart: rounded by 2 % of themselves and of the least step at most.
+
+    >>> _headings([20.0, 21.818181818, 23.636363636]), _headings([4000123.457, 4000123.462]), _headings([2e-05, 0.5])
+    (['20', '21.8', '23.6'], ['4000123.457', '4000123.462'], ['2e-05', '0.5'])
+    """
+    least = min((b - a for a, b in pairwise(sorted(set(values)))), default=0.0)
+    texts = (
+        rounded
+        for rounded in ([round(value, digits) for value in values] for digits in range(16))
+        if all(abs(a - b) * 50 <= min(least, abs(b)) for a, b in zip(rounded, values, strict=True))
+    )
+    return list(map(number, next(texts, values)))
 
 
 def _unit(key: Key) -> str:

@@ -9,6 +9,8 @@ from slopekit.studies.points import Method, Point, factor_at, status_of
 from slopekit.studies.tornado.run import RULE, Tornado, TornadoBar
 from slopekit.studies.words import METHODS, cell, check_word, status_words, study_sheet
 
+_VALUE = 12  # characters of a value with its unit
+
 
 def sheet_of(study: Tornado) -> Sheet:
     """The sheet of a tornado."""
@@ -48,15 +50,19 @@ def _bars(study: Tornado, moved: list[TornadoBar]) -> Table[TornadoBar]:
             "key",
             lambda bar: bar.key.path,
             "key",
-            width=-29,
-            show=lambda path: path if len(path) <= 28 else "…" + path[-27:],
+            width=-28,
+            show=lambda path: path if len(path) <= 27 else "…" + path[-26:],
         ),
-        Column("from", lambda bar: bar.key.reduced(bar.low), "low", width=11, text=lambda bar: _number(bar, bar.low)),
-        Column("to", lambda bar: bar.key.reduced(bar.high), "high", width=11, text=lambda bar: _number(bar, bar.high)),
+        Column(
+            "from", lambda bar: bar.key.reduced(bar.low), "low", width=_VALUE, text=lambda bar: _number(bar, bar.low)
+        ),
+        Column(
+            "to", lambda bar: bar.key.reduced(bar.high), "high", width=_VALUE, text=lambda bar: _number(bar, bar.high)
+        ),
         Column("", lambda bar: _end(bar.at_low, main), "fos_low", show=_end_text, width=8),
         Column("FoS there", lambda bar: _end(bar.at_high, main), "fos_high", show=_end_text, width=9),
         Column("swing", _swing_by(main), "swing", show=_swing, width=9),
-        *(Column(METHODS[method], _swing_by(method), f"swing_{method}", show=_swing, width=13) for method in others),
+        *(Column(METHODS[method], _swing_by(method), f"swing_{method}", show=_swing, width=12) for method in others),
     ]
     return Table(columns, moved)
 
@@ -66,11 +72,9 @@ def _swing_by(method: Method) -> Callable[[TornadoBar], float | None]:
 
 
 def _number(bar: TornadoBar, value: float) -> str:
-    unit = bar.key.unit.replace("kN/m³", "").replace("kg/m³", "")
-    if bar.key.is_place:
-        return bar.key.shown(value)
-    text = f"{bar.key.reduced(value):.5g}"
-    return f"{text}°" if unit == "°" else f"{text} {unit}".strip()
+    """A value with its unit, in as many digits as its column has room for."""
+    texts = [bar.key.shown(value, digits).replace("e+0", "e") for digits in (5, 4, 3)]
+    return next((text for text in texts if len(text) < _VALUE), texts[-1])
 
 
 def _end(point: Point, method: Method) -> float | str:
