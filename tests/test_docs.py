@@ -356,9 +356,9 @@ def test_defaults_of_a_kind_are_not_told_of_their_namesakes() -> None:
     assert told == {"strength.NAME.c": "50", "strength.NAME.phi": "20"}
 
 
-#: Groups of a result whose keys are names of the design, stages or changes.
-_NAMED = {"areas_m2", "trace_lengths_m", "corners_m", "normal", "water", "methods", "checks",
-          "inputs", "assumed", "timing_s", "pairs_by_mode", "sheet"}  # fmt: skip
+#: Groups of a document whose keys are names of the design, of outcomes, stages or changes, shares, or a design's own.
+_NAMED = {"areas_m2", "trace_lengths_m", "corners_m", "normal", "water", "methods", "inputs", "assumed", "timing_s",
+          "pairs_by_mode", "sheet", "outcomes", "counts", "quantiles", "support"}  # fmt: skip
 
 
 def _keys_in(value: Any, group: str = "") -> Iterator[str]:
@@ -370,11 +370,17 @@ def _keys_in(value: Any, group: str = "") -> Iterator[str]:
         yield from _keys_in(one, group)
 
 
-@pytest.mark.parametrize("template", ["paper-wedge", "paper-footing", "paper-ellipsoid", "goodman-bray", "plane"])
-def test_every_key_of_a_result_stands_on_its_page(template) -> None:
+@pytest.mark.parametrize("command", [
+    *(f"run templates/{name}.yaml" for name in ("paper-wedge", "paper-footing", "paper-ellipsoid", "goodman-bray")),
+    "run templates/plane.yaml", "run templates/bench.yaml", "run templates/blocks.yaml",
+    "prob templates/wedge-scatter.yaml -n 100 --fos 1.1", "sweep templates/wedge-basal.yaml slope.height=10:30:3",
+    "sweep templates/wedge.yaml strength.weak.phi=10:30:3", "sweep templates/wedge.yaml --tornado",
+    "solve templates/wedge.yaml strength.weak.phi --fos 1.3", "support templates/plane.yaml --fos 1.6",
+])  # fmt: skip
+def test_every_key_of_a_document_stands_on_its_page(command) -> None:
     page = (ROOT / "docs/json.md").read_text(encoding="utf-8")
     with chdir(ROOT):
-        document = json.loads(run_command(f"slopekit run templates/{template}.yaml --json")[1])
+        document = json.loads(run_command(f"slopekit {command} --json")[1])
     assert sorted({key for key in _keys_in(document) if not re.search(rf"[`.]{key}`", page)}) == []
 
 

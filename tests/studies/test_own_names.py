@@ -49,6 +49,27 @@ def test_what_happens_is_told_in_the_names_of_the_user(name) -> None:
     assert "slides_on_bedding" not in text  # the code stays
 
 
+@pytest.mark.parametrize(
+    "more",
+    [
+        {"crack": {"plane": "80/185", "distance": "3 m"}, "water": "full"},
+        {"basal": {"plane": "20/185", "height": "4 m", "strength": "b"}},
+        {"water": {"pressures": {"fault": 20, "bedding": 30}}},
+        {"joints": {"fault": {"plane": "45/180", "strength": "a"}, "bedding": {"plane": "46/190", "strength": "b"}}},
+    ],
+)  # fmt: skip
+def test_a_sheet_calls_the_joints_of_a_wedge_by_their_own_names(more) -> None:
+    """J1 and J2, which stand in JSON, are explained once, where the planes are."""
+    wedge = {
+        "slopekit": 1, "kind": "wedge", "slope": {"face": "65/185", "upper": "12/195", "height": 20},
+        "joints": {"fault": {"plane": "45/105", "strength": "a"}, "bedding": {"plane": "70/235", "strength": "b"}},
+        "strength": {"a": {"c": 24, "phi": 20}, "b": {"c": 48, "phi": 30}},
+    }  # fmt: skip
+    result = sk.run(wedge | more)
+    assert NAMED.findall(result.sheet.full) == ["J1", "J2"]
+    assert not NAMED.search(str([notice.message for notice in result.warnings]))
+
+
 def rows(name: str) -> list[dict[str, str]]:
     return list(csv.DictReader(io.StringIO(found(name).tables()[name].csv())))
 

@@ -220,7 +220,7 @@ def water_in_words(result: Result, highest_of_mean: float = 1.0) -> list[str]:
     if water.mode == "pressures" and water.crack_fill is None:
         if len(water.pressures_kpa) < 2:
             return [f"water {water.in_words()}"]
-        named = zip(areas, water.pressures_kpa, strict=False)
+        named = zip(map(result.design.in_own_names, areas), water.pressures_kpa, strict=False)
         return [f"water of mean pressure {', '.join(f'{mean:g} kPa on {name}' for name, mean in named)}"]
     means = [push / areas[name] for name, push in result.forces.water.items() if areas.get(name)]
     return [f"water {water.in_words()}, highest {highest_of_mean * max(means):.4g} kPa"]

@@ -79,9 +79,7 @@ def _nearest_file(path: Path) -> str:
     near = get_close_matches(path.name.lower(), names, n=1) or [
         name for name in names if name.startswith(path.name.lower() + ".")
     ]
-    if near:
-        return f"Did you mean {printable(str(path.parent / names[near[0]]))}?"
-    return _template(path)
+    return f"Did you mean {printable(str(path.parent / names[near[0]]))}?" if near else _template(path)
 
 
 def _template(path: Path) -> str:

@@ -14,7 +14,7 @@ _FEW = 6  # joints of the sheet
 
 def elastic_entries(result: Result, blocks: ElasticBlocks) -> list[Entry]:
     """What the deformation of the rock does, in a few lines."""
-    return [_limit(blocks), _rock(blocks), _joints(blocks), _moves(blocks), _size(result, blocks)]
+    return [_limit(blocks), _rock(blocks), _joints(result, blocks), _moves(blocks), _size(result, blocks)]
 
 
 def _limit(blocks: ElasticBlocks) -> str:
@@ -47,7 +47,7 @@ def _rock(blocks: ElasticBlocks) -> str:
     return f"{rock}; rigid bedrock"
 
 
-def _joints(blocks: ElasticBlocks) -> Table[tuple[str, OnElasticJoint]]:
+def _joints(result: Result, blocks: ElasticBlocks) -> Table[tuple[str, OnElasticJoint]]:
     """Normal tractions of each joint."""
     Row = tuple[str, OnElasticJoint]
 
@@ -58,7 +58,7 @@ def _joints(blocks: ElasticBlocks) -> Table[tuple[str, OnElasticJoint]]:
         return short(value if abs(value) >= 0.05 else 0.0)
 
     columns: list[Column[Row]] = [
-        Column("on (kPa, %)", itemgetter(0), "joint", width=-14),
+        Column("on (kPa, %)", itemgetter(0), "joint", show=result.design.in_own_names, width=-14),
         Column("σ' from", end("elastic_kpa", 0), "elastic_from_kpa", "kPa", kpa, 14),
         Column("to", end("elastic_kpa", 1), "elastic_to_kpa", "kPa", kpa, 12),
         Column("rigid from", end("rigid_kpa", 0), "rigid_from_kpa", "kPa", kpa, 12),

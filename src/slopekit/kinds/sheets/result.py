@@ -130,7 +130,7 @@ def moments(result: Result) -> list[str]:
     if fos.limit is None:
         return []
     opened = [
-        f"{(1.0 - opening['pressed_share']) * 100:.3g} % of {name}"
+        f"{(1.0 - opening['pressed_share']) * 100:.3g} % of {result.design.in_own_names(name)}"
         for name, opening in result.limit_state.openings.items()
         if opening["pressed_share"] < 1.0 - _WHOLE
     ]

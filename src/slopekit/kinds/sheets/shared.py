@@ -46,7 +46,7 @@ def forces(result: Result) -> list[Entry]:
         numbers("mean σ'", stress, "stress_kpa", "kPa", 12),
     ]
     columns: list[Column[str]] = [
-        Column("on (m², kN, kPa)", str, "interface", width=-18),
+        Column("on (m², kN, kPa)", str, "interface", show=result.design.in_own_names, width=-18),
         numbers("area", areas.get, "area_m2", "m²", 12),
         *(own if result.fos.limit is not None and any(map(acting.normal.get, names)) else ()),
         numbers("water", lambda name: acting.water.get(name) or 0.0, "water_kn", "kN", 14),
@@ -274,12 +274,16 @@ def mechanisms(result: Result) -> list[Entry]:
     """Return the mechanisms of a block above a basal joint: that block, and the whole wedge by its closed form."""
     if result.comparisons.without_basal is None:
         return []
+
+    def status(word: str) -> str:
+        return result.design.in_own_names(result.words.status(word))
+
     columns: list[Column[Mechanism]] = [
         Column("FoS", attrgetter("fos"), "fos", show=factor_text, width=9),
         Column("m³", lambda row: row.size and row.size.volume_m3, "volume_m3", "m³", short_or_dash, 11),
         Column("t", lambda row: row.size and row.size.mass_t, "mass_t", "t", short_or_dash, 11),
         Column("block", lambda row: row.blocks[0], "block", width=-14, about="  {}"),
-        Column("status", attrgetter("status"), "status", width=1, show=result.words.status, about="{}"),
+        Column("status", attrgetter("status"), "status", width=1, show=status, about="{}"),
     ]
     return [Table(columns, result.mechanisms)]
 
@@ -296,7 +300,7 @@ def curved_strength(result: Result) -> list[str]:
         low, high = line["range_kpa"]
         at = f"{name} at {line['traction_kpa']:.4g} kPa (node pairs {low:.4g} .. {high:.4g})"
         secant = f"c {line['cohesion_kpa']:.4g} kPa  φ {line['friction_angle_deg']:.2f}°, the secant of its law"
-        said.append(f"{at}: {secant}")
+        said.append(f"{result.design.in_own_names(at)}: {secant}")
     return said
 
 
@@ -322,7 +326,7 @@ def governs(result: Result) -> list[Entry]:
         return result.design.in_own_names(result.words.status(row[2])) if row[2] in STATUSES else row[2]
 
     columns: list[Column[tuple[str, float | None, str]]] = [
-        Column("changed input", itemgetter(0), "change", width=-24),
+        Column("changed input", itemgetter(0), "change", show=result.design.in_own_names, width=-24),
         Column("closed form", itemgetter(1), "fos", show=lambda factor: factor_text(factor).strip(), width=12),
         Column("change", change, "difference", show=lambda by: "-" if by is None else f"{by:+.4f}", width=10),
         Column("then", then, "then", width=1, about="  {}"),

@@ -30,7 +30,7 @@ def notices(design: Design, made: Cut, found: FoundLimit, why_not: str, block: s
         swings = f"the limit swings between {limit.factor:.4g} and {highest:.4g}"
         yield Notice("W317", f"the passes did not settle: {swings}; the lower is printed")
     if limit.factor is not None:
-        yield from _lost_contact(made, found)
+        yield from _lost_contact(design, made, found)
         yield from _shaking(made, found)
         passive = any(bolt.acts == "passive" for bolt in design.bolts)
         if passive and not (-model.bolt_rows @ limit.velocity_of(model) > SQUARE).any():
@@ -44,7 +44,7 @@ def notices(design: Design, made: Cut, found: FoundLimit, why_not: str, block: s
     yield from mesh_notices(found.change or 0.0)
 
 
-def _lost_contact(made: Cut, found: FoundLimit) -> Iterator[Notice]:
+def _lost_contact(design: Design, made: Cut, found: FoundLimit) -> Iterator[Notice]:
     """W307: joints that have lost contact where the forces alone govern, or that a curved surface opens on.
 
     A flat joint that opens on a part of its area alone has the limit of its bed, which does not jump.
@@ -56,7 +56,7 @@ def _lost_contact(made: Cut, found: FoundLimit) -> Iterator[Notice]:
         joint = found.scene.pairs.interface == interface.key
         lost = float(area[joint & (found.limit.bond == 0.0)].sum() / area[joint].sum())
         if interface.strength.cohesion_kpa > 0.0 and lost > least:
-            yield lost_contact(interface.name, lost)
+            yield lost_contact(design.in_own_names(interface.name), lost)
 
 
 def _shaking(made: Cut, found: FoundLimit) -> Iterator[Notice]:

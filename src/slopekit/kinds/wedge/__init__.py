@@ -303,6 +303,10 @@ def _notices(design: WedgeDesign) -> Iterator[Notice]:
         yield Notice("W419", "the crack holds water, the joints below it are dry: full water (Hoek & Bray) fills both")
 
 
+def _notices_in_own_names(design: WedgeDesign) -> Iterator[Notice]:
+    return (replace(notice, message=design.in_own_names(notice.message)) for notice in _notices(design))
+
+
 def _without_basal(design: WedgeDesign) -> WithoutBasal | None:
     if design.basal is None:
         return None
@@ -340,14 +344,14 @@ def _turned_limit(design: WedgeDesign, turn: float) -> float:
 
 
 def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
-    entries, geometry = [], result.geometry
+    joints, entries, geometry = [], [], result.geometry
     assert isinstance(geometry, WedgeGeometry)
     for (_, name), own, plane, strength in zip(
         JOINTS, design.joint_names, design.joints, strengths_of(design), strict=False
     ):
         called = name if own == name else f"{name} ({own})"
         area = short(geometry.areas_m2[name])
-        entries.append(f"{called} {plane}  {plane.in_words()}  {strength_in_words(strength)}  area {area} m²")
+        joints.append(f"{called} {plane}  {plane.in_words()}  {strength_in_words(strength)}  area {area} m²")
     if design.basal is not None:
         from slopekit.kinds.wedge import basal
 
@@ -370,7 +374,7 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
         length = short(geometry.line_length_m)
         entries.append(f"line of intersection {line_in_words(line)}, daylights at the toe")
         details.append(f"line of intersection {length} m long")
-    yield Section("PLANES", entries, details=details)
+    yield Section("PLANES", [*joints, *map(design.in_own_names, entries)], details=details)
     size = size_part(result, float(f"{height_of(design):.6g}"))
     if design.limits is not None:
         size = replace(size, entries=[*size.entries, *limits.in_words(design)])
@@ -400,6 +404,6 @@ _ON_THREE = replace(
 
 KIND = kind_of_one_block(
     WedgeDesign, read_wedge, replace(_WORDS, variants={"basal": _ON_THREE}),
-    cut, compared, changes=_changes, strengths=strengths_of, slope=_slope, notices=_notices,
+    cut, compared, changes=_changes, strengths=strengths_of, slope=_slope, notices=_notices_in_own_names,
     on_arrays=ON_ARRAYS, without_basal=_without_basal,
 )  # fmt: skip
