@@ -78,7 +78,6 @@ PARTS: tuple[tuple[str, tuple[Picture, ...]], ...] = (
                 (_COLUMNS, _plot("columns", "mechanism"))),
         Picture("factors", "Blocks by the factor of safety at which they fail, one mechanism after the other.",
                 (_BENCH, _plot("bench", "factors"))),
-        Picture("ravelling", "The same by their order.", (_BENCH, _plot("bench", "ravelling"))),
     )),
     ("Orientations", (
         Picture("stereonet", "The planes of a design, its line of intersection, face and friction.",
@@ -109,8 +108,6 @@ PARTS: tuple[tuple[str, tuple[Picture, ...]], ...] = (
                 (_BENCHES, _plot("benches", "backbreak"))),
         Picture("motion", "Acceleration, velocity and displacement in the record that moves the block most.",
                 ("slopekit quake templates/wedge.yaml sine:0.5g,1Hz,3 -o quake --quiet", _plot("quake", "motion"))),
-        Picture("six", "How the block goes in six degrees of freedom, its parts, turning.",
-                ("slopekit quake templates/wedge.yaml sine:0.5g,1Hz,3 --six -o six --quiet", _plot("six", "six"))),
     )),
     ("Checks", (
         Picture("speed-error", "What an accuracy costs: every rung of the ladder of `check`.",

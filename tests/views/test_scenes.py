@@ -55,7 +55,7 @@ def test_every_kind_gives_every_scene(name: str, what: str) -> None:
     moving = document(name)["geometry"]["volume_m3"]
     whole = [layer.name for layer in picture.layers]
     assert {"blocks", "moving"} & set(whole)
-    if what in ("scene", "exploded", "factors", "ravelling"):
+    if what in ("scene", "exploded", "factors"):
         blocks = volume(part(picture, "blocks"))
         fixed = volume(part(picture, "bedrock")) if "bedrock" in whole and what == "exploded" else 0.0
         assert blocks >= moving * 0.98 - fixed
@@ -240,10 +240,9 @@ def test_a_mechanism_that_did_not_settle_is_not_shown_as_fact() -> None:
     changed["mechanisms"][0] |= {"status": "not_converged"}
     scene = BlockScene.from_dict(changed["scene"])
     changed["scene"]["factor"] = packed(np.full(len(scene.factor), np.nan))
-    for what in ("factors", "ravelling"):
-        words = " ".join(text for text, _, _ in compose(changed, what).legend)
-        assert "did not settle (14)" in words
-        assert "stands, or was not looked at" not in words
+    words = " ".join(text for text, _, _ in compose(changed, "factors").legend)
+    assert "did not settle (14)" in words
+    assert "stands, or was not looked at" not in words
 
 
 def test_a_later_mechanism_has_its_own_factor() -> None:
@@ -298,9 +297,8 @@ def test_what_cannot_be_drawn(name: str, what: str, asked: dict[str, Any], code:
 def test_nothing_moves() -> None:
     stands = document("wedge")
     still = dict(stands) | {"scene": dict(stands["scene"]) | {"order": packed(np.zeros(1, dtype=np.int64))}}
-    for what in ("mechanism", "ravelling"):
-        with pytest.raises(sk.DesignError, match="E273"):
-            compose(still, what)
+    with pytest.raises(sk.DesignError, match="E273"):
+        compose(still, "mechanism")
     with pytest.raises(sk.DesignError, match="E350"):
         compose({"kind": "wedge"}, "scene")
 

@@ -42,8 +42,8 @@ def plot(
 ) -> None:  # fmt: skip
     """A picture of any JSON that slopekit wrote (extra: plot).
 
-    Scenes: scene exploded tractions forces displacement mechanism factors ravelling. Charts: stereonet elevation
-    histogram curve contour tornado speed-error reduction motion six. Without WHAT: those that the file can give.
+    Scenes: scene exploded tractions forces displacement mechanism factors. Charts: stereonet elevation
+    histogram curve contour tornado speed-error reduction motion. Without WHAT: those that the file can give.
     """
     from slopekit.exchange.documents import by_case, document_file, read_document
     from slopekit.views import plots

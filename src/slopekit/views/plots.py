@@ -105,8 +105,6 @@ _SCENES: Mapping[str, Offer] = {
                           partial(_has_in_scene, "displacement")),
     "mechanism": Offer("how the blocks move as they fail", _RESULT, _has_mechanism),
     "factors": Offer("blocks coloured by the factor of safety at which they fail", _OF_MANY, _is_of_many),
-    "ravelling": Offer("blocks coloured by the order in which they fail", _OF_MANY,
-                       lambda of: _is_of_many(of) and _has_mechanism(of)),
 }  # fmt: skip
 #: Drawn by matplotlib, by their word.
 CHARTS: Mapping[str, Offer] = {
@@ -146,11 +144,6 @@ CHARTS: Mapping[str, Offer] = {
         "acceleration, velocity and displacement in the record that moves the block most",
         "quake.json: slopekit quake design.yaml RECORD... -o DIR", partial(_shakes, "motion"),
         "quake_charts.draw_motion",
-    ),
-    "six": Offer(
-        "displacement and turning in six degrees of freedom",
-        "quake.json: slopekit quake design.yaml RECORD... --six -o DIR", partial(_shakes, "six_motion"),
-        "quake_charts.draw_six",
     ),
     "speed-error": Offer(
         "time against error of the solver", "check.json: slopekit check design.yaml -o DIR",

@@ -152,8 +152,8 @@ class Quake(StudyOutcome):
 
     @property
     def charts(self) -> tuple[str, ...]:
-        """Acceleration, velocity and displacement; displacement and turning in six degrees of freedom."""
-        return (*(["six"] if self.in_six is not None else []), *(["motion"] if self.motion else []))
+        """Acceleration, velocity and displacement."""
+        return ("motion",) if self.motion else ()
 
     @property
     def one_way(self) -> dict[str, Any]:

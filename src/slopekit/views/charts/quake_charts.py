@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.views.charts.drawing import BLUE, DARK, GREEN, GREY, ORANGE, RED, dressed, short
+from slopekit.views.charts.drawing import BLUE, DARK, GREEN, GREY, RED, dressed, short
 
 _MORE = 1.15  # of the time until the block is at rest: what is shown of a long quiet end
 
@@ -44,43 +44,3 @@ def draw_motion(figure: Any, document: Mapping[str, Any]) -> None:
     most = max((max(one["as_recorded_m"], one["reversed_m"]) for one in document["records"]), default=0.0)
     below.annotate(f"{100.0 * most:.4g} cm in all", (0.01, 0.92), xycoords="axes fraction", va="top", fontsize=8.5,
                    color=GREY)  # fmt: skip
-
-
-_ROUNDING, _LEAST_DEG = 1e-4, 1e-3  # of the displacement that is none; what the axis of turning shows at least
-_AXES = (("east", BLUE), ("north", GREEN), ("up", ORANGE))
-
-
-def draw_six(figure: Any, document: Mapping[str, Any]) -> None:
-    """How far the block goes in six degrees of freedom, its parts, and how it turns."""
-    six = document["six_motion"]
-    t = np.array(six["t_s"], dtype=float)
-    parts = {name: 100.0 * np.array(six[f"{name}_m"], dtype=float) for name, _ in _AXES}
-    turned = {name: np.array(six[f"about_{name}_deg"], dtype=float) for name, _ in _AXES}
-    figure.set_size_inches(9.0, 7.2)
-    above, middle, below = figure.subplots(3, 1, sharex=True)
-    size = np.sqrt(sum(part * part for part in parts.values()))
-    above.plot(t, size, color=RED, linewidth=1.4, label=f"six degrees of freedom {size[-1]:.4g} cm")
-    above.set_ylabel("centroid from rest, cm")
-    for name, colour in _AXES:
-        last = parts[name][-1] if abs(parts[name][-1]) > _ROUNDING * size.max() else 0.0
-        if parts[name].any():
-            middle.plot(t, parts[name], color=colour, linewidth=1.1, label=f"{name} {last:.4g} cm")
-        if turned[name].any():
-            below.plot(
-                t,
-                turned[name],
-                color=colour,
-                linewidth=1.1,
-                label=f"about {name} {round(turned[name][-1], 3) + 0.0:.3f}°",
-            )
-    if max(np.abs(part).max() for part in turned.values()) < _LEAST_DEG:
-        below.set_ylim(-_LEAST_DEG, _LEAST_DEG)
-    middle.set_ylabel("parts, cm")
-    below.set_ylabel("turned, °")
-    below.set_xlabel("time, s")
-    below.set_xlim(t[0], t[-1])
-    for axes in (above, middle, below):
-        dressed(axes)
-        if axes.get_legend_handles_labels()[0]:
-            axes.legend(loc="best", fontsize=8.5, frameon=False)
-    above.set_title(f"{short(str(six['record']), 60)}, {six['way']}", fontsize=10.5)

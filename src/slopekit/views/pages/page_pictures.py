@@ -15,10 +15,10 @@ from slopekit.views.plots import draw, offers
 
 #: Pictures of a result in the order of the page, those of blocks for many blocks only.
 _OF_RESULT = (
-    "scene", "elevation", "stereonet", "tractions", "mechanism", "factors", "ravelling",
+    "scene", "elevation", "stereonet", "tractions", "mechanism", "factors",
     "reduction",
 )  # fmt: skip
-_SCENES = ("scene", "exploded", "tractions", "forces", "displacement", "mechanism", "factors", "ravelling")
+_SCENES = ("scene", "exploded", "tractions", "forces", "displacement", "mechanism", "factors")
 _TYPES = {".png": "image/png", ".svg": "image/svg+xml"}
 _LARGEST_SVG = 110_000  # bytes; beyond that a PNG is smaller and as legible
 _COLOURS = 96  # of a scene: shades of few materials
@@ -53,10 +53,10 @@ def still_pictures(document: Mapping[str, Any]) -> tuple[list[dict[str, Any]], l
 
 
 def _of_many(names: list[str], mechanisms: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Without pictures that would show one colour: factors and order say something where several differ."""
+    """Without pictures that would show one colour: factors say something where several differ."""
     factors = [row["fos"] for row in mechanisms if row["fos"] is not None and row["status"] != "not_converged"]
     differ = bool(factors) and max(factors) > 1.02 * factors[0]
-    shows = {"tractions": False, "factors": differ, "ravelling": len(mechanisms) > 1}
+    shows = {"tractions": False, "factors": differ}
     return [what for what in names if shows.get(what, True)]
 
 

@@ -248,12 +248,11 @@ def ground_below(shapes: Shapes, profile: Sequence[Sequence[float]]) -> tuple[Fl
 
 @dataclass(frozen=True)
 class Bar:
-    """A colour bar: what it shows and the values at its ends; `whole`: they are numbers of something."""
+    """A colour bar: what it shows and the values at its ends."""
 
     label: str
     low: float
     high: float
-    whole: bool = False
 
     def colours(self, values: Floats) -> Ints:
         """Colours (n, 3) of values (n,), those beyond the ends as the ends."""

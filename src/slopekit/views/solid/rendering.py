@@ -190,10 +190,9 @@ def _bar(figure: Any, axes: Any, bar: Bar) -> None:
     from matplotlib.colors import ListedColormap, Normalize
     from matplotlib.ticker import MaxNLocator
 
-    half = 0.5 if bar.whole else 0.0
-    steps = np.arange(bar.low, bar.high + half) if bar.whole else np.linspace(bar.low, bar.high, 128)
-    colours = ScalarMappable(Normalize(bar.low - half, bar.high + half), ListedColormap(bar.colours(steps) / 255.0))
-    ticks = MaxNLocator(integer=bar.whole)
+    steps = np.linspace(bar.low, bar.high, 128)
+    colours = ScalarMappable(Normalize(bar.low, bar.high), ListedColormap(bar.colours(steps) / 255.0))
+    ticks = MaxNLocator()
     figure.colorbar(colours, ax=axes, location="bottom", label=bar.label, ticks=ticks, shrink=0.5, aspect=40)
 
 

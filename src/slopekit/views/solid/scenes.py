@@ -12,7 +12,7 @@ import numpy as np
 
 from slopekit.block_scene import MODES, OPEN
 from slopekit.bolts import rods
-from slopekit.core.arrays import Bools, Floats, cross
+from slopekit.core.arrays import Floats, cross
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import parse_plane
 from slopekit.core.sheet import factor_text
@@ -39,7 +39,6 @@ from slopekit.views.solid.layers import (
     spheres,
 )
 from slopekit.views.solid.scene_parts import (
-    Legend,
     Scenery,
     amount,
     amounts,
@@ -403,52 +402,23 @@ def _factors(stage: Stage, _: int) -> Picture:
     none = int((stage.free & ~known & ~falls & ~open_).sum())
     text = "no factor: it stands, or was not looked at" if not stage.alone else "no factor of safety"
     asked = [(f"{text} ({none})", STANDS, 1.0)] if none else []
-    asked += _special(falls, open_)
+    asked += [(f"held by no strength that was tried ({int(falls.sum())})", FALLS, 1.0)] if falls.any() else []
+    last = f"moves in a mechanism that did not settle ({int(open_.sum())})"
+    asked += [(last, UNSETTLED, 1.0)] if open_.any() else []
     asked += [(f"bedrock ({fixed})", ROCK, 1.0)] if fixed else []
     notes = ("a block that only the one before it held fails together with it",) if not stage.alone else ()
-    if one and bar is not None:  # one value needs no scale
-        colour = tuple(bar.colours(factor[known][:1])[0].tolist())
-        asked = [(f"fails at {float(factor[known][0]):.3f} ({int(known.sum())})", colour, 1.0), *asked]
-    return _by_value(stage, "factors", factor, bar, asked, notes, scale=not one)
-
-
-def _ravelling(stage: Stage, _: int) -> Picture:
-    """Blocks by the order in which they fail."""
-    order = stage.scene.order
-    if not order.any():
-        raise DesignError([Fault("E273", f"nothing moves: {stage.document.get('status_text')}", "ravelling")])
-    open_ = stage.unsettled
-    values = np.where((order > 0) & ~open_, order.astype(np.float64), np.nan)
-    bar = Bar("order in which blocks fail", 1.0, float(order.max()), whole=True)
-    left = int((stage.free & (order == 0)).sum())
-    legend = [(f"left in place ({left})", STANDS, 1.0)] if left else []
-    legend += _special(np.zeros_like(open_), open_)
-    legend += [("bedrock", ROCK, 1.0)] if stage.scene.shapes.fixed.any() else []
-    standing = (stage.document.get("assembly") or {}).get("standing")
-    return _by_value(stage, "ravelling", values, bar, legend, (str(standing),) if standing else ())
-
-
-def _special(falls: Bools, open_: Bools) -> Legend:
-    """Blocks without a number that do not stand either."""
-    legend: Legend = [(f"held by no strength that was tried ({int(falls.sum())})", FALLS, 1.0)] if falls.any() else []
-    last = f"moves in a mechanism that did not settle ({int(open_.sum())})"
-    return [*legend, (last, UNSETTLED, 1.0)] if open_.any() else legend
-
-
-def _by_value(
-    stage: Stage, what: str, values: Floats, bar: Bar | None, legend: Legend,
-    notes: Sequence[str], scale: bool = True,
-) -> Picture:  # fmt: skip
-    colours = np.tile(np.array(STANDS), (len(values), 1))
-    known = np.isfinite(values)
+    colours = np.tile(np.array(STANDS), (len(factor), 1))
     if bar is not None:
-        colours[known] = bar.colours(values[known])
-    colours[stage.without_strength & ~known] = FALLS
-    colours[stage.unsettled & ~known] = UNSETTLED
-    seen = Scenery(stage, legend, notes)
+        colours[known] = bar.colours(factor[known])
+    if one:  # one value needs no scale
+        colour = tuple(colours[known][0].tolist())
+        asked = [(f"fails at {float(factor[known][0]):.3f} ({int(known.sum())})", colour, 1.0), *asked]
+    colours[falls & ~known] = FALLS
+    colours[open_ & ~known] = UNSETTLED
+    seen = Scenery(stage, asked, notes)
     seen.rock()
     seen.blocks("blocks", stage.free, colours=colours)
-    return seen.picture(what, bar=bar if scale else None)
+    return seen.picture("factors", bar=None if one else bar)
 
 
 #: Who puts a scene together, by its word: of the stage and the mechanism, 1 the first.
@@ -460,5 +430,4 @@ SCENES: Mapping[str, Callable[[Stage, int], Picture]] = {
     "displacement": _displacement,
     "mechanism": _mechanism,
     "factors": _factors,
-    "ravelling": _ravelling,
 }
