@@ -75,7 +75,6 @@ def test_it_says_what_the_studies_draw(run, folder, tmp_path) -> None:
         (("sweep.json", "curve", "-o", "a.glb"), "E141", "curve cannot be written as .glb"),
         (("sweep.json", "curve", "-o", "/proc/nowhere/a.png"), "E129", "cannot be written"),
         (("result.json", "factors"), "E273", "factors wants result.json of many blocks: bench, blocks, topple"),
-        (("result.json", "factors"), "E273", "factors wants result.json of many blocks: bench, blocks, topple"),
         (("result.json", "displacement", "--step", "2"), "E313", "--step says nothing of this displacement"),
         (("sweep.json", "curve", "--test", "planar"), "E313", "--test says nothing of this curve"),
         (("result.json", "stereonet", "--test", "planar"), "E313", "--test says nothing of this stereonet"),

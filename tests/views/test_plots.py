@@ -335,7 +335,7 @@ def test_offers(scattered) -> None:
     assert set(offers(plain(result_of("paper-footing")))) >= {"scene", "reduction"}
     assert offers({"slopekit": "0"}) == {}
     assert set(offers(plain(sk.quake(sk.load(WEDGE), "triangular:0.5g,0.4s")))) == {"motion"}
-    assert len(set(EVERY)) == len(EVERY) == 19
+    assert len(set(EVERY)) == len(EVERY) == 17
 
 
 @pytest.mark.slow

@@ -115,9 +115,9 @@ def test_the_numbers_of_a_wedge_stand_with_their_units() -> None:
     found, seen = document("wet"), words(page("wet"))
     forces, geometry = found["forces_kn"], found["geometry"]
     for joint in ("J1", "J2"):
-        assert f"{forces['normal'][joint]:.6g}"[:5] in seen
+        assert f"{forces['normal'][joint]:.0f}" in seen
         assert f"{forces['normal'][joint] / geometry['areas_m2'][joint]:.4g}" in seen
-        assert f"{forces['water'][joint]:.6g}"[:5] in seen
+        assert f"{forces['water'][joint]:.0f}" in seen
     for text in (
         "dips 45° toward 105 (ESE)", "65/185", "crack", "mean σ' / kPa", "water / kN", "area / m²",
         f"weight {force_in_words(forces['weight'])}", "unit weight 25 kN/m³", "water 50 % of full pressure",

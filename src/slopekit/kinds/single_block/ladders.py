@@ -165,7 +165,6 @@ def _neighbours(scene: ContactModel, made: Cut) -> Iterator[float | None]:
     has_path = flat_limit(scene.model, bedding.polygons, bedding.centroid).bed is not None
     for key in sorted(bedding.polygons)[:-1] if has_path else ():
         for k in (1.0 - NEAR_STRENGTH, 1.0 + NEAR_STRENGTH):
-            say("strength of one joint, divided by", k, head=True)
             yield _factor(made, partial(_joint_reduced, key, k))
 
 
@@ -177,13 +176,12 @@ def _factor(made: Cut, changed: Callable[[Model], Model]) -> float | None:
 
 def _reduced(k: float, model: Model) -> Model:
     """Return a model with the strength of all joints and bolts divided by k."""
-    lines = None if model.lines is None else model.lines.reduced(k)
     return replace(
         model,
         cohesion=model.cohesion / k,
         tan_friction=model.tan_friction / k,
         bolt_capacity=model.bolt_capacity / k,
-        lines=lines,
+        lines=None if model.lines is None else model.lines.reduced(k),
     )
 
 

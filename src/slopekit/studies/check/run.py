@@ -277,14 +277,12 @@ def _convergence(result: Result, ladder: tuple[Rung, ...], unrefined: str) -> Fi
 
 def _neighbours(limit: float, near: Sequence[float | None], within: float) -> Finding:
     """Whether the limit stays between those of strengths a little lower and higher, as scaling has it."""
-    ends = min(limit, *(factor or 0.0 for factor in near)), max(limit, *(factor or 0.0 for factor in near))
-    off = max(1.0 - ends[0] / limit, ends[1] / limit - 1.0, NEAR_STRENGTH) - NEAR_STRENGTH
-    met, percent = off <= within, f"{NEAR_STRENGTH:.0%}"
-    words = (
-        f"{ends[0]:.4g} to {ends[1]:.4g} with {percent} more or less strength of one joint, how far beyond {percent}"
-    )
-    words += "" if met else ": two limit states, take the lower"
-    return Finding("neighbours", off, within, met, words)
+    factors = [limit, *(factor or 0.0 for factor in near)]
+    least, most, by = min(factors), max(factors), f"{NEAR_STRENGTH:.0%}"
+    off = max(1.0 - least / limit, most / limit - 1.0, NEAR_STRENGTH) - NEAR_STRENGTH
+    words = f"{least:.4g} to {most:.4g} with {by} more or less strength of one joint, how far beyond {by}"
+    words += "" if off <= within else ": two limit states, take the lower"
+    return Finding("neighbours", off, within, off <= within, words)
 
 
 def _stiffness(result: Result, limit: float, rungs: Sequence[Rung]) -> Iterator[Finding]:

@@ -49,9 +49,8 @@ class SampleRows(Rows):
         if search is not None:
             self.design, self.search = search
             values = placed(self.search, values)[0]
-        variables = self.design.variables
         self.before = as_laid_out(self.design)
-        self.fast = vectorised(self.design, values, lambda row: settings_of(variables, values[row]))
+        self.fast = vectorised(self.design, values, lambda row: settings_of(self.design.variables, values[row]))
         self.is_on_arrays = self.fast is not None and self.fast.takes(pre_ie)
 
     def __len__(self) -> int:

@@ -198,8 +198,4 @@ def _motion(motion: Mapping[str, Any]) -> Table[Any]:
     """Every sample of the record that moves it most."""
     names = (("t_s", "s"), ("a_g", "g"), ("v_m_s", "m/s"), ("d_m", "m"))
     rows = list(zip(*(motion[name] for name, _ in names), strict=True))
-    return Table([Column(name, _cell(k), name, unit, exact=".9g") for k, (name, unit) in enumerate(names)], rows)
-
-
-def _cell(k: int) -> Any:
-    return lambda row: float(row[k])
+    return Table([Column(name, itemgetter(k), name, unit, exact=".9g") for k, (name, unit) in enumerate(names)], rows)

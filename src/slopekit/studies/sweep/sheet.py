@@ -59,23 +59,13 @@ def _every_point(swept: Sweep) -> Table[dict[str, Any]]:
     columns += [Column(name, itemgetter(name), name) for name in Point(None).to_dict()]
     also = next((one.also for one in swept.points if one.also), None)
     if also is not None:
-        columns.append(Column(also.BRIEF, _also_of(also.NAME), also.NAME))
+        columns.append(Column(also.BRIEF, lambda row: row.get(also.NAME, {}).get("closed_form"), also.NAME))
     paths = [key.path for key in swept.keys]
     rows = [
         dict(zip(paths, place, strict=True)) | point.to_dict()
         for place, point in zip(swept.places, swept.points, strict=True)
     ]
     return Table(columns, rows)
-
-
-def _also_of(name: str) -> Callable[[Mapping[str, Any]], float | None]:
-    """The factor of what acceptance is held against besides, of a point's JSON."""
-
-    def factor(row: Mapping[str, Any]) -> float | None:
-        also = row.get(name) or {}
-        return also.get("closed_form", also.get("limit"))
-
-    return factor
 
 
 # -- a curve ----------------------------------------------------------------------------------------------------------
@@ -99,7 +89,8 @@ def _curve(swept: Sweep) -> Table[_PointOfCurve]:
         Column(title, itemgetter(0), key.path, key.unit,
                lambda value: key.shown(value, 8) + (" now" if value == key.value else ""), -21),
         Column("", itemgetter(3), "changed", show=lambda changed: ">" if changed else "", width=-2),
-        Column("status", _status, "status", width=-max([least, *map(len, filter(_slides, statuses))])),
+        Column("status", _status, "status", width=-max(
+            [least, *(len(status) for status in statuses if status.startswith("slides_on_"))])),
         *(Column(METHODS[method], _by(method), method, show=_factor_text, width=12) for method in swept.asked),
     ]  # fmt: skip
     if known is not None:
@@ -107,10 +98,6 @@ def _curve(swept: Sweep) -> Table[_PointOfCurve]:
     if len(swept.asked) > 1:
         columns.append(Column(f"{before}check", lambda row: before + check_word(row[1]), "check", width=-1))
     return Table(columns, rows)
-
-
-def _slides(status: str) -> bool:
-    return status.startswith("slides_on_")
 
 
 def _status(row: _PointOfCurve) -> str:
@@ -208,10 +195,6 @@ def _unit(key: Key) -> str:
 # -- what it comes to -------------------------------------------------------------------------------------------------
 
 
-def _place(swept: Sweep, place: tuple[float, ...]) -> str:
-    return ", ".join(key.shown(value, 6) for key, value in zip(swept.keys, place, strict=True))
-
-
 def _critical(swept: Sweep) -> list[str]:
     critical = swept.critical
     entries = []
@@ -253,5 +236,6 @@ def _reasons(swept: Sweep) -> list[str]:
     reasons: dict[str, str] = {}
     for place, point in zip(swept.places, swept.points, strict=True):
         if point.factors is None:
-            reasons.setdefault(point.code, f"{point.code} at {_place(swept, place)}: {point.message}")
+            at = ", ".join(key.shown(value, 6) for key, value in zip(swept.keys, place, strict=True))
+            reasons.setdefault(point.code, f"{point.code} at {at}: {point.message}")
     return list(reasons.values())
