@@ -251,8 +251,10 @@ def merged(parts: Sequence[tuple[Ints, Outcomes]]) -> Outcomes:
             [own.whole or ByMethod.of([""] * len(own.agree), [None] * len(own.agree)) for own in every]
         )
     limit, closed = (one_after_the_other([getattr(own, name) for own in every]) for name in ("limit", "closed_form"))
-    notes = [note for own in every for note in own.notes]
-    return Outcomes(limit, closed, difference, agree, moments_govern, whole, notes, every[0].pre_ie).of(order)
+    return Outcomes(
+        limit, closed, difference, agree, moments_govern, whole, [note for own in every for note in own.notes],
+        every[0].pre_ie,
+    ).of(order)  # fmt: skip
 
 
 def one_after_the_other(methods: Sequence[ByMethod]) -> ByMethod:

@@ -139,8 +139,7 @@ def outcomes_of_part(pre_ie: bool, part: tuple[Rows, int, int]) -> Record:
     parts = [] if outcomes is None else [(taken, outcomes)]
     if len(single):
         points = [rows.point(start + row, pre_ie) for row in single.tolist()]
-        wholes = [rows.whole(start + row, point) for row, point in zip(single.tolist(), points, strict=True)]
-        parts.append((single, of_points(points, wholes, pre_ie)))
+        parts.append((single, of_points(points, [*map(rows.whole, (start + single).tolist(), points)], pre_ie)))
     return merged(parts).record()
 
 
