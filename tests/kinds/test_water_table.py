@@ -80,6 +80,18 @@ def test_a_drowned_block_has_its_buoyant_weight(design) -> None:
     assert result.fos.closed_form == pytest.approx(buoyant.fos.closed_form, rel=1e-12)
 
 
+def test_a_depth_behind_a_vertical_face_is_below_the_upper_slope() -> None:
+    """U = γ_w h² / (2 sin ψ_p), h the table's height over the toe: what a face of nearly 90° has, and a wedge's too."""
+    water = {"water": {"mode": "table", "depth": 4.0}}
+    slope = {"height": 12.0, "upper": "0/180"}
+    result = sk.run({**PLANE, **water, "slope": {**slope, "face": "90/180"}})
+    assert result.forces.water["J1"] == pytest.approx(WATER * 8.0**2 / 2.0 / math.sin(math.radians(35.0)), rel=1e-12)
+    for kind in (PLANE, WEDGE):
+        upright, steep = (sk.run({**kind, **water, "slope": {**slope, "face": f"{dip}/180"}}) for dip in (90, 89.9999))
+        assert upright.fos.limit == pytest.approx(steep.fos.limit, rel=1e-4)
+        assert upright.fos.closed_form == pytest.approx(steep.fos.closed_form, rel=1e-4)
+
+
 @pytest.mark.parametrize("level", [3.0, 8.0])
 @pytest.mark.parametrize("is_ponded", [False, True])
 def test_a_level_table_on_a_plane_by_hand(level, is_ponded) -> None:

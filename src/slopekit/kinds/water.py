@@ -129,14 +129,16 @@ def pressure_below(
     return Pressure(heights, None if water.pond_m is None else water.pond_m - level, design.water_unit_weight_kn_m3)
 
 
-def above_ground(water: Pressure, free: Floats, height: Any, axes: Floats) -> list[Misfit]:
-    """E456 where the table stands above the ground and no pond does.
+def above_ground(design: Design, water: Pressure, free: Floats, height: Any, axes: Floats) -> list[Misfit]:
+    """E456 where the table stands above the ground and no pond does; a depth below it is behind a vertical face.
 
     Parameters
     ----------
     free : polygons (f, n, k, 3) of the ground of n; height : (n,) or m, of what it is the ground of
     axes : as of `pressure_below`
     """
+    if design.water.table_depth_m is not None:
+        return []
     over, place = water.above(free)
     face, row = np.unravel_index(int((over / height).argmax()), over.shape)
     corner = coordinates(place[face, row] @ axes)
@@ -226,7 +228,7 @@ def _below_table(design: SlopeDesign, slope: LocalSlope) -> tuple[list[OnFaces],
     pressures: list[OnFaces] = [(slope.interfaces, water.pieces(slope.faces[slope.interfaces]))]
     if water.pond is not None:
         pressures.append((slope.free, replace(water, heights=()).pieces(ground)))
-    return pressures, above_ground(water, ground, slope.extents[:, 2], slope.axes)
+    return pressures, above_ground(design, water, ground, slope.extents[:, 2], slope.axes)
 
 
 # -- water that stands in the tension crack --------------------------------------------------------------------------

@@ -128,9 +128,7 @@ def half_spaces_cut(normals: Mapping[int, Floats], offsets: Mapping[int, float],
     if piece.is_empty():
         raise GeometryError([Fault("E208", "the planes enclose no block")])
     mesh = piece.to_mesh64()
-    if int(np.asarray(mesh.face_id).max()) >= _FAR:
-        return None
-    return _block(mesh, rows, at, centre, half)
+    return None if int(np.asarray(mesh.face_id).max()) >= _FAR else _block(mesh, rows, at, centre, half)
 
 
 def _block(mesh: Mesh64, normals: Floats, offsets: Floats, centre: Floats, half: Floats) -> Block:

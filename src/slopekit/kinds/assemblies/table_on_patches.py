@@ -54,7 +54,7 @@ def with_water(
     if outside is not None:
         faces = outside.corners[[0, 1, 5, 4]], outside.corners[[1, 2, 6, 5]]
         height = max(float(np.ptp(face[:, 2])) for face in faces)
-        refuse(above_ground(water, np.stack(faces)[:, None], height, np.eye(3)))
+        refuse(above_ground(design, water, np.stack(faces)[:, None], height, np.eye(3)))
     elif water.heights:
         _refuse_over_highest(replace(water, pond=None), scene)
     means, points = _on_patches(water, assembly, np.ones(len(assembly.patches), dtype=bool))

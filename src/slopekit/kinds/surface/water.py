@@ -38,8 +38,7 @@ def pushes_of(design: SurfaceDesign, mass: SlidingMass) -> dict[str, PointForce]
     """
     water, vertices = water_of(design), mass.vertices + mass.origin
     ground, slip = (vertices[mass.triangles[mass.on == face]] for face in (GROUND, SLIP))
-    if design.water.table_depth_m is None:
-        refuse(above_ground(water, ground[None], float(np.ptp(vertices[:, 2])), np.eye(3)))
+    refuse(above_ground(design, water, ground[None], float(np.ptp(vertices[:, 2])), np.eye(3)))
     centre = mass.centroid + mass.origin
     force, couple, wet = _on_facets(water, slip, centre)
     volume, moment = volume_moments(mass.vertices, mass.triangles)
