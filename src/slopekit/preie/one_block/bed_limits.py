@@ -38,7 +38,17 @@ from slopekit.preie.one_block.bed_path import (
     units,
 )
 from slopekit.preie.one_block.polygon_bed import Beds, BedSprings, PointForces
-from slopekit.preie.tolerances import FINER_PRESSED, LEVEL, NO_FORCE, PARALLEL, POLISHED, ROUGHLY_SETTLED, SETTLED, TINY
+from slopekit.preie.tolerances import (
+    FINER_PRESSED,
+    LEVEL,
+    NO_FORCE,
+    PARALLEL,
+    POLISHED,
+    ROUGHLY_SETTLED,
+    SETTLED,
+    SPRING_ROUNDING,
+    TINY,
+)
 
 #: Splits of the triangles on which limits are settled; the next where it changes one by more than `FINER_PRESSED`.
 SPLITS = (3, 4)
@@ -427,7 +437,7 @@ def _run(springs: BedSprings, blocks: Ints, bases: Bases, velocity: Floats, poin
         off = 0.5 * ((speed * speed).sum(axis=1) - 1.0)
         # what wedges a block in may push far more than its load
         pushes = (np.abs(at.by_opening) @ np.abs(w)[:, :, None]).max(axis=(1, 2))
-        small = NO_FORCE * np.maximum(np.maximum(1.0, np.abs(lam)), pushes)
+        small = np.maximum(NO_FORCE * np.maximum(1.0, np.abs(lam)), SPRING_ROUNDING * pushes)
         return np.concatenate([at.out, off[:, None]], axis=1), bordered(slopes, at.by_reduction, speed), small
 
     return solve_rows(equations, start, _RUNNING)
