@@ -289,3 +289,10 @@ def test_an_active_bolt_that_pulls_out_of_the_face_is_said(toward, acts, said) -
     assert any("bolt 1 pulls out of the face" in message for message in messages) is said
     bare = sk.wedge(dips=("45/115", "45/245")).fos.limit
     assert not said or result.fos.limit < bare
+
+
+def test_a_turned_wedge_without_a_factor_has_none(monkeypatch) -> None:
+    """No wedge forms, or none moves, with a tenth of a degree less: a factor of 0 would be a number nobody found."""
+    monkeypatch.setattr("slopekit.kinds.wedge._turned_limit", lambda design, turn: 0.0 if turn < 0.0 else 0.5)
+    (said,) = [one.message for one in sk.wedge(dips=("45/178", "45/182")).warnings if one.code == "W301"]
+    assert said.endswith("the factor of safety is none or 0.5: it is not settled by the digits of the planes")

@@ -62,6 +62,13 @@ def test_meshes_that_flip_are_not_consistent(monkeypatch) -> None:
     assert finding(check(sk.load(two_paths(21.2))), "node pairs").met is False
 
 
+def test_a_neighbour_without_a_factor_is_said_and_no_zero(monkeypatch) -> None:
+    monkeypatch.setattr(ladders, "_neighbours", lambda *_: iter([None, 0.5]))
+    found = finding(check(sk.load(two_paths(21.2))), "neighbours")
+    assert (found.value, found.met) == (None, False)
+    assert found.words == "with 1% more or less strength of one joint none is found"
+
+
 def test_the_paper_wedge() -> None:
     """Against Hoek & Bray: flat joints, so node pairs do not matter."""
     found = plain("paper-wedge")

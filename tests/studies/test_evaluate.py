@@ -86,7 +86,8 @@ def test_the_closed_form_alone_and_blocks_that_have_none() -> None:
 @pytest.mark.parametrize(("columns", "code"), [
     ({}, "E312"), ({"water.fill": [0, 1], "slope.height": [1, 2, 3]}, "E312"), ({"water.fil": [0]}, "E310"),
     ({"water": [0]}, "E311"), ({"water.fill": [0, np.nan]}, "E105"), ({"water.fill": ["full"]}, "E106"), (5, "E405"),
-    ("water.fill", "E405"), ({"water.fill": [None]}, "E106"),
+    ("water.fill", "E405"), ({"loads.seismic": [0.1], "loads.seismic.k": [0.2]}, "E313"),
+    ({"water.fill": [None]}, "E106"),
 ])  # fmt: skip
 def test_what_is_refused(columns: Any, code: str) -> None:
     with pytest.raises(sk.DesignError, match=code):

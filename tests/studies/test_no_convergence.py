@@ -1,5 +1,6 @@
 """Where PRE-IE does not converge a study says so, refuses no input, and ends with 4: what it asks may be there."""
 
+import warnings
 from dataclasses import replace
 from types import SimpleNamespace as namespace
 
@@ -9,6 +10,8 @@ import pytest
 import slopekit as sk
 from slopekit.core.errors import DesignError
 from slopekit.design.templates import path_of
+from slopekit.kinds import factors_of
+from slopekit.kinds.assemblies import many_blocks
 from slopekit.kinds.protocol import Factors
 from slopekit.kinds.single_block.ladders import Rung
 from slopekit.studies import points
@@ -85,6 +88,23 @@ def test_a_sweep_that_meets_no_convergence_ends_with_four(monkeypatch) -> None:
     assert sk.sweep(_slab(), {PHI: [20.0, 30.0]}).exit_code == 4
     assert Point(factors).is_in_doubt
     assert not Point(Factors("slides", 1.2, None, None, None, None, False)).is_in_doubt
+
+
+def test_a_motion_that_did_not_settle_has_no_factor(monkeypatch) -> None:
+    assert factors_of(_slab()).limit is not None
+    monkeypatch.setattr(many_blocks, "PASSES_SETTLED", -1.0)
+    lost = factors_of(_slab())
+    assert (lost.status, lost.limit) == ("not_converged", None)
+    assert Point(lost).is_in_doubt
+
+
+def test_secants_that_lead_nowhere_find_no_coefficient() -> None:
+    """Where the level is the same everywhere there is no root, nor where it lies beyond what a coefficient may be."""
+    for level, root in ((lambda k: 0.5 - k, 0.5), (lambda _: 0.3, None), (lambda k: 5.0 - k, None)):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)
+            found = yielding._root(level, 0.2, 1e-12, lambda _: None)
+        assert found == (None if root is None else pytest.approx(root, rel=1e-12))
 
 
 def test_an_earthquake_on_a_slope_without_a_factor(monkeypatch) -> None:

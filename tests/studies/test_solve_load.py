@@ -14,7 +14,7 @@ from slopekit.design.templates import path_of
 from slopekit.kinds import kind_of
 from slopekit.kinds.protocol import Factors
 from slopekit.notices import lost_cohesion_notices
-from slopekit.studies.outcomes import Outcomes, of_points
+from slopekit.studies.outcomes import Outcomes, outcomes_from_points
 from slopekit.studies.points import Point
 from slopekit.studies.running import ALONE, RowArrays
 from slopekit.studies.solve import by_factor, factor_request
@@ -250,7 +250,7 @@ def test_what_is_said_of_the_factor_at_a_load_never_reads_as_a_load() -> None:
 def test_notes_of_a_point_go_through_a_journal_and_may_be_left_out() -> None:
     notes = (Notice("W307", "cohesion lost"), Notice("W317", "not settled"))
     point = Point(Factors("slides", 1.5, None, math.inf, None, None, False, notes=notes))
-    outcomes = of_points([point], [None], True)
+    outcomes = outcomes_from_points([point], [None], True)
     columns = RowArrays([0, 1])
     columns[0] = outcomes.record()
     assert Outcomes.joined(columns, True).points == [point]

@@ -63,7 +63,7 @@ class ByMethod:
                 factor[start:stop] = np.nan
         return cls(every, outcome.astype(np.int16, copy=False), factor)
 
-    def of_rows(self, rows: Ints) -> "ByMethod":
+    def take(self, rows: Ints) -> "ByMethod":
         """Return what it says of some of them, in the order of `rows`."""
         return ByMethod(self.names, self.outcome[rows], self.factor[rows])
 
@@ -146,7 +146,7 @@ class Outcomes:
     def joined(cls, columns: RowArrays, pre_ie: bool) -> "Outcomes":
         """Return what `record` made of all pieces of many designs; once, as their outcomes are numbered anew."""
         if not columns.count:
-            return of_points([], [], pre_ie)
+            return outcomes_from_points([], [], pre_ie)
         pieces = [columns[piece] for piece in sorted(columns)]
         notes = [[Notice(*note) for note in own] for piece in pieces for own in piece.get("notes", ())]
         closed = ByMethod.joined(columns, "closed_form")
@@ -169,9 +169,9 @@ class Outcomes:
 
     def of(self, rows: Ints) -> "Outcomes":
         """Return what is said of some of them, in the order of `rows`."""
-        whole, notes = None if self.whole is None else self.whole.of_rows(rows), self.notes
+        whole, notes = None if self.whole is None else self.whole.take(rows), self.notes
         return Outcomes(
-            self.limit.of_rows(rows), self.closed_form.of_rows(rows), self.difference[rows], self.agree[rows],
+            self.limit.take(rows), self.closed_form.take(rows), self.difference[rows], self.agree[rows],
             self.moments_govern[rows], whole, [notes[row] for row in rows.tolist()] if notes else (), self.pre_ie,
         )  # fmt: skip
 
@@ -203,7 +203,7 @@ class Outcomes:
         return [WithoutBasal(word, factor) if word else None for word, factor in zip(whole.words, factors, strict=True)]
 
 
-def of_points(points: Sequence[Point], wholes: Sequence[WithoutBasal | None], pre_ie: bool) -> Outcomes:
+def outcomes_from_points(points: Sequence[Point], wholes: Sequence[WithoutBasal | None], pre_ie: bool) -> Outcomes:
     """Return what both methods say of designs of their own, or the closed form alone.
 
     Parameters

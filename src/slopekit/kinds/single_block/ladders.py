@@ -119,8 +119,9 @@ def ladder_of_block(
         alone, seconds = timed(partial(forces_limit, scene.model))
         rungs.append(Rung("forces alone", "no turning", len(scene.pairs), None, alone.factor, seconds))
     rungs += finer(design, result, made)
-    near = tuple(_neighbours(scene, made))
-    return Ladder(result, tuple(rungs), tuple(_others(result, made)), neighbours=near)
+    return Ladder(
+        result, tuple(rungs), tuple(_others(result, made)), neighbours=tuple(_neighbours(scene, made))
+    )  # fmt: skip
 
 
 def meshes(_: object, result: Result, made: Cut) -> Iterator[Rung]:

@@ -328,18 +328,20 @@ def _parallel_note(design: WedgeDesign, apart: float) -> str:
             moved = max(moved, math.degrees(math.acos(min(1.0, abs(float(line @ other)) / sizes))))
     less, more = (_turned_limit(design, turn) for turn in (-_TURN_DEG, _TURN_DEG))
     settled = less > 0.0 and abs(more - less) <= design.analysis.agree_within * less
+    ends = " or ".join(f"{factor:.4g}" if factor else "none" for factor in (less, more))
     return (
         f"J1 and J2 are only {apart:.3g}° apart: one degree on J1 moves the line of intersection by up to {moved:.0f}°"
-        f", and with {_TURN_DEG:g}° less or more dip of J1 the factor of safety is {less:.4g} or {more:.4g}"
+        f", and with {_TURN_DEG:g}° less or more dip of J1 the factor of safety is {ends}"
         + ("" if settled else ": it is not settled by the digits of the planes")
     )
 
 
 def _turned_limit(design: WedgeDesign, turn: float) -> float:
     """The limit with the dip of J1 changed by so much (°), 0 without one."""
-    first = replace(design.joints[0], dip_deg=min(max(design.joints[0].dip_deg + turn, 0.0), 90.0))
+    first, second = design.joints
+    turned = replace(design, joints=(replace(first, dip_deg=min(max(first.dip_deg + turn, 0.0), 90.0)), second))
     with suppress(GeometryError):
-        return find_limit(cut(replace(design, joints=(first, *design.joints[1:]))), Clock()).limit.factor or 0.0
+        return find_limit(cut(turned), Clock()).limit.factor or 0.0
     return 0.0
 
 

@@ -263,7 +263,7 @@ def _convergence(result: Result, ladder: tuple[Rung, ...], unrefined: str) -> Fi
     if not limit or not last or not other:
         return Finding(name, None, None, False, "a mesh gave no factor to compare with")
     # what changed by little on coarse meshes may not change by more on finer ones
-    steps = [abs((b.factor or 0.0) / (a.factor or 1.0) - 1.0) for a, b in pairwise(meshes)]
+    steps = [abs(b / a - 1.0) for a, b in pairwise(rung.factor for rung in meshes if rung.factor)]
     flips = (step for step, least in zip(steps, accumulate(steps, min), strict=True) if least <= within < step)
     off = max(abs(limit / last - 1.0), abs(other / last - 1.0), *flips)
     if off > within:
@@ -277,8 +277,10 @@ def _convergence(result: Result, ladder: tuple[Rung, ...], unrefined: str) -> Fi
 
 def _neighbours(limit: float, near: Sequence[float | None], within: float) -> Finding:
     """Whether the limit stays between those of strengths a little lower and higher, as scaling has it."""
-    factors = [limit, *(factor or 0.0 for factor in near)]
-    least, most, by = min(factors), max(factors), f"{NEAR_STRENGTH:.0%}"
+    by, factors = f"{NEAR_STRENGTH:.0%}", [limit, *(factor for factor in near if factor)]
+    if len(factors) <= len(near):
+        return Finding("neighbours", None, within, False, f"with {by} more or less strength of one joint none is found")
+    least, most = min(factors), max(factors)
     off = max(1.0 - least / limit, most / limit - 1.0, NEAR_STRENGTH) - NEAR_STRENGTH
     words = f"{least:.4g} to {most:.4g} with {by} more or less strength of one joint, how far beyond {by}"
     words += "" if off <= within else ": two limit states, take the lower"

@@ -264,7 +264,7 @@ class JointPairs(Fitted):
         return failing
 
 
-def pairs_of(
+def joint_pairs(
     joints: JointList, slope: WedgeDesign, limits: SizeLimits, cohesion: Floats, friction: Floats
 ) -> JointPairs:
     """All pairs by the vectorised closed form, each wedge at the size that the limits leave it."""

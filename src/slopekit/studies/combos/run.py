@@ -23,7 +23,7 @@ from slopekit.core.orientation import Line, Plane
 from slopekit.design.joint_lists import JointList
 from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany
 from slopekit.kinds.wedge.limits import LIMITED_BY
-from slopekit.studies.combos.pairs import NEVER, PAIR_OUTCOMES, JointPairs, PairInputs, pair_inputs, pairs_of
+from slopekit.studies.combos.pairs import NEVER, PAIR_OUTCOMES, JointPairs, PairInputs, joint_pairs, pair_inputs
 from slopekit.studies.evaluation.rows import BlockRows, evaluated
 from slopekit.studies.joint_wedges import limits_of_wedges
 from slopekit.studies.outcomes import (
@@ -294,7 +294,7 @@ def combos(
     crew = checked_crew(jobs, scheduler)
     inputs = pair_inputs(given, desk.named)
     read = time.perf_counter()
-    pairs = pairs_of(inputs.joints, inputs.slope, inputs.limits, inputs.cohesion_kpa, inputs.friction_deg)
+    pairs = joint_pairs(inputs.joints, inputs.slope, inputs.limits, inputs.cohesion_kpa, inputs.friction_deg)
     closed = time.perf_counter()
     removable = np.flatnonzero(pairs.is_removable)
     by_forces = ByMethod(PAIR_OUTCOMES, pairs.outcome[removable].astype(np.int16), pairs.factor[removable])

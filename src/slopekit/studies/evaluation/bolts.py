@@ -18,8 +18,7 @@ from slopekit.kinds.single_block.held_bolts import D, held, stand_off, with_held
 
 def as_laid_out(design: Design) -> Floats:
     """How far (m) before the face of the design the head of each bolt (b,) stands; 0 of bolts that do not enter it."""
-    on_arrays = kind_of(design).on_arrays
-    if on_arrays is None or not has_heads(design):
+    if (on_arrays := kind_of(design).on_arrays) is None or not has_heads(design):
         return np.zeros(len(design.bolts))
     return stand_off(on_arrays.bounds(design), design.bolts)
 
@@ -36,8 +35,7 @@ def standing(design: D, before: Floats) -> D:
     ----------
     before : (b,) of the design that the sample is one of, as `as_laid_out` has it
     """
-    on_arrays = kind_of(design).on_arrays
-    if on_arrays is None or not has_heads(design):
+    if (on_arrays := kind_of(design).on_arrays) is None or not has_heads(design):
         return design
     return with_held(design, on_arrays.bounds(design), before)
 
@@ -50,8 +48,7 @@ def holding(design: Design, samples: Sequence[Mapping[str, object]]) -> Bools:
     samples : their values, as `with_values` takes them
     """
     holds, before = np.ones((len(design.bolts), len(samples)), dtype=bool), as_laid_out(design)
-    on_arrays = kind_of(design).on_arrays
-    if on_arrays is None or not has_heads(design):
+    if (on_arrays := kind_of(design).on_arrays) is None:
         return holds
     for row, values in enumerate(samples):
         try:

@@ -17,7 +17,7 @@ from slopekit.evidence import WithoutBasal
 from slopekit.kinds import kind_of
 from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany
 from slopekit.studies.evaluation.vectorised import Vectorised
-from slopekit.studies.outcomes import NO_BLOCK, ByMethod, Outcomes, agreement, merged, of_points
+from slopekit.studies.outcomes import NO_BLOCK, ByMethod, Outcomes, agreement, merged, outcomes_from_points
 from slopekit.studies.points import GIVEN_UP, Point, map_rows, point_with
 from slopekit.studies.running import Crew, Record, RowArrays
 
@@ -101,10 +101,10 @@ class BlockRows(Rows):
         rows = np.arange(start, stop)
         found, within = self.limits(rows), self.design.analysis.agree_within
         limit = ByMethod.of(found.status.tolist(), found.limit)
-        return rows - start, agreement(limit, found.forces, self.closed.of_rows(rows), within)
+        return rows - start, agreement(limit, found.forces, self.closed.take(rows), within)
 
 
-def methods_of(design: Design, closed_form: bool) -> str:
+def chosen_methods(design: Design, closed_form: bool) -> str:
     """What the document says of the methods: both, or closed-form; E313 where the kind has none to be asked alone."""
     if closed_form and kind_of(design).closed_form is None:
         message = f"a {design.kind} has no closed form that could be asked alone"
@@ -122,7 +122,7 @@ def evaluated(
     study, label : names of the journal and of the bar
     """
     size = 1 if not rows.is_on_arrays else PIECE if pre_ie else PIECE_OF_CLOSED_FORMS
-    given_up = of_points([GIVEN_UP], [None], pre_ie).record() if size == 1 else None
+    given_up = outcomes_from_points([GIVEN_UP], [None], pre_ie).record() if size == 1 else None
     columns = RowArrays([*range(0, len(rows), size), len(rows)])
     tasks = [rows.part(*piece) for piece in columns.pieces]
     handed_out = 8 if size == 1 and kind_of(rows.design).closed_form is not None else 1
@@ -139,7 +139,9 @@ def outcomes_of_part(pre_ie: bool, part: tuple[Rows, int, int]) -> Record:
     parts = [] if outcomes is None else [(taken, outcomes)]
     if len(single):
         points = [rows.point(start + row, pre_ie) for row in single.tolist()]
-        parts.append((single, of_points(points, [*map(rows.whole, (start + single).tolist(), points)], pre_ie)))
+        parts.append(
+            (single, outcomes_from_points(points, [*map(rows.whole, (start + single).tolist(), points)], pre_ie))
+        )
     return merged(parts).record()
 
 

@@ -17,7 +17,7 @@ from slopekit.core.options import DESIGN, Option, documented
 from slopekit.core.taken import wrong_kind
 from slopekit.design.reading.files import design_from
 from slopekit.studies.evaluation.columns import ColumnRows
-from slopekit.studies.evaluation.rows import evaluated, methods_of
+from slopekit.studies.evaluation.rows import chosen_methods, evaluated
 from slopekit.studies.keys import Key, key_of
 from slopekit.studies.outcomes import Outcomes
 from slopekit.studies.protocol import DESK, ClosedFormAlone, Jobs, Scheduler, Workplace
@@ -57,7 +57,8 @@ def evaluate(
     Notes
     -----
     Rows of a wedge or a plane are taken all at once on arrays, where a few of them, analysed as designs of their own,
-    say the same; other rows are read and analysed one after the other. No row is left out.
+    say the same; other rows are read and analysed one after the other. No row is left out. What scatters and is no
+    column is taken at its mean, as in a `sweep`; factors are those of the peak strength.
 
     Examples
     --------
@@ -70,7 +71,7 @@ def evaluate(
     if read.cases:
         message = f"the design has load cases ({', '.join(case.name for case in read.cases)}): rows are of one of them"
         raise DesignError([Fault("E313", message, "design", "Load it with one: load(path, case=NAME).")])
-    methods_of(read, closed_form)
+    chosen_methods(read, closed_form)
     keys, values, faults = list[Key](), list[Any](), Faults()
     paths = getattr(columns, "columns", columns)
     if isinstance(columns, str) or not isinstance(paths, Iterable):
@@ -80,6 +81,8 @@ def evaluate(
             key = key_of(read, str(path))
             keys.append(key)
             values.append(_numbers(key, columns[path]))
+    if len({key.path for key in keys}) < len(keys):
+        faults.append(Fault("E313", f"a number is given twice: {', '.join(key.path for key in keys)}", "columns"))
     faults.refuse()
     try:
         places = np.stack(np.broadcast_arrays(*values), axis=1)

@@ -27,7 +27,7 @@ from slopekit.studies.points import UNSETTLED, Method, factor_at, point_of, stat
 from slopekit.studies.protocol import Advance
 from slopekit.studies.running import Crew
 from slopekit.studies.solve.by_factor import for_factor
-from slopekit.studies.solve.solutions import NO_CONVERGENCE, Solution
+from slopekit.studies.solve.solutions import NO_CONVERGENCE, TOLERANCE, Solution
 from slopekit.studies.words import status_words
 
 KEY, TOWARD = "loads.seismic.k", "loads.seismic.toward"
@@ -222,7 +222,7 @@ def _level(factors: Factors, method: Method) -> float | None:
 def _root(level: Callable[[float], float | None], start: float, close: float, advance: Advance) -> float | None:
     """Where ln F is 0, by secants from nearby; None where they lead nowhere."""
 
-    def known(at: float) -> float:
+    def level_at(at: float) -> float:
         found = level(at) if 0.0 <= at <= MOST_K else None
         advance(1)
         if found is None:
@@ -230,11 +230,13 @@ def _root(level: Callable[[float], float | None], start: float, close: float, ad
         return found
 
     try:
-        beside = start * (1.0 + 1e-3) + 1e-6
-        k, found = newton(known, start, x1=beside, tol=close * 1e-3, rtol=close, full_output=True, disp=False)
+        k, search = newton(
+            level_at, start, x1=start * (1.0 + 1e-3) + 1e-6, tol=close * 1e-3, rtol=close, full_output=True, disp=False
+        )
+        # where two levels are the same SciPy calls the middle between their places a root
+        return float(k) if search.converged and abs(level_at(float(k))) < TOLERANCE["pre_ie"] else None
     except SlopekitError:
         return None
-    return float(k) if found.converged else None
 
 
 def _gain(static: Design, method: Method, k: float, advance: Advance) -> tuple[float | None, str]:

@@ -23,7 +23,7 @@ from slopekit.design.common import Design
 from slopekit.design.parts import ON_FACTOR
 from slopekit.kinds import notices_of_inputs, peak_only
 from slopekit.studies.evaluation.columns import ColumnRows
-from slopekit.studies.evaluation.rows import evaluated, methods_of
+from slopekit.studies.evaluation.rows import chosen_methods, evaluated
 from slopekit.studies.keys import Key, key_of
 from slopekit.studies.points import (
     Line,
@@ -290,7 +290,7 @@ def sweep(
     began = time.perf_counter()
     crew = checked_crew(jobs, scheduler)
     one_or_two(keys)
-    methods = methods_of(design, closed_form)
+    methods = chosen_methods(design, closed_form)
     faults, axes, said = Faults(), list[tuple[Key, tuple[float, ...]]](), list[Notice]()
     for path, given in keys.items():
         with faults.kept():

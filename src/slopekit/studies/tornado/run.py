@@ -20,7 +20,7 @@ from slopekit.core.errors import Faults, Notice
 from slopekit.design.common import Design
 from slopekit.design.scatter.distributions import Distribution
 from slopekit.kinds import notices_of_inputs, peak_only
-from slopekit.studies.evaluation.rows import Rows, evaluated, methods_of
+from slopekit.studies.evaluation.rows import Rows, chosen_methods, evaluated
 from slopekit.studies.keys import Key, key_of, keys_of, values_of
 from slopekit.studies.points import (
     Method,
@@ -200,7 +200,7 @@ def tornado(
     """
     began = time.perf_counter()
     crew = checked_crew(jobs, scheduler)
-    methods = methods_of(design, closed_form)
+    methods = chosen_methods(design, closed_form)
     given, faults = dict[str, tuple[Key, tuple[float, float]]](), Faults()
     for path, text in (ranges or {}).items():
         with faults.kept():
