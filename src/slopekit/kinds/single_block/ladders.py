@@ -119,9 +119,7 @@ def ladder_of_block(
         alone, seconds = timed(partial(forces_limit, scene.model))
         rungs.append(Rung("forces alone", "no turning", len(scene.pairs), None, alone.factor, seconds))
     rungs += finer(design, result, made)
-    return Ladder(
-        result, tuple(rungs), tuple(_others(result, made)), neighbours=tuple(_neighbours(scene, made))
-    )  # fmt: skip
+    return Ladder(result, tuple(rungs), tuple(_others(result, made)), neighbours=tuple(_neighbours(scene, made)))
 
 
 def meshes(_: object, result: Result, made: Cut) -> Iterator[Rung]:
