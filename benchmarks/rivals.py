@@ -1,4 +1,4 @@
-"""What slopekit is measured against, on the same models: passes cut short, conic solvers, Siconos.
+"""What slopekit is measured against, on the same models: conic solvers, Siconos.
 
 One block (`Model`) and many (`AssemblyModel`) come in one form here, the attributes of the latter that
 `assembly_oracle` reads: every rival is written once.
@@ -11,7 +11,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,12 +21,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
-from slopekit.preie.one_block.limit import curved_limit_analysis
-from slopekit.preie.one_block.limit_state import elastic_displacement
-from slopekit.preie.programs.mechanism import COLD, least_work_mechanism
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.model import Model
-from slopekit.strength.mohr_coulomb import line
 from tests.preie.assembly_oracle import conic_sequence
 
 #: Where bisections start, in parts of the answer: no trial of theirs falls on it by chance.
@@ -56,11 +52,14 @@ class Answer:
 
 
 class OneBlock:
-    """A model of one block under the names of an assembly: every node pair has its own friction force."""
+    """A model of one block under the names of an assembly: every node pair has its own friction force.
 
-    def __init__(self, model: Model) -> None:
+    `limit` is slopekit's own way to its factor.
+    """
+
+    def __init__(self, model: Model, limit: Callable[[], float | None]) -> None:
         pairs = len(model.control_area)
-        self.one = model
+        self.limit = limit
         self.control_area, self.cohesion = model.control_area, model.cohesion
         self.tan_friction, self.load = model.tan_friction, model.load[None, :]
         self.group_first = self.group_of_pair = np.arange(pairs)
@@ -79,28 +78,10 @@ Contacts = OneBlock | AssemblyModel
 def slopekit_limit(contacts: Contacts, curved: bool = False, ranged: bool = False) -> Answer:
     """slopekit's own answer; of many blocks with their static bound, which the path starts from, or the range too."""
     if isinstance(contacts, OneBlock):
-        found = curved_limit_analysis(contacts.one).governing
-        return Answer(found.factor, note=f"{found.passes} passes" if found.passes else "exact, no pass")
+        return Answer(contacts.limit())
     limit = limit_of_blocks(contacts, ranged)
     steps = f"bound {limit.bound_steps} steps, path {limit.steps} factorisations"
     return Answer(limit.factor, note=f"{limit.outcome.name.lower()}, {limit.basis.name.lower()}: {steps}")
-
-
-def passes_limit(model: Model, passes: int) -> float:
-    """Return the factor of one block after that many frozen-friction passes from a cold start, every bond whole."""
-    normal = np.maximum(-model.control_area * (model.normal_rows @ elastic_displacement(model)), 0.0)
-    velocity, factor, stages = model.load, 0.0, COLD
-    for _ in range(passes):
-        friction = line(model.cohesion, model.tan_friction, normal)
-        mechanism = least_work_mechanism(model, friction, np.zeros(len(normal)), velocity, stages)
-        velocity, factor, stages = mechanism.velocity, mechanism.load_factor, stages[-1:]
-        normal = mechanism.normal_force / factor
-    return factor
-
-
-def frozen_passes(block: OneBlock, most: int) -> Answer:
-    """Frozen-friction passes of one block alone, stopped after so many, every bond whole."""
-    return Answer(passes_limit(block.one, most))
 
 
 def conic_passes(contacts: Contacts, parts: float, most: int) -> Answer:

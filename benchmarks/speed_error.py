@@ -24,7 +24,6 @@ from benchmarks.rivals import (
     OneBlock,
     conic_bisection,
     conic_passes,
-    frozen_passes,
     siconos,
     slopekit_limit,
 )
@@ -34,16 +33,18 @@ from slopekit.kinds import cut, surface
 from slopekit.kinds.wedge import closed_form
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
+from slopekit.preie.one_block.flat_limit import flat_limit
+from slopekit.preie.one_block.pairs_limit import limit_on_pairs
 from slopekit.preie.one_block.slippage import slippable
 from slopekit.preie.system.model import build_model
 from tests.preie.block_scenes import GOODMAN_BRAY
 from tests.support import PAPER
 
-CLOSED, SLOPEKIT, COMMAND, PASSES = "closed form", "slopekit limit", "slopekit command, cold", "plain passes"
+CLOSED, SLOPEKIT, COMMAND = "closed form", "slopekit limit", "slopekit command, cold"
 CONIC, SEQUENCE, SICONOS, PUBLISHED = "conic bisection", "conic sequence", "Siconos", "the paper"
 #: Every solver of the table, in its order.
 RANGED = "slopekit with range"
-SOLVERS = (CLOSED, SLOPEKIT, RANGED, PASSES, SEQUENCE, CONIC, SICONOS, COMMAND, PUBLISHED)
+SOLVERS = (CLOSED, SLOPEKIT, RANGED, SEQUENCE, CONIC, SICONOS, COMMAND, PUBLISHED)
 #: How often short work is repeated.
 TURNS = {"quick": 5, "full": 15}
 _ENOUGH = 2.0  # s: what has taken as long is not repeated again
@@ -115,13 +116,11 @@ def with_ratios(rows: Sequence[Row]) -> list[Row]:
     return [replace(row, to_closed_form=ratio(row, CLOSED), to_slopekit=ratio(row, SLOPEKIT)) for row in rows]
 
 
-def rivals_of(contacts, about: float, *, passes, parts, widths, checks, budget: float, bound=None,
+def rivals_of(contacts, about: float, *, parts, widths, checks, budget: float, bound=None,
               siconos_budget: float | None = None):  # fmt: skip
-    """The rivals on one model: efforts of the passes, conic sequences, bisections and Siconos (widths)."""
+    """The rivals on one model: conic sequences, bisections and Siconos (widths)."""
     wait = budget if siconos_budget is None else siconos_budget
-    frozen = passes if isinstance(contacts, OneBlock) else ()
-    entrants = [(PASSES, f"{k} pass{'es' if k > 1 else ''}", partial(frozen_passes, contacts, k)) for k in frozen]
-    entrants += [
+    entrants = [
         (SEQUENCE, "1 pass" if part == 1.0 else f"to {part:g}",
          partial(conic_passes, contacts, part, 1 if part == 1.0 else 40)) for part in parts
     ]  # fmt: skip
@@ -137,12 +136,14 @@ def wedge(quick: bool) -> list[Row]:
     exact = closed_form(design).factor
     rows: list[Row] = []
     for refine in (0,) if quick else (0, 1, 2):
-        contacts = OneBlock(cut(design).scene_at(refine).model)
+        scene = cut(design).scene_at(refine)
+        flat = scene.model, scene.bedding.polygons, scene.bedding.centroid
+        contacts = OneBlock(scene.model, lambda flat=flat: flat_limit(*flat).factor)
         pairs = len(contacts.control_area)
         entrants = [
             (CLOSED, "", lambda: Answer(closed_form(design).factor)),
             (SLOPEKIT, "", partial(slopekit_limit, contacts)),
-            *rivals_of(contacts, exact, passes=(1, 2, 3), parts=(1.0, 1e-2, 1e-4, 1e-6), widths=(1e-2, 1e-4, 1e-6),
+            *rivals_of(contacts, exact, parts=(1.0, 1e-2, 1e-4, 1e-6), widths=(1e-2, 1e-4, 1e-6),
                        checks=(1e-2, 1e-4, 1e-6) if refine < 2 else (1e-2, 1e-4), budget=20.0),
         ]  # fmt: skip
         rows += measured(Case(f"wedge, {pairs} pairs", 1, pairs, exact, entrants), TURNS["quick" if quick else "full"])
@@ -169,12 +170,12 @@ def with_command(rows: Sequence[Row]) -> list[Row]:
 def surface_contacts(normals: str, edge: float) -> OneBlock:
     """The model of the paper's ellipsoid that `kinds.surface` would solve: its stages, without its result."""
     design = sk.load(path_of("paper-ellipsoid"), set={"slip.normals": normals, "slip.edge": edge})
-    cut = surface._cut(design)
-    loads = surface._loads(design, cut)
-    pairs, centroid = cut.pairs, cut.mass.centroid
+    mass, pairs = surface._cut(design)
+    loads, centroid = surface._loads(design, mass, pairs), mass.centroid
     if normals != "facet":
         pairs = slippable(pairs, centroid, np.concatenate([loads.force, loads.moment])).pairs
-    return OneBlock(build_model(pairs, loads, centroid, surface.joint_strength([design.strength])))
+    model = build_model(pairs, loads, centroid, surface.joint_strength([design.strength]))
+    return OneBlock(model, lambda: limit_on_pairs(model).governing.factor)
 
 
 def ellipsoid(quick: bool) -> list[Row]:
@@ -190,7 +191,7 @@ def ellipsoid(quick: bool) -> list[Row]:
             wait = 10.0 if quick else 60.0 if pairs < 500 else 30.0
             entrants = [
                 (SLOPEKIT, "", partial(slopekit_limit, contacts, True)),
-                *rivals_of(contacts, exact, passes=(1, 2, 4), parts=(1.0, 1e-2, 1e-4), widths=(1e-2, 1e-4),
+                *rivals_of(contacts, exact, parts=(1.0, 1e-2, 1e-4), widths=(1e-2, 1e-4),
                            checks=(1e-2,), budget=25.0, siconos_budget=wait),
             ]  # fmt: skip
             rows += measured(Case(model, 1, pairs, exact, entrants), TURNS["quick"])
@@ -220,7 +221,7 @@ def many(name: str, blocks: int, quick: bool, passes_at_1000: int) -> list[Row]:
         (SLOPEKIT, "", partial(steps_to_the_limit, contacts)),
         *([] if large else [(RANGED, "", partial(steps_to_the_limit, contacts, ranged=True))]),
         *rivals_of(
-            contacts, exact, passes=(1, 2, 3) if large else (1, 2, 3, 5, 8),
+            contacts, exact,
             parts=(1.0,) if large else (1.0, 1e-2, 1e-4), widths=(1e-2, 1e-4) if small else (1e-2,), checks=(1e-2,),
             budget=0.0 if large else budget, bound=bound, siconos_budget=40.0 if large else budget,
         ),

@@ -80,8 +80,8 @@ In charts of many blocks labels are numbers of blocks; the closed form, the refe
   it rests.
 - **slopekit with range**: with the range of its mechanism under other locked-in forces. Nothing else here answers
   that.
-- **plain passes**: friction frozen at the normal forces of the last pass, stopped early.
-- **conic sequence**: such passes put to Clarabel, a generic conic solver, until three factors agree.
+- **conic sequence**: passes with the friction frozen at the normal forces of the last, put to Clarabel, a generic conic
+  solver, until three factors agree.
 - **conic bisection**: limit analysis by Clarabel. It answers another question, the upper bound: joints dilate with
   their friction angle. What error is left is the price of normality, always on the unsafe side.
 - **Siconos**: does one implicit time step from rest leave the blocks at rest? Bisection on F, or one check on either

@@ -18,7 +18,7 @@ from slopekit.kinds.assemblies.many_blocks_scene import scene_loads
 from slopekit.kinds.solver_inputs import joint_strength
 from slopekit.preie.many_blocks.blocks_limit import Basis
 from slopekit.preie.many_blocks.ravelling import Ravelling, ravel
-from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.outcome import Outcome
 from slopekit.result import Result
 from tests.preie import path_oracle
 from tests.support import result_of

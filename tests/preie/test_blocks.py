@@ -17,7 +17,7 @@ from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome, resul
 from slopekit.preie.many_blocks import blocks
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
-from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.outcome import Outcome
 from tests.closed_form.blocks import two_blocks
 from tests.preie import assembly_oracle
 from tests.preie.block_scenes import (

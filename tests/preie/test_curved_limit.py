@@ -9,8 +9,8 @@ from scipy.optimize import fsolve
 
 import slopekit as sk
 from slopekit.closed_form.rotation import rotational_failure
-from slopekit.preie.one_block.limit import curved_limit_analysis
-from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.one_block.pairs_limit import limit_on_pairs
+from slopekit.preie.outcome import Outcome
 from tests.closed_form.scalar_plane import plane_failure
 from tests.preie import conic_oracle
 from tests.scenes import COARSE, PAPER, SLOPE, SPHERE, ellipsoid_mesh, inputs, model_of, run, save, sheet, slab, tilted
@@ -90,7 +90,7 @@ def test_caps_of_surfaces_of_revolution(radius, half_width, distance, dip, c, ph
     more = {"water": {"pressures": loads["pressure"]}} if "pressure" in loads else {}
     more |= {"loads": {"seismic": loads["seismic"]}} if "seismic" in loads else {}
     model, _ = model_of(slip, line_of(radius, distance, dip, (3, 7)), c=c, phi=phi, unit_weight=20.0, **more)
-    limit = curved_limit_analysis(model).governing
+    limit = limit_on_pairs(model).governing
     assert limit.outcome is Outcome.SLIDES
     assert limit.factor == pytest.approx(exact, rel=1e-4)
 
@@ -106,7 +106,7 @@ def test_the_oracle_itself(phi) -> None:
 def test_the_paper_s_ellipsoid_at_any_mesh() -> None:
     """1.3436 ± 0.001 (METHOD.md §6); the mesh moves it by less than 5e-5."""
     for edge in (20.0, 5.0, 2.5, 1.3):
-        found = curved_limit_analysis(model_of({**PAPER, "edge": edge})[0]).governing
+        found = limit_on_pairs(model_of({**PAPER, "edge": edge})[0]).governing
         assert found.factor == pytest.approx(1.34355, abs=5e-5)
 
 
@@ -114,7 +114,7 @@ def test_a_long_cylinder_is_a_plane_section() -> None:
     """The same factor at any length: what a section per metre has."""
     slip = {"shape": "cylinder", "centre": [40, 40], "radius": 42}
     short, long = (
-        curved_limit_analysis(model_of({**slip, "length": length, "edge": edge})[0]).governing.factor
+        limit_on_pairs(model_of({**slip, "length": length, "edge": edge})[0]).governing.factor
         for length, edge in ((1.0, 4.0), (200.0, 8.0))
     )
     assert long == pytest.approx(short, rel=1e-4)
@@ -147,7 +147,7 @@ def test_a_flat_sheet_is_a_plane(tmp_path, normals, turn, c, phi, pressure) -> N
     model, slippage = model_of({**slip, "normals": normals}, slope, c=c, phi=phi, water={"pressures": pressure})
     exact = plane_failure(45, 0, 30, 40.0, c, phi, 21.56, crack_distance_m=None, mean_pressure_kpa=pressure)
     assert slippage.misfit_deg == pytest.approx(0.0, abs=1e-6)
-    assert curved_limit_analysis(model).governing.factor == pytest.approx(exact.factor, rel=1e-7)
+    assert limit_on_pairs(model).governing.factor == pytest.approx(exact.factor, rel=1e-7)
 
 
 # -- what must not change it --------------------------------------------------------------------------
@@ -168,8 +168,8 @@ FAR = [[x + 5e5, z + 4e6] for x, z in SLOPE]
 @pytest.mark.parametrize("more", [{"loads": {"seismic": 0.05}, "water": {"pressures": 20}}])
 def test_order_mirror_and_place(slip, slope, more) -> None:
     """To 1e-6: the map's coordinates have 1e-9 m of rounding, the mirrored octahedron is the same."""
-    one = curved_limit_analysis(model_of(PAPER, **more)[0]).governing
-    two = curved_limit_analysis(model_of(slip, slope, **more)[0]).governing
+    one = limit_on_pairs(model_of(PAPER, **more)[0]).governing
+    two = limit_on_pairs(model_of(slip, slope, **more)[0]).governing
     assert two.outcome is one.outcome
     assert two.factor == pytest.approx(one.factor, rel=1e-6)
 
@@ -181,7 +181,7 @@ def test_a_millimetre_and_a_kilometre(scale, c) -> None:
     slip = PAPER | {key: [scale * value for value in PAPER[key]] for key in ("centre", "radii")}
     slope = [[scale * x, scale * z] for x, z in SLOPE]
     one, two = model_of(PAPER, c=c)[0], model_of(slip, slope, c=c * scale)[0]
-    factors = [curved_limit_analysis(model).governing.factor for model in (one, two)]
+    factors = [limit_on_pairs(model).governing.factor for model in (one, two)]
     assert factors[1] == pytest.approx(factors[0], rel=1e-7)
 
 
@@ -194,7 +194,7 @@ def test_meshes_turned_about_the_vertical(tmp_path, turn) -> None:
         (vertices, triangles), (points, faces) = ellipsoid_mesh(3), slab(SLOPE, 50.0, -20.0, (-60.0, 100.0))
         slip = save(tmp_path / f"slip{k}.obj", (vertices @ by.T, triangles))
         slope = save(tmp_path / f"slope{k}.obj", (points @ by.T, faces))
-        factors.append(curved_limit_analysis(model_of({"mesh": str(slip)}, slope)[0]).governing.factor)
+        factors.append(limit_on_pairs(model_of({"mesh": str(slip)}, slope)[0]).governing.factor)
     assert factors[1] == pytest.approx(factors[0], rel=1e-6)
 
 
@@ -205,7 +205,7 @@ def test_a_sphere_turns_whichever_way_it_is_pushed(toward) -> None:
 
     def pushed(trend: float) -> float:
         loads = {"seismic": {"k": 0.3, "toward": trend}}
-        return curved_limit_analysis(model_of(slip, [[-40, 0], [40, 0]], loads=loads)[0]).governing.factor
+        return limit_on_pairs(model_of(slip, [[-40, 0], [40, 0]], loads=loads)[0]).governing.factor
 
     assert pushed(toward) == pytest.approx(pushed(90.0), rel=1e-4)
 
@@ -256,7 +256,7 @@ def test_random_scenes(seed) -> None:
     """Forces that balance at the limit exist (Clarabel): limit <= static bound; strength / F leaves F = 1."""
     scene = random_scene(seed)
     model = scene["model"]
-    limit = curved_limit_analysis(model).governing
+    limit = limit_on_pairs(model).governing
     assert limit.outcome is not Outcome.NOT_CONVERGED
     if not limit.factor:
         assert limit.outcome in (Outcome.LIFTED, Outcome.NO_STRENGTH, Outcome.NO_DRIVING_FORCE)
@@ -266,7 +266,7 @@ def test_random_scenes(seed) -> None:
     weaker = replace(
         model, cohesion=model.cohesion / f, tan_friction=model.tan_friction / f, bolt_capacity=model.bolt_capacity / f
     )
-    again = curved_limit_analysis(weaker).governing
+    again = limit_on_pairs(weaker).governing
     # where bonds are lost or passes stop at a tolerance the way there differs; else it is the same to rounding
     assert again.factor == pytest.approx(1.0, rel=1e-3 if limit.passes else 1e-9)
 
@@ -275,7 +275,7 @@ def test_random_scenes(seed) -> None:
 
 
 def limit_of(slip=PAPER, slope=SLOPE, **more):
-    return curved_limit_analysis(model_of({**slip, **COARSE}, slope, **more)[0]).governing
+    return limit_on_pairs(model_of({**slip, **COARSE}, slope, **more)[0]).governing
 
 
 def test_level_ground_is_driven_by_nothing() -> None:
@@ -324,7 +324,7 @@ def test_bolts_turn_about_the_axis(acts, head) -> None:
     resists, drives, bolt = exact.resisting_moment_knm, exact.driving_moment_knm, 2e4 * lever
     expected = (resists + bolt) / drives if acts == "passive" else resists / (drives - bolt)
     support = {"bolts": [{"force": 2e4, "toward": "270/20", "acts": acts, "head": head}]}
-    found = curved_limit_analysis(model_of(PAPER, c=100.0, phi=0.0, support=support)[0]).governing
+    found = limit_on_pairs(model_of(PAPER, c=100.0, phi=0.0, support=support)[0]).governing
     assert found.factor == pytest.approx(expected, rel=2e-5)
 
 
@@ -332,7 +332,7 @@ def test_bolts_turn_about_the_axis(acts, head) -> None:
 def test_full_dilation(slip, c) -> None:
     """ψ = φ rises to the static bound without cohesion; with it, what dilation opens has lost it: below the bound."""
     model = model_of({**slip, **COARSE}, c=c, dilation=30.0)[0]
-    limit = curved_limit_analysis(model).governing
+    limit = limit_on_pairs(model).governing
     assert limit.outcome is Outcome.SLIDES
     rigid = replace(model, tan_dilation=0.0 * model.tan_dilation)
     if c == 0.0:
@@ -340,7 +340,7 @@ def test_full_dilation(slip, c) -> None:
         assert limit.factor == pytest.approx(bound, rel=1e-5)
     else:
         assert conic_oracle.sparse_shortfall(rigid, 1.0 / (limit.factor * (1.0 + 1e-6))) <= 1e-9
-    assert limit.factor > curved_limit_analysis(replace(rigid, cohesion=0.0 * rigid.cohesion)).governing.factor
+    assert limit.factor > limit_on_pairs(replace(rigid, cohesion=0.0 * rigid.cohesion)).governing.factor
 
 
 def test_the_turned_moment_of_water_on_an_uneven_ground(tmp_path) -> None:

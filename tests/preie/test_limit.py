@@ -12,8 +12,8 @@ from slopekit.geometry.interfaces import node_pairs
 from slopekit.kinds import cut
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import Loads
-from slopekit.preie.one_block.limit import curved_limit_analysis
-from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.one_block.pairs_limit import limit_on_pairs
+from slopekit.preie.outcome import Outcome
 from slopekit.preie.programs.bound import static_bound
 from slopekit.preie.system.model import JointStrength, Model, build_model
 from tests.preie import conic_oracle
@@ -47,21 +47,21 @@ def test_block_on_an_incline_slides(dip, c, phi, refine) -> None:
     """F = (c A + W cos α tan φ) / W sin α, exact for a flat block: its moments open nothing that counts."""
     a = math.radians(dip)
     exact = (c * 4.0 + 20.0 * math.cos(a) * math.tan(math.radians(phi))) / (20.0 * math.sin(a))
-    found = curved_limit_analysis(block_on_incline(dip, c, phi, height=0.2, refine=refine)).governing
+    found = limit_on_pairs(block_on_incline(dip, c, phi, height=0.2, refine=refine)).governing
     assert found.factor == pytest.approx(exact, rel=1e-9)
 
 
 @pytest.mark.parametrize(("height", "tips"), [(1.99, False), (2.01, True)])
 def test_a_block_tips_at_its_geometric_limit(height, tips) -> None:
     """On a 45° plane a block 2 m long tips over its lower edge when it is higher than 2 m, whatever the friction."""
-    found = curved_limit_analysis(block_on_incline(45.0, 0.0, 60.0, height=height))
+    found = limit_on_pairs(block_on_incline(45.0, 0.0, 60.0, height=height))
     assert (found.governing.outcome is Outcome.NO_STRENGTH) == tips
     if not tips:
         assert found.governing.factor == pytest.approx(math.tan(math.radians(60.0)), rel=1e-9)
 
 
 def test_a_block_on_a_horizontal_plane_is_driven_by_nothing() -> None:
-    assert curved_limit_analysis(block_on_incline(0.0, 0.0, 30.0)).governing.outcome is Outcome.NO_DRIVING_FORCE
+    assert limit_on_pairs(block_on_incline(0.0, 0.0, 30.0)).governing.outcome is Outcome.NO_DRIVING_FORCE
 
 
 @pytest.mark.parametrize("psi", [5.0, 15.0, 30.0])
@@ -70,7 +70,7 @@ def test_dilation_of_one_plane(psi) -> None:
 
     Forces: along the plane only, so F = tan φ / tan α for any ψ <= φ/F (Davis 1968 for this kinematics).
     """
-    found = curved_limit_analysis(block_on_incline(20.0, 0.0, 30.0, psi=psi, height=0.2)).governing
+    found = limit_on_pairs(block_on_incline(20.0, 0.0, 30.0, psi=psi, height=0.2)).governing
     assert found.factor == pytest.approx(math.tan(math.radians(30)) / math.tan(math.radians(20)), rel=1e-6)
 
 
@@ -81,10 +81,10 @@ def paper_model(c=(50, 50), phi=(20, 20), **more) -> Model:
 @pytest.mark.parametrize("c", [50.0, 0.0])
 def test_full_dilation_gives_the_static_bound(c) -> None:
     """ψ = φ, reduced with it, is associated flow: the limit is the static bound (METHOD.md §3: 1.5868)."""
-    full = curved_limit_analysis(paper_model((c, c), dilation=20.0)).governing.factor
+    full = limit_on_pairs(paper_model((c, c), dilation=20.0)).governing.factor
     model = paper_model((c, c))
     bound = static_bound(
-        model, curved_limit_analysis(model).governing.velocity, curved_limit_analysis(model).governing.factor
+        model, limit_on_pairs(model).governing.velocity, limit_on_pairs(model).governing.factor
     )
     assert full == pytest.approx(bound.factor, rel=2e-6)
 
@@ -101,7 +101,7 @@ def test_a_twisted_square_that_dilates_has_cohesion_where_it_touches_alone(psi) 
     torque = 0.3 * weight
     model = replace(model, load=np.array([0.0, 0.0, -weight, 0.0, 0.0, torque]))
     cohesion = 20.0 * area * model.area_scale / model.force_scale
-    found = curved_limit_analysis(model).governing
+    found = limit_on_pairs(model).governing
     by_hand = corner * (weight * math.tan(math.radians(20.0)) + cohesion / 4.0) / torque
     assert found.factor == pytest.approx(by_hand, rel=1e-7)
     assert static_bound(model, found.velocity, found.factor).factor > 1.5 * by_hand
@@ -143,12 +143,12 @@ def dilatant_slide(c: float, phi: float, psi: float) -> float:
 @pytest.mark.parametrize("psi", [2.0, 5.0, 8.0])
 @pytest.mark.parametrize("c", [50.0, 10.0, 0.0])
 def test_dilation_against_the_forces_by_hand(c, psi) -> None:
-    found = curved_limit_analysis(paper_model((c, c), dilation=psi)).governing.factor
+    found = limit_on_pairs(paper_model((c, c), dilation=psi)).governing.factor
     assert found == pytest.approx(dilatant_slide(c, 20.0, psi), rel=1e-8)
 
 
 def test_dilation_raises_the_limit_steadily() -> None:
-    factors = [curved_limit_analysis(paper_model(dilation=psi)).governing.factor for psi in (0.0, 3.0, 6.0, 9.0, 12.0)]
+    factors = [limit_on_pairs(paper_model(dilation=psi)).governing.factor for psi in (0.0, 3.0, 6.0, 9.0, 12.0)]
     assert factors == sorted(factors)
     assert factors[0] == pytest.approx(1.5573963, abs=1e-6)
     assert factors[-1] < 1.58676
@@ -159,7 +159,7 @@ def random_models(count: int, seed: int):
     while count:
         design = wedge_design({**random_wedge(rng), "bolts": None})
         model = cut(design).scene_at(0).model
-        analysis = curved_limit_analysis(model)
+        analysis = limit_on_pairs(model)
         if analysis.governing.factor:
             count -= 1
             yield model, analysis

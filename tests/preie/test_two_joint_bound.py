@@ -2,7 +2,7 @@
 
 import pytest
 
-from slopekit.preie.one_block.limit import curved_limit_analysis
+from slopekit.preie.one_block.pairs_limit import limit_on_pairs
 from slopekit.preie.programs import bound
 from tests.preie.test_limit import paper_model
 
@@ -10,7 +10,7 @@ from tests.preie.test_limit import paper_model
 def test_two_joints_need_no_cone_program(monkeypatch) -> None:
     """METHOD.md §3: 1.5868 on the wedge of Table 4, to the digits given; wrong equations would fail their proof."""
     model = paper_model()
-    limit = curved_limit_analysis(model).governing
+    limit = limit_on_pairs(model).governing
 
     def unwanted(*_: object) -> None:
         raise AssertionError("the three equations gave no bound")

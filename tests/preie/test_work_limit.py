@@ -13,7 +13,7 @@ from benchmarks.fuzz_mutations import case
 from benchmarks.fuzz_seeds import write_files
 from slopekit.design.templates import path_of
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
-from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.outcome import Outcome
 from slopekit.preie.programs import bound
 from slopekit.preie.solvers.work_limit import WorkSpentError, allowed, factorisation, part, spend
 from tests.preie.path_oracle import model_of

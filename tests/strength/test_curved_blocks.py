@@ -16,7 +16,7 @@ from slopekit.kinds.solver_inputs import joint_strength
 from slopekit.preie.many_blocks import blocks
 from slopekit.preie.many_blocks.blocks_limit import Basis
 from slopekit.preie.many_blocks.ravelling import Part, critical_load, ravel
-from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.outcome import Outcome
 from slopekit.preie.system import strength_lines
 from slopekit.preie.tolerances import BOUND_ACCURACY
 from tests.preie import path_oracle

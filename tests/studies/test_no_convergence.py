@@ -92,7 +92,7 @@ def test_a_sweep_that_meets_no_convergence_ends_with_four(monkeypatch) -> None:
 
 def test_a_motion_that_did_not_settle_has_no_factor(monkeypatch) -> None:
     assert factors_of(_slab()).limit is not None
-    monkeypatch.setattr(many_blocks, "PASSES_SETTLED", -1.0)
+    monkeypatch.setattr(many_blocks, "LIMIT_SETTLED", -1.0)
     lost = factors_of(_slab())
     assert (lost.status, lost.limit) == ("not_converged", None)
     assert Point(lost).is_in_doubt

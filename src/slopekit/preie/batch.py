@@ -17,7 +17,7 @@ from slopekit.preie.one_block.bed_path import lengths
 from slopekit.preie.one_block.polygon_bed import Beds, contact_rows, cross_2d
 from slopekit.preie.solvers.linear import bounded_least_squares
 from slopekit.preie.system.model import local_axes
-from slopekit.preie.tolerances import NO_FORCE, OPENS_IN_PASSES, PARALLEL, SAME_LIMIT, TINY
+from slopekit.preie.tolerances import NO_FORCE, OPENS, PARALLEL, SAME_LIMIT, TINY
 
 #: Rows that are taken at a time: with fewer NumPy's calls take the time, with more memory grows (9 kB a row).
 CHUNK = 4096
@@ -262,7 +262,7 @@ def opened(beds: Beds, motion: Floats) -> tuple[Bools, Bools]:
     widest, narrowest = np.maximum.reduceat(gap, starts), np.minimum.reduceat(gap, starts)
     slip = np.maximum.reduceat(np.sqrt(first * first + second * second), starts)
     size = np.maximum.reduceat(np.maximum(slip, widest), beds.contact[:-1])
-    least = OPENS_IN_PASSES * np.repeat(size, np.diff(beds.contact))
+    least = OPENS * np.repeat(size, np.diff(beds.contact))
     return (widest > least) & (narrowest <= least), narrowest > least
 
 

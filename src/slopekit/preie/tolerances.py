@@ -50,9 +50,9 @@ NO_MOTION = 1e-6
 #: moves none of 28 designs.
 OPENS_ROUGHLY = 1e-4
 
-#: Opening, in parts of the largest slip: more is the mechanism's, not that of the penalty of `programs.mechanism`. Ten
-#: times as much moves the factors of two curved surfaces by 1e-4 and 7e-4.
-OPENS_IN_PASSES = 1e-5
+#: Opening, in parts of the largest slip or opening, that parts a pair of one block. Ten times as much moves the factors
+#: of two curved surfaces by 1e-4 and 7e-4.
+OPENS = 1e-5
 
 #: Speed of a block, in parts of the fastest of its mechanism: slower ones are at rest. Opening or slip, in parts of the
 #: largest, and missing strength, in parts of it, that are none where a motion is cleaned onto its exact kinematics.
@@ -157,11 +157,8 @@ SHARP = 1e-10
 #: three benches it is twice that, five times of more blocks, and grows.
 LAGGED_ROUNDING = 5e-3
 
-#: Change of the factor of safety in the last pass, in parts of it, up to which the passes have settled.
-PASSES_SETTLED = 1e-4
-
-#: Range of the factor over the last passes, in parts of it, where the normal forces do not settle.
-PASSES_STEADY = 1e-5
+#: Between the last rest and a motion, in parts of the factor: a limit known so well has settled.
+LIMIT_SETTLED = 1e-4
 
 #: Change of displacements, in parts of the largest, that ends the rounds of stiffnesses.
 SETTLEMENT_STEADY = 1e-3
@@ -220,6 +217,3 @@ BOUND_BEYOND = 1e3
 
 #: A range of factors that goes on beyond so many times the factor is cut there.
 WIDEST_RANGE = 50.0
-
-#: A range of factors wider than this part of the highest is no number.
-NO_NUMBER = 0.5

@@ -69,12 +69,12 @@ from slopekit.preie.many_blocks.ravelling import (
 )
 from slopekit.preie.motion.all_pairs import AllPairsFailed, all_pairs_failed
 from slopekit.preie.motion.balance import Balance, balance, of_blocks
-from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.outcome import Outcome
 from slopekit.preie.solvers import work_limit
 from slopekit.preie.solvers.threads import one_thread
 from slopekit.preie.system.components import whole_model
 from slopekit.preie.system.contact import SHEAR_TO_NORMAL
-from slopekit.preie.tolerances import PASSES_SETTLED
+from slopekit.preie.tolerances import LIMIT_SETTLED
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
@@ -153,7 +153,7 @@ def kind_of_many_blocks(
         factor = mechanisms[0].fos if mechanisms else None
         closed, _ = own.closed_form(design, mechanisms[0] if mechanisms else None)
         difference, agree = compare(factor, status, closed, design.analysis.agree_within)
-        if mechanisms and mechanisms[0].change > PASSES_SETTLED:  # compared as in a result all the same
+        if mechanisms and mechanisms[0].change > LIMIT_SETTLED:  # compared as in a result all the same
             status, factor = "not_converged", None
         of_kind = own.notices(design, scene, ravelling.failures[0], closed) if mechanisms else ()
         notes = those_of_factors((*notices_of(design, scene, ravelling, mechanisms), *of_kind))

@@ -19,8 +19,8 @@ from slopekit.notices import (
 )
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
 from slopekit.preie.many_blocks.ravelling import Failure, Part, Ravelling
-from slopekit.preie.one_block.passes import Outcome
-from slopekit.preie.tolerances import PASSES_SETTLED, SAME_LIMIT, TINY
+from slopekit.preie.outcome import Outcome
+from slopekit.preie.tolerances import LIMIT_SETTLED, SAME_LIMIT, TINY
 
 
 def notices_of(
@@ -42,7 +42,7 @@ def notices_of(
         yield Notice("W317", "the motion did not settle into a limit state: the factor is that of the last state at "
                      "rest of the elastic path; where limits of random sections were found they lay up to 4 % below "
                      "such a rest, which bounds none")  # fmt: skip
-    if first.fos and limit.change > PASSES_SETTLED and any(strength.law for strength in scene.strengths):
+    if first.fos and limit.change > LIMIT_SETTLED and any(strength.law for strength in scene.strengths):
         yield Notice("W317", "strength at the tractions of one limit state leads to another, and back: the lowest "
                      f"factor is printed, others lie up to {limit.change * 100:.2g} % above it")  # fmt: skip
     if limit.rounding and first.fos:

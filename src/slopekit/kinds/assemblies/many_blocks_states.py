@@ -19,11 +19,11 @@ from slopekit.loads import AssemblyLoads, line_of_action
 from slopekit.preie.many_blocks.blocks_limit import Basis
 from slopekit.preie.many_blocks.ravelling import Failure, Part, Ravelling
 from slopekit.preie.motion.settlement import settlement
-from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.outcome import Outcome
 from slopekit.preie.solvers.threads import one_thread
 from slopekit.preie.solvers.work_limit import MOST, WorkSpentError, allowed
 from slopekit.preie.system.components import block_sizes, whole_model
-from slopekit.preie.tolerances import OPENS_IN_PASSES
+from slopekit.preie.tolerances import OPENS
 from slopekit.strength.mohr_coulomb import line
 
 _TURNS = 0.05  # rotation beyond this part of a block's motion counts
@@ -42,7 +42,7 @@ def states_of_part(part: Part) -> tuple[Bools, Bools, Floats]:
     size = np.sqrt((slip * slip).sum(axis=1))
     fastest = max(float(size.max(initial=0.0)), float(np.abs(opening).max(initial=0.0)), 1e-300)
     dilation = np.minimum(model.tan_dilation, model.tan_friction / (limit.factor or 1.0))
-    opened = opening - (dilation * size)[model.group_of_pair] > OPENS_IN_PASSES * fastest
+    opened = opening - (dilation * size)[model.group_of_pair] > OPENS * fastest
     opened |= limit.normal_force <= CLOSED * max(float(limit.normal_force.max(initial=0.0)), 1e-300)
     slips = (size > SLIPS * fastest)[model.group_of_pair] & ~opened
     return opened, slips, size

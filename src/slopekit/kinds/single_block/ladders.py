@@ -19,7 +19,7 @@ from slopekit.kinds.single_block.one_block_states import ContactModel
 from slopekit.preie.motion.balance import Balance
 from slopekit.preie.one_block.flat_limit import flat_limit, forces_limit, refined_factor
 from slopekit.preie.one_block.limit import LimitAnalysis
-from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.outcome import Outcome
 from slopekit.preie.system.model import Model
 from slopekit.result import Result
 

@@ -44,7 +44,7 @@ from slopekit.notices import those_of_factors
 from slopekit.preie.motion.balance import balance, of_one_block
 from slopekit.preie.motion.equilibrium import equilibrium
 from slopekit.preie.one_block.flat_limit import lowest_factor
-from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.outcome import Outcome
 from slopekit.preie.programs.bound import static_bound
 from slopekit.result import Result, Words
 
@@ -207,7 +207,7 @@ def result(
     highest = analysis.forces_only.factor if analysis.moments_govern else None
     size = ModelSize(
         1, model.unknowns, len(found.bounded.pairs), made.refine, found.change, (*made.left_out, *of_laws),
-        limit.passes, limit.change,
+        limit.steps, limit.change,
     )  # fmt: skip
     state = LimitState(
         pair_state(found.scene.pairs, model, limit, made.joints, origin, axes),

@@ -1,4 +1,4 @@
-"""One block, cut and loaded, and its limit: on flat joints and, by passes on its node pairs, on a curved surface.
+"""One block, cut and loaded, and its limit: on flat joints and, on its node pairs, on a curved surface.
 
 On flat joints it is the lower of that of the forces alone and that of the block on its elastic bed (`flat_limit` of
 `preie`); where the bed settles it, the points of the bed are the node pairs of the result.
@@ -22,9 +22,10 @@ from slopekit.loads import Hull, Loads
 from slopekit.preie.motion.equilibrium import Equilibrium
 from slopekit.preie.one_block.bed_limits import BedLimits
 from slopekit.preie.one_block.flat_limit import FlatLimit, flat_limit, forces_limit
-from slopekit.preie.one_block.limit import LimitAnalysis, curved_limit_analysis, governed
-from slopekit.preie.one_block.passes import Limit, Outcome
+from slopekit.preie.one_block.limit import LimitAnalysis, governed
+from slopekit.preie.one_block.pairs_limit import limit_on_pairs
 from slopekit.preie.one_block.polygon_bed import Beds, PointForces
+from slopekit.preie.outcome import Limit, Outcome
 from slopekit.preie.system.model import Model
 
 if TYPE_CHECKING:
@@ -65,7 +66,7 @@ class Cut:
     face: int | None = None
     hull: Callable[[], Hull] | None = None
     refine: int = 0
-    limit: Callable[[Model], LimitAnalysis] = curved_limit_analysis
+    limit: Callable[[Model], LimitAnalysis] = limit_on_pairs
     origin: Floats = field(default_factory=lambda: np.zeros(3))
     axes: Floats = field(default_factory=lambda: np.eye(3))
 
@@ -180,7 +181,7 @@ def _on_bed_points(
         velocity=moved / np.sqrt(moved @ moved),
         normal_force=forces.normal,
         bond=forces.pressed.astype(np.float64),
-        passes=int(state.steps[0]),
+        steps=int(state.steps[0]),
         change=0.0,
         friction=forces.shear,
         pulls=forces.pulls,

@@ -9,7 +9,7 @@ from slopekit.core.errors import Notice
 from slopekit.design.common import Design
 from slopekit.kinds.single_block.one_block_limit import Cut, FoundLimit
 from slopekit.notices import SQUARE, bolt_notices, common_notices, mesh_notices, undrawn_notice
-from slopekit.preie.tolerances import PASSES_SETTLED
+from slopekit.preie.tolerances import LIMIT_SETTLED
 
 _ACROSS, _AGAINST = 0.34, 0.1  # cosines of 70°, and of 84° the other way
 _ALL = 0.999999  # of an interface
@@ -25,10 +25,9 @@ def notices(design: Design, made: Cut, found: FoundLimit, why_not: str, block: s
     strengths = [interface.strength for interface in made.interfaces]
     limit, model = found.limit, found.scene.model
     yield from common_notices(design, strengths)
-    if limit.factor and not limit.settled_to(PASSES_SETTLED):
-        highest = limit.factor / (1.0 - limit.change)
-        swings = f"the limit swings between {limit.factor:.4g} and {highest:.4g}"
-        yield Notice("W317", f"the passes did not settle: {swings}; the lower is printed")
+    if limit.factor and not limit.settled_to(LIMIT_SETTLED):
+        runs = f"the block rests at {limit.factor:.4g} and runs at {limit.factor * (1.0 + limit.change):.4g}"
+        yield Notice("W317", f"the motion did not settle into a limit state: {runs}; the lower is printed")
     if limit.factor is not None:
         yield from _lost_contact(design, made, found)
         yield from _shaking(made, found)

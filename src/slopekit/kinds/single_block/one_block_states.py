@@ -16,7 +16,7 @@ from slopekit.evidence import Movement, ReductionStep
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.loads import Loads
 from slopekit.preie.motion.equilibrium import Equilibrium, equilibrium
-from slopekit.preie.one_block.passes import Limit, Outcome, opens
+from slopekit.preie.outcome import Limit, Outcome, opens
 from slopekit.preie.system.contact import JointStiffness
 from slopekit.preie.system.model import Model, local_axes
 

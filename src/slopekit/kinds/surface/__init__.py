@@ -42,9 +42,9 @@ from slopekit.kinds.surface.design import SurfaceDesign, read_surface
 from slopekit.kinds.words import loads_part, short, size_part, strength_in_words, water_in_words
 from slopekit.loads import Loads, PointForce, block_loads
 from slopekit.notices import those_of_factors
-from slopekit.preie.one_block.limit import curved_limit_analysis
-from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.one_block.pairs_limit import limit_on_pairs
 from slopekit.preie.one_block.slippage import Slippage, slippable
+from slopekit.preie.outcome import Outcome
 from slopekit.preie.system.model import build_model
 from slopekit.result import Result, Words
 
@@ -112,7 +112,7 @@ def _made(design: SurfaceDesign, mass: SlidingMass, loads: Loads, slip: Slippage
 
     return Cut(
         _block(mass), loads, lambda _: scene, [Interface(SLIP, NAME, design.strength)], geometry, left_out,
-        limit=curved_limit_analysis, origin=mass.origin,
+        limit=limit_on_pairs, origin=mass.origin,
     )  # fmt: skip
 
 
@@ -423,7 +423,7 @@ def _meshes(design: SurfaceDesign, result: Result, _: Cut) -> "Iterator[Rung]":
         if rungs and len(scene.pairs) == rungs[-1].node_pairs:  # the coarsest mesh there is, once more
             rungs.pop()
         rungs.append(
-            replace(limit_rung(scene, curved_limit_analysis, f"edges of {wanted:.3g} m", level), edge_m=meshed.edge_m)
+            replace(limit_rung(scene, limit_on_pairs, f"edges of {wanted:.3g} m", level), edge_m=meshed.edge_m)
         )
     yield from rungs
 

@@ -11,7 +11,16 @@ from scipy.linalg import lapack
 from slopekit.core.arrays import Bools, Floats
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.bed_states import BedForces
-from slopekit.preie.tolerances import ADMISSIBLE, EQUILIBRIUM, MODES_SHIFT, NO_MOTION, OPENS_ROUGHLY, SAME_LIMIT, TINY
+from slopekit.preie.tolerances import (
+    ADMISSIBLE,
+    EQUILIBRIUM,
+    MODES_SHIFT,
+    NO_MOTION,
+    OPENS_ROUGHLY,
+    ROUGHLY_SETTLED,
+    SAME_LIMIT,
+    TINY,
+)
 
 BORDERED = 1000  # unknowns up to which it is tried: its matrix is dense
 _TURNS = 12  # how often directions of slip in space follow the motion
@@ -100,10 +109,13 @@ def limit_state(bed: Bed, at: Floats, moved: Floats, parameter: float) -> PathLi
         state = _of_modes(bed.with_opened(opened), modes, at, v, parameter)
         if state is None:
             return None
+        before = parameter
         at, parameter, here, v, agrees = state
         if agrees and (bed.opened_by(v, parameter, NO_MOTION) != opened).any():
             return None
-        if agrees:
+        # what opens with the slip moves the parameter by as much as its directions are off, else by the square of that
+        turns = bed.dilates and bed.tangents > 1 and abs(parameter - before) > ROUGHLY_SETTLED * parameter
+        if agrees and not turns:
             return result_of(bed, PathOutcome.LIMIT, parameter, None, at, v, here)
         if bed.tangents == 1:
             return None
@@ -144,9 +156,11 @@ def _of_modes(
         motion = solver(np.append(np.zeros(bed.size), along))
         if abs(float(motion[-1])) < NO_MOTION * abs(parameter) and _moves(bed, here, motion[:-1], parameter, NO_MOTION):
             return w, parameter, here, motion[:-1], True
+        if _moves(bed, here, v, parameter, NO_MOTION):  # there are several: the flow itself
+            return w, parameter, here, v, True
         if bed.tangents > 1 and abs(float(motion[-1])) < SAME_LIMIT * abs(parameter):
             return w, parameter, here, motion[:-1], False
-    agrees = _moves(bed, here, v, parameter, 1e-4)  # there are several: the flow itself
+    agrees = _moves(bed, here, v, parameter, 1e-4)
     return (w, parameter, here, v, True) if agrees else None
 
 

@@ -21,7 +21,7 @@ from slopekit.preie.elastic_path.bed_states import Drive
 from slopekit.preie.elastic_path.path import START, follow
 from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome, result_of
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit, Proposal, Span
-from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.outcome import Outcome
 from slopekit.preie.programs.bound import StaticBound, is_proved
 from slopekit.preie.programs.bounds import mechanism_range, static_bound
 from slopekit.preie.solvers.work_limit import MOST, WorkSpentError, allowed, part

@@ -6,7 +6,7 @@ from typing import Protocol
 
 from slopekit.core.arrays import Floats
 from slopekit.preie.elastic_path.path_limit import PathLimit
-from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.outcome import Outcome
 
 Span = tuple[float | None, float | None]
 """The lowest and highest factor of a mechanism; an end is None where it lies far beyond."""

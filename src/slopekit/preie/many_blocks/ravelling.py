@@ -26,7 +26,7 @@ from slopekit.preie.many_blocks.blocks import limit_of_blocks, load_limit, with_
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
 from slopekit.preie.many_blocks.groups import Groups
 from slopekit.preie.many_blocks.key_blocks import slide_alone, sliding_direction
-from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.outcome import Outcome
 from slopekit.preie.solvers import work_limit
 from slopekit.preie.solvers.threads import one_thread
 from slopekit.preie.system.assembly import AssemblyModel

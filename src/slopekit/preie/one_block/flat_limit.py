@@ -17,9 +17,9 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.preie.one_block.bed_limits import BedLimits, BedStatus, bed_limits
 from slopekit.preie.one_block.bed_path import COARSE, BedPath, lengths
-from slopekit.preie.one_block.limit import dilating_limit, forces_only_limit, stands_without_strength
-from slopekit.preie.one_block.passes import Limit, Outcome
+from slopekit.preie.one_block.limit import forces_only_limit, stands_without_strength
 from slopekit.preie.one_block.polygon_bed import Beds, BedSprings, elastic_bed
+from slopekit.preie.outcome import Limit, Outcome
 from slopekit.preie.system.model import Model
 from slopekit.preie.tolerances import TINY
 from slopekit.strength.mohr_coulomb import line
@@ -64,8 +64,12 @@ def flat_limit(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -
     model : of the block, from node pairs on the polygons
     polygons : interface -> (k, 3) corners in m, or (2, 3) ends of a line in a section; centroid : (3,) m
     """
-    if model.dilates and (exact := dilating_limit(model)) is not None:
-        return FlatLimit(exact, exact)
+    if model.dilates:
+        from slopekit.preie.one_block.pairs_limit import pressed_limit  # only joints that dilate pay for the path
+
+        exact = pressed_limit(model)
+        if exact is not None:
+            return FlatLimit(exact, exact)
     forces = forces_limit(model)
     stands = forces.outcome is Outcome.NO_DRIVING_FORCE and stands_without_strength(model)
     if stands or forces.outcome in (Outcome.LIFTED, Outcome.NOT_CONVERGED) or forces.factor == 0.0:

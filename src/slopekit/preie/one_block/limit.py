@@ -1,15 +1,8 @@
-"""The limit factor of safety of one block on node pairs, and that of its forces alone.
-
-Where slip does not dilate the joints:
-
-1. every pair closed, every bond whole: `intact_limit_state`, exact;
-2. passes: friction frozen at the normal forces of the last pass, the mechanism of least work of a convex program, new
-   normal forces. A pair that the mechanism opens loses its cohesion in the next pass and gets it back if it closes
-   again; one that opens twice has lost it. Aitken's rule steers the passes, `settled_limit_state` ends them.
+"""The limit factor of safety of the forces of one block alone, and which of two limits governs.
 
 Forces alone (no turning): the load splits in one way only into a pull along an admissible velocity and pushes on the
 joints (Moreau's decomposition), whatever their strength: this is what closed forms compute. On flat joints `flat_limit`
-sets that of the elastic bed beside it.
+sets that of the elastic bed beside it; on node pairs moments are balanced by `pairs_limit`.
 """
 
 import math
@@ -19,22 +12,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
-from slopekit.preie.one_block.limit_state import (
-    LimitState,
-    dilating_limit_state,
-    elastic_displacement,
-    intact_limit_state,
-)
-from slopekit.preie.one_block.passes import Limit, Outcome, exact_limit, opens, release, settle_by_passes, unit
-from slopekit.preie.programs.bound import static_bound
+from slopekit.preie.outcome import Limit, Outcome
 from slopekit.preie.solvers.linear import bounded_least_squares
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import EQUILIBRIUM, FARTHEST, NO_FORCE, NO_NUMBER, SAME_LIMIT, TINY
+from slopekit.preie.tolerances import FARTHEST, NO_FORCE, SAME_LIMIT, TINY
 from slopekit.strength.mohr_coulomb import line
 
 _STRIDE = 1.05  # steps of λ on the way to the first loss
 _BEYOND = 1e-3  # of a bracket: so far on either side of where a straight line across it meets zero
-_MOST_TRIES = 40  # bonds let go and found again
 
 
 @dataclass(frozen=True)
@@ -63,15 +48,6 @@ class LimitAnalysis:
         return turning if turning.factor >= factor * (1.0 - SAME_LIMIT) else self.governing
 
 
-def _on_lines(model: Model, analyse: Callable[[Model], LimitAnalysis]) -> LimitAnalysis:
-    """The limit, the lines of curved laws drawn again until they stay."""
-    if model.lines is None:
-        return analyse(model)
-    from slopekit.preie.system.strength_lines import settled  # only curved laws pay for it
-
-    return settled(model, analyse)
-
-
 def governed(model: Model, alone: Limit, turning: Limit) -> LimitAnalysis:
     """Which of two limits governs, that of the forces alone or that with turning (it has a factor)."""
     assert turning.factor is not None
@@ -81,101 +57,6 @@ def governed(model: Model, alone: Limit, turning: Limit) -> LimitAnalysis:
         # the same slide with its moments balanced: the factor of the forces, the normal forces of the moments
         return LimitAnalysis(replace(turning, factor=alone.factor), alone, turning, False)
     return LimitAnalysis(replace(alone, velocity=alone.velocity_of(model)), alone, turning, False)
-
-
-def dilating_limit(model: Model) -> Limit | None:
-    """Return the exact limit of joints that all stay closed, or dilate by all of their friction; None without one."""
-    limit = _on_lines(model, _dilating_on_lines).governing
-    return limit if limit.factor else None
-
-
-def _dilating_on_lines(model: Model) -> LimitAnalysis:
-    limit = _intact_limit(model) or _associated_limit(model, forces_only_limit)
-    if limit is None:
-        bond = np.ones(len(model.control_area))
-        limit = Limit(Outcome.NOT_CONVERGED, None, np.zeros(model.unknowns), 0.0 * bond, bond, 0, 0.0)
-    return _alike(limit)
-
-
-def curved_limit_analysis(model: Model) -> LimitAnalysis:
-    """The limit factor of one block on its node pairs: on a curved surface, where without turning nothing may slide.
-
-    There are no forces alone to compare with: `moments_govern` is false.
-    """
-    return _on_lines(model, lambda on_lines: _alike(_curved_limit_on_lines(on_lines)))
-
-
-def _curved_limit_on_lines(model: Model) -> Limit:
-    intact = _intact_limit(model)
-    if intact is not None:
-        return intact
-    none, bond = np.zeros(model.unknowns), np.ones(len(model.control_area))
-    if float((model.normal_rows @ model.load).min()) > 0.0:  # the load itself moves it off every pair
-        return Limit(Outcome.LIFTED, None, none, 0.0 * bond, 0.0 * bond, 0, 0.0)
-    if stands_without_strength(model):
-        return Limit(Outcome.NO_DRIVING_FORCE, None, none, 0.0 * bond, bond, 0, 0.0)
-    associated = _associated_limit(model, _curved_limit_on_lines) if model.dilates else None
-    if associated is not None:
-        return associated
-    start = elastic_displacement(model)
-    normal = np.maximum(-model.control_area * (model.normal_rows @ start), 0.0)
-    return _by_passes(model, start, normal, bond)
-
-
-def _by_passes(model: Model, velocity: Floats, normal_force: Floats, bond: Floats) -> Limit:
-    """The limit by passes; none where dilation itself resists, and they lose their way."""
-    limit = settle_by_passes(model, velocity, normal_force, bond)
-    if model.dilates and (limit.outcome is Outcome.NO_STRENGTH or limit.change > NO_NUMBER):
-        return replace(limit, outcome=Outcome.NOT_CONVERGED, factor=None)
-    return limit
-
-
-def _alike(limit: Limit) -> LimitAnalysis:
-    """One step settled all."""
-    return LimitAnalysis(limit, limit, limit, False)
-
-
-def _intact_limit(model: Model) -> Limit | None:
-    """The exact limit with every pair closed and every bond whole, dilating or not; None where there is none."""
-    state = intact_limit_state(model)
-    if state is not None and model.dilates:
-        state = dilating_limit_state(model, state)
-    if state is None or (model.dilates and _opens_cohesion(model, state)):
-        return None
-    return exact_limit(state, np.ones(len(model.control_area)), 0)
-
-
-def _opens_cohesion(model: Model, state: LimitState) -> bool:
-    """Whether the motion of a limit state opens pairs that have cohesion beyond their dilation."""
-    tan_dilation = np.minimum(model.tan_dilation, state.reduction * model.tan_friction)
-    return bool((opens(model, state.velocity, tan_dilation) & (model.cohesion > 0.0)).any())
-
-
-def _associated_limit(model: Model, without_dilation: Callable[[Model], Limit]) -> Limit | None:
-    """The limit where every joint dilates by all its reduced friction angle: the static bound with the bonds left.
-
-    The bound itself counts cohesion wherever its motion slips. What lifts by tan ψ of its own slip slides on its
-    asperities and has it; what is lifted farther, by slip elsewhere or as the block turns, has parted.
-
-    Parameters
-    ----------
-    without_dilation : the limit that the search for the bound begins at
-    """
-    bond = np.ones(len(model.control_area))
-    releases = np.zeros(len(bond))
-    for _ in range(_MOST_TRIES):
-        rigid = replace(model, tan_dilation=np.zeros_like(bond), cohesion=bond * model.cohesion)
-        without = without_dilation(rigid)
-        if not without.factor:
-            return None
-        bound = static_bound(rigid, without.velocity_of(rigid), without.factor)
-        if bound.factor is None or (model.tan_dilation * bound.factor < model.tan_friction * (1.0 - EQUILIBRIUM)).any():
-            return None
-        renewed, releases = release(model, bound.velocity, model.tan_friction / bound.factor, bond, releases)
-        if (renewed == bond).all():
-            return Limit(Outcome.SLIDES, bound.factor, unit(bound.velocity), bound.normal_force, bond, 0, 0.0)
-        bond = renewed
-    return None
 
 
 @dataclass(frozen=True)
@@ -249,9 +130,6 @@ def forces_only_limit(model: Model) -> Limit:
     if not len(held.bolt_capacity):
         if not alone.touching.any():
             return limit(Outcome.LIFTED, None, alone)
-        if held.dilates:
-            velocity = alone.pull / alone.driving
-            return settle_by_passes(held, velocity, alone.normal_force, alone.touching.astype(np.float64))
         return limit(Outcome.SLIDES, alone.resisting / alone.driving, alone)
     guess = alone.driving / max(alone.resisting, NO_FORCE)
     return _first_loss(at, limit, float(held.bolt_capacity.sum()), guess if alone.touching.any() else 0.0)

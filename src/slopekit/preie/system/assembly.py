@@ -301,39 +301,39 @@ def _cohesive(cells: ContactCells, cohesion: Floats) -> ContactCells | None:
 
 
 def one_block(model: Model) -> AssemblyModel:
-    """The model of one block as an assembly: every node pair of its own friction, each interface one contact.
+    """The model of one block as an assembly: every node pair a contact with the bedrock, with friction of its own.
 
-    A contact has the motion at its first node pair in the axes of that: openings of a flat one are read off three
-    numbers of it. In a section it has that of the block.
+    A contact has the motion at its node pair, in the axes of that, and the turns.
     """
     pairs, bolts, unknowns = len(model.control_area), len(model.bolt_capacity), model.unknowns
-    normal_rows, slip_rows = np.zeros((pairs + bolts, unknowns)), np.zeros((pairs + bolts, 2, unknowns))
-    normal_rows[:pairs], slip_rows[:pairs] = model.normal_rows, model.rows[:, 1:]
-    slip_rows[pairs:, 0] = model.bolt_rows
-    kinematics = sparse.csr_matrix(np.concatenate([normal_rows, slip_rows.reshape(-1, unknowns)]))
-    _, first, of_pair = np.unique(model.interface, return_index=True, return_inverse=True)
-    order = np.argsort(first)  # contacts in the order of their pairs
-    contact = np.append(np.argsort(order)[of_pair.ravel()], len(first) + np.arange(bolts))
-    count, none = len(first) + bolts, np.zeros(bolts)
+    slips = model.rows[:, 1:] if unknowns == 6 else model.slips_in_section
+    count, tangents, none = pairs + bolts, slips.shape[1], np.zeros(bolts)
     motion = np.tile(np.eye(unknowns), (count, 1, 1))
+    motion[:pairs, 0], motion[:pairs, 1 : 1 + tangents] = model.normal_rows, slips
     if unknowns == 6:
-        motion[: len(first), :3] = model.rows[first[order]]
-        motion[: len(first), 3:, 3:] = model.rows[first[order], :, :3]
-        for k, row in enumerate(model.bolt_rows, len(first)):  # it gets shorter as its row says: the first slip
-            motion[k, [0, 2], :3], motion[k, 1] = local_axes(row[None, :3])[0, 1:], row
-    back = np.linalg.inv(motion)[contact]
+        motion[:pairs, 3:, 3:] = model.rows[:, :, :3]
+        motion[pairs:, :3, :3] = local_axes(model.bolt_rows[:, :3])[:, [1, 0, 2]]
+    else:
+        motion[pairs:, 0, :2] = model.bolt_rows[:, 1::-1] * [-1.0, 1.0]
+    motion[pairs:, 1] = model.bolt_rows  # it gets shorter as its row says: the first slip
+    normal_rows, slip_rows = np.zeros((count, unknowns)), np.zeros((count, tangents, unknowns))
+    normal_rows[:pairs, 0] = slip_rows[:, 0, 1] = 1.0
+    slip_rows[:pairs, 1:, 2] = 1.0
+    kinematics = sparse.csr_matrix(
+        np.concatenate([np.einsum("mu,muv->mv", normal_rows, motion), *np.einsum("mtu,muv->mtv", slip_rows, motion)])
+    )
     share = model.bolt_capacity / max(float(model.bolt_capacity.sum()), TINY)
     return AssemblyModel(
         plus=np.zeros(count, dtype=np.int64), minus=np.full(count, BEDROCK), plus_motion=motion,
-        minus_motion=np.zeros_like(motion), pair_contact=contact,
-        normal_rows=np.einsum("mu,muv->mv", normal_rows, back), group_contact=contact,
-        slip_rows=np.einsum("mtu,muv->mtv", slip_rows, back), group_first=np.arange(pairs + bolts),
+        minus_motion=np.zeros_like(motion), pair_contact=np.arange(count), normal_rows=normal_rows,
+        group_contact=np.arange(count), slip_rows=slip_rows, group_first=np.arange(count),
         control_area=np.append(model.control_area, share), cohesion=np.append(model.cohesion, model.bolt_capacity),
         tan_friction=np.append(model.tan_friction, none), tan_dilation=np.append(model.tan_dilation, none),
-        patch=np.arange(len(first)), points=np.zeros((pairs + bolts, 3)), moving=np.zeros(1, dtype=np.int64),
+        patch=np.arange(pairs), points=np.zeros((count, 3)), moving=np.zeros(1, dtype=np.int64),
         load=model.load[None, :], live=np.zeros((1, unknowns)), length_scale=model.length_scale,
         force_scale=model.force_scale, area_scale=model.area_scale, kinematics=kinematics,
         statics=kinematics.T.tocsr(), bolts=np.arange(bolts),
+        lines=None if model.lines is None else replace(model.lines.with_bolts(bolts), followed=True),
     )  # fmt: skip
 
 

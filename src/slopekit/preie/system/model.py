@@ -81,6 +81,12 @@ class Model:
     lines: "StrengthLines | None" = None
 
     @property
+    def slips_in_section(self) -> Floats:
+        """Slip (n, 1, 3) of the pairs of a section per unknown: of their two tangents one lies across it."""
+        slips: Floats = self.rows[:, 1:].sum(axis=1, keepdims=True)
+        return slips
+
+    @property
     def unknowns(self) -> int:
         """Number of unknowns u: six a block, three in a vertical section, fewer where it may not turn."""
         return int(self.rows.shape[2])

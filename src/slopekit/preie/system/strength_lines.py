@@ -22,8 +22,8 @@ from slopekit.core.arrays import Floats, Ints, frozen
 from slopekit.preie.elastic_path.path_limit import PathLimit
 from slopekit.preie.many_blocks.blocks import bound_of, load_limit
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit, Proposal
-from slopekit.preie.one_block.limit import LimitAnalysis, forces_only_limit
-from slopekit.preie.one_block.passes import Limit, Outcome
+from slopekit.preie.one_block.limit import forces_only_limit
+from slopekit.preie.outcome import Limit, Outcome
 from slopekit.preie.programs.bounds import static_bound
 from slopekit.preie.solvers.work_limit import WorkSpentError
 from slopekit.preie.system.assembly import AssemblyModel
@@ -219,27 +219,6 @@ def _mixed(steps: Sequence[tuple[Floats, Floats]]) -> Floats:
 
 
 # -- one block ----------------------------------------------------------------------------------------
-
-
-def settled(model: Model, analyse: Callable[[Model], LimitAnalysis]) -> LimitAnalysis:
-    """The limit with every pair on the line of its own traction; `model` of the analysis has those lines.
-
-    Parameters
-    ----------
-    analyse : the limit on lines as they are
-    """
-
-    def forces(analysis: LimitAnalysis) -> tuple[Floats, float, float] | None:
-        limit = analysis.governing
-        if not limit.factor or limit.outcome is Outcome.NOT_CONVERGED:
-            return None
-        return limit.normal_force, limit.factor, limit.change
-
-    model, analysis, off = _rounds(model, analyse, forces)
-    limit = analysis.governing
-    if off > max(ROUNDING, limit.change):
-        analysis = replace(analysis, governing=replace(limit, change=off))
-    return replace(analysis, model=model)
 
 
 def averaged(model: Model) -> Model:

@@ -20,7 +20,7 @@ from slopekit.core.sheet import Column
 from slopekit.kinds import kind_of, with_all_said
 from slopekit.kinds.single_block.ladders import NEAR_STRENGTH, Ladder, Rung
 from slopekit.preie.motion.balance import Balance
-from slopekit.preie.tolerances import PASSES_SETTLED
+from slopekit.preie.tolerances import LIMIT_SETTLED
 from slopekit.result import Result
 from slopekit.studies.protocol import DESK, ADesign, StudyOutcome, Workplace, study
 
@@ -205,7 +205,7 @@ def _findings(result: Result, ladder: tuple[Rung, ...], evidence: Ladder) -> Ite
     last = "what it changed of the factor (0: solved exactly)"
     if result.findings is not None:
         last = "how far above the last state at rest the blocks run (0: a limit, no peak)"
-    yield Finding("last pass", result.model.residual, PASSES_SETTLED, result.model.residual <= PASSES_SETTLED, last)
+    yield Finding("last pass", result.model.residual, LIMIT_SETTLED, result.model.residual <= LIMIT_SETTLED, last)
     yield from _balance(result, evidence.rest, fos.limit)
     if others:
         off = max((abs(other / fos.limit - 1.0) for other in others if other), default=0.0)

@@ -1,0 +1,67 @@
+"""How a limit analysis ended, and the limit of one block."""
+
+import math
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from slopekit.core.arrays import Bools, Floats
+from slopekit.preie.system.model import Model
+from slopekit.preie.tolerances import OPENS
+
+
+class Outcome(Enum):
+    """How a limit analysis ended; every one of them is an answer but the last."""
+
+    SLIDES = "the blocks slide, or slide and turn, when the strength is divided by the factor"
+    NO_STRENGTH = "the blocks move with nothing to hold them: no strength is called on"
+    LIFTED = "the loads pull the blocks off every joint"
+    NO_REST = "the blocks come to rest at no strength: they topple whatever the friction"
+    NO_DRIVING_FORCE = "nothing drives the blocks: they stand without strength"
+    NOT_CONVERGED = "the search did not settle"
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A limit factor with its evidence.
+
+    Attributes
+    ----------
+    outcome : how it ended
+    factor : F, None unless something slides or turns
+    velocity : (u,) the mechanism, of unit length; normal_force : (n,); bond : (n,) cohesion left, 0 or 1
+    steps : factorisations of its path; change : width of the bracket that it lies in, in parts of it (0: a limit state)
+    friction : (n, 2) tangential forces and pulls : (b,) those of the bolts, at the reduced strength; None without a
+        factor
+    """
+
+    outcome: Outcome
+    factor: float | None
+    velocity: Floats
+    normal_force: Floats
+    bond: Floats
+    steps: int
+    change: float
+    friction: Floats | None = None
+    pulls: Floats | None = None
+
+    def settled_to(self, relative: float) -> bool:
+        """Whether the factor is known to that part."""
+        return self.outcome is not Outcome.NOT_CONVERGED and self.change <= relative
+
+    def velocity_of(self, model: Model) -> Floats:
+        """The mechanism in the unknowns of `model`: a limit of forces alone does not turn."""
+        return np.concatenate([self.velocity, np.zeros(model.unknowns - len(self.velocity))])
+
+
+def opens(model: Model, velocity: Floats, tan_dilation: Floats) -> Bools:
+    """Which pairs a motion opens beyond their dilation, (n,)."""
+    motion = model.relative(velocity)
+    opening, slip = motion[:, 0], np.sqrt((motion[:, 1:] * motion[:, 1:]).sum(axis=1))
+    beyond: Bools = opening - tan_dilation * slip > OPENS * max(float(slip.max()), float(opening.max()))
+    return beyond
+
+
+def unit(vector: Floats) -> Floats:
+    return vector / math.sqrt(float(vector @ vector))
