@@ -29,7 +29,7 @@ def surfaces() -> None:
     for name, path, answer, edges in (
         ("ellipsoid", ELLIPSOID, finest, (10, 5, 2.5)), ("sphere", SPHERE, exact, (2, 1, 0.4)),
     ):  # fmt: skip
-        for normals in ("true", "smoothed", "facet") if name == "ellipsoid" else ("true", "smoothed"):
+        for normals in ("true", "smoothed"):
             for edge in edges:
                 found = sk.run(path, set={"slip.normals": normals, "slip.edge": edge})
                 ms = {key: value * 1e3 for key, value in found.timing_s.items()}

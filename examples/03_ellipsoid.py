@@ -26,10 +26,10 @@ for method, ours, paper in (
 ):
     print(f"{method:34s}{'' if ours is None else f'{ours:.4f}':>10s}{paper:>10s}")
 
-# A mesh of flat facets interlocks like a ratchet: with the facets' own normals the factor depends on the mesh. Normals
-# smoothed over the mesh and turned square to the motion that the surface lets through do not.
+# A mesh of flat facets interlocks like a ratchet: its normals are smoothed over the mesh, and turned square to the
+# motion that the surface lets through. The factor then tends to that of the true surface.
 print(f"\n{'normals':12s}{'edge m':>8s}{'pairs':>8s}{'limit':>10s}{'bound':>10s}")
-for normals in ("facet", "smoothed", "true"):
+for normals in ("smoothed", "true"):
     for edge in (10, 5, 2.5):
         found = sk.run(DESIGN, set={"slip.normals": normals, "slip.edge": edge})
         size, fos = found.geometry.edge_m, found.fos

@@ -106,13 +106,18 @@ def test_nothing_drives_it() -> None:
 
 @pytest.mark.slow
 def test_normals_that_were_turned_are_reported() -> None:
-    """An ellipsoid of three axes lets no motion through: W325; facets: W325."""
+    """An ellipsoid of three axes lets no motion through: W325."""
     three = run({"shape": "ellipsoid", "centre": [40, 0, 40], "radii": [44, 30, 39], **COARSE})
     assert "W325" in codes(three)
     assert three.geometry.misfit_deg > 0.5
-    facets = run({**CAP, "normals": "facet"})
-    assert "W325" in codes(facets)
-    assert facets.geometry.misfit_deg == 0.0
+
+
+@pytest.mark.parametrize("dilation", [0.5, 25.0])
+def test_a_curved_surface_takes_no_dilation(dilation) -> None:
+    with pytest.raises(DesignError) as caught:
+        sk.load(path_of("sphere"), set={"strength.clay": {"c": 20, "phi": 25, "dilation": dilation}})
+    assert caught.value.codes == ("E115",)
+    assert sk.run(path_of("sphere"), set={"strength.clay.dilation": 0}).fos.limit > 1.4
 
 
 def test_a_mass_that_lifts_off_as_it_begins_to_move_says_so() -> None:

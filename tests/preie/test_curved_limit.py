@@ -138,13 +138,12 @@ def flat_sheet(folder, turn: float = 0.0):
     )
 
 
-@pytest.mark.parametrize("normals", ["smoothed", "facet"])
 @pytest.mark.parametrize("turn", [0.0, 2.3])
 @pytest.mark.parametrize(("c", "phi", "pressure"), [(30, 25, 0), (0, 25, 0), (30, 0, 0), (30, 25, 40)])
-def test_a_flat_sheet_is_a_plane(tmp_path, normals, turn, c, phi, pressure) -> None:
+def test_a_flat_sheet_is_a_plane(tmp_path, turn, c, phi, pressure) -> None:
     """Hoek & Bray's plane failure of a face at 45°, plane at 30°, 40 m high: to rounding, turned too."""
     slip, slope = flat_sheet(tmp_path, turn)
-    model, slippage = model_of({**slip, "normals": normals}, slope, c=c, phi=phi, water={"pressures": pressure})
+    model, slippage = model_of(slip, slope, c=c, phi=phi, water={"pressures": pressure})
     exact = plane_failure(45, 0, 30, 40.0, c, phi, 21.56, crack_distance_m=None, mean_pressure_kpa=pressure)
     assert slippage.misfit_deg == pytest.approx(0.0, abs=1e-6)
     assert limit_on_pairs(model).governing.factor == pytest.approx(exact.factor, rel=1e-7)
@@ -326,21 +325,6 @@ def test_bolts_turn_about_the_axis(acts, head) -> None:
     support = {"bolts": [{"force": 2e4, "toward": "270/20", "acts": acts, "head": head}]}
     found = limit_on_pairs(model_of(PAPER, c=100.0, phi=0.0, support=support)[0]).governing
     assert found.factor == pytest.approx(expected, rel=2e-5)
-
-
-@pytest.mark.parametrize(("slip", "c"), [(SPHERE, 30.0), (PAPER, 0.0)], ids=["sphere", "ellipsoid"])
-def test_full_dilation(slip, c) -> None:
-    """ψ = φ rises to the static bound without cohesion; with it, what dilation opens has lost it: below the bound."""
-    model = model_of({**slip, **COARSE}, c=c, dilation=30.0)[0]
-    limit = limit_on_pairs(model).governing
-    assert limit.outcome is Outcome.SLIDES
-    rigid = replace(model, tan_dilation=0.0 * model.tan_dilation)
-    if c == 0.0:
-        bound = conic_oracle.sparse_static_bound(rigid, 0.9 * limit.factor, 1e-6, limit.factor)
-        assert limit.factor == pytest.approx(bound, rel=1e-5)
-    else:
-        assert conic_oracle.sparse_shortfall(rigid, 1.0 / (limit.factor * (1.0 + 1e-6))) <= 1e-9
-    assert limit.factor > limit_on_pairs(replace(rigid, cohesion=0.0 * rigid.cohesion)).governing.factor
 
 
 def test_the_turned_moment_of_water_on_an_uneven_ground(tmp_path) -> None:

@@ -83,9 +83,7 @@ def test_full_dilation_gives_the_static_bound(c) -> None:
     """ψ = φ, reduced with it, is associated flow: the limit is the static bound (METHOD.md §3: 1.5868)."""
     full = limit_on_pairs(paper_model((c, c), dilation=20.0)).governing.factor
     model = paper_model((c, c))
-    bound = static_bound(
-        model, limit_on_pairs(model).governing.velocity, limit_on_pairs(model).governing.factor
-    )
+    bound = static_bound(model, limit_on_pairs(model).governing.velocity, limit_on_pairs(model).governing.factor)
     assert full == pytest.approx(bound.factor, rel=2e-6)
 
 

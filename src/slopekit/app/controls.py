@@ -47,7 +47,7 @@ _STEPS = 200  # of a slider, about
 _FARTHEST: Mapping[str, float] = {"loads.seismic.k": 0.5, "analysis.refine": 2.0, "analysis.agree_within": 0.1}
 #: Words that a field does not declare itself.
 _WORDS: Mapping[str, tuple[str, ...]] = {
-    "acts": ("active", "passive"), "mode": ("dry", "full"), "normals": ("true", "smoothed", "facet"),
+    "acts": ("active", "passive"), "mode": ("dry", "full"), "normals": ("true", "smoothed"),
 }  # fmt: skip
 _NAMES_STRENGTH = ("strength", "base", "sides")
 

@@ -162,10 +162,10 @@ def halvings(mass: SlidingMass, edge: float) -> int:
     return times
 
 
-def facet_pairs(mass: SlidingMass, body: Cutter, normals: Normals) -> NodePairs:
-    """Node pairs on the facets of a slip surface, with the facets' own normals or smoothed ones.
+def facet_pairs(mass: SlidingMass, body: Cutter) -> NodePairs:
+    """Node pairs on the facets of a slip surface, with smoothed normals: a surface of facets interlocks like a ratchet.
 
-    Smoothed normals are those at the corners of the facet that was cut (Max 1999), interpolated across it.
+    They are those at the corners of the facet that was cut (Max 1999), interpolated across it.
     """
     where = mass.triangles[mass.on == SLIP]
     if len(where) > MOST_TRIANGLES:
@@ -176,9 +176,6 @@ def facet_pairs(mass: SlidingMass, body: Cutter, normals: Normals) -> NodePairs:
     size = np.sqrt((vector_areas * vector_areas).sum(axis=1))
     points = np.concatenate([np.tensordot(corners, weights, (1, 0)) for weights, _ in _POINTS])
     areas = np.concatenate([share * size for _, share in _POINTS])
-    if normals == "facet":
-        own = np.tile(-vector_areas / size[:, None], (len(_POINTS), 1))
-        return _pairs(points, own, areas)
     at_vertices = smooth_normals(body.vertices, body.triangles[body.on == SLIP])
     facet = np.tile(body.triangles[mass.facet[mass.on == SLIP]], (len(_POINTS), 1))
     smooth = np.einsum("nk,nki->ni", _barycentric(points, body.vertices[facet]), at_vertices[facet])
@@ -379,13 +376,9 @@ def _merged(index: Ints, points: Floats, normals: Floats, areas: Floats, gained:
     total = np.asarray(np.bincount(which.ravel(), areas), dtype=np.float64)
     if gained is not None:
         total = np.maximum(total + gained[used], 0.1 * total)
-    kept = first[total > SLIVER_AREA * total.max()]
-    return _pairs(points[kept], normals[kept], total[total > SLIVER_AREA * total.max()])
-
-
-def _pairs(points: Floats, normals: Floats, areas: Floats) -> NodePairs:
-    count = len(areas)
+    is_kept = total > SLIVER_AREA * total.max()
+    kept = first[is_kept]
     return NodePairs(
-        frozen(points), frozen(normals), frozen(areas), np.full(count, SLIP), np.zeros(count, dtype=np.int64),
-        np.full(count, BEDROCK),
+        frozen(points[kept]), frozen(normals[kept]), frozen(total[is_kept]), np.full(len(kept), SLIP),
+        np.zeros(len(kept), dtype=np.int64), np.full(len(kept), BEDROCK),
     )  # fmt: skip

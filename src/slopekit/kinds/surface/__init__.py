@@ -34,7 +34,7 @@ from slopekit.geometry.solids.sliding_mass import (
     through,
 )
 from slopekit.kinds.protocol import ClosedForm, Factors, Kind
-from slopekit.kinds.single_block.one_block import DILATES, block_status, result, resultant_forces, solve
+from slopekit.kinds.single_block.one_block import block_status, result, resultant_forces, solve
 from slopekit.kinds.single_block.one_block_limit import Cut, FoundLimit, Interface, find_limit
 from slopekit.kinds.single_block.one_block_states import ContactModel
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
@@ -91,7 +91,7 @@ def _analysed(design: SurfaceDesign, find: Callable[[Cut, Clock], FoundLimit]) -
         pressed["ground"] = float(np.linalg.norm(loads.parts["pond"]))
     forces = resultant_forces(made, found, pressed, driven=status != "rotates")
     moves = found.limit.outcome is not Outcome.NO_DRIVING_FORCE
-    of_cut = _notices(design, mass, _misfit(design, slip) if moves else 0.0, slip.left_as_it_was and moves)
+    of_cut = _notices(design, mass, slip.misfit_deg if moves else 0.0, slip.left_as_it_was and moves)
     notes = [*of_cut, *_columns_below(design, found.limit.factor, methods), *extra]
     comparisons = Comparisons(found.analysis.forces_only.factor, methods)
     return result(WORDS, design, made, found, status, closed, forces, clock, comparisons, notes)
@@ -106,7 +106,7 @@ def _made(design: SurfaceDesign, mass: SlidingMass, loads: Loads, slip: Slippage
     def geometry() -> SurfaceGeometry:
         return SurfaceGeometry(
             mass.volume, float(np.ptp(mass.vertices[:, 2])), {NAME: mass.area}, frozen(mass.centroid + mass.origin),
-            mass.edge, design.slip.normals, slip.motions, _misfit(design, slip), mass.pieces,
+            mass.edge, design.slip.normals, slip.motions, slip.misfit_deg, mass.pieces,
             frozen(mass.vertices + mass.origin), mass.triangles, mass.on == SLIP,
         )  # fmt: skip
 
@@ -114,10 +114,6 @@ def _made(design: SurfaceDesign, mass: SlidingMass, loads: Loads, slip: Slippage
         _block(mass), loads, lambda _: scene, [Interface(SLIP, NAME, design.strength)], geometry, left_out,
         limit=limit_on_pairs, origin=mass.origin,
     )  # fmt: skip
-
-
-def _misfit(design: SurfaceDesign, slip: Slippage) -> float:
-    return 0.0 if design.slip.normals == "facet" else slip.misfit_deg
 
 
 def _block(mass: SlidingMass) -> Block:
@@ -141,8 +137,8 @@ def cut(design: SurfaceDesign) -> Cut:
 
 def _scene(design: SurfaceDesign, mass: SlidingMass, pairs: NodePairs, loads: Loads) -> tuple[Slippage, ContactModel]:
     slip = slippable(pairs, mass.centroid, np.concatenate([loads.force, loads.moment]))
-    pairs = pairs if design.slip.normals == "facet" else slip.pairs
-    return slip, ContactModel(pairs, build_model(pairs, loads, mass.centroid, joint_strength([design.strength])))
+    model = build_model(slip.pairs, loads, mass.centroid, joint_strength([design.strength]))
+    return slip, ContactModel(slip.pairs, model)
 
 
 def _cut(design: SurfaceDesign) -> tuple[SlidingMass, NodePairs]:
@@ -183,7 +179,7 @@ def _cut(design: SurfaceDesign) -> tuple[SlidingMass, NodePairs]:
         if slip_mesh is None and slip.edge_m is not None:
             body = shape.cutter(_COARSEST + halvings(cut_mass(ground, shape.cutter(_COARSEST)), slip.edge_m))
         mass = cut_mass(ground, body)
-        pairs = facet_pairs(mass, body, slip.normals)
+        pairs = facet_pairs(mass, body)
     _refuse_walls(mass, slip_mesh is not None)
     if design.profile_m is not None:
         _refuse_elsewhere(mass.vertices[:, 0] + origin[0], [x for x, _ in design.profile_m])
@@ -299,19 +295,13 @@ def _rotation(design: SurfaceDesign, mass: SlidingMass) -> ClosedForm | None:
         slip.centre_m, slip.radii_m[0], slip.radii_m[1], profile, strength.cohesion_kpa, design.rock.unit_weight_kn_m3,
         "cylinder" if slip.shape == "cylinder" else "ellipsoid", seismic=float(_seismic(design)[0]),
     )  # fmt: skip
-    return ClosedForm(rotation.factor, rotation.status, _why_not(design))
+    return ClosedForm(rotation.factor, rotation.status)
 
 
 def _sideways(design: SurfaceDesign) -> bool:
     """Whether the seismic load acts another way than the slope falls."""
     trend = design.seismic.trend_deg
     return trend is not None and design.seismic.coefficient != 0.0 and trend != (90.0 if _falls(design) > 0 else 270.0)
-
-
-def _why_not(design: SurfaceDesign) -> str:
-    if design.strength.dilation_deg:
-        return DILATES
-    return "the closed form turns on the true surface" if design.slip.normals == "facet" else ""
 
 
 def _columns(design: SurfaceDesign, notes: list[Notice]) -> dict[str, float | None]:
@@ -358,10 +348,7 @@ def _columns_below(design: SurfaceDesign, limit: float | None, methods: Mapping[
 
 
 def _notices(design: SurfaceDesign, mass: SlidingMass, misfit: float, left: bool) -> Iterator[Notice]:
-    if design.slip.normals == "facet":
-        message = "facet normals interlock like a ratchet, facets that open lose cohesion: a study, not an answer"
-        yield Notice("W325", message)
-    elif left:
+    if left:
         message = f"no motion follows this surface within {misfit:.1f}°: it must dilate to slip, and the limit says so"
         yield Notice("W325", message)
     elif misfit > 0.5:

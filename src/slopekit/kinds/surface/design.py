@@ -30,7 +30,7 @@ class Slip:
     ----------
     centre_m, radii_m : (3,) m; a cylinder's radii are (R, length / 2, R)
     edge_m : mean length wanted of the edges of its triangles, None for the default
-    normals : true (analytic), smoothed (mesh) or facet
+    normals : true (analytic) or smoothed (mesh)
     """
 
     ALSO: ClassVar[tuple[Field, ...]] = (
@@ -90,12 +90,12 @@ class Slip:
         left_out="by the size",
         doc="mean length wanted of the edges of its triangles",
     )
-    normals: Literal["true", "smoothed", "facet"] = text(
+    normals: Literal["true", "smoothed"] = text(
         "normals",
         default="true",
         example="true",
         left_out="true; of a mesh smoothed",
-        doc="`true`, `smoothed`, `facet`",
+        doc="`true`, `smoothed`",
     )
 
     def in_words(self) -> str:
@@ -163,6 +163,9 @@ def read_surface(reader: Reader) -> SurfaceDesign:
     profile = _profile(reader, reader.at("slope.profile"))
     slip = _slip(reader, node, _mesh(reader, node, "shape"))
     strength = read_strengths(reader, [("slip", None, node or reader.root)])[0]
+    if strength is not None and strength.dilation_deg:
+        message = f"dilation of the slip surface is {strength.dilation_deg:g}°: a curved surface cannot dilate evenly"
+        reader.fault("E115", message, node, "Leave it out: the limit is that without dilation.")
     table = read_table(reader)
     depth = reader.at("water.depth")
     has_depth = table is not None and table.table_depth_m is not None
@@ -221,7 +224,7 @@ def _slip(reader: Reader, node: Node | None, mesh: MeshFile | None) -> Slip | No
     is_mesh = node.get("mesh") is not None
     shape = _word(node, "shape", "mesh" if is_mesh else "")
     normals = _word(node, "normals", "smoothed" if is_mesh else "true")
-    allowed = ("smoothed", "facet") if is_mesh else ("true", "smoothed", "facet")
+    allowed = ("smoothed",) if is_mesh else ("true", "smoothed")
     if normals not in allowed:
         advice = "A mesh has no true normals." if is_mesh and normals == "true" else ""
         reader.fault("E170", f"normals are {normals}: they are {' or '.join(allowed)}", node.get("normals"), advice)
