@@ -107,7 +107,7 @@ def _loads(design: SlopeDesign, on_arrays: OnArrays[Any], bounds: Bounds, solids
         PointForce(_each(bolt.force_kn, count)[:, None] * bolt.toward.vector(), place(bolt.head_m))
         for bolt in design.bolts
     ]
-    if design.is_wet or np.any(design.surcharge_kpa):
+    if design.is_wet or design.is_cut_for_loads:
         assert on_arrays.full is not None
         with np.errstate(divide="ignore", invalid="ignore"):
             loads += pushes(design, slope_of(bounds, solids, on_arrays.full))[0].values()

@@ -135,7 +135,7 @@ def _loads(design: WedgeDesign, shape: Shape) -> Loads:
     hull = cache(shape.hull)  # which a block without bolts does not need
     active, passive = bolt_forces(design, origin, lambda head, way: hull().meets(head, way))
     pushes: dict[str, PointForce] = {}
-    if design.is_wet or design.surcharge_kpa:  # plain wedges do not pay
+    if design.is_wet or design.is_cut_for_loads:  # plain wedges do not pay
         from slopekit.kinds.water import LocalSlope, pushes_of_cut
 
         slope = LocalSlope.of_cut(
