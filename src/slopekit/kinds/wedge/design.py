@@ -217,7 +217,7 @@ def read_wedge(reader: Reader) -> WedgeDesign:
     strengths = strengths_of(reader, [*joints, *under]) if joints else _without_joints(reader, len(under))
     crack = None if crack_node is None else _crack(reader, crack_node)
     names = tuple(joint.name for joint in joints) or ("J1", "J2")
-    own |= reader.fields(WedgeDesign, only=("surcharge_kpa", "refine", "origin_m"))
+    own |= reader.fields(WedgeDesign, only=(*SlopeDesign.ACTIONS, "refine", "origin_m"))
     water = _water(reader, crack_node, [*names, *nodes], 2 if basal_node is None else 3)
     common = read_common(reader)
     sound = tuple(one or Strength(0.0, 0.0) for one in strengths)
