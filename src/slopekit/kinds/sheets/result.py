@@ -91,7 +91,8 @@ def _factors(result: Result) -> Iterator[Factor]:
         from slopekit.kinds.sheets import many_blocks
 
         limit = many_blocks.limit_in_words(result)
-    limit += f"{', joints dilate as given' if dilating else ''}{result.words.assumes}"
+    dilates_where = ", joints dilate as given" + ("" if many else " where all stay closed")
+    limit += f"{dilates_where if dilating else ''}{result.words.assumes}"
     limit += ", strength of each node pair at its own normal traction" if secant else ""
     yield Factor(fos.limit, limit if fos.limit is not None or not many else f"{limit}: {result.status_text}")
     if fos.lowest is not None and not many:
