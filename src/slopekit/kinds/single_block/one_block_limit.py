@@ -23,7 +23,6 @@ from slopekit.preie.motion.equilibrium import Equilibrium
 from slopekit.preie.one_block.bed_limits import BedLimits
 from slopekit.preie.one_block.flat_limit import FlatLimit, flat_limit, forces_limit
 from slopekit.preie.one_block.limit import LimitAnalysis, governed
-from slopekit.preie.one_block.pairs_limit import limit_on_pairs
 from slopekit.preie.one_block.polygon_bed import Beds, PointForces
 from slopekit.preie.outcome import Limit, Outcome
 from slopekit.preie.system.model import Model
@@ -51,7 +50,6 @@ class Cut:
     interfaces : its joints; faces : names of those that water can press on
     geometry : made where a result asks for it; left_out : what is not modelled
     face : the free face that bolts go into, None where support is not looked for; hull : the planes that they meet
-    limit : how a model is solved
     origin : (3,) what takes local coordinates back to the user's
     axes : (3, 3) rows are the local axes in those of the user
     """
@@ -66,7 +64,6 @@ class Cut:
     face: int | None = None
     hull: Callable[[], Hull] | None = None
     refine: int = 0
-    limit: Callable[[Model], LimitAnalysis] = limit_on_pairs
     origin: Floats = field(default_factory=lambda: np.zeros(3))
     axes: Floats = field(default_factory=lambda: np.eye(3))
 
@@ -215,7 +212,9 @@ def find_limit(made: Cut, clock: Clock) -> FoundLimit:
         scene = made.scene_at(made.refine)
     with clock("solve"):
         if scene.bedding is None:
-            analysis = made.limit(scene.model)
+            from slopekit.preie.one_block.pairs_limit import limit_on_pairs  # only curved surfaces pay for the path
+
+            analysis = limit_on_pairs(scene.model)
             scene = scene if analysis.model is None else replace(scene, model=analysis.model)
             return FoundLimit(scene, scene, analysis)
         return moment_limit(scene)

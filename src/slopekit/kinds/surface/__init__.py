@@ -112,7 +112,7 @@ def _made(design: SurfaceDesign, mass: SlidingMass, loads: Loads, slip: Slippage
 
     return Cut(
         _block(mass), loads, lambda _: scene, [Interface(SLIP, NAME, design.strength)], geometry, left_out,
-        limit=limit_on_pairs, origin=mass.origin,
+        origin=mass.origin,
     )  # fmt: skip
 
 
