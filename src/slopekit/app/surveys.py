@@ -148,7 +148,7 @@ def dropped(
         return Dropped(joints, None, said)
     said["pairs"] = list(_pairs(combinations))
     said["counts"] = combinations.counts
-    by_forces = [] if combinations.outcomes is not None else [_BY_FORCES]
+    by_forces = [] if combinations.outcomes.pre_ie else [_BY_FORCES]
     said["notices"] += [answers.notice_of(one) for one in (*combinations.warnings, *by_forces)]
     return Dropped(joints, combinations, said)
 
@@ -202,7 +202,7 @@ def _pairs(combinations: Combos) -> Iterator[dict[str, Any]]:
         number = pair.index
         one, two = (combinations.joints.joints[int(of[number])] for of in (pairs.first, pairs.second))
         status, fos = pair.status, pair.limit
-        by = "closed form" if combinations.outcomes is None else "PRE-IE"
+        by = "PRE-IE" if combinations.outcomes.pre_ie else "closed form"
         yield {
             "n": number, "names": [one.name, two.name], "planes": [str(one.plane), str(two.plane)], "fos": fos,
             "status": status, "words": status_text("wedge", status), "by": by,

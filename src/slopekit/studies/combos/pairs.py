@@ -28,7 +28,6 @@ from slopekit.geometry.rock.rockmass import no_crest
 from slopekit.geometry.tolerances import SAME_DIRECTION
 from slopekit.kinds.wedge.design import SizeLimits, WedgeDesign
 from slopekit.kinds.wedge.limits import Fitted, within
-from slopekit.studies.points import SAME_FACTOR
 from slopekit.studies.surveys import range_of, slope_of, strengths_of_joints
 
 HEIGHT_M = 15.0
@@ -45,7 +44,6 @@ TOO_SMALL, TOO_LARGE = len(OUTCOMES), len(OUTCOMES) + 1
 NEVER = ("no_crack", "no_crest")  # pairs have no crack, and the crest is looked at before
 _STATUSES = OUTCOMES.index("E201")  # below it: a wedge is there
 _SLIDES = tuple(OUTCOMES.index(f"slides_{way}") for way in ("on_both", "on_J1", "on_J2", "up"))
-_STANDS = OUTCOMES.index("no_driving_force")
 _NO_CORNER = OUTCOMES.index("E206")
 _AT_ONCE = 1 << 18  # pairs: 4.5 million at a time would take gigabytes
 
@@ -254,14 +252,6 @@ class JointPairs(Fitted):
     def is_removable(self) -> Bools:
         """Which pairs form a wedge that could leave the slope, and is large enough to count."""
         return self.outcome < _STATUSES
-
-    def fails(self, target: float) -> Bools:
-        """Which of all pairs lie below a factor of safety by the closed form; what nothing holds is among them."""
-        with np.errstate(invalid="ignore"):
-            reaches = self.factor >= target * (1.0 - SAME_FACTOR)  # what has no factor does not
-            reaches &= np.isin(self.outcome, _SLIDES)
-        failing: Bools = self.is_removable & ~reaches & (self.outcome != _STANDS)
-        return failing
 
 
 def joint_pairs(

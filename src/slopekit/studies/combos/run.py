@@ -16,7 +16,7 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats, Ints, number_or_none
+from slopekit.core.arrays import Floats, Ints
 from slopekit.core.codec import json_of
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import Line, Plane
@@ -33,6 +33,7 @@ from slopekit.studies.outcomes import (
     Outcomes,
     compared,
 )
+from slopekit.studies.points import Point
 from slopekit.studies.protocol import (
     DESK,
     ClosedFormAlone,
@@ -95,40 +96,33 @@ class Combos(StudyOutcome):
     ----------
     given : the joints with their strengths, the slope, the limits of size
     pairs : of all, by the closed form; ranked : (r,) the removable ones, worst first by the method that counts
-    outcomes : what both methods say of the ranked, None where the closed form was asked alone
+    outcomes : what both methods say of the ranked, or the closed form alone
     """
 
     name: ClassVar[str] = "combos"
     given: PairInputs
     pairs: JointPairs
     ranked: Ints
-    outcomes: Outcomes | None
+    outcomes: Outcomes
     timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
 
     @cached_property
     def worst(self) -> tuple[PairCheck, ...]:
         """The worst, as many as are listed."""
-        return tuple(self._shown(place) for place in range(len(self.ranked[: self.given.top])))
+        indices = self.ranked[: self.given.top].tolist()
+        points = self.outcomes.of(np.arange(len(indices))).points
+        return tuple(self._shown(k, point) for k, point in zip(indices, points, strict=True))
 
-    def _shown(self, place: int) -> PairCheck:
-        pairs, k = self.pairs, int(self.ranked[place])
-        joints, outcomes = [self.joints.joints[int(of[k])] for of in (pairs.first, pairs.second)], self.outcomes
-        closed, status = number_or_none(pairs.factor[k]), PAIR_OUTCOMES[pairs.outcome[k]]
-        both: dict[str, Any] = {"status": status, "limit": None, "difference": None, "agree": None}
-        both["moments_govern"] = False
-        if outcomes is not None:
-            verdict = int(outcomes.agree[place])
-            both = {
-                "status": outcomes.limit.names[outcomes.limit.outcome[place]],
-                "limit": number_or_none(outcomes.limit.factor[place]),
-                "difference": number_or_none(outcomes.difference[place]),
-                "agree": None if verdict < 0 else bool(verdict),
-                "moments_govern": bool(outcomes.moments_govern[place]),
-            }  # fmt: skip
+    def _shown(self, k: int, point: Point) -> PairCheck:
+        pairs, said = self.pairs, point.factors
+        assert said is not None  # a removable pair is a block
+        joints = [self.joints.joints[int(of[k])] for of in (pairs.first, pairs.second)]
         return PairCheck(
             index=k, names=(joints[0].name, joints[1].name), planes=(joints[0].plane, joints[1].plane),
-            closed_status=status, closed_form=closed, **both, height_m=float(pairs.height_m[k]),
-            volume_m3=float(pairs.volume_m3[k]), scale=float(pairs.scale[k]), limited_by=LIMITED_BY[pairs.by[k]],
+            status=said.status, limit=said.limit, closed_status=said.closed_status or "", closed_form=said.closed_form,
+            difference=said.difference, agree=said.agree, moments_govern=said.moments_govern,
+            height_m=float(pairs.height_m[k]), volume_m3=float(pairs.volume_m3[k]), scale=float(pairs.scale[k]),
+            limited_by=LIMITED_BY[pairs.by[k]],
             extent_m={name: float(getattr(pairs.sizes, name)[k]) for name in ("face_width_m", "setback_m")},
             line=Line(float(pairs.trend_deg[k]), float(pairs.plunge_deg[k])),
         )  # fmt: skip
@@ -137,7 +131,7 @@ class Combos(StudyOutcome):
     def both(self) -> BothMethods | None:
         """How far the methods agree, and what they judge otherwise; None where the closed form was asked alone."""
         target, outcomes = self.given.target or 1.0, self.outcomes
-        if outcomes is None or outcomes.closed_form is None:
+        if not outcomes.pre_ie:
             return None
         return compared(outcomes, outcomes.limit.falls_short(target), outcomes.closed_form.falls_short(target))
 
@@ -170,27 +164,20 @@ class Combos(StudyOutcome):
         """How many pairs form a wedge that could leave the slope."""
         return int(self.pairs.is_removable.sum())
 
-    def below(self, fos: float) -> Bools:
-        """Which of all pairs lie below: by PRE-IE; by either method where they disagree."""
-        is_below, outcomes = self.pairs.fails(fos), self.outcomes
-        if outcomes is not None:
-            doubted = (outcomes.agree == 0) & is_below[self.ranked]
-            is_below[self.ranked] = outcomes.limit.falls_short(fos) | doubted
-        return is_below
-
     @property
     def target(self) -> dict[str, Any] | None:
         """What lies `below` the target `fos`, None without one; volumes are None where nothing does.
 
-        `by_pre_ie_only`: below by PRE-IE, not by the closed form.
+        By PRE-IE, by either method where they disagree; `by_pre_ie_only`: not by the closed form.
         """
-        fos = self.given.target
+        fos, outcomes = self.given.target, self.outcomes
         if fos is None:
             return None
-        below = self.below(fos)
-        volumes = self.pairs.volume_m3[below]
+        by_forces = outcomes.closed_form.falls_short(fos)
+        below = outcomes.limit.falls_short(fos) | ((outcomes.agree == 0) & by_forces)
+        volumes = self.pairs.volume_m3[self.ranked[below]]
         return {
-            "fos": fos, "below": int(below.sum()), "by_pre_ie_only": int((below & ~self.pairs.fails(fos)).sum()),
+            "fos": fos, "below": int(below.sum()), "by_pre_ie_only": int((below & ~by_forces).sum()),
             "largest_volume_m3": float(volumes.max()) if len(volumes) else None,
             "median_volume_m3": float(np.median(volumes)) if len(volumes) else None,
         }  # fmt: skip
@@ -298,19 +285,19 @@ def combos(
     closed = time.perf_counter()
     removable = np.flatnonzero(pairs.is_removable)
     by_forces = ByMethod(PAIR_OUTCOMES, pairs.outcome[removable].astype(np.int16), pairs.factor[removable])
-    outcomes = None
-    if not closed_form:
+    if closed_form:
+        outcomes = Outcomes.by_closed_form(by_forces, ByMethod.nothing(len(removable)))
+    else:
         wedges = pairs.first[removable], pairs.second[removable], pairs.height_m[removable]
         rows = BlockRows(inputs.slope, by_forces, [inputs.input_hash()], partial(_limits, inputs, wedges))
         outcomes = evaluated(rows, "combos", crew, desk, label="pairs")
-    if outcomes is not None and (lost := outcomes.limit.among("E")).any():  # planes so nearly parallel cut none
+        lost = outcomes.limit.among("E")  # planes so nearly parallel cut none
         pairs.outcome[removable[lost]], pairs.factor[removable[lost]] = PAIR_OUTCOMES.index("no_wedge"), np.nan
         removable, outcomes = removable[~lost], outcomes.of(np.flatnonzero(~lost))
-    order = _order(by_forces if outcomes is None else outcomes.limit, pairs.volume_m3[removable])
-    outcomes = None if outcomes is None else outcomes.of(order)
+    order = _order(outcomes.limit, pairs.volume_m3[removable])
     end = time.perf_counter()
     times = {"read": read - began, "closed_form": closed - read, "pre_ie": end - closed, "total": end - began}
-    return Combos(inputs, pairs, removable[order], outcomes, times)
+    return Combos(inputs, pairs, removable[order], outcomes.of(order), times)
 
 
 def _order(limit: ByMethod, volume_m3: Floats) -> Ints:

@@ -53,7 +53,7 @@ def line_of(combos: Combos) -> str:
     parts = [f"{combos.removable} of {len(combos.pairs)} pairs removable"]
     if combos.worst:
         first = combos.worst[0]
-        fos = first.closed_form if combos.outcomes is None else first.limit
+        fos = first.limit if combos.outcomes.pre_ie else first.closed_form
         parts.append(f"worst {' x '.join(first.names)} {first.status} {factor_text(fos).strip()}")
     if combos.target is not None:
         parts.append(f"{combos.target['below']} below {combos.target['fos']:g} by {_judges(combos)}")
@@ -79,7 +79,7 @@ def _every_pair(combos: Combos) -> Table[int]:
         return lambda k: None if np.isnan(of[k]) else of[k]
 
     by_pre_ie = list[Column[int]]()
-    if combos.outcomes is not None:
+    if combos.outcomes.pre_ie:
         limit = np.full(len(pairs), np.nan)
         limit[combos.ranked] = combos.outcomes.limit.factor
         by_pre_ie.append(Column("PRE-IE", factor(limit), "fos_limit", show=factor_text, width=9, exact=".9g"))
@@ -145,7 +145,7 @@ def _target(combos: Combos) -> list[str]:
         return []
     fos, below = target["fos"], target["below"]
     whose = f"counted by {_judges(combos)}"
-    if combos.outcomes is None:
+    if not combos.outcomes.pre_ie:
         whose += " alone, which balances no moments"
     if not below:
         return [f"FoS {fos:g}: MET, none of {removable} removable pairs lies below", whose]
@@ -158,7 +158,7 @@ def _target(combos: Combos) -> list[str]:
 
 def _judges(combos: Combos) -> str:
     """Whose count it is."""
-    return "the closed form" if combos.outcomes is None else "PRE-IE"
+    return "PRE-IE" if combos.outcomes.pre_ie else "the closed form"
 
 
 def _no_worst(combos: Combos) -> Entry:
