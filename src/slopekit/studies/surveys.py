@@ -2,14 +2,16 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from types import MappingProxyType
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeAlias
 
 from slopekit._version import FORMAT, __version__
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Section, Sheet, Table, counted
+from slopekit.core.units import quantity
 from slopekit.design.joint_lists import JointList, own_or_given
 from slopekit.design.words import shown
 from slopekit.kinds.wedge.design import WedgeDesign
@@ -37,6 +39,38 @@ Convention = Annotated[str | None, Option(
 )]  # fmt: skip
 Columns = Annotated[Any, Option("What the columns hold, in order, in place of the header: dip_direction,dip.")]
 SkipBad = Annotated[bool, Option("Leave bad rows out, listed, where they would stop the run.")]
+
+
+#: A number that an option gives: what it measures, between which it lies, what it is, what is taken without it.
+NumberGiven: TypeAlias = tuple[str, float, float, str, float | None]
+LATERAL_DEG = 20.0
+LATERAL_LIMITS: Mapping[str, NumberGiven] = {
+    "lateral": ("angle", 0.0, 90.0, "an angle beside the dip direction of the face", LATERAL_DEG),
+    "lateral_toppling": ("angle", 0.0, 90.0, "an angle beside the dip direction of the face", 30.0),
+}
+
+
+def numbers_given(
+    numbers: Mapping[str, NumberGiven], given: Mapping[str, Any], option: Callable[[str], str], faults: Faults
+) -> dict[str, float | None]:
+    """Numbers by their parameters, None where nothing was said; faults E106, E116 of lengths and E307 of others."""
+    return {
+        name: faults.of(partial(_number, name, given[name], option(name), kinds)) for name, kinds in numbers.items()
+    }
+
+
+def _number(name: str, given: object, where: str, kinds: NumberGiven) -> float | None:
+    kind, low, high, what, default = kinds
+    if given is None:
+        return default
+    value = quantity(given, "ratio" if kind == "count" else kind, name.replace("_", " "), f"{where} {given}")
+    if kind == "count" and value != int(value):
+        raise DesignError([Fault("E106", f"{where} is {number(value)}, a whole number is needed", f"{where} {given}")])
+    if not low <= value <= high:
+        code = "E116" if kind == "length" else "E307"
+        message = f"{where} is {number(value)}, {what} lies between {number(low)} and {number(high)}"
+        raise DesignError([Fault(code, message, f"{where} {given}")])
+    return value
 
 
 def survey_head(study: str, joints: JointList, sha: str) -> dict[str, Any]:

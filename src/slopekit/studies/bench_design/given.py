@@ -12,28 +12,33 @@ from slopekit.core.arrays import Floats
 from slopekit.core.codec import digest, json_of
 from slopekit.core.errors import DesignError, Fault, Faults
 from slopekit.core.orientation import Plane, normals, number
-from slopekit.core.units import quantity
 from slopekit.design.joint_lists import JointList, joint_list
 from slopekit.design.parts import Seismic
 from slopekit.design.words import between
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.studies.keys import Key
 from slopekit.studies.ranges import parse_values
-from slopekit.studies.surveys import range_of, slope_of, strengths_of_joints
+from slopekit.studies.surveys import (
+    LATERAL_LIMITS,
+    NumberGiven,
+    numbers_given,
+    range_of,
+    slope_of,
+    strengths_of_joints,
+)
 
 #: Trials where none are asked for; the most of them, and of benches times trials.
 TRIALS, MOST_TRIALS, MOST_IN_ALL = 10_000, 200_000, 20_000_000
 MOST_VALUES = 200
 _SELDOM = 1e-4  # joints by the metre: sets that strike along the bench never meet it, but for rounding
 RELIABILITY, CONFIDENCE = 0.8, 0.95
-LATERAL_DEG, LATERAL_TOPPLING_DEG = 20.0, 30.0
 SWELL, REPOSE_DEG = 1.4, 37.0
 TOES = ("anywhere", "bench")
 _OF_WEDGE = ("c", "phi", "density", "unit_weight", "water", "seismic")
-#: Numbers by their parameter: what they measure, between which they lie, what they are, what is taken without them.
-_NUMBERS: Mapping[str, tuple[str, float, float, str, float | None]] = {
-    "n": ("ratio", 100, MOST_TRIALS, "a number of trials", TRIALS),
-    "seed": ("ratio", 0, 2**63 - 1, "a seed", 1),
+#: Numbers by their parameter.
+_NUMBERS: Mapping[str, NumberGiven] = {
+    "n": ("count", 100, MOST_TRIALS, "a number of trials", TRIALS),
+    "seed": ("count", 0, 2**63 - 1, "a seed", 1),
     "reliability": ("ratio", 0.5, 0.999, "a part of the length (0.8, 80%)", RELIABILITY),
     "accept": ("ratio", 0.0, 1.0, "a part of the length (0.8, 80%)", None),
     "confidence": ("ratio", 0.5, 0.9999, "a part (0.95, 95%)", CONFIDENCE),
@@ -42,14 +47,12 @@ _NUMBERS: Mapping[str, tuple[str, float, float, str, float | None]] = {
     "trace": ("length", 1e-3, 1e6, "a length", None),
     "spacing": ("length", 1e-3, 1e5, "a length", None),
     "every": ("length", 1e-2, 1e5, "a length", None),
-    "lateral": ("angle", 0.0, 90.0, "an angle beside the dip direction of the face", LATERAL_DEG),
-    "lateral_toppling": ("angle", 0.0, 90.0, "an angle beside the dip direction of the face", LATERAL_TOPPLING_DEG),
+    **LATERAL_LIMITS,
     "swell": ("ratio", 1.0, 3.0, "the volume of broken rock by that of solid rock", SWELL),
     "repose": ("angle", 10.0, 60.0, "an angle of repose", REPOSE_DEG),
 }  # fmt: skip
 #: Of the numbers, as a sheet has them.
-UNITS = {name: {"length": " m", "angle": "°", "ratio": ""}[kind] for name, (kind, *_) in _NUMBERS.items()}
-_WHOLE = ("n", "seed")
+UNITS = {name: {"length": " m", "angle": "°"}.get(kind, "") for name, (kind, *_) in _NUMBERS.items()}
 
 
 @dataclass(frozen=True)
@@ -141,7 +144,7 @@ class BenchInputs:
 def bench_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> BenchInputs:
     """Read and check what `bench_design` is given, by the names of its parameters; every fault at once."""
     faults = Faults()
-    numbers = {name: faults.of(partial(_number, name, given[name], option(name))) for name in _NUMBERS}
+    numbers = numbers_given(_NUMBERS, given, option, faults)
     reading = partial(
         joint_list,
         given["joints"],
@@ -229,20 +232,6 @@ def _toward(given: object, where: str) -> float:
             [Fault("E143", f"{where} is missing", where, f"Give the dip direction of the faces: {where} 180.")]
         )
     return between(given, "angle", (0.0, 360.0), "E102", "the dip direction", f"{where} {given}") % 360.0
-
-
-def _number(name: str, given: object, where: str) -> float | None:
-    kind, low, high, what, default = _NUMBERS[name]
-    if given is None:
-        return default
-    value = quantity(given, kind, name.replace("_", " "), f"{where} {given}")
-    if name in _WHOLE and value != int(value):
-        raise DesignError([Fault("E106", f"{where} is {number(value)}, a whole number is needed", f"{where} {given}")])
-    if not low <= value <= high:
-        code = "E116" if kind == "length" else "E307"
-        message = f"{where} is {number(value)}, {what} lies between {number(low)} and {number(high)}"
-        raise DesignError([Fault(code, message, f"{where} {given}")])
-    return value
 
 
 def _slope(given: Mapping[str, Any], toward: float, option: Callable[[str], str]) -> WedgeDesign:

@@ -11,7 +11,6 @@ The criteria and their sources stand in `criteria`.
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import partial
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -24,7 +23,6 @@ from slopekit.core.units import quantity
 from slopekit.design.fields import fields_of
 from slopekit.design.joint_lists import JointList, joint_list, own_or_given, plane_of
 from slopekit.design.parts import Strength
-from slopekit.design.words import between
 from slopekit.studies.kinematic.criteria import (
     OF_JOINTS,
     Lines,
@@ -35,6 +33,7 @@ from slopekit.studies.kinematic.criteria import (
 )
 from slopekit.studies.protocol import DESK, Option, StudyOutcome, Workplace, documented
 from slopekit.studies.surveys import (
+    LATERAL_LIMITS,
     MOST_JOINTS,
     AFace,
     AJointList,
@@ -42,11 +41,12 @@ from slopekit.studies.surveys import (
     Convention,
     SkipBad,
     left_out,
+    numbers_given,
     range_of,
     survey_head,
 )
 
-PHI_DEG, LATERAL_DEG, LATERAL_TOPPLING_DEG = 30.0, 20.0, 30.0
+PHI_DEG = 30.0
 SEED = 1  # of the pairs that are drawn where there are too many
 
 
@@ -229,24 +229,19 @@ def kinematic(
     )
     plane: Plane | None = faults.of(lambda: plane_of(face, "face", desk.named("face")))
     friction_angle = faults.of(lambda: _friction(phi, f"{desk.named('phi')} {phi}")) if phi is not None else PHI_DEG
-    limits: list[float | None] = []
-    for key, value, standard in (
-        ("lateral", lateral, LATERAL_DEG), ("lateral_toppling", lateral_toppling, LATERAL_TOPPLING_DEG),
-    ):  # fmt: skip
-        if value is None:
-            defaults.append(key)
-        limits.append(standard if value is None else faults.of(partial(_limit, value, desk.named(key))))
+    limits = {"lateral": lateral, "lateral_toppling": lateral_toppling}
+    defaults += [key for key, value in limits.items() if value is None]
+    limits_deg = numbers_given(LATERAL_LIMITS, limits, desk.named, faults)
     faults.refuse()
     assert listed is not None and plane is not None  # noqa: PT018  # no fault: nothing is missing
-    lateral_deg, toppling_deg = (0.0 if limit is None else limit for limit in limits)
+    lateral_deg, toppling_deg = (limit or 0.0 for limit in limits_deg.values())
     friction, measured, _ = own_or_given(listed, "phi", friction_angle, desk.named("phi"))
     if phi is None and measured < len(listed):
         defaults.append("phi")
     pairs = tested_pairs(listed, np.random.default_rng(SEED))
     lines = lines_of(listed, pairs)
-    limits_deg = lateral_deg, toppling_deg
     weights = listed.quantities, listed.quantities[lines.first] * listed.quantities[lines.second]
-    modes = modes_of(listed, lines, plane, friction, *limits_deg)
+    modes = modes_of(listed, lines, plane, friction, lateral_deg, toppling_deg)
     return Kinematic(
         listed, plane, friction, measured, lateral_deg, toppling_deg, lines, len(pairs[0]),
         modes, modes.shares(*weights), tuple(defaults), tuple(_notices(listed, plane, friction)),
@@ -257,11 +252,6 @@ def kinematic(
 def _friction(value: object, where: str) -> float:
     friction_deg = quantity(value, "angle", "phi", where)
     return fields_of(Strength)["friction_angle_deg"].checked(friction_deg, "phi", where, str(value))
-
-
-def _limit(value: object, option: str) -> float:
-    advice = "20 is usual for sliding, 10 to 30 for toppling; 90 counts every direction out of the slope."
-    return between(value, "angle", (0.0, 90.0), "E307", "the lateral limit", f"{option} {value}", advice, "°")
 
 
 def _notices(joints: JointList, face: Plane, friction: Floats) -> list[Notice]:

@@ -10,7 +10,6 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -21,7 +20,7 @@ from slopekit.core.errors import Fault, Faults, Notice
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.sheet import counted
 from slopekit.design.joint_lists import JointList, joint_list
-from slopekit.design.words import between, line_of_words
+from slopekit.design.words import line_of_words
 from slopekit.studies.axes import Axes, axes_of, terzaghi_weights
 from slopekit.studies.kinematic.criteria import planes_of_poles
 from slopekit.studies.protocol import DESK, Option, StudyOutcome, Workplace, documented, whole_number
@@ -32,12 +31,14 @@ from slopekit.studies.surveys import (
     AJointList,
     Columns,
     Convention,
+    NumberGiven,
     SkipBad,
     left_out,
+    numbers_given,
     survey_head,
 )
 
-BIAS_ANGLE_DEG = 15.0
+_BIAS_ANGLE: Mapping[str, NumberGiven] = {"bias_angle": ("angle", 1.0, 90.0, "the angle to a scanline", 15.0)}
 CONFIDENCE = 0.95  # of the limits and cones of means
 _SEED = 1
 SHARES = (0.68, 0.95)  # of joints within the cones of variability
@@ -242,7 +243,7 @@ def sets(
     line = None if scanline is None else faults.of(
         lambda: line_of_words(scanline, "the scanline", "E104", f"{where} {scanline}")
     )  # fmt: skip
-    angle = BIAS_ANGLE_DEG if bias_angle is None else faults.of(partial(_angle, bias_angle, desk.named("bias_angle")))
+    (angle,) = numbers_given(_BIAS_ANGLE, {"bias_angle": bias_angle}, desk.named, faults).values()
     if bias_angle is None and scanline is not None:
         defaults.append("bias_angle")
     if listed is not None:
@@ -288,11 +289,6 @@ def _grouped(listed: JointList, tried: Sequence[Clusters]) -> tuple[Sequence[str
 
 
 # -- reading ----------------------------------------------------------------------------------------------------------
-
-
-def _angle(value: object, option: str) -> float:
-    advice = "15 is usual: no joint weighs more than 1 / sin 15° = 3.9. 90 leaves the weights out."
-    return between(value, "angle", (1.0, 90.0), "E307", "the bias angle", f"{option} {value}", advice, "°")
 
 
 def _check_number(faults: Faults, joints: JointList, n: int | None, desk: Workplace) -> None:

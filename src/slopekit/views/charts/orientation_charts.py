@@ -13,7 +13,7 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.orientation import Line, Plane, downward, line_of, number, parse_plane
 from slopekit.studies.kinematic.criteria import zones_of_lines, zones_of_poles
-from slopekit.studies.kinematic.run import LATERAL_DEG
+from slopekit.studies.surveys import LATERAL_DEG
 from slopekit.views.charts.drawing import BLUE, DARK, GREY, RED, nothing, short, title_of
 from slopekit.views.charts.stereonet import FACE, LIGHT, MARKERS, NET, SETS, SHADE, Stereonet, arrange, cells
 
