@@ -43,13 +43,11 @@ class Clusters:
     ----------
     means : (m, 3) downward unit vectors, the largest set first
     of : (n,) the set of each pole, -1 of none
-    share : (n, m) of fuzzy K-means, rows add up to 1
     bic : see above
     """
 
     means: Floats
     of: Ints
-    share: Floats
     bic: float
 
     def __len__(self) -> int:
@@ -89,7 +87,7 @@ def _divided(poles: Floats, weights: Floats, sets: int, rng: np.random.Generator
     n = len(poles)
     none = np.full(n, _NO_SET)
     if sets == 0:
-        return Clusters(np.zeros((0, 3)), none, np.zeros((n, 0)), 0.0)
+        return Clusters(np.zeros((0, 3)), none, 0.0)
     means = _started(poles, weights, sets, rng)
     of, seen = none, set[bytes]()
     for _ in range(_ROUNDS):
@@ -97,8 +95,7 @@ def _divided(poles: Floats, weights: Floats, sets: int, rng: np.random.Generator
         if not inside.any():
             break
         means = _settled(poles[inside], weights[inside], means)
-        share = _shares(poles, means)
-        nearest = share.argmax(axis=1)
+        nearest = _shares(poles, means).argmax(axis=1)
         mixture = _fitted(poles, weights, nearest, means)
         of = np.where(mixture.densities(poles, nearest) > mixture.none, nearest, _NO_SET)
         if of.tobytes() in seen:
@@ -106,9 +103,9 @@ def _divided(poles: Floats, weights: Floats, sets: int, rng: np.random.Generator
         seen.add(of.tobytes())
     order = np.lexsort((np.arange(sets), -np.bincount(of[of >= 0], weights[of >= 0], minlength=sets)))
     of = np.where(of == _NO_SET, _NO_SET, np.argsort(order)[of])
-    means, share = means[order], share[:, order]
+    means = means[order]
     means = np.where(means[:, 2:] > 0.0, -means, means)
-    return Clusters(means, of, share, _bic(poles, weights, mixture))
+    return Clusters(means, of, _bic(poles, weights, mixture))
 
 
 # -- fuzzy K-means ----------------------------------------------------------------------------------------------------

@@ -102,7 +102,7 @@ class JointSets(StudyOutcome):
     of : (n,) index of each joint's set, -1 of none
     tried : where they were found: what each number of sets comes to; () where the list names them
     weights : (n,) against the bias of the scanline, 1 without one; capped : joints whose weight is cut off
-    share : (n,) what of each joint belongs to its set, nan where the list names it; angle_deg : (n,) to its mean
+    angle_deg : (n,) of each joint to the mean of its set
     """
 
     name: ClassVar[str] = "sets"
@@ -115,7 +115,6 @@ class JointSets(StudyOutcome):
     bias_angle_deg: float
     weights: Floats
     capped: int
-    share: Floats
     angle_deg: Floats
     defaults: tuple[str, ...]
     warnings: tuple[Notice, ...]
@@ -259,7 +258,7 @@ def sets(
     tried: tuple[Clusters, ...] = ()
     if ignore_sets or not listed.sets():
         tried = tuple(clusters_of(poles, each, n, np.random.default_rng(_SEED)))
-    names, of, share = _grouped(listed, tried)
+    names, of = _grouped(listed, tried)
     joint_sets = tuple(
         _found(name, np.flatnonzero(of == k), listed, poles, weights, line) for k, name in enumerate(names)
     )
@@ -267,7 +266,7 @@ def sets(
     for k, one in enumerate(joint_sets):
         angles[of == k] = np.degrees(np.arccos(np.clip(np.abs(poles[of == k] @ one.axes.mean), 0.0, 1.0)))
     outcome = JointSets(
-        listed, joint_sets, of, tried, n, line, angle, weights, capped, share, angles,
+        listed, joint_sets, of, tried, n, line, angle, weights, capped, angles,
         tuple(defaults), (), time.perf_counter() - began,
     )  # fmt: skip
     from slopekit.studies.sets.said import notices_of
@@ -275,17 +274,13 @@ def sets(
     return replace(outcome, warnings=(*left_out(outcome.joints), *notices_of(outcome)))
 
 
-def _grouped(listed: JointList, tried: Sequence[Clusters]) -> tuple[Sequence[str], Ints, Floats]:
-    """The names of the sets, which of them each joint is of (-1: none), and its share of it: found, or those given."""
-    share = np.full(len(listed), math.nan)
+def _grouped(listed: JointList, tried: Sequence[Clusters]) -> tuple[Sequence[str], Ints]:
+    """The names of the sets, and which of them each joint is of (-1: none): found, or those given."""
     if not tried:
         names = listed.sets()
         index = {name: k for k, name in enumerate(names)}
-        return names, np.array([index.get(joint.set_name, -1) for joint in listed.joints]), share
-    chosen = tried[best(list(tried))]
-    found, of = _named(chosen)
-    share[of >= 0] = chosen.share[np.flatnonzero(of >= 0), of[of >= 0]]
-    return found, of, share
+        return names, np.array([index.get(joint.set_name, -1) for joint in listed.joints])
+    return _named(tried[best(list(tried))])
 
 
 # -- reading ----------------------------------------------------------------------------------------------------------

@@ -145,7 +145,6 @@ def _joints(joint_sets: JointSets) -> Table[int]:
         Column("dip direction", lambda k: joints[k].plane.dip_direction_deg, "dip_direction", "°", exact=".10g"),
         Column("weight", lambda k: float(joint_sets.weights[k] * joints[k].quantity), "weight", exact=".6g"),
         Column("angle to the mean", lambda k: float(joint_sets.angle_deg[k]), "angle_to_mean", "°", exact=".4f"),
-        Column("membership", lambda k: float(joint_sets.share[k]), "membership", exact=".4f"),
     ], range(len(joints)))  # fmt: skip
 
 
