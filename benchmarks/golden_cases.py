@@ -240,7 +240,7 @@ def _suite(_: Path) -> Answer:
     """`slopekit check --suite`: its counts and last line, and of every row what slopekit found."""
     verification = suite()
     document = verification.to_dict()
-    lines = lines_of({key: document[key] for key in ("counts", "judged_by", "exit_code")})
+    lines = lines_of({key: document[key] for key in ("counts", "exit_code")})
     for name, row in zip(names_of_rows(), document["rows"], strict=True):
         lines += [f"{name} {line}" for line in lines_of({key: row[key] for key in ROW})]
     return {"printed": text_of(verification.line), "values": lines}

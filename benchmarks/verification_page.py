@@ -6,13 +6,16 @@ runs the suite (some minutes) and writes both into the folder [docs].
 """
 
 import json
+import platform
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from importlib.metadata import version
 from pathlib import Path
 
+from slopekit._version import __version__
 from slopekit.studies.suite import suite
 from slopekit.studies.suite.run import Row, Verification
-from slopekit.studies.suite.sheet import COLUMNS, against, by_source, line_of, standing, value_text
+from slopekit.studies.suite.sheet import MARKS, against, by_source, error_text, line_of, quantity, value_text
 
 _BED = "bed"  # the source of wedges governed by moments
 _READING = """\
@@ -56,7 +59,7 @@ def page_of(verification: Verification) -> str:
         "## Result",
         line_of(verification) + ".",
         _outside(verification),
-        standing(verification),
+        _standing(verification),
         *_moments(verification),
         reading,
     ]
@@ -68,7 +71,8 @@ def page_of(verification: Verification) -> str:
         "## Sources",
         "\n".join(f"- `{key}`: {text}" for key, text in verification.sources.items()),
         "## Versions",
-        "Versions: " + ", ".join(f"{name} {version}" for name, version in verification.versions.items()),
+        f"Versions: slopekit {__version__}, python {platform.python_version()}, "
+        + ", ".join(f"{name} {version(name)}" for name in ("numpy", "scipy", "clarabel", "manifold3d")),
     ]
     return "\n\n".join(part.rstrip() for part in parts) + "\n"
 
@@ -95,10 +99,104 @@ def _moments(verification: Verification) -> Iterator[str]:
         )
 
 
+def judged_by(verification: Verification) -> dict[str, int]:
+    """What the judged rows are held against: the first, `own` and `recomputed` make up all of them.
+
+    `published` has a printed value of somebody else, `published_alone` no closer value beside it, and
+    `published_inferred` inputs that were inferred; `own` comes from the project's own lists and other code, and
+    `recomputed` from a source's formula, or to more digits from the tests of another program.
+    """
+    judged = [row.reference for row in verification.rows if row.ok is not None]
+    published = [one for one in judged if one.printed is not None]
+    own = sum(one.own for one in judged)
+    return {
+        "published": len(published),
+        "published_alone": sum(one.exact is None for one in published),
+        "published_inferred": sum(one.confidence.startswith("D") for one in published),
+        "own": own,
+        "recomputed": len(judged) - len(published) - own,
+    }
+
+
+def unmet(verification: Verification) -> list[Row]:
+    """Rows that are not judged and have a published factor of safety, from the lowest error to the highest."""
+    rows = [row for row in verification.not_judged if row.reference.printed is not None and row.error is not None]
+    return sorted((row for row in rows if row.reference.is_factor), key=lambda row: row.error or 0.0)
+
+
+def _standing(verification: Verification) -> str:
+    """What the judged rows are held against, and how far the others are off, in words."""
+    of, judged = judged_by(verification), verification.counts["within"] + verification.counts["outside"]
+    said = (
+        f"Of the {judged} judged rows {of['published']} have a value published by somebody else; "
+        f"{of['published_alone']} of these rest on it alone, the others have an exact or recomputed one beside it that "
+        f"decides, and {of['published_inferred']} have inputs that were inferred. {of['own']} come from the project's "
+        f"own lists and other code (cases, prototype, lem, exact, conic), {of['recomputed']} from a source's formula "
+        "worked out or from the tests of another program."
+    )
+    rows = unmet(verification)
+    if not rows:
+        return said
+    low, high = rows[0], rows[-1]
+    return (
+        f"{said} Of the {len(verification.not_judged)} rows not judged {len(rows)} have a published factor of safety: "
+        f"slopekit differs from it by {_percent(low)} (`{low.id}`, {low.reference.source}) to {_percent(high)} "
+        f"(`{high.id}`, {high.reference.source})."
+    )
+
+
+def _percent(row: Row) -> str:
+    return f"{100.0 * (row.error or 0.0):+.1f} %"
+
+
+def _time(row: Row) -> str:
+    spent = f"{1e3 * row.seconds:.1f} ms"
+    if not row.closed_form_seconds or row.closed_form is None:
+        return spent
+    times = row.seconds / row.closed_form_seconds
+    return f"{spent}, {times:.0f}×" if times >= 10.0 else f"{spent}, {times:.1f}×"
+
+
+def _exact(row: Row) -> str:
+    """The exact value and a short formula of it; of an own source a status."""
+    reference = row.reference
+    if reference.exact is None:
+        return value_text(reference.published) if reference.own else ""
+    formula = f" = {reference.formula}" if reference.formula and len(reference.formula) <= 60 else ""
+    return value_text(reference.exact) + formula.replace("*", r"\*")
+
+
+def _tolerance(row: Row) -> str:
+    reference = row.reference
+    return "" if reference.tolerance is None else f"{reference.tolerance:.2g}: {reference.why}"
+
+
+def _case(row: Row) -> str:
+    return f"{row.case.title} (`{row.case.id}`)".replace("|", r"\|")
+
+
+_CELLS: dict[str, Callable[[Row], str]] = {
+    "Case": _case,
+    "Source of the value": lambda row: row.reference.source,
+    "Confidence": lambda row: row.reference.confidence,
+    "Quantity": quantity,
+    "Published": lambda row: row.reference.printed or "",
+    "Exact or other code": _exact,
+    "slopekit": lambda row: value_text(row.value),
+    "Closed form": lambda row: value_text(row.closed_form),
+    "PRE-IE limit": lambda row: value_text(row.limit),
+    "Upper bound": lambda row: value_text(row.static_bound),
+    "Error": error_text,
+    "Tolerance and its cause": _tolerance,
+    "Within": lambda row: "not judged" if row.ok is None else MARKS[row.ok],
+    "Time": _time,
+}
+
+
 def _grid(rows: Sequence[Row]) -> str:
     """A table in Markdown."""
-    lines = [[column.title for column in COLUMNS], ["---"] * len(COLUMNS)]
-    lines += [[column.shown(row) for column in COLUMNS] for row in rows]
+    lines = [list(_CELLS), ["---"] * len(_CELLS)]
+    lines += [[cell(row) for cell in _CELLS.values()] for row in rows]
     return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
 
 

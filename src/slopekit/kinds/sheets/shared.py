@@ -101,7 +101,7 @@ def factors_table(result: Result, rows: Iterable[Factor]) -> Table[Factor]:
 
 def locked_in(result: Result) -> Factor:
     """Return the range of factors of the mechanism, or its lowest estimate where the range was not looked for."""
-    if has_range(result):
+    if result.fos.highest is not None:
         return Factor(
             result.fos.lowest,
             "range for other load paths and locked-in stresses",
@@ -111,11 +111,6 @@ def locked_in(result: Result) -> Factor:
         result.fos.lowest,
         "lowest estimate, for other load paths and before blocks creep; locked-in stresses not looked at",
     )
-
-
-def has_range(result: Result) -> bool:
-    """Whether the same mechanism was looked at under other forces: of many blocks in space that takes too long."""
-    return result.fos.highest is not None
 
 
 def _residual(result: Result) -> list[Factor]:

@@ -5,8 +5,6 @@ from operator import attrgetter, itemgetter
 from typing import TypeAlias
 
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, factor_text
-from slopekit.kinds.sheets.many_blocks import limit_in_words
-from slopekit.kinds.sheets.shared import LOWEST, UPPER_BOUND, accept, has_range, leading, locked_in, methods
 from slopekit.kinds.single_block.ladders import Rung
 from slopekit.result import JUDGED
 from slopekit.studies.check.run import Check, Finding
@@ -18,13 +16,12 @@ _MARKS = {True: "ok", False: "NO", None: "--"}
 def sheet_of(checked: Check) -> Sheet:
     """The sheet of a check."""
     result = checked.result
+    run = {section.label: section for section in result.sheet.sections}
     return study_sheet(result.design, "check", (
-        Section("STATUS", [result.status_text]),
-        Section("FoS", _factors(checked)),
+        *(run[label] for label in ("STATUS", "FoS", "COLUMNS", "MOMENTS")),
         Section("LOOKED AT", [Table(_FINDING, checked.findings, headless=True)], hang=42),
-        Section("COLUMNS", methods(result)),
         Section("LADDER", _ladder(checked)),
-        Section("ACCEPT", accept(result)),
+        run["ACCEPT"],
         Section("VERDICT", [_verdict(checked), _MEANING]),
         Section("TIME", [f"{checked.seconds:.2f} s"], timed=True),
         Section("NOTE", [str(notice) for notice in result.warnings]),
@@ -40,35 +37,6 @@ def line_of(checked: Check) -> str:
     codes = list(dict.fromkeys(notice.code for notice in checked.result.warnings))
     met = [] if checked.result.accepted is None else ["met" if checked.result.accepted else "not met"]
     return "  ".join([checked.result.status, factor, *met, _verdict(checked), *codes])
-
-
-def _factors(checked: Check) -> list[str]:
-    fos = checked.result.fos
-    named = [
-        (fos.limit, limit_in_words(checked.result)),
-        (fos.closed_form, "closed form"),
-        (fos.static_bound, UPPER_BOUND),
-    ]
-    lines = [f"{factor_text(value)}  {name}" for value, name in named]
-    if checked.result.findings is None:
-        lines[1:1] = [] if fos.lowest is None else [f"{factor_text(fos.lowest)}  {LOWEST}"]
-    elif fos.lowest is not None or fos.highest is not None:
-        ends = f"{factor_text(fos.lowest).strip()} .. {factor_text(fos.highest).strip()}"
-        if not has_range(checked.result):
-            ends = factor_text(fos.lowest)
-        lines.insert(2, f"{ends}  {locked_in(checked.result).what}")
-    lines[:0] = [f"{factor_text(one.value)}  {one.what}" for one in leading(checked.result)]
-    if checked.result.moments_govern:
-        lines.append("moments govern: the limit is the number to use, the closed form knows no moments")
-    if checked.result.words.assumes and fos.limit is not None:
-        lines.append(
-            "on a curved surface equilibrium alone does not fix the factor: this is that of a rigid mass on an even "
-            "elastic bed; judge by all that is given"
-        )
-    if checked.result.findings is not None and (first := checked.result.findings.first) and fos.limit is not None:
-        of_all = f"{len(first.blocks)} of {checked.result.model.moving_blocks} blocks move"
-        lines.append(f"{of_all}; the ladder is that of their group")
-    return lines
 
 
 def _figure(finding: Finding) -> str:
@@ -112,6 +80,9 @@ def _ladder(checked: Check) -> list[Entry]:
         f"of the {than}'s"
     )
     least = min(rung.seconds for rung in checked.ladder)
+    if checked.result.findings is not None and (first := checked.result.findings.first):
+        of_all = f"{len(first.blocks)} of {checked.result.model.moving_blocks} blocks"
+        said += f"; of the group of {of_all} that moves"
     return [said, Table(_LADDER, list(_steps(checked, least if base is None else base)))]
 
 

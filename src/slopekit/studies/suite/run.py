@@ -6,11 +6,9 @@ value or both. Every design is analysed once.
 
 import json
 import math
-import platform
 import time
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any, ClassVar, TypeAlias
 
 from slopekit._version import __version__
@@ -24,7 +22,6 @@ from slopekit.studies.suite.references import Reference, ReferenceCase, chosen, 
 
 #: A limit above its static bound by more than this part is no limit: rounding of two programs.
 BOUND_SLACK = 1e-6
-_VERSIONS_OF = ("numpy", "scipy", "clarabel", "manifold3d")
 
 
 @dataclass(frozen=True)
@@ -73,12 +70,11 @@ class Row:
 
 @dataclass(frozen=True, repr=False)
 class Verification(StudyOutcome):
-    """The whole suite: rows in the order of their sources, the sources by key, the versions that made it."""
+    """The whole suite: rows in the order of their sources, the sources by key."""
 
     name: ClassVar[str] = "verification"
     rows: tuple[Row, ...]
     sources: Mapping[str, str]
-    versions: Mapping[str, str]
     seconds: float
 
     @property
@@ -103,31 +99,6 @@ class Verification(StudyOutcome):
         }
 
     @property
-    def judged_by(self) -> dict[str, int]:
-        """What the judged rows are held against: the first, `own` and `recomputed` make up all of them.
-
-        `published` has a printed value of somebody else, `published_alone` no closer value beside it, and
-        `published_inferred` inputs that were inferred; `own` comes from the project's own lists and other code, and
-        `recomputed` from a source's formula, or to more digits from the tests of another program.
-        """
-        judged = [row.reference for row in self.rows if row.ok is not None]
-        published = [one for one in judged if one.printed is not None]
-        own = sum(one.own for one in judged)
-        return {
-            "published": len(published),
-            "published_alone": sum(one.exact is None for one in published),
-            "published_inferred": sum(one.confidence.startswith("D") for one in published),
-            "own": own,
-            "recomputed": len(judged) - len(published) - own,
-        }
-
-    @property
-    def unmet(self) -> tuple[Row, ...]:
-        """Rows that are not judged and have a published factor of safety, from the lowest error to the highest."""
-        rows = [row for row in self.not_judged if row.reference.printed is not None and row.error is not None]
-        return tuple(sorted((row for row in rows if row.reference.is_factor), key=lambda row: row.error or 0.0))
-
-    @property
     def exit_code(self) -> int:
         """0 where every judged row is within its tolerance, else 4: the methods disagree."""
         return 4 if self.failed else 0
@@ -137,11 +108,9 @@ class Verification(StudyOutcome):
         return {
             "slopekit": __version__,
             "counts": self.counts,
-            "judged_by": self.judged_by,
             "exit_code": self.exit_code,
             "sources": dict(self.sources),
             "rows": [row.to_dict() for row in self.rows],
-            "versions": dict(self.versions),
             "timing_s": {"total": self.seconds},
         }
 
@@ -177,23 +146,11 @@ def suite(only: str | Iterable[str] | None = None, *, desk: Workplace = DESK) ->
             rows += [_row(case, reference, outcomes[key]) for reference in case.references]
             advance(1)
     quoted = {row.reference.source for row in rows} | {case.source for case in cases}
-    return Verification(
-        tuple(rows), {key: text for key, text in sources.items() if key in quoted}, _versions(),
-        time.perf_counter() - started,
-    )  # fmt: skip
+    named = {key: text for key, text in sources.items() if key in quoted}
+    return Verification(tuple(rows), named, time.perf_counter() - started)
 
 
 # -- a case -----------------------------------------------------------------------------------------------------------
-
-
-def _versions() -> dict[str, str]:
-    versions = {"slopekit": __version__, "python": platform.python_version()}
-    for name in _VERSIONS_OF:
-        try:
-            versions[name] = version(name)
-        except PackageNotFoundError:
-            versions[name] = "not installed"
-    return versions
 
 
 def _analysed(mapping: Mapping[str, Any]) -> _Analysed:
