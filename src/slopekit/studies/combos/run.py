@@ -286,7 +286,9 @@ def combos(
     removable = np.flatnonzero(pairs.is_removable)
     by_forces = ByMethod(PAIR_OUTCOMES, pairs.outcome[removable].astype(np.int16), pairs.factor[removable])
     if closed_form:
-        outcomes = Outcomes.by_closed_form(by_forces, ByMethod.nothing(len(removable)))
+        count = len(removable)
+        unsaid = ByMethod(("",), np.zeros(count, dtype=np.int16), np.full(count, np.nan))
+        outcomes = Outcomes.by_closed_form(by_forces, unsaid)
     else:
         wedges = pairs.first[removable], pairs.second[removable], pairs.height_m[removable]
         rows = BlockRows(inputs.slope, by_forces, [inputs.input_hash()], partial(_limits, inputs, wedges))
