@@ -156,7 +156,7 @@ slopekit: 1
 kind: surface
 slope: {mesh: ground.stl}
 slip: {shape: sphere, centre: [20, 0, 22], radius: 20, edge: 3}
-strength: {zone: {c: 10 kPa, phi: 30}}
+strength: {zone: {c: 10 kPa, phi: 30, dilation: 1}}
 rock: {unit_weight: 22}
 loads: {seismic: {k: 0.1, toward: 90}, forces: [{force: [10, 0, -500], at: [0, 0, 20]}]}
 support: {bolts: ["300@270/-10,passive"]}

@@ -7,7 +7,6 @@ takes its place, area and normal from the surface itself; a drawn surface keeps 
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Literal
 
 import numpy as np
 from manifold3d import Error, Manifold, Mesh64
@@ -17,8 +16,6 @@ from slopekit.core.errors import DesignError, Fault, GeometryError
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
 from slopekit.geometry.solids.shapes import GROUND, SLIP, AnalyticShape, Cutter, smooth_normals
 from slopekit.geometry.tolerances import MASS_BALANCE, NO_TURN, NUMERICAL_SLIVER, SLIVER_AREA, TINY
-
-Normals = Literal["true", "smoothed", "facet"]
 
 #: barycentric points of a triangle and their shares of its area: exact to degree two (METHOD.md §5)
 _POINTS = (((1.0, 0.0, 0.0), 1 / 12), ((0.0, 1.0, 0.0), 1 / 12), ((0.0, 0.0, 1.0), 1 / 12), ((1 / 3,) * 3, 3 / 4))

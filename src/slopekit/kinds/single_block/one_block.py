@@ -290,6 +290,8 @@ def block_status(found: FoundLimit, interfaces: Sequence[int]) -> str:
     if limit.outcome in (Outcome.NO_STRENGTH, Outcome.NO_REST) and found.analysis.moments_govern:
         return "topples"
     velocity = limit.velocity_of(model)
+    if found.factors is not None and found.factors.exact is None:  # joints that open have no dilation
+        model = replace(model, tan_dilation=np.zeros_like(model.tan_dilation))
     opens = opening_pairs(limit, model, velocity, by_motion=scene.bedding is not None)
     joints = [scene.pairs.interface == joint for joint in interfaces]
     wholly = np.array([[opens[joint].all() for joint in joints]])

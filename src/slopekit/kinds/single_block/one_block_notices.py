@@ -38,7 +38,11 @@ def notices(design: Design, made: Cut, found: FoundLimit, why_not: str, block: s
     if not held and not len(model.bolt_capacity):
         yield without_strength(block)
     if why_not and any(strength.dilation_deg for strength in strengths):
-        yield Notice("W310", why_not)
+        is_without = found.factors is not None and found.factors.exact is None
+        yield Notice(
+            "W310",
+            why_not + ("; a joint opens or has a curved law: the limit is that without dilation" if is_without else ""),
+        )
     yield from bolt_notices(design)
     yield from mesh_notices(found.change or 0.0)
 

@@ -137,7 +137,8 @@ def cut(design: SurfaceDesign) -> Cut:
 
 def _scene(design: SurfaceDesign, mass: SlidingMass, pairs: NodePairs, loads: Loads) -> tuple[Slippage, ContactModel]:
     slip = slippable(pairs, mass.centroid, np.concatenate([loads.force, loads.moment]))
-    model = build_model(slip.pairs, loads, mass.centroid, joint_strength([design.strength]))
+    strength = joint_strength([replace(design.strength, dilation_deg=0.0)])
+    model = build_model(slip.pairs, loads, mass.centroid, strength)
     return slip, ContactModel(slip.pairs, model)
 
 
@@ -348,6 +349,9 @@ def _columns_below(design: SurfaceDesign, limit: float | None, methods: Mapping[
 
 
 def _notices(design: SurfaceDesign, mass: SlidingMass, misfit: float, left: bool) -> Iterator[Notice]:
+    if design.strength.dilation_deg:
+        message = "a curved surface cannot dilate evenly: its dilation is not counted"
+        yield Notice("W310", message)
     if left:
         message = f"no motion follows this surface within {misfit:.1f}°: it must dilate to slip, and the limit says so"
         yield Notice("W325", message)

@@ -163,9 +163,6 @@ def read_surface(reader: Reader) -> SurfaceDesign:
     profile = _profile(reader, reader.at("slope.profile"))
     slip = _slip(reader, node, _mesh(reader, node, "shape"))
     strength = read_strengths(reader, [("slip", None, node or reader.root)])[0]
-    if strength is not None and strength.dilation_deg:
-        message = f"dilation of the slip surface is {strength.dilation_deg:g}°: a curved surface cannot dilate evenly"
-        reader.fault("E115", message, node, "Leave it out: the limit is that without dilation.")
     table = read_table(reader)
     depth = reader.at("water.depth")
     has_depth = table is not None and table.table_depth_m is not None

@@ -9,23 +9,31 @@ from dataclasses import replace
 
 import numpy as np
 
-from slopekit.core.arrays import Floats
+from slopekit.core.arrays import Bools, Floats
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.bed_states import Drive
 from slopekit.preie.elastic_path.path import START, follow
 from slopekit.preie.elastic_path.path_limit import PathOutcome
+from slopekit.preie.one_block.intact_limit import intact_limit
 from slopekit.preie.one_block.limit import LimitAnalysis, stands_without_strength
 from slopekit.preie.outcome import Limit, Outcome, opens, unit
+from slopekit.preie.solvers.work_limit import SECOND, WorkSpentError, allowed
 from slopekit.preie.system.assembly import one_block
 from slopekit.preie.system.model import Model
 from slopekit.preie.tolerances import NO_FORCE
 from slopekit.strength.mohr_coulomb import line
 
+_MOST_PARTED = 2  # with 1 some factors move by 20 %
+_WORK = 60.0 * SECOND  # of one path: of 9,000 node pairs one takes 5 s
+
 
 def pressed_limit(model: Model) -> Limit | None:
     """Return the limit on node pairs where all of them stay pressed, with the dilation given; None where some open."""
-    limit = limit_on_pairs(model).governing
-    return limit if limit.factor and bool((limit.normal_force > 0.0).all() and limit.bond.all()) else None
+    if model.lines is not None:  # the path knows no friction angle of a law that dilation could be held to
+        return None
+    limit = _path_end(model, model.cohesion, elastic_displacement(model))
+    is_pressed = limit.factor is not None and bool((limit.normal_force > 0.0).all())
+    return limit if is_pressed and not (_parted(model, limit) & (model.cohesion > 0.0)).any() else None
 
 
 def limit_on_pairs(model: Model) -> LimitAnalysis:
@@ -43,36 +51,49 @@ def limit_on_pairs(model: Model) -> LimitAnalysis:
 
 
 def _limit_of_pairs(model: Model) -> Limit:
+    """Return the exact limit with every pair pressed, or that of the path with the pairs parted that it parts.
+
+    A pair that closes again has its cohesion back, once: one that parts twice has lost it.
+    """
     none, bond = np.zeros(model.unknowns), np.ones(len(model.control_area))
     if float((model.normal_rows @ model.load).min()) > 0.0:  # the load itself moves it off every pair
         return Limit(Outcome.LIFTED, None, none, 0.0 * bond, 0.0 * bond, 0, 0.0)
     if stands_without_strength(model):
         return Limit(Outcome.NO_DRIVING_FORCE, None, none, 0.0 * bond, bond, 0, 0.0)
-    normal = np.maximum(-model.control_area * (model.normal_rows @ elastic_displacement(model)), 0.0)
-    steps = 0
-    while True:
-        cohesion = bond * model.cohesion
-        strength = float(line(cohesion, model.tan_friction, normal).sum() + model.bolt_capacity.sum())
-        if strength < NO_FORCE:
-            return Limit(Outcome.NO_STRENGTH, None, unit(model.load), normal, bond, steps, 0.0)
-        limit = _path_end(replace(model, cohesion=cohesion), START / strength)
+    displacement = elastic_displacement(model)
+    intact = intact_limit(model, displacement)
+    if intact is not None:
+        return intact
+    steps, parts = 0, np.zeros(len(bond))
+    while True:  # a bond changes three times at most
+        limit = _path_end(model, bond * model.cohesion, displacement)
         steps += limit.steps
-        parted = (model.cohesion > 0.0) & (bond > 0.0) & opens(model, limit.velocity, _dilation(model, limit.factor))
-        if limit.factor is None or not parted.any():
+        parted = _parted(model, limit) & (model.cohesion > 0.0)
+        parts += parted & (bond > 0.0)
+        renewed = np.where(parted | (parts >= _MOST_PARTED), 0.0, 1.0)
+        if limit.factor is None or (renewed == bond).all():
             return replace(limit, bond=bond, steps=steps)
-        bond = np.where(parted, 0.0, bond)
+        bond = renewed
 
 
-def _dilation(model: Model, factor: float | None) -> Floats:
-    """Return tan of the dilation angles (n,): no more than the friction angle that is left."""
-    return np.minimum(model.tan_dilation, model.tan_friction / (factor or math.inf))
+def _parted(model: Model, limit: Limit) -> Bools:
+    """Return the pairs (n,) that the motion of a limit opens, beyond what its slip does."""
+    return opens(model, limit.velocity, np.minimum(model.tan_dilation, model.tan_friction / (limit.factor or math.inf)))
 
 
-def _path_end(model: Model, start: float) -> Limit:
-    """Return the limit of the elastic path of one block from a strength λ downwards."""
-    assembly = one_block(model)
-    end = follow(Bed(assembly, Drive(assembly.load.ravel())), start)
-    pairs = len(model.control_area)
+def _path_end(model: Model, cohesion: Floats, displacement: Floats) -> Limit:
+    """Return the limit of the elastic path of one block with the cohesion (n,) that is left, some bonds lost."""
+    pairs = len(cohesion)
+    normal = np.maximum(-model.control_area * (model.normal_rows @ displacement), 0.0)
+    strength = float(line(cohesion, model.tan_friction, normal).sum() + model.bolt_capacity.sum())
+    if strength < NO_FORCE:
+        return Limit(Outcome.NO_STRENGTH, None, unit(displacement), normal, np.ones(pairs), 0, 0.0)
+    assembly = one_block(replace(model, cohesion=cohesion))
+    try:
+        with allowed(_WORK):
+            end = follow(Bed(assembly, Drive(assembly.load.ravel())), START / strength)
+    except WorkSpentError:
+        return Limit(Outcome.NOT_CONVERGED, None, unit(displacement), normal, np.ones(pairs), 0, 0.0)
     outcome, factor, change = Outcome.SLIDES, None, 0.0
     if end.outcome is PathOutcome.NO_REST:
         outcome = Outcome.NO_STRENGTH
@@ -86,8 +107,9 @@ def _path_end(model: Model, start: float) -> Limit:
     friction = end.friction[:pairs]
     if friction.shape[1] == 1:  # in a section it acts along one of the two tangents
         friction = friction * (np.abs(model.rows[:, 1:]).max(axis=2) > 0.0)
+    motion = end.motion if end.motion.any() else displacement
     return Limit(
-        outcome, factor, unit(end.motion), np.maximum(end.normal[:pairs], 0.0), np.ones(pairs), end.factorisations,
+        outcome, factor, unit(motion), np.maximum(end.normal[:pairs], 0.0), np.ones(pairs), end.factorisations,
         change, friction, end.friction[pairs:, 0],
     )  # fmt: skip
 

@@ -1,11 +1,32 @@
-"""Least squares with bounds: what pushes of contacts leave of a load."""
+"""Two small pieces of linear algebra: a null space and non-negative least squares."""
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
-from slopekit.preie.tolerances import ROUNDING, TINY
+from slopekit.preie.tolerances import PARALLEL, ROUNDING, TINY
 
 _MOST, _TIMES = 400, 3  # columns let in, one after the other: at least so many, and so many times all there are
+
+
+def split_space(rows: Floats) -> tuple[Floats, Floats]:
+    """Orthonormal bases of the motions that the rows leave free and of the rest.
+
+    Parameters
+    ----------
+    rows : (m, u); singular values below `PARALLEL` of the largest count as nothing
+
+    Returns
+    -------
+    free : (u, k), rest : (u, u - k)
+
+    >>> free, rest = split_space(np.array([[0.0, 2.0]]))
+    >>> np.abs(free).tolist(), np.abs(rest).tolist()
+    ([[1.0], [0.0]], [[0.0], [1.0]])
+    """
+    square = np.asarray(np.linalg.qr(rows, mode="r")) if len(rows) > rows.shape[1] else rows  # the same row space
+    _, sizes, basis = np.linalg.svd(square, full_matrices=True)
+    rank = int((sizes > PARALLEL * sizes[0]).sum())
+    return basis[rank:].T, basis[:rank].T
 
 
 def bounded_least_squares(
