@@ -9,6 +9,7 @@ from slopekit.core.errors import Notice
 from slopekit.design.common import Design
 from slopekit.kinds.single_block.one_block_limit import Cut, FoundLimit
 from slopekit.notices import SQUARE, bolt_notices, common_notices, mesh_notices, undrawn_notice
+from slopekit.preie.outcome import Outcome
 from slopekit.preie.tolerances import LIMIT_SETTLED
 
 _ACROSS, _AGAINST = 0.34, 0.1  # cosines of 70°, and of 84° the other way
@@ -28,8 +29,9 @@ def notices(design: Design, made: Cut, found: FoundLimit, why_not: str, block: s
     if limit.factor and not limit.settled_to(LIMIT_SETTLED):
         runs = f"the block rests at {limit.factor:.4g} and runs at {limit.factor * (1.0 + limit.change):.4g}"
         yield Notice("W317", f"the motion did not settle into a limit state: {runs}; the lower is printed")
-    if limit.factor is not None:
+    if limit.factor is not None or limit.outcome is Outcome.NO_STRENGTH:
         yield from _lost_contact(design, made, found)
+    if limit.factor is not None:
         yield from _shaking(made, found)
         passive = any(bolt.acts == "passive" for bolt in design.bolts)
         if passive and not (-model.bolt_rows @ limit.velocity_of(model) > SQUARE).any():
@@ -39,10 +41,8 @@ def notices(design: Design, made: Cut, found: FoundLimit, why_not: str, block: s
         yield without_strength(block)
     if why_not and any(strength.dilation_deg for strength in strengths):
         is_without = found.factors is not None and found.factors.exact is None
-        yield Notice(
-            "W310",
-            why_not + ("; a joint opens or has a curved law: the limit is that without dilation" if is_without else ""),
-        )
+        without = "; a joint opens or has a curved law: the limit is that without dilation" if is_without else ""
+        yield Notice("W310", why_not + without)
     yield from bolt_notices(design)
     yield from mesh_notices(found.change or 0.0)
 
