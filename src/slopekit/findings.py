@@ -57,7 +57,7 @@ class Mechanism:
     blocks, how, displacement, rotation : (n,), (n,), (n, 3), (n, 3) of the blocks that move, the fastest first: name, a
         key of `MOTIONS`, displacement of its centroid and rotation about it, the fastest motion of all (translation, or
         rotation times the size of a block) 1; of one block its name alone
-    change : relative change of the factor in the last passes; 0 where Newton settled it
+    change : width of the bracket in which the factor lies, in parts of it; 0 of a limit
     interfaces : those that govern, the largest share first
     pairs_by_mode : node pairs that stick, slip and are open
     basis : what the factor is: limit (a limit state, exact), alone (one block slides by forces, no credit for turning),

@@ -200,8 +200,7 @@ def _obj(corners: np.ndarray) -> str:
 def swing(*results: Result) -> float:
     """How surely these analyses know their factor, as they report it themselves.
 
-    One block: by how much its last passes still changed it. Many: the bracket of a motion that did not settle (W317);
-    a limit state has none.
+    The bracket of a motion that did not settle (W317); a limit state has none.
     """
     return sum(result.model.residual for result in results)
 

@@ -202,10 +202,8 @@ def _findings(result: Result, ladder: tuple[Rung, ...], evidence: Ladder) -> Ite
         yield Finding("factor of safety", None, None, met, f"none, by its status: {result.status_text}")
         return
     yield _convergence(result, ladder, evidence.unrefined)
-    last = "what it changed of the factor (0: solved exactly)"
-    if result.findings is not None:
-        last = "how far above the last state at rest the blocks run (0: a limit, no peak)"
-    yield Finding("last pass", result.model.residual, LIMIT_SETTLED, result.model.residual <= LIMIT_SETTLED, last)
+    width = "how far above the last state at rest the blocks run (0: a limit, no peak)"
+    yield Finding("bracket", result.model.residual, LIMIT_SETTLED, result.model.residual <= LIMIT_SETTLED, width)
     yield from _balance(result, evidence.rest, fos.limit)
     if others:
         off = max((abs(other / fos.limit - 1.0) for other in others if other), default=0.0)
