@@ -47,7 +47,7 @@ SCENES = {
         "command beside it is a whole process, imports included.",
     ),
     "ellipsoid": SceneOfSpeed(
-        "The paper's ellipsoid, one block: true against facet normals", ellipsoid,
+        "The paper's ellipsoid, one block: true against smoothed normals", ellipsoid,
         "No closed form; reference: slopekit with true normals on the finest mesh. Facets interlock, and no solver has "
         "an answer on them. Siconos picks normal forces of its own, which are not unique on a curved surface.",
         "the finest true-normal answer",
