@@ -117,7 +117,7 @@ def test_an_earthquake_on_a_slope_without_a_factor(monkeypatch) -> None:
 
 def test_no_k_is_found_where_pre_ie_does_not_converge(monkeypatch) -> None:
     """It is not said that no earthquake moves the blocks; a sound input is not refused."""
-    monkeypatch.setattr(by_factor, "look_from_path", lambda *_: [])
+    monkeypatch.setattr(by_factor, "end_of_path", lambda _: None)
     without_a_number(monkeypatch, 0.01, 10.0)
     with pytest.raises(DesignError) as error:
         yielding.yields_of(_slab(), ALONE, lambda _: None)
