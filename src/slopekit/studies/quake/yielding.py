@@ -7,27 +7,26 @@ has the inertia of its own motion, and κ is that of the block that goes farthes
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.optimize import newton
 
-from slopekit.core.arrays import Floats
 from slopekit.core.codec import NO_JSON
-from slopekit.core.errors import DesignError, Fault, GeometryError, NoConvergenceError, Notice, SlopekitError
+from slopekit.core.errors import DesignError, Fault, NoConvergenceError, Notice
 from slopekit.core.orientation import number, opposite
 from slopekit.design.common import Design
 from slopekit.design.parts import Force
 from slopekit.design.reading.files import with_values
 from slopekit.design.registry import KINDS, record_of
-from slopekit.kinds import analyse, factors_of, kind_of
-from slopekit.kinds.protocol import Factors
-from slopekit.studies.points import UNSETTLED, Method, factor_at, point_of, status_of
+from slopekit.kinds import analyse, kind_of
+from slopekit.studies.points import UNSETTLED, Method, Point, factor_at, point_of, status_of
 from slopekit.studies.protocol import Advance
+from slopekit.studies.roots import Precision, RootSearch, Sample
 from slopekit.studies.running import Crew
 from slopekit.studies.solve.by_factor import for_factor
-from slopekit.studies.solve.solutions import NO_CONVERGENCE, TOLERANCE, Solution
+from slopekit.studies.solve.factor_request import sample_of
+from slopekit.studies.solve.solutions import NO_CONVERGENCE, Solution
 from slopekit.studies.words import status_words
 
 KEY, TOWARD = "loads.seismic.k", "loads.seismic.toward"
@@ -35,7 +34,8 @@ MOST_K = 2.0  # where a design's coefficient ends
 _SOME_K = 0.1  # a coefficient to ask whether the design takes one
 _PUSH = 0.02  # of the yield coefficient, in parts of the weight: how much a force along the sliding moves it
 _LEAST_PUSH = 1e-3
-_CLOSE = {"closed_form": 1e-12, "pre_ie": 1e-9}  # of k: how near the moved ones are found
+_CLOSE = Precision(resolution=1e-12, near=1e-13)  # how near these are found
+_NEAR = (1e-3, 1e-2, 0.1, 0.5)  # of it, to both sides: where the moved ones are looked for
 NO_FORM = "it says nothing of shaking that way"
 _DILATES = "its joints dilate: it rises as it slides"
 _JUST_ABOVE = 1.0 + 1e-7  # of k_y: the block moves as it will, and no elastic state at rest is asked for
@@ -179,7 +179,9 @@ def _yield_by(static: Design, solution: Solution, method: Method, advance: Advan
     agree = None
     answers = solution.pre_ie if method == "pre_ie" else solution.closed_form
     if answers is None:  # a closed form that comes with PRE-IE: columns
-        k, status = _beside(static, solution, advance)
+        near = solution.answer
+        k = None if near is None else _root(static, method, near.value, (), advance)
+        status = "" if near is None else near.status
     else:
         roots = [one for one in (*answers.roots, *answers.others) if one.value > 0.0]
         first = min(roots, key=lambda one: one.value, default=None)
@@ -204,39 +206,23 @@ def _yield_by(static: Design, solution: Solution, method: Method, advance: Advan
     return Yield(method, k, status, gain.factor, "", before, agree, gain.block, gain.alone_at, gain.first)
 
 
-def _beside(static: Design, solution: Solution, advance: Advance) -> tuple[float | None, str]:
-    """The closed form of columns comes with PRE-IE: from PRE-IE's coefficient by secants."""
-    near = solution.answer
-    if near is None:
-        return None, ""
-    k = _root(lambda at: _level(factors_of(with_values(static, {KEY: at})), "closed_form"), near.value, 1e-9, advance)
-    return k, near.status
+def _root(
+    static: Design, method: Method, start: float, more: tuple[Force, ...], advance: Advance
+) -> float | None:  # fmt: skip
+    """The yield coefficient by a method near another one, under more forces; None where none is found."""
 
+    def ask(coefficients: Sequence[float]) -> list[Sample[Point]]:
+        advance(len(coefficients))
+        points = [point_of(static, {KEY: k}, method == "pre_ie", pushed) for k in coefficients]
+        return [sample_of(k, point, method, 1.0) for k, point in zip(coefficients, points, strict=True)]
 
-def _level(factors: Factors, method: Method) -> float | None:
-    """ln F by a method; None where it has no factor."""
-    factor = factors.limit if method == "pre_ie" else factors.closed_form
-    return math.log(factor) if factor else None
+    def pushed(design: Design) -> Design:
+        return replace(design, forces=(*design.forces, *more))
 
-
-def _root(level: Callable[[float], float | None], start: float, close: float, advance: Advance) -> float | None:
-    """Where ln F is 0, by secants from nearby; None where they lead nowhere."""
-
-    def level_at(at: float) -> float:
-        found = level(at) if 0.0 <= at <= MOST_K else None
-        advance(1)
-        if found is None:
-            raise GeometryError([Fault("E319", f"no factor of safety at k = {number(at)}")])
-        return found
-
-    try:
-        k, search = newton(
-            level_at, start, x1=start * (1.0 + 1e-3) + 1e-6, tol=close * 1e-3, rtol=close, full_output=True, disp=False
-        )
-        # where two levels are the same SciPy calls the middle between their places a root
-        return float(k) if search.converged and abs(level_at(float(k))) < TOLERANCE["pre_ie"] else None
-    except SlopekitError:
-        return None
+    search = RootSearch(ask, MOST_K, _CLOSE)
+    near = (start * by for part in _NEAR for by in (1.0 - part, 1.0 + part))
+    search.look_outwards((0.0, *(k for k in near if k <= MOST_K), MOST_K), start)
+    return next((crossing.best.at for crossing in search.crossings() if crossing.how == "root"), None)
 
 
 def _gain(static: Design, method: Method, k: float, advance: Advance) -> tuple[float | None, str]:
@@ -254,26 +240,12 @@ def _gain(static: Design, method: Method, k: float, advance: Advance) -> tuple[f
     along = along / math.sqrt(float(along @ along))
     weight = result.forces.weight
     push = max(_PUSH * k, _LEAST_PUSH)
-    moved = [_moved(static, method, k, along, side * push * weight, push, advance) for side in (-1.0, 1.0)]
+    forces = [Force(tuple(np.asarray(side * push * weight * along).tolist())) for side in (-1.0, 1.0)]
+    starts = [k + push, k - push if k > push else 0.5 * k]
+    moved = [_root(static, method, start, (force,), advance) for start, force in zip(starts, forces, strict=True)]
     if moved[0] is None or moved[1] is None or not moved[0] > moved[1]:
         return None, "another way to move is as near"
     return 2.0 * push / (moved[0] - moved[1]), ""
-
-
-def _moved(
-    static: Design, method: Method, k: float, along: Floats, force: float, push: float, advance: Advance
-) -> float | None:  # fmt: skip
-    """The yield coefficient with a force (kN) along the sliding."""
-    components = np.asarray(force * along).tolist()
-    more = Force((components[0], components[1], components[2]))
-
-    def level(at: float) -> float | None:
-        changed = with_values(static, {KEY: at})
-        changed = replace(changed, forces=(*changed.forces, more))
-        return _level(factors_of(changed, method == "pre_ie"), method)
-
-    start = k - math.copysign(push, force)
-    return _root(level, start if start > 0.0 else 0.5 * k, _CLOSE[method], advance)
 
 
 def shown_k(k: float | None) -> str:
