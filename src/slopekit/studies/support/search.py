@@ -20,7 +20,7 @@ from slopekit.kinds import kind_of
 from slopekit.kinds.protocol import Factors
 from slopekit.kinds.single_block.closed_forms import OnArrays
 from slopekit.loads import Hull
-from slopekit.studies.points import UNSETTLED
+from slopekit.studies.points import UNSETTLED, Method
 from slopekit.studies.roots import Precision, RootSearch, Sample, level_at
 from slopekit.studies.solve.factor_request import level_of
 
@@ -156,26 +156,16 @@ class Site:
         east, north, up = (float(part) for part in self.world(force * self.inward))
         return replace(self.design, forces=(*self.design.forces, Force((east, north, up), self.place(point))))
 
-    def closed_form(self, design: Design) -> Answer:
-        """The closed form of a design."""
-        closed_form = kind_of(design).closed_form
-        assert closed_form is not None
-        answer = closed_form(design)
-        return Answer(answer.factor or None, answer.status)
-
     def place(self, point: Floats) -> tuple[float, float, float]:
         """A point in local axes in the coordinates of the user."""
         east, north, up = (float(part) for part in self.world(point) + self.origin)
         return east, north, up
 
 
-def limit_answer(factors: Factors) -> Answer:
-    """PRE-IE's answer among the factors of a design: none where it did not settle."""
-    return Answer(factors.limit, factors.status, factors.moments_govern, factors.agree)
-
-
-def closed_form_answer(factors: Factors) -> Answer:
-    """The closed form's answer among the factors of a wedge or a plane."""
+def answer_of(factors: Factors, method: Method) -> Answer:
+    """What a method says among the factors of a design: PRE-IE none where it did not settle."""
+    if method == "pre_ie":
+        return Answer(factors.limit, factors.status, factors.moments_govern, factors.agree)
     return Answer(factors.closed_form, factors.closed_status or factors.status)
 
 
