@@ -141,16 +141,16 @@ def test_outwards_it_ends_where_zero_is_passed(start) -> None:
 
 
 def test_places_are_fine_near_the_present_value() -> None:
-    even = places(0.0, 90.0, 20.0, even=33, close=6, each_decade=3)
+    even = places(0.0, 90.0, 20.0, even=33, close=2e-3)
     assert {0.0, 20.0, 90.0} <= set(even)
     assert min(abs(place - 20.0) for place in even if place != 20.0) < 0.05
-    decades = places(0.0, 1e5, 50.0, even=33, close=6, each_decade=3)
+    decades = places(0.0, 1e5, 50.0, even=33, close=2e-3)
     assert {0.0, 50.0, 1e5} <= set(decades)
     assert max(b / a for a, b in pairwise(decades[1:])) < 10.0 ** (1 / 3) + 1e-9
-    around = places(-1e5, 1e5, 3.0, even=9, close=1, each_decade=2, around_zero=True)
+    around = places(-1e5, 1e5, 3.0, even=9, close=0.2)
     assert min(around) == -1e5
-    assert any(abs(place - 3.0) < 0.1 for place in around if place != 3.0)
-    assert places(0.0, 1.0, None, even=3, close=1, each_decade=2) == [0.0, 0.5, 1.0]
+    assert any(abs(place - 3.0) <= 0.2 * 3.0 for place in around if place != 3.0)
+    assert places(0.0, 1.0, None, even=3, close=1.0) == [0.0, 0.5, 1.0]
 
 
 def test_rounding_beside_an_edge_is_not_looked_at_for_ever() -> None:

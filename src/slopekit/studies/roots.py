@@ -16,6 +16,7 @@ _TURN = 1e-5  # of a place: between samples so near no turning point or change o
 _PARTS = 8  # into which a stretch of one label is divided: a narrow one may have no place of the grid
 _JUMP = 0.02  # levels that far apart on both sides of zero are a jump where places are near,
 _NOT_NEAR = 1e-4  # and neither is that of a root nearby
+_DECADES = 1e3  # times the present value: a range as long spans decades
 _UNKNOWN = 1.0  # the size of a number that is nothing now
 
 
@@ -117,7 +118,7 @@ class RootSearch(Generic[T]):
     def look_outwards(self, places: Iterable[float], start: float, at_once: int = 1) -> None:
         """Sample a grid from one place outwards, on the side whose level is nearer to zero, until zero is passed.
 
-        Where that is within the grid only what lies between is narrowed.
+        Where that is within the grid nothing else is looked into.
         """
         self.add([start])
         grid = sorted(set(places))
@@ -141,16 +142,18 @@ class RootSearch(Generic[T]):
     def _looked_into(self) -> Iterator[float]:
         """The middle of every interval that may hold a zero, or the end of what is defined; a place in each bracket."""
         yield from self._in_brackets()
+        yield from self._at_edges(self.samples)
         turning = self._turning()
         for a, b in pairwise(self.samples):
-            width = self._width(a, b)
-            if a.level is None or b.level is None:
-                is_open = (a.level is None) is not (b.level is None) and width > self.precision.edge
-            else:
-                least = min(abs(a.level), abs(b.level)) if a.level * b.level > 0.0 else math.inf
-                changes = a.label != b.label and abs(a.level - b.level) > least > self.precision.near
-                is_open = width > _TURN and (changes or not turning.isdisjoint((a.at, b.at)))
-            if is_open:
+            least = min(abs(level_at(a)), abs(level_at(b)))
+            changes = a.label != b.label and abs(level_at(a) - level_at(b)) > least > self.precision.near
+            if level_at(a) * level_at(b) > 0.0 and self._width(a, b) > _TURN and (changes or {a.at, b.at} & turning):
+                yield 0.5 * (a.at + b.at)
+
+    def _at_edges(self, samples: Sequence[Sample[T]]) -> Iterator[float]:
+        """The middle of every interval at whose one end alone the function is defined."""
+        for a, b in pairwise(samples):
+            if (a.level is None) is not (b.level is None) and self._width(a, b) > self.precision.edge:
                 yield 0.5 * (a.at + b.at)
 
     def _turning(self) -> set[float]:
@@ -169,19 +172,23 @@ class RootSearch(Generic[T]):
         return turning
 
     def _in_brackets(self) -> Iterator[float]:
-        """The next place in every bracket that is not yet narrow, by Chandrupatla's rule (1997)."""
+        """The next place in every bracket that is not yet narrow: by Chandrupatla's rule (1997), or where it is cut."""
         precision, samples = self.precision, self.samples
         rank = {place: k for k, place in enumerate(self._known)}
-        for k, (a, b) in enumerate(pairwise(samples)):
+        numbers = [k for k, sample in enumerate(samples) if sample.level is not None]
+        for k, following in pairwise(numbers):
+            a, b = samples[k], samples[following]
             least, width = min(abs(level_at(a)), abs(level_at(b))), self._width(a, b)
+            is_jump = width <= precision.jump and least > _NOT_NEAR and abs(level_at(b) - level_at(a)) > _JUMP
             if not level_at(a) * level_at(b) < 0.0 or least <= precision.near or width <= precision.resolution:
                 continue
-            if width <= precision.jump and least > _NOT_NEAR and abs(level_at(b) - level_at(a)) > _JUMP:
-                continue
-            one, two, beyond = (a, b, k - 1) if rank[a.at] > rank[b.at] else (b, a, k + 2)
-            known = [sample for sample in samples[max(beyond, 0) : beyond + 1] if sample.level is not None]
-            part = _next_part(one, two, known[0], min(0.5, 0.5 * precision.resolution / width)) if known else 0.5
-            yield one.at + part * (two.at - one.at)
+            if following > k + 1:
+                yield from self._at_edges(samples[k : following + 1])
+            elif not is_jump:
+                one, two, beyond = (a, b, k - 1) if rank[a.at] > rank[b.at] else (b, a, k + 2)
+                known = [sample for sample in samples[max(beyond, 0) : beyond + 1] if sample.level is not None]
+                part = _next_part(one, two, known[0], min(0.5, 0.5 * precision.resolution / width)) if known else 0.5
+                yield one.at + part * (two.at - one.at)
 
     def _width(self, a: Sample[T], b: Sample[T]) -> float:
         return abs(b.at - a.at) / max(abs(a.at), abs(b.at), 1e-6 * self.span)
@@ -239,46 +246,22 @@ def _next_part(one: Sample[T], two: Sample[T], three: Sample[T], least: float) -
     return min(1.0 - least, max(least, part))
 
 
-def places(
-    low: float, high: float, own: float | None, *, even: int, close: int, each_decade: float, around_zero: bool = False
-) -> list[float]:
-    """A grid over a range that is fine near the present value.
+def places(low: float, high: float, own: float | None, *, even: int, close: float) -> list[float]:
+    """A grid over a range that is fine near the present value; over one that spans decades, towards zero too.
 
     Parameters
     ----------
     own : the present value, None where there is none
-    even : places evenly over the range, where it does not span decades
-    close : more places towards the present value, on each side
-    each_decade : places to a decade, where the range spans several
-    around_zero : the range reaches far to both sides of what matters, as that of a coordinate does
+    even : places evenly over the range; close : of the present value, how near to it the nearest others are
 
-    >>> places(0.0, 90.0, 20.0, even=4, close=1, each_decade=2)
-    [0.0, 5.0, 20.0, 30.0, 35.0, 60.0, 90.0]
+    >>> places(0.0, 80.0, 20.0, even=3, close=0.5)
+    [0.0, 10.0, 20.0, 30.0, 40.0, 60.0, 80.0]
     """
-    grid = {low, high}
-    inside = own is not None and low <= own <= high
-    if around_zero and own is not None and high - low > 100.0 * max(abs(own), 1.0):
-        size = max(abs(own), 1.0) * 1e-2
-        for k in range(1 + int(each_decade * math.log10((high - low) / size))):
-            step = size * 10.0 ** (k / each_decade)
-            grid |= {own - step, own + step}
-    elif _spans_decades(low, high, own):
-        least = low if low > 0.0 else (own or high * 1e-8) * (1e-6 if own else 1.0)
-        middle = own if own and inside else least
-        count = math.ceil(each_decade * math.log10(high / least)) + 1
-        grid |= {middle * 10.0 ** (k / each_decade) for k in range(-count, count + 1)}
-        if own and inside:
-            grid |= {own * 10.0 ** (side * k / (each_decade * (close + 1))) for k in range(1, 2 * close + 2)
-                     for side in (-1, 1)}  # fmt: skip
-    else:
-        grid |= {low + (high - low) * k / (even - 1) for k in range(even)}
-        if own is not None and inside:
-            step = (high - low) / (even - 1)
-            grid |= {own + side * step * 0.5**k for k in range(1, close + 1) for side in (-1, 1)}
-    if own is not None:
-        grid.add(own)
+    span, centre = high - low, low if own is None else own
+    halvings = max(0, math.ceil(math.log2(span / (close * (abs(centre) or _UNKNOWN)))))
+    parts = [0.5**k for k in range(1, halvings + 1)]
+    grid = {centre, *(low + span * k / (even - 1) for k in range(even))}
+    grid |= {centre + side * part * span for part in parts for side in (-1, 1)}
+    if span > _DECADES * abs(centre):
+        grid |= {centre * part for part in parts}
     return sorted(place for place in grid if low <= place <= high)
-
-
-def _spans_decades(low: float, high: float, own: float | None) -> bool:
-    return low >= 0.0 and high > 1e3 * max(low, own or _UNKNOWN)

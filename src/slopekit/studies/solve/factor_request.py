@@ -20,13 +20,13 @@ from slopekit.studies.protocol import Advance
 from slopekit.studies.roots import Precision, RootSearch, Sample, places
 from slopekit.studies.running import ALONE, Crew, run_all
 
-#: Places of the grid: evenly over the range, closer to the present value, to a decade; where PRE-IE alone answers.
-FINE, ROUGH = (33, 6, 3), (9, 1, 1)
+#: Places of the grid evenly over the range, and how near to the present value; where PRE-IE alone answers.
+FINE, ROUGH = (33, 2e-3), (9, 0.2)
 _LOAD = re.compile(r"loads\.seismic\.k|loads\.forces\.\d+\.force")  # what the path of many blocks may drive
 SAME = 2e-3
 """A step that other node pairs make in the factor of PRE-IE: no jump."""
 _PRE_IE = Precision(resolution=1e-10, near=1e-11, same=SAME, jump=1e-5, edge=1e-3)
-_ALONE = Precision(resolution=1e-8, near=2e-8, same=SAME, jump=1e-5, edge=1e-3)  # its factor takes long
+_ALONE = Precision(resolution=1e-8, near=2e-8, same=SAME, jump=1e-5, edge=1e-4)  # its factor takes long
 _SAME_LEVEL = 1e-6  # what arrays and a run make of the same design
 Samples: TypeAlias = list[Sample[Point]]
 
@@ -128,10 +128,9 @@ class FactorRequest:
             return known  # else what was left of the work may have been too little
         return point_of(self.design, {})
 
-    def grid(self, even: int, close: int, each_decade: float) -> list[float]:
-        """Values between the two: evenly, closer to the present one, and to a decade."""
-        return places(self.low, self.high, self.key.value, even=even, close=close, each_decade=each_decade,
-                      around_zero=self.key.role == "coordinate")  # fmt: skip
+    def grid(self, even: int, close: float) -> list[float]:
+        """Values between the two, as `places` has them."""
+        return places(self.low, self.high, self.key.value, even=even, close=close)
 
 
 def factor_notices(asked: FactorRequest, value: float, there: Point) -> Iterator[Notice]:
