@@ -5,13 +5,13 @@ from itertools import pairwise
 
 import pytest
 
-from slopekit.studies.roots import Precision, RootSearch, Sample, places
+from slopekit.studies.roots import RootSearch, Sample, places
 
 
 def search(function, low, high, count=30, labels=None, **options):
     """A search over an even grid; the function returns None where it is undefined."""
     calls = []
-    found = RootSearch(asked(function, calls, labels), high - low, Precision(**options))
+    found = RootSearch(asked(function, calls, labels), high - low, **options)
     found.look(low + (high - low) * k / (count - 1) for k in range(count))
     return found, calls
 
@@ -130,7 +130,7 @@ def test_it_stops_where_it_is_near_enough() -> None:
 def test_outwards_it_ends_where_zero_is_passed(start) -> None:
     """Whatever side it lies on: no place of the grid beyond it is asked for."""
     grid, calls = [k / 20 for k in range(21)], []
-    found = RootSearch(asked(lambda x: x - 0.523, calls), 1.0, Precision(near=1e-6))
+    found = RootSearch(asked(lambda x: x - 0.523, calls), 1.0, near=1e-6)
     found.look_outwards(grid, start)
     assert found.crossings()[0].best.at == pytest.approx(0.523, abs=1e-6)
     assert sum(map(len, calls)) < 13

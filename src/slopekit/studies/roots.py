@@ -52,37 +52,25 @@ class Crossing(Generic[T]):
         return level_at(self.after) > level_at(self.before)
 
 
-@dataclass(frozen=True)
-class Precision:
-    """How finely a function is looked at; widths in parts of the place, or of 1e-6 of the range near zero.
-
-    Attributes
-    ----------
-    resolution : the least width of a bracket; near : a level that counts as zero
-    same : a difference of levels across a narrow bracket that is no jump
-    jump : a bracket that narrow with levels far apart is a jump, and is narrowed no further
-    edge : the width to which the ends of what is defined are found
-    """
-
-    resolution: float = 4e-16
-    near: float = 0.0
-    same: float = 1e-7
-    jump: float = 0.0
-    edge: float = 1e-10
-
-
 class RootSearch(Generic[T]):
     """Samples of one function, and where it crosses zero between them.
 
     Parameters
     ----------
     ask : the function at some places at once, in their order; span : the length of the range
+    resolution : the least width of a bracket, as all widths in parts of the place, or of 1e-6 of the span near zero
+    near : a level that counts as zero
+    same : a difference of levels across a narrow bracket that is no jump
+    jump : a bracket that narrow with levels far apart is a jump, and is narrowed no further
+    edge : the width to which the ends of what is defined are found
     """
 
     def __init__(
-        self, ask: Callable[[Sequence[float]], list[Sample[T]]], span: float, precision: Precision = Precision()
-    ) -> None:
-        self._ask, self.span, self.precision = ask, span, precision
+        self, ask: Callable[[Sequence[float]], list[Sample[T]]], span: float, *, resolution: float = 4e-16,
+        near: float = 0.0, same: float = 1e-7, jump: float = 0.0, edge: float = 1e-10,
+    ) -> None:  # fmt: skip
+        self._ask, self.span = ask, span
+        self.resolution, self.near, self.same, self.jump, self.edge = resolution, near, same, jump, edge
         self._known: dict[float, Sample[T]] = {}  # in the order in which they were asked for
 
     @property
@@ -99,7 +87,7 @@ class RootSearch(Generic[T]):
     def passes(self) -> bool:
         """Whether zero is met, or passed, between samples."""
         levels = [level_at(sample) for sample in self.defined] or [math.inf]
-        return min(map(abs, levels)) <= self.precision.near or min(levels) * max(levels) < 0.0
+        return min(map(abs, levels)) <= self.near or min(levels) * max(levels) < 0.0
 
     def add(self, places: Iterable[float]) -> None:
         """Sample these places, each once."""
@@ -146,14 +134,14 @@ class RootSearch(Generic[T]):
         turning = self._turning()
         for a, b in pairwise(self.samples):
             least = min(abs(level_at(a)), abs(level_at(b)))
-            changes = a.label != b.label and abs(level_at(a) - level_at(b)) > least > self.precision.near
+            changes = a.label != b.label and abs(level_at(a) - level_at(b)) > least > self.near
             if level_at(a) * level_at(b) > 0.0 and self._width(a, b) > _TURN and (changes or {a.at, b.at} & turning):
                 yield 0.5 * (a.at + b.at)
 
     def _at_edges(self, samples: Sequence[Sample[T]]) -> Iterator[float]:
         """The middle of every interval at whose one end alone the function is defined."""
         for a, b in pairwise(samples):
-            if (a.level is None) is not (b.level is None) and self._width(a, b) > self.precision.edge:
+            if (a.level is None) is not (b.level is None) and self._width(a, b) > self.edge:
                 yield 0.5 * (a.at + b.at)
 
     def _turning(self) -> set[float]:
@@ -166,28 +154,28 @@ class RootSearch(Generic[T]):
             low, middle, high = level_at(a), level_at(b), level_at(c)
             rise = max(abs(low - middle), abs(high - middle))
             is_nearest = abs(middle) < min(abs(low), abs(high)) and low * middle > 0.0 and middle * high > 0.0
-            least = self.precision.same if b.at in outermost else abs(middle) if is_nearest else math.inf
+            least = self.same if b.at in outermost else abs(middle) if is_nearest else math.inf
             if (middle - low) * (high - middle) < 0.0 and rise > least:
                 turning.add(b.at)
         return turning
 
     def _in_brackets(self) -> Iterator[float]:
         """The next place in every bracket that is not yet narrow: by Chandrupatla's rule (1997), or where it is cut."""
-        precision, samples = self.precision, self.samples
+        samples = self.samples
         rank = {place: k for k, place in enumerate(self._known)}
         numbers = [k for k, sample in enumerate(samples) if sample.level is not None]
         for k, following in pairwise(numbers):
             a, b = samples[k], samples[following]
             least, width = min(abs(level_at(a)), abs(level_at(b))), self._width(a, b)
-            is_jump = width <= precision.jump and least > _NOT_NEAR and abs(level_at(b) - level_at(a)) > _JUMP
-            if not level_at(a) * level_at(b) < 0.0 or least <= precision.near or width <= precision.resolution:
+            is_jump = width <= self.jump and least > _NOT_NEAR and abs(level_at(b) - level_at(a)) > _JUMP
+            if not level_at(a) * level_at(b) < 0.0 or least <= self.near or width <= self.resolution:
                 continue
             if following > k + 1:
                 yield from self._at_edges(samples[k : following + 1])
             elif not is_jump:
                 one, two, beyond = (a, b, k - 1) if rank[a.at] > rank[b.at] else (b, a, k + 2)
                 known = [sample for sample in samples[max(beyond, 0) : beyond + 1] if sample.level is not None]
-                part = _next_part(one, two, known[0], min(0.5, 0.5 * precision.resolution / width)) if known else 0.5
+                part = _next_part(one, two, known[0], min(0.5, 0.5 * self.resolution / width)) if known else 0.5
                 yield one.at + part * (two.at - one.at)
 
     def _width(self, a: Sample[T], b: Sample[T]) -> float:
@@ -203,9 +191,7 @@ class RootSearch(Generic[T]):
     def crossings(self) -> list[Crossing[T]]:
         """Every change of sign between neighbouring samples; a level that counts as zero is one too."""
         defined, found = self.defined, list[Crossing[T]]()
-        for is_zero, run in groupby(
-            range(len(defined)), key=lambda k: abs(level_at(defined[k])) <= self.precision.near
-        ):
+        for is_zero, run in groupby(range(len(defined)), key=lambda k: abs(level_at(defined[k])) <= self.near):
             numbers = [*run]
             zeros = [defined[k] for k in numbers]
             before, after = defined[max(numbers[0] - 1, 0)], defined[min(numbers[-1] + 1, len(defined) - 1)]
@@ -214,9 +200,9 @@ class RootSearch(Generic[T]):
             if is_zero:
                 found += [Crossing("root", before, after, zero) for zero in zeros[:: max(len(zeros) - 1, 1)]]
         for a, b in pairwise(defined):
-            if level_at(a) * level_at(b) < 0.0 and min(abs(level_at(a)), abs(level_at(b))) > self.precision.near:
+            if level_at(a) * level_at(b) < 0.0 and min(abs(level_at(a)), abs(level_at(b))) > self.near:
                 best = min(a, b, key=lambda sample: abs(level_at(sample)))
-                is_root = abs(level_at(b) - level_at(a)) <= self.precision.same
+                is_root = abs(level_at(b) - level_at(a)) <= self.same
                 is_gap = any(a.at < sample.at < b.at for sample in self.samples if sample.level is None)
                 found.append(Crossing("gap" if is_gap else "root" if is_root else "jump", a, b, best))
         return sorted(found, key=lambda crossing: crossing.best.at)

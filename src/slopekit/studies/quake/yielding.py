@@ -22,7 +22,7 @@ from slopekit.design.registry import KINDS, record_of
 from slopekit.kinds import analyse, kind_of
 from slopekit.studies.points import UNSETTLED, Method, Point, factor_at, point_of, status_of
 from slopekit.studies.protocol import Advance
-from slopekit.studies.roots import Precision, RootSearch, Sample
+from slopekit.studies.roots import RootSearch, Sample
 from slopekit.studies.running import Crew
 from slopekit.studies.solve.by_factor import for_factor
 from slopekit.studies.solve.factor_request import sample_of
@@ -34,7 +34,7 @@ MOST_K = 2.0  # where a design's coefficient ends
 _SOME_K = 0.1  # a coefficient to ask whether the design takes one
 _PUSH = 0.02  # of the yield coefficient, in parts of the weight: how much a force along the sliding moves it
 _LEAST_PUSH = 1e-3
-_CLOSE = Precision(resolution=1e-12, near=1e-13)  # how near these are found
+_CLOSE = {"resolution": 1e-12, "near": 1e-13}  # how near these are found
 _NEAR = (1e-3, 1e-2, 0.1, 0.5)  # of it, to both sides: where the moved ones are looked for
 NO_FORM = "it says nothing of shaking that way"
 _DILATES = "its joints dilate: it rises as it slides"
@@ -219,7 +219,7 @@ def _root(
     def pushed(design: Design) -> Design:
         return replace(design, forces=(*design.forces, *more))
 
-    search = RootSearch(ask, MOST_K, _CLOSE)
+    search = RootSearch(ask, MOST_K, **_CLOSE)
     near = (start * by for part in _NEAR for by in (1.0 - part, 1.0 + part))
     search.look_outwards((0.0, *(k for k in near if k <= MOST_K), MOST_K), start)
     return next((crossing.best.at for crossing in search.crossings() if crossing.how == "root"), None)

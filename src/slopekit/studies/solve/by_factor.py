@@ -34,7 +34,6 @@ _UNIT_LOAD = 1.0
 _OF_PATH = 0.5  # of the work of one answer, for the path in a load
 _FURTHER = (1.0 + 1e-6, 1.02, 1.1, 1.3, 2.0, 4.0)  # times the value at which that ends: blocks that tip do so at once
 _BRACKET = 1e-7  # of a value, to both sides: where PRE-IE looks for its own root beside that of the closed form
-_ONE_JUMP = 1e-5  # of a value: jumps so near to each other are one, beside an edge rounding makes many
 
 
 def for_factor(
@@ -163,7 +162,7 @@ def _answers(asked: FactorRequest, method: Method, search: RootSearch[Point]) ->
     candidates.sort(key=lambda one: one.value if own is None else asked.key.apart(one.value, own))
     # the factor of many blocks may fall past the target at once as a load comes on: they tip, an answer too
     roots = tuple(one for one in candidates if one.how == "root" or (asked.drives_blocks and not one.rises))
-    others = tuple(_together([one for one in candidates if one not in roots], search.span))
+    others = tuple(sorted((one for one in candidates if one not in roots), key=lambda one: one.value))
     reached = [(sample.at, factor_at(sample.found, method) or 0.0) for sample in search.defined]
     least = min(reached, key=lambda end: end[1], default=None)
     most = max(reached, key=lambda end: end[1], default=None)
@@ -172,17 +171,6 @@ def _answers(asked: FactorRequest, method: Method, search: RootSearch[Point]) ->
     if not roots:
         reason = reason_of(asked.key, asked.target, (asked.low, asked.high), others, least, most, refused)
     return Answers(method, roots, others, least, most, refused, (samples[0].at, samples[-1].at), len(samples), reason)
-
-
-def _together(jumps: list[SolvedValue], span: float) -> list[SolvedValue]:
-    """Jumps so near to each other that they are one."""
-    kept: list[SolvedValue] = []
-    for one in sorted(jumps, key=lambda one: one.value):
-        if kept and one.value - kept[-1].value <= _ONE_JUMP * max(abs(one.value), 1e-6 * span):
-            kept[-1] = replace(kept[-1], value=one.value, bracket=(kept[-1].bracket[0], one.bracket[1]))
-        else:
-            kept.append(one)
-    return kept
 
 
 def _found(method: Method, asked: FactorRequest, crossing: Crossing[Point]) -> SolvedValue:
@@ -204,7 +192,7 @@ def _refused(asked: FactorRequest, method: Method, samples: Samples) -> Iterator
         low, high = run[0].at, run[-1].at
         middle = min(run, key=lambda sample: abs(sample.at - 0.5 * (low + high)))
         message = NO_CONVERGENCE if middle.label == UNSETTLED else middle.found.message
-        yield low, high, middle.label, message or asked.alone(middle.at, method == "pre_ie").message
+        yield low, high, middle.label, message or asked.alone.samples(method, [middle.at])[0].found.message
 
 
 def _beside(asked: FactorRequest, solved: SolvedValue) -> Iterator[Notice]:

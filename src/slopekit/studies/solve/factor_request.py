@@ -3,7 +3,7 @@
 import math
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TypeAlias
 
@@ -17,7 +17,7 @@ from slopekit.studies.evaluation.vectorised import Vectorised
 from slopekit.studies.keys import Key, values_of
 from slopekit.studies.points import Method, Point, factor_at, point_of, point_with, status_of
 from slopekit.studies.protocol import Advance
-from slopekit.studies.roots import Precision, RootSearch, Sample, places
+from slopekit.studies.roots import RootSearch, Sample, places
 from slopekit.studies.running import ALONE, Crew, run_all
 
 #: Places of the grid evenly over the range, and how near to the present value; where PRE-IE alone answers.
@@ -25,8 +25,9 @@ FINE, ROUGH = (33, 2e-3), (9, 0.2)
 _LOAD = re.compile(r"loads\.seismic\.k|loads\.forces\.\d+\.force")  # what the path of many blocks may drive
 SAME = 2e-3
 """A step that other node pairs make in the factor of PRE-IE: no jump."""
-_PRE_IE = Precision(resolution=1e-10, near=1e-11, same=SAME, jump=1e-5, edge=1e-3)
-_ALONE = Precision(resolution=1e-8, near=2e-8, same=SAME, jump=1e-5, edge=1e-4)  # its factor takes long
+#: How finely PRE-IE is looked at, and where its factor takes long, as `RootSearch` has it.
+_PRE_IE = {"resolution": 1e-10, "near": 1e-11, "same": SAME, "jump": 1e-5, "edge": 1e-3}
+_ALONE = {"resolution": 1e-8, "near": 2e-8, "same": SAME, "jump": 1e-5, "edge": 1e-4}
 _SAME_LEVEL = 1e-6  # what arrays and a run make of the same design
 Samples: TypeAlias = list[Sample[Point]]
 
@@ -65,8 +66,8 @@ class FactorRequest:
 
     def search(self, method: Method) -> RootSearch[Point]:
         """One by a method, none sampled yet."""
-        precision = Precision() if method == "closed_form" else _PRE_IE if self.has_closed_form else _ALONE
-        return RootSearch(partial(self.samples, method), self.high - self.low, precision)
+        precision = {} if method == "closed_form" else _PRE_IE if self.has_closed_form else _ALONE
+        return RootSearch(partial(self.samples, method), self.high - self.low, **precision)
 
     @property
     def has_closed_form(self) -> bool:
@@ -101,16 +102,16 @@ class FactorRequest:
         found |= alone
         return [sample_of(value, found[value], method, self.target) for value in values]
 
+    @property
+    def alone(self) -> "FactorRequest":
+        """The same, of which every value is a design of its own."""
+        return replace(self, columns=None)
+
     def both(self, value: float) -> Point:
         """What both methods say at a value, as a design of its own."""
         if value not in self.points:
-            self.points[value] = self.alone(value, True)
+            self.alone.samples("pre_ie", [value])
         return self.points[value]
-
-    def alone(self, value: float, pre_ie: bool) -> Point:
-        """What both methods, or the closed form alone, say of the design with a value."""
-        self.advance(1)
-        return point_with(self.design, pre_ie, False, values_of(self.design, [self.key], [value]))
 
     def confirms(self, method: Method, search: RootSearch[Point]) -> bool:
         """Whether designs of their own say what a search has at its crossings."""

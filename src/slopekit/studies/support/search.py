@@ -21,12 +21,12 @@ from slopekit.kinds.protocol import Factors
 from slopekit.kinds.single_block.closed_forms import OnArrays
 from slopekit.loads import Hull
 from slopekit.studies.points import UNSETTLED, Method
-from slopekit.studies.roots import Precision, RootSearch, Sample, level_at
+from slopekit.studies.roots import RootSearch, Sample, level_at
 from slopekit.studies.solve.factor_request import level_of
 
 _WITHIN = 1.5e-7  # of the target: the least force gives it, or more by at most twice this part
 _FURTHER = (1.0 + 1e-6, 1.003, 1.03, 1.12, 1.3, 1.7, 2.5, 4.0, 7.0, 12.0)  # times a guess, and the guess by them
-_PRECISION = Precision(resolution=1e-10, near=_WITHIN / (2.0 + _WITHIN), same=1e-6, jump=1e-3, edge=1e-3)
+_PRECISION = {"resolution": 1e-10, "near": _WITHIN / (2.0 + _WITHIN), "same": 1e-6, "jump": 1e-3, "edge": 1e-3}
 _TRIED = np.logspace(-4.0, 4.0, 65)  # times the weight: forces by which directions are compared
 _HALVINGS = 30
 _STEP_DEG = 5.0  # of trend and plunge as they are set out
@@ -275,10 +275,10 @@ def least_force(ask: Callable[[float], Answer], target: float, guess: float, at_
             for force, answer in zip(forces, answers, strict=True)
         ]
 
-    search = RootSearch(samples, guess, _PRECISION)
+    search = RootSearch(samples, guess, **_PRECISION)
     search.look_outwards([0.0, *(guess * by for by in _FURTHER), *(guess / by for by in _FURTHER)], guess)
     for crossing in search.crossings():
-        if abs(level_at(crossing.best)) <= _PRECISION.near:
+        if abs(level_at(crossing.best)) <= search.near:
             return Need(crossing.best.at, crossing.best.found)
         if crossing.rises:
             below = None if crossing.how == "root" else crossing.before.found.search_level
