@@ -17,7 +17,7 @@ from slopekit.studies.evaluation.vectorised import Vectorised
 from slopekit.studies.keys import Key, values_of
 from slopekit.studies.points import Method, Point, factor_at, point_of, point_with, status_of
 from slopekit.studies.protocol import Advance
-from slopekit.studies.roots import RootSearch, Sample, places
+from slopekit.studies.roots import RootSearch, Sample, level_at, places
 from slopekit.studies.running import ALONE, Crew, run_all
 
 #: Places of the grid evenly over the range, and how near to the present value; where PRE-IE alone answers.
@@ -114,8 +114,9 @@ class FactorRequest:
         return self.points[value]
 
     def confirms(self, method: Method, search: RootSearch[Point]) -> bool:
-        """Whether designs of their own say what a search has at its crossings."""
-        samples = [crossing.best for crossing in search.crossings()]
+        """Whether designs of their own say what a search has at its crossings, its least and its greatest."""
+        by_level = sorted(search.defined, key=level_at)
+        samples = [*by_level[:1], *by_level[-1:], *(crossing.best for crossing in search.crossings())]
         alone = [sample_of(sample.at, self.both(sample.at), method, self.target) for sample in samples]
         return all(
             abs((one.level or 0.0) - (other.level or 0.0)) <= _SAME_LEVEL
