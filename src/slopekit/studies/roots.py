@@ -63,14 +63,16 @@ class RootSearch(Generic[T]):
     same : a difference of levels across a narrow bracket that is no jump
     jump : a bracket that narrow with levels far apart is a jump, and is narrowed no further
     edge : the width to which the ends of what is defined are found
+    reach : how near the least and the greatest level are found where none is zero
     """
 
     def __init__(
         self, ask: Callable[[Sequence[float]], list[Sample[T]]], span: float, *, resolution: float = 4e-16,
-        near: float = 0.0, same: float = 1e-7, jump: float = 0.0, edge: float = 1e-10,
+        near: float = 0.0, same: float = 1e-7, jump: float = 0.0, edge: float = 1e-10, reach: float = 1e-6,
     ) -> None:  # fmt: skip
         self._ask, self.span = ask, span
-        self.resolution, self.near, self.same, self.jump, self.edge = resolution, near, same, jump, edge
+        self.resolution, self.near, self.same = resolution, near, same
+        self.jump, self.edge, self.reach = jump, edge, reach
         self._known: dict[float, Sample[T]] = {}  # in the order in which they were asked for
 
     @property
@@ -154,7 +156,7 @@ class RootSearch(Generic[T]):
             low, middle, high = level_at(a), level_at(b), level_at(c)
             rise = max(abs(low - middle), abs(high - middle))
             is_nearest = abs(middle) < min(abs(low), abs(high)) and low * middle > 0.0 and middle * high > 0.0
-            least = self.same if b.at in outermost else abs(middle) if is_nearest else math.inf
+            least = self.reach if b.at in outermost else abs(middle) if is_nearest else math.inf
             if (middle - low) * (high - middle) < 0.0 and rise > least:
                 turning.add(b.at)
         return turning

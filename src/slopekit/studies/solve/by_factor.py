@@ -1,9 +1,10 @@
 """The value of one number of a design at which its factor of safety is a target, by both methods."""
 
+import math
 import time
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import chain, groupby, pairwise
+from itertools import groupby, pairwise
 
 from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.design.common import Design
@@ -34,6 +35,8 @@ _UNIT_LOAD = 1.0
 _OF_PATH = 0.5  # of the work of one answer, for the path in a load
 _FURTHER = (1.0 + 1e-6, 1.02, 1.1, 1.3, 2.0, 4.0)  # times the value at which that ends: blocks that tip do so at once
 _BRACKET = 1e-7  # of a value, to both sides: where PRE-IE looks for its own root beside that of the closed form
+
+_SHORT = 1e-2  # of a value: so far from where the planes cut none, a block is no sliver
 
 
 def for_factor(
@@ -105,14 +108,20 @@ def _by_both(asked: FactorRequest) -> tuple[FactorRequest, Answers | None, Answe
 
 
 def _places(asked: FactorRequest, closed: RootSearch[Point]) -> list[float]:
-    """Where PRE-IE is asked first: where the closed form changes, and about its roots."""
-    changes = [(a.at, b.at) for a, b in pairwise(closed.samples) if a.label != b.label]
-    by_level = sorted(closed.defined, key=level_at)
-    places = {asked.low, asked.high, *chain.from_iterable(changes), *(end.at for end in by_level[:1] + by_level[-1:])}
+    """Where PRE-IE is asked first: where the closed form changes, about its roots, and short of where blocks end."""
+    places = {asked.low, asked.high}
+    for a, b in pairwise(closed.samples):
+        if a.label != b.label and a.level is not None and b.level is not None:
+            places |= {a.at, b.at}
+        elif (a.level is None) is not (b.level is None):
+            outside, inside = (a.at, b.at) if a.level is None else (b.at, a.at)
+            size = max(abs(inside), 1e-6 * closed.span)
+            places |= {outside, inside + math.copysign(_SHORT * size, inside - outside)}
     for crossing in closed.crossings():
         root = crossing.best.at
         width = _BRACKET * max(abs(root), 1e-6 * closed.span)
-        places |= {crossing.before.at, root - width, root, root + width, crossing.after.at}
+        if crossing.how != "gap":
+            places |= {crossing.before.at, root - width, root, root + width, crossing.after.at}
     if asked.key.value is not None:
         places.add(asked.key.value)
     return sorted(place for place in places if asked.low <= place <= asked.high)

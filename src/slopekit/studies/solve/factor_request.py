@@ -27,7 +27,7 @@ SAME = 2e-3
 """A step that other node pairs make in the factor of PRE-IE: no jump."""
 #: How finely PRE-IE is looked at, and where its factor takes long, as `RootSearch` has it.
 _PRE_IE = {"resolution": 1e-10, "near": 1e-11, "same": SAME, "jump": 1e-5, "edge": 1e-3}
-_ALONE = {"resolution": 1e-8, "near": 2e-8, "same": SAME, "jump": 1e-5, "edge": 1e-4}
+_ALONE = {"resolution": 1e-8, "near": 2e-8, "same": SAME, "jump": 1e-5, "edge": 1e-4, "reach": math.inf}
 _SAME_LEVEL = 1e-6  # what arrays and a run make of the same design
 Samples: TypeAlias = list[Sample[Point]]
 

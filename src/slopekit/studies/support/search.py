@@ -26,7 +26,8 @@ from slopekit.studies.solve.factor_request import level_of
 
 _WITHIN = 1.5e-7  # of the target: the least force gives it, or more by at most twice this part
 _FURTHER = (1.0 + 1e-6, 1.003, 1.03, 1.12, 1.3, 1.7, 2.5, 4.0, 7.0, 12.0)  # times a guess, and the guess by them
-_PRECISION = {"resolution": 1e-10, "near": _WITHIN / (2.0 + _WITHIN), "same": 1e-6, "jump": 1e-3, "edge": 1e-3}
+_FINELY = {"resolution": 1e-10, "near": _WITHIN / (2.0 + _WITHIN), "same": 1e-6}  # as `RootSearch` has it,
+_ROUGHLY = {"jump": 1e-3, "edge": 1e-3, "reach": 1e-3}  # and where there is no root
 _TRIED = np.logspace(-4.0, 4.0, 65)  # times the weight: forces by which directions are compared
 _HALVINGS = 30
 _STEP_DEG = 5.0  # of trend and plunge as they are set out
@@ -275,7 +276,7 @@ def least_force(ask: Callable[[float], Answer], target: float, guess: float, at_
             for force, answer in zip(forces, answers, strict=True)
         ]
 
-    search = RootSearch(samples, guess, **_PRECISION)
+    search = RootSearch(samples, guess, **_FINELY, **_ROUGHLY)
     search.look_outwards([0.0, *(guess * by for by in _FURTHER), *(guess / by for by in _FURTHER)], guess)
     for crossing in search.crossings():
         if abs(level_at(crossing.best)) <= search.near:
