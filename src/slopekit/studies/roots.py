@@ -105,7 +105,7 @@ class RootSearch(Generic[T]):
                 self.add(run[0].at + (run[-1].at - run[0].at) * part / _PARTS for part in range(1, _PARTS))
         self._narrow(self._looked_into)
 
-    def look_outwards(self, places: Iterable[float], start: float, at_once: int = 1) -> None:
+    def look_outwards(self, places: Iterable[float], start: float) -> None:
         """Sample a grid from one place outwards, on the side whose level is nearer to zero, until zero is passed.
 
         Where that is within the grid nothing else is looked into.
@@ -118,9 +118,8 @@ class RootSearch(Generic[T]):
             levels = [math.inf if end.level is None else abs(end.level) for end in ends]
             nearest = min(level for level, way in zip(levels, ways, strict=True) if way)
             for level, way in zip(levels, ways, strict=True):
-                if level <= nearest:
-                    self.add(way[:at_once])
-                    del way[:at_once]
+                if way and level <= nearest:
+                    self.add([way.pop(0)])
         self._narrow(self._in_brackets if self.passes else self._looked_into)
 
     # -- where to look next -----------------------------------------------------------------------

@@ -143,7 +143,7 @@ def _by_pre_ie_alone(asked: FactorRequest, whole: bool) -> Answers:
         search.look_outwards([*ends, *(place for place in further if asked.low < place < asked.high)], last)
     if not search.passes:
         search.add(grid if whole else ())
-        search.look_outwards(grid, start, asked.crew.jobs)
+        search.look_outwards(grid, start)
     return _answers(asked, "pre_ie", search)
 
 
