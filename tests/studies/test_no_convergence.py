@@ -1,6 +1,5 @@
 """Where PRE-IE does not converge a study says so, refuses no input, and ends with 4: what it asks may be there."""
 
-import warnings
 from dataclasses import replace
 from types import SimpleNamespace as namespace
 
@@ -21,6 +20,7 @@ from slopekit.studies.combos import run as combos
 from slopekit.studies.outcomes import ByMethod
 from slopekit.studies.points import Point
 from slopekit.studies.quake import yielding
+from slopekit.studies.roots import Sample
 from slopekit.studies.running import ALONE
 from slopekit.studies.solve import by_factor, factor_request
 from tests.commands import slopekit
@@ -98,12 +98,11 @@ def test_a_motion_that_did_not_settle_has_no_factor(monkeypatch) -> None:
     assert Point(lost).is_in_doubt
 
 
-def test_secants_that_lead_nowhere_find_no_coefficient() -> None:
+def test_a_search_that_leads_nowhere_finds_no_coefficient(monkeypatch) -> None:
     """Where the level is the same everywhere there is no root, nor where it lies beyond what a coefficient may be."""
     for level, root in ((lambda k: 0.5 - k, 0.5), (lambda _: 0.3, None), (lambda k: 5.0 - k, None)):
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RuntimeWarning)
-            found = yielding._root(level, 0.2, 1e-12, lambda _: None)
+        monkeypatch.setattr(yielding, "sample_of", lambda k, *_, level=level: Sample(k, level(k), "", None))
+        found = yielding._root(_slab(), "pre_ie", 0.2, (), lambda _: None)
         assert found == (None if root is None else pytest.approx(root, rel=1e-12))
 
 
@@ -117,7 +116,7 @@ def test_an_earthquake_on_a_slope_without_a_factor(monkeypatch) -> None:
 
 def test_no_k_is_found_where_pre_ie_does_not_converge(monkeypatch) -> None:
     """It is not said that no earthquake moves the blocks; a sound input is not refused."""
-    monkeypatch.setattr(by_factor, "look_from_path", lambda *_: [])
+    monkeypatch.setattr(by_factor, "end_of_path", lambda _: None)
     without_a_number(monkeypatch, 0.01, 10.0)
     with pytest.raises(DesignError) as error:
         yielding.yields_of(_slab(), ALONE, lambda _: None)

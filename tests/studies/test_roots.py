@@ -5,20 +5,25 @@ from itertools import pairwise
 
 import pytest
 
-from slopekit.studies.solve.roots import RootSearch, Sample, near_by, places
+from slopekit.studies.roots import RootSearch, Sample, places
 
 
 def search(function, low, high, count=30, labels=None, **options):
     """A search over an even grid; the function returns None where it is undefined."""
     calls = []
-
-    def sample(at):
-        calls.extend(at)
-        return [Sample(x, function(x), labels(x) if labels else "", None) for x in at]
-
-    found = RootSearch(sample, high - low, **options)
-    found.add(low + (high - low) * k / (count - 1) for k in range(count))
+    found = RootSearch(asked(function, calls, labels), high - low, **options)
+    found.look(low + (high - low) * k / (count - 1) for k in range(count))
     return found, calls
+
+
+def asked(function, calls, labels=None):
+    """A function that is asked at several places at once, and notes them."""
+
+    def ask(places):
+        calls.append(list(places))
+        return [Sample(x, function(x), labels(x) if labels else "", None) for x in places]
+
+    return ask
 
 
 @pytest.mark.parametrize(
@@ -40,7 +45,15 @@ def test_roots_to_the_last_digits(function, low, high, roots) -> None:
     for crossing, root in zip(crossings, roots, strict=True):
         assert crossing.best.at == pytest.approx(root, rel=1e-14 if function(root) < 1e-12 else 1e-6, abs=1e-14)
         assert crossing.before.at <= root * (1 + 1e-14) + 1e-14
-    assert len(calls) == len(set(calls))  # each place once
+    every = [place for places in calls for place in places]
+    assert len(every) == len(set(every))  # each place once
+
+
+def test_brackets_are_narrowed_together() -> None:
+    """Three roots take hardly more rounds than the slowest of them."""
+    _, calls = search(math.sin, 1.0, 10.0)
+    assert len(calls) < 12
+    assert all(len(places) in (3, 7) for places in calls[1:-2])  # 7: the only stretch in eight parts
 
 
 def test_jumps_are_no_roots() -> None:
@@ -62,14 +75,11 @@ def test_gaps_are_named_and_what_lies_beside_them_is_found() -> None:
     def function(x):
         return None if 0.4 < x < 0.6 else x - 0.5
 
-    found, _ = search(function, 0.0, 1.0)
-    found.find_edges(1e-12)
+    found, _ = search(function, 0.0, 1.0, edge=1e-12)
     (crossing,) = found.crossings()
     assert crossing.how == "gap"
     assert (crossing.before.at, crossing.after.at) == pytest.approx((0.4, 0.6), abs=1e-11)
     near, _ = search(lambda x: None if x < 0.3 else 1e-4 - (x - 0.3), 0.0, 1.0)  # a root next to an edge
-    assert near.crossings() == []
-    near.find_edges(1e-12)
     (crossing,) = near.crossings()
     assert crossing.how == "root"
     assert crossing.best.at == pytest.approx(0.3001, abs=1e-13)
@@ -89,8 +99,6 @@ def test_a_narrow_gap_met_while_polishing() -> None:
 
 def test_two_roots_between_grid_points_are_found_by_the_turning_point() -> None:
     found, _ = search(lambda x: (x - 0.521) ** 2 - 1e-4, 0.0, 1.0, count=11)
-    assert found.crossings() == []
-    found.find_extremes(24)
     assert [crossing.best.at for crossing in found.crossings()] == pytest.approx([0.511, 0.531], abs=1e-12)
 
 
@@ -103,7 +111,6 @@ def test_a_root_hidden_by_a_jump_is_found_by_the_label() -> None:
     found, _ = search(function, 0.0, 1.0, count=11, labels=lambda x: "a" if x < 0.52 else "b")
     assert [crossing.how for crossing in found.crossings()] == ["root"]  # 0.5 itself is on the grid
     found, _ = search(function, 0.013, 1.0, count=11, labels=lambda x: "a" if x < 0.52 else "b")
-    found.find_changes(1e-12)
     assert [crossing.how for crossing in found.crossings()] == ["root", "jump"]
 
 
@@ -116,23 +123,34 @@ def test_it_stops_where_it_is_near_enough() -> None:
     found, calls = search(lambda x: x - 0.123, 0.0, 1.0, near=1e-3)
     (crossing,) = found.crossings()
     assert abs(crossing.best.level) <= 1e-3
-    assert len(calls) < 35
+    assert sum(map(len, calls)) < 42
+
+
+@pytest.mark.parametrize("start", [0.2, 0.9])
+def test_outwards_it_ends_where_zero_is_passed(start) -> None:
+    """Whatever side it lies on: no place of the grid beyond it is asked for."""
+    grid, calls = [k / 20 for k in range(21)], []
+    found = RootSearch(asked(lambda x: x - 0.523, calls), 1.0, near=1e-6)
+    found.look_outwards(grid, start)
+    assert found.crossings()[0].best.at == pytest.approx(0.523, abs=1e-6)
+    assert sum(map(len, calls)) < 13
+    never = RootSearch(asked(lambda x: 1.0 + x, calls), 1.0)
+    never.look_outwards(grid, start)
+    assert {sample.at for sample in never.samples} >= set(grid)
+    assert never.crossings() == []
 
 
 def test_places_are_fine_near_the_present_value() -> None:
-    even = places(0.0, 90.0, 20.0, even=33, close=6, each_decade=3)
+    even = places(0.0, 90.0, 20.0, even=33, close=2e-3)
     assert {0.0, 20.0, 90.0} <= set(even)
     assert min(abs(place - 20.0) for place in even if place != 20.0) < 0.05
-    decades = places(0.0, 1e5, 50.0, even=33, close=6, each_decade=3)
+    decades = places(0.0, 1e5, 50.0, even=33, close=2e-3)
     assert {0.0, 50.0, 1e5} <= set(decades)
     assert max(b / a for a, b in pairwise(decades[1:])) < 10.0 ** (1 / 3) + 1e-9
-    around = places(-1e5, 1e5, 3.0, even=9, close=1, each_decade=2, around_zero=True)
+    around = places(-1e5, 1e5, 3.0, even=9, close=0.2)
     assert min(around) == -1e5
-    assert any(abs(place - 3.0) < 0.1 for place in around if place != 3.0)
-    assert places(0.0, 1.0, None, even=3, close=1, each_decade=2) == [0.0, 0.5, 1.0]
-    assert near_by([0.0, 1.0], 0.0, 1.0, None) == []
-    assert near_by(decades, 0.0, 1e5, 50.0)[0] == 10.0
-    assert near_by(decades, 0.0, 1e5, 50.0)[-1] == 250.0
+    assert any(abs(place - 3.0) <= 0.2 * 3.0 for place in around if place != 3.0)
+    assert places(0.0, 1.0, None, even=3, close=1.0) == [0.0, 0.5, 1.0]
 
 
 def test_rounding_beside_an_edge_is_not_looked_at_for_ever() -> None:
@@ -144,9 +162,6 @@ def test_rounding_beside_an_edge_is_not_looked_at_for_ever() -> None:
         return math.copysign(0.5, math.sin(1e12 * x)) if x < 1.0 + 1e-7 else 1.5 - x
 
     found, calls = search(function, 0.0, 2.0, labels=lambda x: f"{math.sin(1e12 * x) > 0}" if x < 1.0 + 1e-7 else "")
-    found.find_edges(1e-10)
-    found.find_changes(1e-10)
-    found.find_extremes(24)
     roots = [crossing.best.at for crossing in found.crossings() if crossing.how == "root"]
     assert roots == pytest.approx([1.5], abs=1e-14)
-    assert len(calls) < 1000
+    assert sum(map(len, calls)) < 1000

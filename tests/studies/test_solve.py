@@ -59,6 +59,24 @@ def put_back(design: dict, key: str, found, target: float, again: float = 1e-6) 
     assert min(at_a, at_b) - 1e-6 <= target <= max(at_a, at_b) + 1e-6
 
 
+@pytest.mark.parametrize("key", ["water.fill", "slope.face.dip", "loads.seismic.k"])
+def test_values_on_arrays_are_those_of_designs_one_by_one(key, monkeypatch) -> None:
+    """Of the same wedge; and where arrays have another factor, designs of their own are asked at once."""
+    arrays = factor_request.points_on_arrays
+
+    def off(*given):
+        return [one and replace(one, factors=one.factors and replace(one.factors, limit=2.0)) for one in arrays(*given)]
+
+    found = [solved("bare", key, 1.5)]
+    monkeypatch.setattr(factor_request, "points_on_arrays", off)
+    found.append(solve(sk.load(DESIGNS["bare"]), key, fos=1.5))
+    monkeypatch.setattr(factor_request.FactorRequest, "on_arrays", None)
+    found.append(solve(sk.load(DESIGNS["bare"]), key, fos=1.5))
+    for roots in zip(*(one.pre_ie.roots for one in found), strict=True):
+        assert [root.value for root in roots[1:]] == pytest.approx([roots[0].value] * 2, rel=1e-9)
+    assert len(found[0].pre_ie.roots) == 1
+
+
 OF_A_WEDGE = [
     ("strength.weak.phi", 1.3), ("water.fill", 1.2), ("loads.seismic.k", 1.2), ("support.bolts.0.force", 2.0),
     ("rock.density", 1.7), ("joints.J1.plane.dip", 1.7),

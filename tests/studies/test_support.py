@@ -545,7 +545,7 @@ def test_every_option_that_is_not_understood_is_named_at_once() -> None:
 OUT_OF_REACH = [
     ("E322", PLANE, {"toward": "180/10", "acts": "active"}, "it drives the block as much as it holds it"),
     ("E322", PLANE, {"toward": "000/75", "acts": "active", "fos": 2.5}, "at best FoS"),
-    ("E322", WEDGE, {"toward": "270/-30", "acts": "active", "fos": 2}, "it drives the block as much as it holds it"),
+    ("E322", WEDGE, {"toward": "270/-30", "acts": "active", "fos": 2}, "at best FoS 1.296 at 3922 kN"),
     ("E322", WEDGE, {"plunge": "80,85", "acts": "active"}, "no direction into the face that plunges 80 to 85"),
     ("E322", PLANE, {"toward": "000/80", "acts": "passive"}, "the movement does not draw passive bolts out"),
     ("E322", WEDGE, {"toward": "275/0", "acts": "passive", "fos": 1.8}, "at best FoS"),

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.core.arrays import Floats, Ints
+from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.errors import DesignError, Notice
 from slopekit.design.common import Design
 from slopekit.design.fields import field_in
@@ -28,7 +28,7 @@ from slopekit.studies.evaluation.rows import Rows, outcomes_on_arrays
 from slopekit.studies.evaluation.vectorised import Vectorised, vectorised
 from slopekit.studies.keys import Key, values_of
 from slopekit.studies.outcomes import NO_BLOCK, ByMethod, Outcomes
-from slopekit.studies.points import UNSETTLED, Point
+from slopekit.studies.points import UNSETTLED, Point, status_of
 
 #: What a run says because of its answer; all else that it says follows from the inputs.
 _OF_ANSWERS = ("W307", "W308", "W328")
@@ -52,9 +52,7 @@ class ColumnRows(Rows):
         self.columns: Vectorised | None = None
         self.notices: tuple[Notice, ...] = ()  # that a run gives of the inputs
         self.single = np.ones(len(self.places), dtype=bool)  # rows that are designs of their own
-        is_laid_out = any(bolt.head_m is not None for bolt in design.bolts)
-        is_searched = bool(getattr(design, "crack_searched", ""))
-        if kind_of(design).on_arrays is not None and len(self.places) > _FEW and not is_laid_out and not is_searched:
+        if len(self.places) > _FEW and may_be_on_arrays(design):
             self._try_arrays(pre_ie)
 
     def __len__(self) -> int:
@@ -85,24 +83,16 @@ class ColumnRows(Rows):
         few = np.linspace(0, len(places) - 1, _FEW).astype(np.int64)
         probes = sorted({int(row) for row in (*few, *places.argmin(axis=0), *places.argmax(axis=0))})
         self.points.update((row, self.point(row, pre_ie)) for row in probes)
-        try:  # with whatever has to be written first
-            fullest = with_values(design, self.settings_at(int(places[:, 0].argmax())))
-        except DesignError:
-            return
-        columns = vectorised(fullest, places, self.settings_at, [key.path for key in keys])
+        columns = columns_of(design, keys, places, pre_ie)
         of_inputs = {
             tuple(note for note in _renamed(point.notes, point.also, _WHOLE) if note.code not in _OF_ANSWERS)
             for point in self.points.values()
             if point.factors is not None
         }
-        if columns is None or not columns.takes(pre_ie) or len(of_inputs) != 1:
+        if columns is None or len(of_inputs) != 1:
             return
         self.notices = of_inputs.pop()
-        with np.errstate(divide="ignore", invalid="ignore"):  # at places whose planes cut no block
-            single = nearly_parallel(columns.on_arrays.bounds(columns.at(places)[0]), len(places))
-        for key, values in zip(keys, places.T, strict=True):
-            refused = [value for value in np.unique(values).tolist() if _is_refused(design, key, value)]
-            single |= np.isin(values, refused)
+        single = single_rows(columns, design, keys, places)
         compared = [row for row in self.points if not single[row]]
         if compared:
             outcomes = self._outcomes(columns, places[compared], pre_ie)
@@ -112,10 +102,7 @@ class ColumnRows(Rows):
         self.columns, self.single, self.is_on_arrays = columns, single, True
 
     def _outcomes(self, columns: Vectorised, places: Floats, pre_ie: bool) -> Outcomes:
-        forms = columns(places)
-        factor = np.where(forms.factor > 0.0, forms.factor, np.nan)
-        closed = ByMethod(forms.names, forms.outcome.astype(np.int16), factor)
-        outcomes, limits, forming = outcomes_on_arrays(columns, places, closed, pre_ie)
+        outcomes, limits, forming = outcomes_on_arrays(columns, places, closed_forms_of(columns, places), pre_ie)
         notes: list[tuple[Notice, ...]] = [()] * len(places)
         if limits is not None:
             of_answers = self._notes(columns, *columns.at(places[forming]), limits)
@@ -156,6 +143,60 @@ class ColumnRows(Rows):
                 *(() if np.isnan(cosine) else shaking(cosine)),
                 *([without_strength(block)] if nothing else ()),
             )
+
+
+def may_be_on_arrays(design: Design) -> bool:
+    """Whether rows of a design may be taken on arrays: none whose bolts stay, or whose crack is looked for, are."""
+    is_laid_out = any(bolt.head_m is not None for bolt in design.bolts)
+    return kind_of(design).on_arrays is not None and not is_laid_out and not getattr(design, "crack_searched", "")
+
+
+def columns_of(design: Design, keys: Sequence[Key], places: Floats, pre_ie: bool) -> Vectorised | None:
+    """The columns of a design on arrays, None where its kind, or one of these values, does not take them.
+
+    Parameters
+    ----------
+    places : (n, k) values of the keys
+    """
+
+    def settings_at(row: int) -> Mapping[str, object]:
+        return values_of(design, keys, places[row].tolist())
+
+    try:  # with whatever has to be written first
+        fullest = with_values(design, settings_at(int(places[:, 0].argmax())))
+    except DesignError:
+        return None
+    columns = vectorised(fullest, places, settings_at, [key.path for key in keys])
+    return columns if columns is not None and columns.takes(pre_ie) else None
+
+
+def single_rows(columns: Vectorised, design: Design, keys: Sequence[Key], places: Floats) -> Bools:
+    """Which rows (n,) are designs of their own: nearly parallel joints, values that the reader of files refuses."""
+    with np.errstate(divide="ignore", invalid="ignore"):  # at places whose planes cut no block
+        single = nearly_parallel(columns.on_arrays.bounds(columns.at(places)[0]), len(places))
+    for key, values in zip(keys, places.T, strict=True):
+        refused = [value for value in np.unique(values).tolist() if _is_refused(design, key, value)]
+        single |= np.isin(values, refused)
+    return single
+
+
+def closed_forms_of(columns: Vectorised, places: Floats) -> ByMethod:
+    """What the closed form says of rows on arrays; no strength at all is a status, no number."""
+    forms = columns(places)
+    return ByMethod(forms.names, forms.outcome.astype(np.int16), np.where(forms.factor > 0.0, forms.factor, np.nan))
+
+
+def points_on_arrays(
+    columns: Vectorised, design: Design, keys: Sequence[Key], places: Floats, pre_ie: bool
+) -> list[Point | None]:
+    """The points of rows on arrays, without notices and reasons; None of rows that are designs of their own."""
+    points: list[Point | None] = [None] * len(places)
+    rows = np.flatnonzero(~single_rows(columns, design, keys, places))
+    if len(rows):
+        outcomes = outcomes_on_arrays(columns, places[rows], closed_forms_of(columns, places[rows]), pre_ie)[0]
+        for row, point in zip(rows.tolist(), outcomes.points, strict=True):
+            points[row] = None if status_of(point, "pre_ie") == UNSETTLED else point
+    return points
 
 
 def _is_refused(design: Design, key: Key, value: float) -> bool:

@@ -7,27 +7,27 @@ has the inertia of its own motion, and κ is that of the block that goes farthes
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.optimize import newton
 
-from slopekit.core.arrays import Floats
 from slopekit.core.codec import NO_JSON
-from slopekit.core.errors import DesignError, Fault, GeometryError, NoConvergenceError, Notice, SlopekitError
+from slopekit.core.errors import DesignError, Fault, NoConvergenceError, Notice
 from slopekit.core.orientation import number, opposite
 from slopekit.design.common import Design
 from slopekit.design.parts import Force
 from slopekit.design.reading.files import with_values
 from slopekit.design.registry import KINDS, record_of
-from slopekit.kinds import analyse, factors_of, kind_of
-from slopekit.kinds.protocol import Factors
-from slopekit.studies.points import UNSETTLED, Method, factor_at, point_of, status_of
+from slopekit.kinds import analyse, kind_of
+from slopekit.kinds.protocol import Gain
+from slopekit.studies.points import UNSETTLED, Method, Point, factor_at, point_of, status_of
 from slopekit.studies.protocol import Advance
+from slopekit.studies.roots import RootSearch, Sample
 from slopekit.studies.running import Crew
 from slopekit.studies.solve.by_factor import for_factor
-from slopekit.studies.solve.solutions import NO_CONVERGENCE, TOLERANCE, Solution
+from slopekit.studies.solve.factor_request import sample_of
+from slopekit.studies.solve.solutions import NO_CONVERGENCE, Solution
 from slopekit.studies.words import status_words
 
 KEY, TOWARD = "loads.seismic.k", "loads.seismic.toward"
@@ -35,7 +35,9 @@ MOST_K = 2.0  # where a design's coefficient ends
 _SOME_K = 0.1  # a coefficient to ask whether the design takes one
 _PUSH = 0.02  # of the yield coefficient, in parts of the weight: how much a force along the sliding moves it
 _LEAST_PUSH = 1e-3
-_CLOSE = {"closed_form": 1e-12, "pre_ie": 1e-9}  # of k: how near the moved ones are found
+_CLOSE = {"resolution": 1e-12, "near": 1e-13}  # how near these are found
+_NEAR = (1e-3, 1e-2, 0.1, 0.5)  # of it, to both sides: where the moved ones are looked for
+_METHODS: tuple[Method, ...] = ("pre_ie", "closed_form")
 NO_FORM = "it says nothing of shaking that way"
 _DILATES = "its joints dilate: it rises as it slides"
 _JUST_ABOVE = 1.0 + 1e-7  # of k_y: the block moves as it will, and no elastic state at rest is asked for
@@ -153,127 +155,90 @@ def yields_of(static: Design, crew: Crew, advance: Advance) -> tuple[Yield, ...]
     reason = solution.pre_ie.reason
     if reason is not None and (solution.is_open or reason.code in ("E318", "E319")):  # not found is not "no k moves it"
         raise (NoConvergenceError if solution.is_open else DesignError)([reason])
-    methods: tuple[Method, ...] = ("pre_ie", "closed_form")
-    yields = [one for method in methods if (one := _yield_by(static, solution, method, advance)) is not None]
-    if yields and yields[0].method == "pre_ie":
-        at_answer = solution.answer is not None and solution.answer.value == yields[0].coefficient
-        notes = solution.answer.notes if solution.answer is not None and at_answer else ()
-        if yields[0].coefficient is None:
-            notes = tuple(solution.before.notes)
-        yields[0] = replace(yields[0], notes=notes)
-    if len(yields) > 1 and yields[1].coefficient is None and yields[0].coefficient is not None:
-        at = point_of(static, {KEY: yields[0].coefficient})
+    ours, closed = (_yield_by(static, solution, method, advance) for method in _METHODS)
+    if closed is not None and closed.coefficient is None and ours is not None and ours.coefficient is not None:
+        at = point_of(static, {KEY: ours.coefficient})
         advance(1)
-        if at.factors is not None and not at.has_closed_form and yields[1].before > 1.0:
-            yields[1] = replace(yields[1], why_not=NO_FORM)
-    return tuple(yields)
+        if at.factors is not None and not at.has_closed_form and closed.before > 1.0:
+            closed = replace(closed, why_not=NO_FORM)
+    return tuple(one for one in (ours, closed) if one is not None)
 
 
 def _yield_by(static: Design, solution: Solution, method: Method, advance: Advance) -> Yield | None:
     """The yield coefficient by one method; None where it says nothing of the design."""
-    before = factor_at(solution.before, method)
+    before, answers = factor_at(solution.before, method), solution.pre_ie
     if before is None or (method == "closed_form" and not solution.before.has_closed_form):
         return None
     if before <= 1.0:
         return Yield(method, None, status_of(solution.before, method), None, "it does not hold at k = 0", before)
-    agree = None
-    answers = solution.pre_ie if method == "pre_ie" else solution.closed_form
-    if answers is None:  # a closed form that comes with PRE-IE: columns
-        k, status = _beside(static, solution, advance)
-    else:
-        roots = [one for one in (*answers.roots, *answers.others) if one.value > 0.0]
-        first = min(roots, key=lambda one: one.value, default=None)
-        k, status = (None, "") if first is None else (first.value, first.status)
-        agree = None if first is None else first.both.agree
-        if first is not None and first.how != "root" and first not in answers.roots and method == "pre_ie":
-            (_, stands), (_, falls) = first.bracket
-            why = f"moments open a joint there, the factor of safety jumps from {stands:.3g} to {falls:.3g}"
-            return Yield(method, k, status, None, why, before, agree)
-    if k is None:
-        return Yield(method, None, status, None, f"no k up to {MOST_K:g} moves it", before)
+    if method == "closed_form" and solution.closed_form is not None:
+        answers = solution.closed_form
+    roots = [one for one in (*answers.roots, *answers.others) if one.value > 0.0]
+    first = min(roots, key=lambda one: one.value, default=None)
+    if first is None:
+        notes = tuple(solution.before.notes) if method == "pre_ie" else ()
+        return Yield(method, None, "", None, f"no k up to {MOST_K:g} moves it", before, notes=notes)
+    found = Yield(method, first.value, first.status, None, "", before, first.both.agree, notes=first.notes)
+    if answers.method != method:  # a closed form that comes with PRE-IE: columns
+        found = replace(found, coefficient=_root(static, method, first.value, (), advance), agree=None, notes=())
+    elif first not in answers.roots and method == "pre_ie":
+        (_, stands), (_, falls) = first.bracket
+        why = f"moments open a joint there, the factor of safety jumps from {stands:.3g} to {falls:.3g}"
+        return replace(found, why_not=why, notes=())
+    if found.coefficient is None:
+        return replace(found, why_not=f"no k up to {MOST_K:g} moves it")
+    gain = _gain(static, method, found.coefficient, advance)
+    if isinstance(gain, str):
+        return replace(found, why_not=gain)
+    return replace(found, factor=gain.factor, factor_of=gain.block, alone_at=gain.alone_at, first_factor=gain.first)
+
+
+def _root(
+    static: Design, method: Method, start: float, more: tuple[Force, ...], advance: Advance
+) -> float | None:  # fmt: skip
+    """The yield coefficient by a method near another one, under more forces; None where none is found."""
+
+    def ask(coefficients: Sequence[float]) -> list[Sample[Point]]:
+        advance(len(coefficients))
+        points = [point_of(static, {KEY: k}, method == "pre_ie", pushed) for k in coefficients]
+        return [sample_of(k, point, method, 1.0) for k, point in zip(coefficients, points, strict=True)]
+
+    def pushed(design: Design) -> Design:
+        return replace(design, forces=(*design.forces, *more))
+
+    search = RootSearch(ask, MOST_K, **_CLOSE)
+    near = (start * by for part in _NEAR for by in (1.0 - part, 1.0 + part))
+    search.look_outwards((0.0, *(k for k in near if k <= MOST_K), MOST_K), start)
+    return next((crossing.best.at for crossing in search.crossings() if crossing.how == "root"), None)
+
+
+def _gain(static: Design, method: Method, k: float, advance: Advance) -> Gain | str:
+    """How fast the block gains on the ground at a yield coefficient, or why that is not known."""
     kind = kind_of(static)
-    if kind.seismic_gain is None:
-        factor, why = _gain(static, method, k, advance)
-        return Yield(method, k, status, factor, why, before, agree)
-    if any(strength.dilation_deg for strength in kind.strengths(static)):
-        return Yield(method, k, status, None, _DILATES, before, agree)
-    gain = kind.seismic_gain(static, with_values(static, {KEY: 1.0}), k, method == "closed_form")
-    advance(1)
-    if gain is None:
-        return Yield(method, k, status, None, "the motion of the blocks did not settle", before, agree)
-    return Yield(method, k, status, gain.factor, "", before, agree, gain.block, gain.alone_at, gain.first)
-
-
-def _beside(static: Design, solution: Solution, advance: Advance) -> tuple[float | None, str]:
-    """The closed form of columns comes with PRE-IE: from PRE-IE's coefficient by secants."""
-    near = solution.answer
-    if near is None:
-        return None, ""
-    k = _root(lambda at: _level(factors_of(with_values(static, {KEY: at})), "closed_form"), near.value, 1e-9, advance)
-    return k, near.status
-
-
-def _level(factors: Factors, method: Method) -> float | None:
-    """ln F by a method; None where it has no factor."""
-    factor = factors.limit if method == "pre_ie" else factors.closed_form
-    return math.log(factor) if factor else None
-
-
-def _root(level: Callable[[float], float | None], start: float, close: float, advance: Advance) -> float | None:
-    """Where ln F is 0, by secants from nearby; None where they lead nowhere."""
-
-    def level_at(at: float) -> float:
-        found = level(at) if 0.0 <= at <= MOST_K else None
+    dilates = any(strength.dilation_deg for strength in kind.strengths(static))
+    if kind.seismic_gain is not None:
         advance(1)
-        if found is None:
-            raise GeometryError([Fault("E319", f"no factor of safety at k = {number(at)}")])
-        return found
-
-    try:
-        k, search = newton(
-            level_at, start, x1=start * (1.0 + 1e-3) + 1e-6, tol=close * 1e-3, rtol=close, full_output=True, disp=False
-        )
-        # where two levels are the same SciPy calls the middle between their places a root
-        return float(k) if search.converged and abs(level_at(float(k))) < TOLERANCE["pre_ie"] else None
-    except SlopekitError:
-        return None
-
-
-def _gain(static: Design, method: Method, k: float, advance: Advance) -> tuple[float | None, str]:
-    """κ at a yield coefficient, or why there is none."""
+        unit = with_values(static, {KEY: 1.0})
+        gain = None if dilates else kind.seismic_gain(static, unit, k, method == "closed_form")
+        return _DILATES if dilates else gain or "the motion of the blocks did not settle"
     result = analyse(with_values(static, {KEY: k * _JUST_ABOVE}))
     advance(1)
     mechanism = result.limit_state.mechanism
     if mechanism is None or not result.status.startswith("slides"):
-        return None, f"the block does not slide ({result.status})"
+        return f"the block does not slide ({result.status})"
     if result.moments_govern and method == "pre_ie":
-        return None, "moments govern: it turns as it slides"
-    if any(strength.dilation_deg for strength in kind_of(static).strengths(static)):
-        return None, _DILATES
+        return "moments govern: it turns as it slides"
+    if dilates:
+        return _DILATES
     along = mechanism.displacement
     along = along / math.sqrt(float(along @ along))
-    weight = result.forces.weight
     push = max(_PUSH * k, _LEAST_PUSH)
-    moved = [_moved(static, method, k, along, side * push * weight, push, advance) for side in (-1.0, 1.0)]
+    forces = [Force(tuple(np.asarray(side * push * result.forces.weight * along).tolist())) for side in (-1.0, 1.0)]
+    starts = [k + push, k - push if k > push else 0.5 * k]
+    moved = [_root(static, method, start, (force,), advance) for start, force in zip(starts, forces, strict=True)]
     if moved[0] is None or moved[1] is None or not moved[0] > moved[1]:
-        return None, "another way to move is as near"
-    return 2.0 * push / (moved[0] - moved[1]), ""
-
-
-def _moved(
-    static: Design, method: Method, k: float, along: Floats, force: float, push: float, advance: Advance
-) -> float | None:  # fmt: skip
-    """The yield coefficient with a force (kN) along the sliding."""
-    components = np.asarray(force * along).tolist()
-    more = Force((components[0], components[1], components[2]))
-
-    def level(at: float) -> float | None:
-        changed = with_values(static, {KEY: at})
-        changed = replace(changed, forces=(*changed.forces, more))
-        return _level(factors_of(changed, method == "pre_ie"), method)
-
-    start = k - math.copysign(push, force)
-    return _root(level, start if start > 0.0 else 0.5 * k, _CLOSE[method], advance)
+        return "another way to move is as near"
+    return Gain(2.0 * push / (moved[0] - moved[1]), "")
 
 
 def shown_k(k: float | None) -> str:

@@ -1,85 +1,42 @@
 """The value of one number of a design at which its factor of safety is a target, by both methods."""
 
+import math
 import time
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import groupby, pairwise
 
 from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.design.common import Design
 from slopekit.design.parts import ON_FACTOR
 from slopekit.design.reading.files import with_values
-from slopekit.kinds import also_falls_short, dilates, kind_of, peak_only
+from slopekit.kinds import also_falls_short, kind_of, peak_only
 from slopekit.preie.solvers import work_limit
 from slopekit.studies.keys import key_of, values_of
-from slopekit.studies.points import (
-    Point,
-    rules_left_out,
-)
+from slopekit.studies.points import UNSETTLED, Method, Point, factor_at, rules_left_out
 from slopekit.studies.protocol import Advance
 from slopekit.studies.ranges import Within, parse_within
+from slopekit.studies.roots import Crossing, RootSearch, level_at
 from slopekit.studies.running import Crew
-from slopekit.studies.solve.factor_request import (
-    FactorRequest,
-    answers_of,
-    crossings_of,
-    factor_notices,
-    level_at,
-    look_roughly,
-    runs_of,
-)
-from slopekit.studies.solve.roots import Crossing, RootSearch
+from slopekit.studies.solve.factor_request import FINE, ROUGH, FactorRequest, Samples, factor_notices
 from slopekit.studies.solve.solutions import (
     ALIKE,
+    NO_CONVERGENCE,
     Answers,
     Solution,
     SolvedValue,
     notices,
+    reason_of,
     refuse_as_run,
     target_of,
 )
 
 _UNIT_LOAD = 1.0
 _OF_PATH = 0.5  # of the work of one answer, for the path in a load
-_ABOVE = 1.0 + 1e-6  # times the value at which that ends: blocks that tip do so at once there
-_FURTHER = (1.02, 1.1, 1.3, 2.0, 4.0)  # times the value, or divided by it, until the target is passed
-
-
-def look_from_path(search: RootSearch[Point], asked: FactorRequest) -> list[Crossing[Point]]:
-    """Where many blocks fail as a load comes on last, at the strength divided by the target, and from there on.
-
-    Wherever that path ends, the value is where the factor, the strength divided last, is the target, or falls past it.
-    """
-    at_load = kind_of(asked.design).at_load
-    assert at_load is not None
-    without, unit = (
-        with_values(asked.design, values_of(asked.design, [asked.key], [value])) for value in (0.0, _UNIT_LOAD)
-    )
-    with work_limit.allowed(_OF_PATH * work_limit.MOST):
-        last = at_load(without, unit, asked.target)
-    if last is None or not asked.low < last < asked.high:
-        return []
-    here = search.at(last)
-    if here.level is None or abs(here.level) <= search.near:
-        return crossings_of(search)
-    stands = here.level > 0.0
-    steps = [_ABOVE, *_FURTHER] if stands else [1.0 / by for by in _FURTHER]
-    values = [by * here.at for by in steps if asked.low < by * here.at < asked.high]
-    for value in (*values, asked.high if stands else max(asked.low, 0.0)):
-        if level_at(search.at(value)) * here.level < 0.0:
-            break
-    return crossings_of(search)
-
-
-_EDGE = 1e-10  # of a value: how near edges of validity and changes of status are found
-_SECTIONS = 24
-_EACH_BRANCH = 8  # parts into which a stretch of one status is divided
-_FINE = 33, 6, 3  # evenly over the range, closer to the present value, to a decade
-_MOST_SHARED = 12  # places of the grid at which PRE-IE is asked too
-_PARTS = (0.25, 0.5, 0.75)  # of a stretch that has no place of the grid
+_FURTHER = (1.0 + 1e-6, 1.02, 1.1, 1.3, 2.0, 4.0)  # times the value at which that ends: blocks that tip do so at once
 _BRACKET = 1e-7  # of a value, to both sides: where PRE-IE looks for its own root beside that of the closed form
-_MOST_JUMPS = 4  # of the closed form that PRE-IE looks at from both sides
-_BESIDE = 1e-3  # a level of PRE-IE at the closed form's root within this: its own root is beside it
-_TURNS_WITHIN = 0.1  # of the target: where PRE-IE turns around further off it is let be
+
+_SHORT = 1e-2  # of a value: so far from where the planes cut none, a block is no sliver
 
 
 def for_factor(
@@ -112,30 +69,17 @@ def for_factor(
         raise DesignError([Fault("E311", message, one.path, "Sweep it: slopekit sweep design.yaml KEY=1,2,3")])
     low, high = parse_within(one, text if equals else within)
     target, own = target_of(design, fos)
-    closed: Answers | None = None
     asked = FactorRequest(design, one, low, high, target, crew, advance)
-    if kind_of(design).closed_form is not None:
-        quick = asked.search("closed_form")
-        _look_closely(quick, asked)
-        crossings = crossings_of(quick)
-        closed = answers_of("closed_form", asked, quick, crossings)
-        search = asked.search("pre_ie")
-        _look_again(search, quick, crossings, asked)
-        pre_ie = answers_of("pre_ie", asked, search, crossings_of(search))
+    if asked.has_closed_form:
+        asked, closed, pre_ie = _by_both(asked)
     else:
-        search = asked.search("pre_ie", slow=True)
-        crossings = look_from_path(search, asked) if asked.drives_blocks else []
-        if not crossings:
-            crossings = look_roughly(search, asked, bool(equals) or within is not None)
-        pre_ie = answers_of("pre_ie", asked, search, crossings)
+        closed, pre_ie = None, _by_pre_ie_alone(asked, bool(equals) or within is not None)
     if pre_ie.least is None:
         refuse_as_run(design, asked.before(), asked.points.values())
     if pre_ie.roots:
         first = pre_ie.roots[0]
         first = replace(first, notes=(*first.notes, *_beside(asked, first)))
         pre_ie = replace(pre_ie, roots=(first, *pre_ie.roots[1:]))
-    if closed is not None:
-        closed = replace(closed, roots=tuple(replace(root, both=asked.both(root.value)) for root in closed.roots))
     solution = Solution(design, one, target, (low, high), own, asked.before(), closed, pre_ie)
     said = tuple(notices(solution))
     said += (*_at_peak(solution), *(rules_left_out(design, ON_FACTOR) if own else ()))
@@ -151,61 +95,113 @@ def _at_peak(solution: Solution) -> tuple[Notice, ...]:
     return peak_only(found, "the target is met by the factor")
 
 
-def _look_closely(search: RootSearch[Point], asked: FactorRequest) -> None:
-    """A closed form takes a millisecond: edges, changes of status and turning points are all found."""
-    search.add(asked.grid(*_FINE))
-    search.find_edges(_EDGE)
-    search.find_changes(_EDGE)
-    # a narrow stretch of one kind may have no place of the grid
-    for run in list(runs_of(search.samples, lambda sample: "" if sample.level is None else sample.label)):
-        low, high = run[0].at, run[-1].at
-        search.add(low + (high - low) * k / _EACH_BRANCH for k in range(1, _EACH_BRANCH))
-    search.find_extremes(_SECTIONS)
+def _by_both(asked: FactorRequest) -> tuple[FactorRequest, Answers | None, Answers]:
+    """The closed form on a grid, and PRE-IE at its places: at all of them on arrays, else where they change."""
+    for columns in (asked.on_arrays, None):
+        asked = replace(asked, columns=columns)
+        closed, search = asked.search("closed_form"), asked.search("pre_ie")
+        closed.look(asked.grid(*FINE))
+        search.look(_places(asked, closed))
+        if columns is None or (asked.confirms("closed_form", closed) and asked.confirms("pre_ie", search)):
+            break
+    return asked, _answers(asked, "closed_form", closed), _answers(asked, "pre_ie", search)
 
 
-def _look_again(
-    search: RootSearch[Point], quick: RootSearch[Point], crossings: list[Crossing[Point]], asked: FactorRequest
-) -> None:
-    """PRE-IE where the closed form passes the target, and here and there where it lies above.
+def _places(asked: FactorRequest, closed: RootSearch[Point]) -> list[float]:
+    """Where PRE-IE is asked first: where the closed form changes, about its roots, and short of where blocks end."""
+    places = {asked.low, asked.high}
+    for a, b in pairwise(closed.samples):
+        if a.label != b.label and a.level is not None and b.level is not None:
+            places |= {a.at, b.at}
+        elif (a.level is None) is not (b.level is None):
+            outside, inside = (a.at, b.at) if a.level is None else (b.at, a.at)
+            size = max(abs(inside), 1e-6 * closed.span)
+            places |= {outside, inside + math.copysign(_SHORT * size, inside - outside)}
+    for crossing in closed.crossings():
+        root = crossing.best.at
+        width = _BRACKET * max(abs(root), 1e-6 * closed.span)
+        if crossing.how != "gap":
+            places |= {crossing.before.at, root - width, root, root + width, crossing.after.at}
+    if asked.key.value is not None:
+        places.add(asked.key.value)
+    return sorted(place for place in places if asked.low <= place <= asked.high)
 
-    Moments only take from the factor, so where the forces alone are below the target nothing crosses it; joints that
-    dilate are looked at everywhere, and so is a factor that never gets there, for what it reaches.
+
+def _by_pre_ie_alone(asked: FactorRequest, whole: bool) -> Answers:
+    """Where an answer takes long: outwards from the present value, or from where the path in a load ends.
+
+    Parameters
+    ----------
+    whole : look at all of the range
     """
-    taken = set[float]()
-    if asked.key.value is not None and asked.low <= asked.key.value <= asked.high:
-        taken.add(asked.key.value)
-    jumps = [crossing for crossing in crossings if crossing.how != "root"][:_MOST_JUMPS]
-    taken |= {end.at for crossing in jumps for end in (crossing.before, crossing.after)}
-    roots = [crossing.best.at for crossing in crossings if crossing.how == "root"]
-    for root, sample in zip(roots, search.add(roots), strict=True):
-        width = _BRACKET * max(abs(root), 1e-6 * search.span)
-        if abs(level_at(sample)) < _BESIDE:
-            taken |= {place for place in (root - width, root + width) if asked.low <= place <= asked.high}
-    everywhere = dilates(asked.design) or asked.key.path.endswith(".dilation") or not crossings
-    # where the closed form lies above the target without a break, or wherever it has a factor
-    above = runs_of(quick.samples, lambda sample: sample.level is not None and (everywhere or sample.level >= -ALIKE))
-    stretches = [(run[0].at, run[-1].at) for run in above]
-    if not crossings and stretches:
-        taken |= {min(quick.defined, key=level_at).at, max(quick.defined, key=level_at).at}
-    grid = set(asked.grid(*_FINE))
-    for a, b in stretches:
-        inside = [place for place in grid if a < place < b] or [a, b]
-        inside = sorted({*inside, *(a + part * (b - a) for part in _PARTS)} if len(inside) < len(_PARTS) else inside)
-        taken |= {inside[round(k * (len(inside) - 1) / _MOST_SHARED)] for k in range(_MOST_SHARED + 1)}
-    search.add(sorted(taken) or [sample.at for sample in quick.samples[:: max(1, len(quick.samples) // 3)]])
-    for a, b in stretches:
-        _towards_ends(search, quick, a, b)
-    if any(sample.found.moments_govern for sample in search.samples):
-        search.find_extremes(_SECTIONS // 3, within=_TURNS_WITHIN, ends=False)
+    search, grid, own = asked.search("pre_ie"), asked.grid(*ROUGH), asked.key.value
+    start = own if own is not None and asked.low <= own <= asked.high else grid[len(grid) // 2]
+    last = end_of_path(asked) if asked.drives_blocks else None
+    if last is not None:
+        further = [last * by for by in _FURTHER] + [last / by for by in _FURTHER]
+        ends = max(asked.low, 0.0), asked.high
+        search.look_outwards([*ends, *(place for place in further if asked.low < place < asked.high)], last)
+    if not search.passes:
+        search.add(grid if whole else ())
+        search.look_outwards(grid, start)
+    return _answers(asked, "pre_ie", search)
 
 
-def _towards_ends(search: RootSearch[Point], quick: RootSearch[Point], a: float, b: float) -> None:
-    """Where the factor has not got above the target inside a stretch it may do so near an end that is high."""
-    if any(level_at(sample) > 0.0 for sample in search.defined if a <= sample.at <= b):
-        return
-    for end, other in ((a, b), (b, a)):
-        if level_at(quick.at(end)) > _TURNS_WITHIN:
-            search.add(end + part * (other - end) for part in (1e-2, 1e-4))
+def end_of_path(asked: FactorRequest) -> float | None:
+    """Where many blocks fail as a load comes on last, at the strength divided by the target; None outside the range.
+
+    Wherever that path ends, the value is where the factor, the strength divided last, is the target, or falls past it.
+    """
+    at_load = kind_of(asked.design).at_load
+    assert at_load is not None
+    without, unit = (
+        with_values(asked.design, values_of(asked.design, [asked.key], [value])) for value in (0.0, _UNIT_LOAD)
+    )
+    with work_limit.allowed(_OF_PATH * work_limit.MOST):
+        last = at_load(without, unit, asked.target)
+    return None if last is None or not asked.low < last < asked.high else last
+
+
+def _answers(asked: FactorRequest, method: Method, search: RootSearch[Point]) -> Answers:
+    """What a method says: the root nearest to the present value first."""
+    samples, own = search.samples, asked.key.value
+    levels = [level_at(sample) for sample in search.defined]
+    depends = len(levels) < 2 or max(levels) - min(levels) > ALIKE
+    candidates = [_found(method, asked, crossing) for crossing in (search.crossings() if depends else ())]
+    candidates.sort(key=lambda one: one.value if own is None else asked.key.apart(one.value, own))
+    # the factor of many blocks may fall past the target at once as a load comes on: they tip, an answer too
+    roots = tuple(one for one in candidates if one.how == "root" or (asked.drives_blocks and not one.rises))
+    others = tuple(sorted((one for one in candidates if one not in roots), key=lambda one: one.value))
+    reached = [(sample.at, factor_at(sample.found, method) or 0.0) for sample in search.defined]
+    least = min(reached, key=lambda end: end[1], default=None)
+    most = max(reached, key=lambda end: end[1], default=None)
+    refused = tuple(_refused(asked, method, samples))
+    reason = None
+    if not roots:
+        reason = reason_of(asked.key, asked.target, (asked.low, asked.high), others, least, most, refused)
+    return Answers(method, roots, others, least, most, refused, (samples[0].at, samples[-1].at), len(samples), reason)
+
+
+def _found(method: Method, asked: FactorRequest, crossing: Crossing[Point]) -> SolvedValue:
+    best, status = crossing.best, crossing.best.label
+    if crossing.how != "root" and asked.drives_blocks and not crossing.rises:
+        best, status = crossing.before, crossing.after.label  # the last that stands, and how it goes
+    ends = [(end.at, factor_at(end.found, method) or 0.0) for end in (crossing.before, crossing.after)]
+    both = asked.both(best.at)
+    notes = tuple(factor_notices(asked, best.at, both)) if method == "pre_ie" else ()
+    return SolvedValue(
+        crossing.how, best.at, factor_at(both, method) or 0.0, status, (ends[0], ends[1]), crossing.rises, both, notes
+    )
+
+
+def _refused(asked: FactorRequest, method: Method, samples: Samples) -> Iterator[tuple[float, float, str, str]]:
+    """Stretches of neighbouring values that are refused for the same reason, with what is said in their middle."""
+    runs = groupby(samples, key=lambda sample: "" if sample.level is not None else sample.label)
+    for run in [list(run) for label, run in runs if label]:
+        low, high = run[0].at, run[-1].at
+        middle = min(run, key=lambda sample: abs(sample.at - 0.5 * (low + high)))
+        message = NO_CONVERGENCE if middle.label == UNSETTLED else middle.found.message
+        yield low, high, middle.label, message or asked.alone.samples(method, [middle.at])[0].found.message
 
 
 def _beside(asked: FactorRequest, solved: SolvedValue) -> Iterator[Notice]:

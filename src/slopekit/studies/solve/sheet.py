@@ -1,6 +1,5 @@
 """The sheet of a value that was solved for: what both methods say there, other values, or why there is none."""
 
-import math
 from collections.abc import Sequence
 from operator import itemgetter
 from typing import Any
@@ -10,7 +9,7 @@ from slopekit.core.sheet import Column, Section, Sheet, Table, factor_text
 from slopekit.design.common import Design
 from slopekit.studies.keys import Key, in_words
 from slopekit.studies.points import UNSETTLED, Point
-from slopekit.studies.solve.solutions import Solution, SolvedValue
+from slopekit.studies.solve.solutions import Solution, SolvedValue, shown
 from slopekit.studies.words import status_words, study_sheet
 
 _MOST_REFUSED = 6
@@ -66,7 +65,7 @@ def _values(solution: Solution) -> Table[Any]:
     columns: list[Column[tuple[str, SolvedValue]]] = [
         Column("method", itemgetter(0), "method"),
         Column(key.path, lambda row: key.reduced(row[1].value), key.path, key.unit, key.shown, exact=key.in_csv),
-        Column("FoS", lambda row: row[1].factor, "fos", show=_factor),
+        Column("FoS", lambda row: row[1].factor, "fos", show=shown),
         Column("status", lambda row: row[1].status, "status"),
         Column("how", lambda row: row[1].how, "how"),
         Column("FoS with it", lambda row: "rises" if row[1].rises else "falls", "fos_with_it"),
@@ -133,9 +132,3 @@ def _refused(key: Key, stretches: Sequence[tuple[float, float, str, str]], unset
     if len(ours) > _MOST_REFUSED:
         entries.append(f"… {len(ours) - _MOST_REFUSED} more stretches, see the JSON")
     return entries
-
-
-def _factor(factor: float) -> str:
-    if math.isinf(factor):
-        return "none (nothing drives)"
-    return "none (nothing holds)" if factor == 0.0 else f"{factor:.6g}"

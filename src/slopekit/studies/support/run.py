@@ -24,7 +24,7 @@ from slopekit.design.common import Design
 from slopekit.design.parts import ON_FACTOR, Bolt
 from slopekit.kinds import also_falls_short, dilates, factors_of, kind_of, peak_only, slips_of_size
 from slopekit.notices import common_notices
-from slopekit.studies.points import Point, rules_left_out, said_at
+from slopekit.studies.points import Method, Point, rules_left_out, said_at
 from slopekit.studies.protocol import DESK, ADesign, Option, Workplace, study
 from slopekit.studies.support.pattern import Layout, centre_of, layout
 from slopekit.studies.support.records import (
@@ -41,10 +41,10 @@ from slopekit.studies.support.records import (
 from slopekit.studies.support.search import (
     Need,
     Site,
+    answer_of,
     best_direction,
     least_force,
     least_forces,
-    limit_answer,
     site_of,
 )
 
@@ -147,7 +147,8 @@ class _Search:
 
     def __init__(self, site: Site, options: SupportOptions) -> None:
         self.site, self.options, self.target = site, options, options.target
-        self.bare, self.bare_limit = site.closed_form(site.design), limit_answer(factors_of(site.design))
+        factors = factors_of(site.design)
+        self.bare, self.bare_limit = answer_of(factors, "closed_form"), answer_of(factors, "pre_ie")
         self.dilates = dilates(site.design)
         strengths = kind_of(site.design).strengths(site.design)
         self.has_strength = any(one.cohesion_kpa or one.friction_angle_deg for one in strengths)
@@ -168,7 +169,7 @@ class _Search:
             return self._lacking(BoltCase(acts, None, Need(None, self.bare, notice=Notice("E322", message))))
         guess = float(least_forces(site, self.goal, toward.vector()[None, :])[0])
         guess = (guess if math.isfinite(guess) else site.weight) * (self.goal if acts == "passive" else 1.0)
-        closed = self._by_closed_form(lambda force: site.with_bolts(Bolt(force, toward, acts)), guess)
+        closed = self._need("closed_form", lambda force: site.with_bolts(Bolt(force, toward, acts)), guess)
         case = BoltCase(acts, toward, closed, existing=site.design.bolts)
         if closed.force is None:
             return self._lacking(case)
@@ -177,7 +178,7 @@ class _Search:
             laid = layout(site, site.local(toward.vector()), wanted, options.capacity, options.spacing)
             if isinstance(laid, Notice):
                 return self._lacking(replace(case, notices=(laid,)))
-            limit = self._by_pre_ie(partial(self._with_heads, acts, toward, laid), wanted)
+            limit = self._need("pre_ie", partial(self._with_heads, acts, toward, laid), wanted)
             case = replace(case, pre_ie=limit, layout=laid, force=self._larger(closed, limit))
             if case.force is None:
                 return self._lacking(case)
@@ -232,10 +233,11 @@ class _Search:
         site, middle = self.site, centre_of(self.site.face)
         guess = float(least_forces(site, self.goal, site.world(site.inward)[None, :])[0])
         guess = guess if math.isfinite(guess) else site.weight
-        closed = self._by_closed_form(lambda force: site.pressed(force, middle), guess)
+        closed = self._need("closed_form", lambda force: site.pressed(force, middle), guess)
         if closed.force is None or not self.has_strength:
             return None
-        force = self._larger(closed, self._by_pre_ie(lambda force: site.pressed(force, middle), closed.force or guess))
+        limit = self._need("pre_ie", lambda force: site.pressed(force, middle), closed.force or guess)
+        force = self._larger(closed, limit)
         return None if force is None else force / site.area
 
     def _larger(self, closed: Need, limit: Need) -> float | None:
@@ -244,37 +246,26 @@ class _Search:
             return None
         return limit.force if self.dilates else max(closed.force, limit.force)
 
-    def _by_closed_form(self, changed: Callable[[float], Design], guess: float) -> Need:
-        """The least force by the closed form, and what stands against it."""
-        if self.bare.reaches(self.target):
-            return Need(0.0, self.bare)
+    def _need(self, method: Method, changed: Callable[[float], Design], guess: float) -> Need:
+        """The least force by a method, and what stands against it."""
+        bare, pre_ie = self.bare_limit if method == "pre_ie" else self.bare, method == "pre_ie"
+        if bare.reaches(self.target):
+            return Need(0.0, bare)
         need = least_force(
-            lambda force: self.site.closed_form(changed(force)), self.target, guess, self.bare.search_level
+            lambda force: answer_of(factors_of(changed(force), pre_ie), method), self.target, guess, bare.search_level
         )
-        if need.force is not None:
-            return self._jumping(need)
-        best = f"at best FoS {need.answer.search_level:.4g} at {need.best:.4g} {self.site.unit}"
-        if need.answer.search_level <= self.bare.search_level * (1.0 + 1e-9):
-            best = "it drives the block as much as it holds it, or the movement does not draw passive bolts out"
-        return replace(need, notice=Notice("E322", f"no force that way reaches the target: {best}"))
-
-    def _by_pre_ie(self, changed: Callable[[float], Design], guess: float) -> Need:
-        """The least force by PRE-IE, and what stands against it."""
-        if self.bare_limit.reaches(self.target):
-            return Need(0.0, self.bare_limit)
-        need = least_force(
-            lambda force: limit_answer(factors_of(changed(force))), self.target, guess, self.bare_limit.search_level
-        )
-        if need.force is not None:
-            return self._jumping(need)
-        turning = "moments turn the block" if need.answer.moments_govern else "its limit lies below the closed form's"
-        best = f"at best FoS {need.answer.search_level:.4g} at {need.best:.4g} {self.site.unit}"
-        message = f"PRE-IE does not reach the target with the heads on the face: {turning}, {best}"
-        return replace(need, notice=Notice("E329", message))
-
-    def _jumping(self, need: Need) -> Need:
+        level = need.answer.search_level
+        if need.force is None:
+            best = f"at best FoS {level:.4g} at {need.best:.4g} {self.site.unit}"
+            why = "moments turn the block" if need.answer.moments_govern else "its limit lies below the closed form's"
+            said = Notice("E329", f"PRE-IE does not reach the target with the heads on the face: {why}, {best}")
+            if not pre_ie:
+                if level <= bare.search_level * (1.0 + 1e-9):
+                    best = "it drives the block as much as it holds it, or the movement does not draw passive bolts out"
+                said = Notice("E322", f"no force that way reaches the target: {best}")
+            return replace(need, notice=said)
         if need.below is None:
             return need
         message = f"FoS jumps over the target at {need.force:.6g} {self.site.unit}, from {need.below:.4g} to "
-        message += f"{need.answer.search_level:.4g}: contact, or how the block moves, changes there; go above"
+        message += f"{level:.4g}: contact, or how the block moves, changes there; go above"
         return replace(need, notice=Notice("E325", message))

@@ -20,18 +20,16 @@ from slopekit.kinds import kind_of
 from slopekit.kinds.protocol import Factors
 from slopekit.kinds.single_block.closed_forms import OnArrays
 from slopekit.loads import Hull
-from slopekit.studies.points import UNSETTLED
+from slopekit.studies.points import UNSETTLED, Method
+from slopekit.studies.roots import RootSearch, Sample, level_at
 from slopekit.studies.solve.factor_request import level_of
-from slopekit.studies.solve.roots import RootSearch, Sample
 
 _WITHIN = 1.5e-7  # of the target: the least force gives it, or more by at most twice this part
-_DOWN = (1.0 - 1e-6, 0.999, 0.97, 0.85, 0.6, 0.3, 0.1, 0.01, 1e-4)  # times a force that is enough
-_UP = (1.0 + 1e-6, 1.003, 1.03, 1.12, 1.3, 1.7, 2.5, 4.0, 7.0, 12.0)  # times one that is not
-_NARROW = 1e-10  # a bracket this narrow, in parts of the force, is narrowed no further
-_JUMP = 1e-3, 0.02  # and one this narrow with levels so far apart is a jump
+_FURTHER = (1.0 + 1e-6, 1.003, 1.03, 1.12, 1.3, 1.7, 2.5, 4.0, 7.0, 12.0)  # times a guess, and the guess by them
+_FINELY = {"resolution": 1e-10, "near": _WITHIN / (2.0 + _WITHIN), "same": 1e-6}  # as `RootSearch` has it,
+_ROUGHLY = {"jump": 1e-3, "edge": 1e-3, "reach": 1e-3}  # and where there is no root
 _TRIED = np.logspace(-4.0, 4.0, 65)  # times the weight: forces by which directions are compared
 _HALVINGS = 30
-_SECTIONS = 8
 _STEP_DEG = 5.0  # of trend and plunge as they are set out
 _INTO_FACE_DEG = 5.0  # bolts point into the face by at least that
 _FORCE = ("force_east", "force_north", "force_up")
@@ -159,26 +157,16 @@ class Site:
         east, north, up = (float(part) for part in self.world(force * self.inward))
         return replace(self.design, forces=(*self.design.forces, Force((east, north, up), self.place(point))))
 
-    def closed_form(self, design: Design) -> Answer:
-        """The closed form of a design."""
-        closed_form = kind_of(design).closed_form
-        assert closed_form is not None
-        answer = closed_form(design)
-        return Answer(answer.factor or None, answer.status)
-
     def place(self, point: Floats) -> tuple[float, float, float]:
         """A point in local axes in the coordinates of the user."""
         east, north, up = (float(part) for part in self.world(point) + self.origin)
         return east, north, up
 
 
-def limit_answer(factors: Factors) -> Answer:
-    """PRE-IE's answer among the factors of a design: none where it did not settle."""
-    return Answer(factors.limit, factors.status, factors.moments_govern, factors.agree)
-
-
-def closed_form_answer(factors: Factors) -> Answer:
-    """The closed form's answer among the factors of a wedge or a plane."""
+def answer_of(factors: Factors, method: Method) -> Answer:
+    """What a method says among the factors of a design: PRE-IE none where it did not settle."""
+    if method == "pre_ie":
+        return Answer(factors.limit, factors.status, factors.moments_govern, factors.agree)
     return Answer(factors.closed_form, factors.closed_status or factors.status)
 
 
@@ -281,31 +269,20 @@ def least_force(ask: Callable[[float], Answer], target: float, guess: float, at_
     """
     aim = target * (1.0 + _WITHIN)
 
-    def sample(forces: Sequence[float]) -> list[Sample[Answer]]:
+    def samples(forces: Sequence[float]) -> list[Sample[Answer]]:
         answers = [ask(force) if force else Answer(at_zero, "") for force in forces]
         return [
             Sample(force, level_of(answer.search_level, aim), answer.status, answer)
             for force, answer in zip(forces, answers, strict=True)
         ]
 
-    search = RootSearch(sample, guess, resolution=_NARROW, near=_WITHIN / (2.0 + _WITHIN), same=1e-6, jump=_JUMP)
-    enough = _is_enough(search, guess)
-    for share in (*_DOWN, 0.0) if enough else _UP:
-        if _is_enough(search, share * guess) is not enough:
-            break
-    else:
-        search.find_extremes(_SECTIONS)  # between forces that were too small and too large
-    rising = [crossing for crossing in search.crossings() if crossing.rises]
-    met = [one for one in search.samples if one.level is not None and abs(one.level) <= search.near]
-    if met:
-        return Need(met[0].at, met[0].found)
-    if rising:
-        first = rising[0]
-        below = None if first.how == "root" else first.before.found.search_level
-        return Need(first.after.at, first.after.found, below=below)
+    search = RootSearch(samples, guess, **_FINELY, **_ROUGHLY)
+    search.look_outwards([0.0, *(guess * by for by in _FURTHER), *(guess / by for by in _FURTHER)], guess)
+    for crossing in search.crossings():
+        if abs(level_at(crossing.best)) <= search.near:
+            return Need(crossing.best.at, crossing.best.found)
+        if crossing.rises:
+            below = None if crossing.how == "root" else crossing.before.found.search_level
+            return Need(crossing.after.at, crossing.after.found, below=below)
     best = max(search.samples, key=lambda one: one.found.search_level)
     return Need(None, best.found, best.at)
-
-
-def _is_enough(search: RootSearch[Answer], force: float) -> bool:
-    return (search.at(force).level or 0.0) >= -search.near
