@@ -47,9 +47,9 @@ SCENES = {
         "command beside it is a whole process, imports included.",
     ),
     "ellipsoid": SceneOfSpeed(
-        "The paper's ellipsoid, one block: true against smoothed normals", ellipsoid,
-        "No closed form; reference: slopekit with true normals on the finest mesh. Facets interlock, and no solver has "
-        "an answer on them. Siconos picks normal forces of its own, which are not unique on a curved surface.",
+        "The paper's ellipsoid, one block", ellipsoid,
+        "No closed form; reference: slopekit on the finest mesh. Siconos picks normal forces of its own, which are not "
+        "unique on a curved surface.",
         "the finest true-normal answer",
     ),
     "columns": SceneOfSpeed(
@@ -138,7 +138,7 @@ def write(charts: Sequence[str] = tuple(SCENES)) -> None:
 
 
 def ends_of(rows: Sequence[Row]) -> list[Row]:
-    """The rows of the smallest and the largest model on which solvers meet, of true and of facet normals each."""
+    """The rows of the smallest and the largest model on which solvers meet."""
     solvers: dict[str, set[str]] = {}
     for row in rows:
         solvers.setdefault(row.model, set()).add(row.solver)
