@@ -1,7 +1,6 @@
 """Where PRE-IE does not converge a study says so, refuses no input, and ends with 4: what it asks may be there."""
 
 from dataclasses import replace
-from types import SimpleNamespace as namespace
 
 import numpy as np
 import pytest
@@ -15,7 +14,6 @@ from slopekit.kinds.protocol import Factors
 from slopekit.kinds.single_block.ladders import Rung
 from slopekit.studies import points
 from slopekit.studies.check import run as checking
-from slopekit.studies.combos import pairs
 from slopekit.studies.combos import run as combos
 from slopekit.studies.outcomes import ByMethod
 from slopekit.studies.points import Point
@@ -139,9 +137,6 @@ def test_a_block_that_slides_without_a_factor_fails() -> None:
     factor, outcome = np.array([1.5, 1.4, np.nan, np.nan]), np.array([0, 0, 0, 1])
     names = ("slides_on_both", "no_driving_force")
     assert ByMethod(names, outcome, factor).falls_short(1.5).tolist() == [False, True, True, False]
-    outcome = np.array([pairs._SLIDES[0], pairs._SLIDES[0], pairs._SLIDES[0], pairs._STANDS])
-    some = namespace(outcome=outcome, factor=factor, is_removable=np.ones(4, dtype=bool))
-    assert pairs.JointPairs.fails(some, 1.5).tolist() == [False, True, True, False]
 
 
 def test_a_pair_without_convergence_is_not_among_those_that_stand() -> None:
