@@ -156,11 +156,9 @@ def _of_modes(
         motion = solver(np.append(np.zeros(bed.size), along))
         if abs(float(motion[-1])) < NO_MOTION * abs(parameter) and _moves(bed, here, motion[:-1], parameter, NO_MOTION):
             return w, parameter, here, motion[:-1], True
-        if _moves(bed, here, v, parameter, NO_MOTION):  # there are several: the flow itself
-            return w, parameter, here, v, True
         if bed.tangents > 1 and abs(float(motion[-1])) < SAME_LIMIT * abs(parameter):
             return w, parameter, here, motion[:-1], False
-    agrees = _moves(bed, here, v, parameter, 1e-4)
+    agrees = _moves(bed, here, v, parameter, 1e-4)  # there are several: the flow itself
     return (w, parameter, here, v, True) if agrees else None
 
 
