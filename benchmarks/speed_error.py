@@ -34,7 +34,7 @@ from slopekit.kinds.wedge import closed_form
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
 from slopekit.preie.one_block.flat_limit import flat_limit
-from slopekit.preie.one_block.pairs_limit import limit_on_pairs
+from slopekit.preie.one_block.pairs_limit import pairs_limit
 from slopekit.preie.one_block.slippage import slippable
 from slopekit.preie.system.model import build_model
 from tests.preie.block_scenes import GOODMAN_BRAY
@@ -174,7 +174,7 @@ def surface_contacts(normals: str, edge: float) -> OneBlock:
     loads, centroid = surface._loads(design, mass, pairs), mass.centroid
     pairs = slippable(pairs, centroid, np.concatenate([loads.force, loads.moment])).pairs
     model = build_model(pairs, loads, centroid, surface.joint_strength([design.strength]))
-    return OneBlock(model, lambda: limit_on_pairs(model).governing.factor)
+    return OneBlock(model, lambda: pairs_limit(model).governing.factor)
 
 
 def ellipsoid(quick: bool) -> list[Row]:

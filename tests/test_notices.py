@@ -19,7 +19,7 @@ from slopekit.kinds.single_block.one_block_limit import FoundLimit
 from slopekit.kinds.single_block.one_block_notices import notices
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import Loads
-from slopekit.preie.one_block.pairs_limit import limit_on_pairs
+from slopekit.preie.one_block.pairs_limit import pairs_limit
 from slopekit.preie.system.model import JointStrength, build_model
 from tests.commands import slopekit
 from tests.support import result_of
@@ -96,7 +96,7 @@ def facts(**changes) -> tuple[set[str], str]:
     design = wedge_design({"dips": DIPS} | given)
     made = cut(design)
     scene = made.scene_at(0)
-    analysis = limit_on_pairs(scene.model)
+    analysis = pairs_limit(scene.model)
     if "swings" in changes:
         governing = replace(analysis.governing, change=changes.pop("swings"))
         analysis = replace(analysis, governing=governing)

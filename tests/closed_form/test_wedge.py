@@ -12,7 +12,7 @@ from slopekit.kinds import cut
 from slopekit.kinds.wedge import closed_form
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.preie.one_block.limit import forces_only_limit
-from slopekit.preie.one_block.pairs_limit import limit_on_pairs
+from slopekit.preie.one_block.pairs_limit import pairs_limit
 from tests.support import random_wedge
 
 DIPS = ("45/115", "45/245")
@@ -149,7 +149,7 @@ def test_forces_alone_equal_the_closed_form_under_every_load() -> None:
             numbers += 1
             assert alone == pytest.approx(closed, rel=1e-6)
             if numbers % 5 == 0:
-                limit = limit_on_pairs(model).governing.factor
+                limit = pairs_limit(model).governing.factor
                 assert limit is None or limit <= closed * (1 + 1e-6)
     assert cracks > 5
     assert numbers > 20

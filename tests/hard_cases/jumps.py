@@ -14,7 +14,7 @@ from tests.hard_cases.sweeps import Point, point
 #: How far a jump may be off, in parts of the parameter, and why.
 CLOSE = 1e-9, "the mode comes from signs, which rounding moves by 1e-13 of the load"
 REVERSAL = 5e-6, "within this, what drives is less than a millionth of the strength: F is above 1e5 on both sides"
-TIPPING = 1e-5, "one block: its passes settle to 1e-6, and what lacks less than that to balance still stands"
+TIPPING = 1e-5, "one block: its path settles to 1e-6, and what lacks less than that to balance still stands"
 EDGE = 1e-6, "many blocks: a limit state is admissible to 1e-7 of the load, and what lacks less to balance still stands"
 
 

@@ -11,7 +11,7 @@ from tests.hard_cases.exact import Exact
 
 #: Relative errors that a cause explains.
 ROUNDING = 1e-9, "double precision; the condition of thin and near-parallel wedges costs up to seven of sixteen digits"
-PASSES = 2e-6, "one block: a settled sequence of passes stops at a change of 1e-6"
+PASSES = 2e-6, "one block: a path that has settled changes by no more than 1e-6"
 SECTION = 1e-9, "sections of many blocks: limit states exact for their contact modes; slender blocks cost digits"
 SPACE = 1e-5, "benches: in space the path ends where a step changes the limit by less than 1e-6"
 MESH = 1e-5, "curved surface: triangles with an edge of a twentieth of its size"

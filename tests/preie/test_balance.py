@@ -10,7 +10,7 @@ from slopekit.kinds import cut
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
 from slopekit.preie.motion.balance import balance, of_blocks, of_one_block
-from slopekit.preie.one_block.pairs_limit import limit_on_pairs
+from slopekit.preie.one_block.pairs_limit import pairs_limit
 from tests.preie.block_scenes import wall
 
 TURNING = {"dips": ("40/160", "80/220"), "face": "65/180", "upper": "0/180", "height": 10, "c": 20, "phi": 30}
@@ -34,7 +34,7 @@ def test_forces_balance_and_are_admissible(name) -> None:
 @pytest.fixture
 def solved():
     model = cut(wedge_design(SCENES["turns"])).scene_at(1).model
-    return model, limit_on_pairs(model)
+    return model, pairs_limit(model)
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,11 @@ from scipy.optimize import fsolve
 
 import slopekit as sk
 from slopekit.closed_form.rotation import rotational_failure
-from slopekit.preie.one_block.pairs_limit import limit_on_pairs
+from slopekit.preie.motion.balance import balance, of_one_block
+from slopekit.preie.one_block import pairs_limit as pairs_module
+from slopekit.preie.one_block.intact_limit import intact_limit
+from slopekit.preie.one_block.limit import LimitAnalysis
+from slopekit.preie.one_block.pairs_limit import _elastic_path_limit, elastic_displacement, pairs_limit
 from slopekit.preie.outcome import Outcome
 from tests.closed_form.scalar_plane import plane_failure
 from tests.preie import conic_oracle
@@ -90,7 +94,7 @@ def test_caps_of_surfaces_of_revolution(radius, half_width, distance, dip, c, ph
     more = {"water": {"pressures": loads["pressure"]}} if "pressure" in loads else {}
     more |= {"loads": {"seismic": loads["seismic"]}} if "seismic" in loads else {}
     model, _ = model_of(slip, line_of(radius, distance, dip, (3, 7)), c=c, phi=phi, unit_weight=20.0, **more)
-    limit = limit_on_pairs(model).governing
+    limit = pairs_limit(model).governing
     assert limit.outcome is Outcome.SLIDES
     assert limit.factor == pytest.approx(exact, rel=1e-4)
 
@@ -106,7 +110,7 @@ def test_the_oracle_itself(phi) -> None:
 def test_the_paper_s_ellipsoid_at_any_mesh() -> None:
     """1.3436 ± 0.001 (METHOD.md §6); the mesh moves it by less than 5e-5."""
     for edge in (20.0, 5.0, 2.5, 1.3):
-        found = limit_on_pairs(model_of({**PAPER, "edge": edge})[0]).governing
+        found = pairs_limit(model_of({**PAPER, "edge": edge})[0]).governing
         assert found.factor == pytest.approx(1.34355, abs=5e-5)
 
 
@@ -114,7 +118,7 @@ def test_a_long_cylinder_is_a_plane_section() -> None:
     """The same factor at any length: what a section per metre has."""
     slip = {"shape": "cylinder", "centre": [40, 40], "radius": 42}
     short, long = (
-        limit_on_pairs(model_of({**slip, "length": length, "edge": edge})[0]).governing.factor
+        pairs_limit(model_of({**slip, "length": length, "edge": edge})[0]).governing.factor
         for length, edge in ((1.0, 4.0), (200.0, 8.0))
     )
     assert long == pytest.approx(short, rel=1e-4)
@@ -146,7 +150,7 @@ def test_a_flat_sheet_is_a_plane(tmp_path, turn, c, phi, pressure) -> None:
     model, slippage = model_of(slip, slope, c=c, phi=phi, water={"pressures": pressure})
     exact = plane_failure(45, 0, 30, 40.0, c, phi, 21.56, crack_distance_m=None, mean_pressure_kpa=pressure)
     assert slippage.misfit_deg == pytest.approx(0.0, abs=1e-6)
-    assert limit_on_pairs(model).governing.factor == pytest.approx(exact.factor, rel=1e-7)
+    assert pairs_limit(model).governing.factor == pytest.approx(exact.factor, rel=1e-7)
 
 
 # -- what must not change it --------------------------------------------------------------------------
@@ -167,8 +171,8 @@ FAR = [[x + 5e5, z + 4e6] for x, z in SLOPE]
 @pytest.mark.parametrize("more", [{"loads": {"seismic": 0.05}, "water": {"pressures": 20}}])
 def test_order_mirror_and_place(slip, slope, more) -> None:
     """To 1e-6: the map's coordinates have 1e-9 m of rounding, the mirrored octahedron is the same."""
-    one = limit_on_pairs(model_of(PAPER, **more)[0]).governing
-    two = limit_on_pairs(model_of(slip, slope, **more)[0]).governing
+    one = pairs_limit(model_of(PAPER, **more)[0]).governing
+    two = pairs_limit(model_of(slip, slope, **more)[0]).governing
     assert two.outcome is one.outcome
     assert two.factor == pytest.approx(one.factor, rel=1e-6)
 
@@ -180,7 +184,7 @@ def test_a_millimetre_and_a_kilometre(scale, c) -> None:
     slip = PAPER | {key: [scale * value for value in PAPER[key]] for key in ("centre", "radii")}
     slope = [[scale * x, scale * z] for x, z in SLOPE]
     one, two = model_of(PAPER, c=c)[0], model_of(slip, slope, c=c * scale)[0]
-    factors = [limit_on_pairs(model).governing.factor for model in (one, two)]
+    factors = [pairs_limit(model).governing.factor for model in (one, two)]
     assert factors[1] == pytest.approx(factors[0], rel=1e-7)
 
 
@@ -193,7 +197,7 @@ def test_meshes_turned_about_the_vertical(tmp_path, turn) -> None:
         (vertices, triangles), (points, faces) = ellipsoid_mesh(3), slab(SLOPE, 50.0, -20.0, (-60.0, 100.0))
         slip = save(tmp_path / f"slip{k}.obj", (vertices @ by.T, triangles))
         slope = save(tmp_path / f"slope{k}.obj", (points @ by.T, faces))
-        factors.append(limit_on_pairs(model_of({"mesh": str(slip)}, slope)[0]).governing.factor)
+        factors.append(pairs_limit(model_of({"mesh": str(slip)}, slope)[0]).governing.factor)
     assert factors[1] == pytest.approx(factors[0], rel=1e-6)
 
 
@@ -204,7 +208,7 @@ def test_a_sphere_turns_whichever_way_it_is_pushed(toward) -> None:
 
     def pushed(trend: float) -> float:
         loads = {"seismic": {"k": 0.3, "toward": trend}}
-        return limit_on_pairs(model_of(slip, [[-40, 0], [40, 0]], loads=loads)[0]).governing.factor
+        return pairs_limit(model_of(slip, [[-40, 0], [40, 0]], loads=loads)[0]).governing.factor
 
     assert pushed(toward) == pytest.approx(pushed(90.0), rel=1e-4)
 
@@ -255,7 +259,7 @@ def test_random_scenes(seed) -> None:
     """Forces that balance at the limit exist (Clarabel): limit <= static bound; strength / F leaves F = 1."""
     scene = random_scene(seed)
     model = scene["model"]
-    limit = limit_on_pairs(model).governing
+    limit = pairs_limit(model).governing
     assert limit.outcome is not Outcome.NOT_CONVERGED
     if not limit.factor:
         assert limit.outcome in (Outcome.LIFTED, Outcome.NO_STRENGTH, Outcome.NO_DRIVING_FORCE)
@@ -265,15 +269,37 @@ def test_random_scenes(seed) -> None:
     weaker = replace(
         model, cohesion=model.cohesion / f, tan_friction=model.tan_friction / f, bolt_capacity=model.bolt_capacity / f
     )
-    again = limit_on_pairs(weaker).governing
+    again = pairs_limit(weaker).governing
     assert again.factor == pytest.approx(1.0, rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", [0, 4, 5, 9, 13, 19, 25, 27, 31, 39])
+def test_the_exact_start_and_the_path_are_two_ways_to_one_limit(seed) -> None:
+    """Newton's method on six unknowns, and elastic joints on their way to failure: 1e-6, forces within the law."""
+    model = random_scene(seed)["model"]
+    displacement = elastic_displacement(model)
+    exact = intact_limit(model, displacement)
+    assert exact is not None
+    path = _elastic_path_limit(model, model.cohesion, displacement)
+    assert path.factor == pytest.approx(exact.factor, rel=1e-6)
+    assert path.normal_force == pytest.approx(exact.normal_force, rel=1e-4, abs=1e-6)
+    found = balance(of_one_block(model, LimitAnalysis(exact, exact, exact, False)))
+    assert max(found.force, found.moment) < 1e-9
+    assert found.admissible_within(1e-9)
+
+
+def test_a_search_that_takes_too_long_is_no_limit(monkeypatch) -> None:
+    monkeypatch.setattr(pairs_module, "intact_limit", lambda *_: None)
+    monkeypatch.setattr(pairs_module, "_WORK", 1e5)
+    found = limit_of()
+    assert (found.outcome, found.factor) == (Outcome.NOT_CONVERGED, None)
 
 
 # -- statuses, water, bolts, dilation -----------------------------------------------------------------
 
 
 def limit_of(slip=PAPER, slope=SLOPE, **more):
-    return limit_on_pairs(model_of({**slip, **COARSE}, slope, **more)[0]).governing
+    return pairs_limit(model_of({**slip, **COARSE}, slope, **more)[0]).governing
 
 
 def test_level_ground_is_driven_by_nothing() -> None:
@@ -322,7 +348,7 @@ def test_bolts_turn_about_the_axis(acts, head) -> None:
     resists, drives, bolt = exact.resisting_moment_knm, exact.driving_moment_knm, 2e4 * lever
     expected = (resists + bolt) / drives if acts == "passive" else resists / (drives - bolt)
     support = {"bolts": [{"force": 2e4, "toward": "270/20", "acts": acts, "head": head}]}
-    found = limit_on_pairs(model_of(PAPER, c=100.0, phi=0.0, support=support)[0]).governing
+    found = pairs_limit(model_of(PAPER, c=100.0, phi=0.0, support=support)[0]).governing
     assert found.factor == pytest.approx(expected, rel=2e-5)
 
 

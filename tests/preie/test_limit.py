@@ -12,7 +12,7 @@ from slopekit.geometry.interfaces import node_pairs
 from slopekit.kinds import cut
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import Loads
-from slopekit.preie.one_block.pairs_limit import limit_on_pairs
+from slopekit.preie.one_block.pairs_limit import pairs_limit
 from slopekit.preie.outcome import Outcome
 from slopekit.preie.programs.bound import static_bound
 from slopekit.preie.system.model import JointStrength, Model, build_model
@@ -47,21 +47,21 @@ def test_block_on_an_incline_slides(dip, c, phi, refine) -> None:
     """F = (c A + W cos α tan φ) / W sin α, exact for a flat block: its moments open nothing that counts."""
     a = math.radians(dip)
     exact = (c * 4.0 + 20.0 * math.cos(a) * math.tan(math.radians(phi))) / (20.0 * math.sin(a))
-    found = limit_on_pairs(block_on_incline(dip, c, phi, height=0.2, refine=refine)).governing
+    found = pairs_limit(block_on_incline(dip, c, phi, height=0.2, refine=refine)).governing
     assert found.factor == pytest.approx(exact, rel=1e-9)
 
 
 @pytest.mark.parametrize(("height", "tips"), [(1.99, False), (2.01, True)])
 def test_a_block_tips_at_its_geometric_limit(height, tips) -> None:
     """On a 45° plane a block 2 m long tips over its lower edge when it is higher than 2 m, whatever the friction."""
-    found = limit_on_pairs(block_on_incline(45.0, 0.0, 60.0, height=height))
+    found = pairs_limit(block_on_incline(45.0, 0.0, 60.0, height=height))
     assert (found.governing.outcome is Outcome.NO_STRENGTH) == tips
     if not tips:
         assert found.governing.factor == pytest.approx(math.tan(math.radians(60.0)), rel=1e-9)
 
 
 def test_a_block_on_a_horizontal_plane_is_driven_by_nothing() -> None:
-    assert limit_on_pairs(block_on_incline(0.0, 0.0, 30.0)).governing.outcome is Outcome.NO_DRIVING_FORCE
+    assert pairs_limit(block_on_incline(0.0, 0.0, 30.0)).governing.outcome is Outcome.NO_DRIVING_FORCE
 
 
 @pytest.mark.parametrize("psi", [5.0, 15.0, 30.0])
@@ -70,7 +70,7 @@ def test_dilation_of_one_plane(psi) -> None:
 
     Forces: along the plane only, so F = tan φ / tan α for any ψ <= φ/F (Davis 1968 for this kinematics).
     """
-    found = limit_on_pairs(block_on_incline(20.0, 0.0, 30.0, psi=psi, height=0.2)).governing
+    found = pairs_limit(block_on_incline(20.0, 0.0, 30.0, psi=psi, height=0.2)).governing
     assert found.factor == pytest.approx(math.tan(math.radians(30)) / math.tan(math.radians(20)), rel=1e-6)
 
 
@@ -81,9 +81,9 @@ def paper_model(c=(50, 50), phi=(20, 20), **more) -> Model:
 @pytest.mark.parametrize("c", [50.0, 0.0])
 def test_full_dilation_gives_the_static_bound(c) -> None:
     """ψ = φ, reduced with it, is associated flow: the limit is the static bound (METHOD.md §3: 1.5868)."""
-    full = limit_on_pairs(paper_model((c, c), dilation=20.0)).governing.factor
+    full = pairs_limit(paper_model((c, c), dilation=20.0)).governing.factor
     model = paper_model((c, c))
-    bound = static_bound(model, limit_on_pairs(model).governing.velocity, limit_on_pairs(model).governing.factor)
+    bound = static_bound(model, pairs_limit(model).governing.velocity, pairs_limit(model).governing.factor)
     assert full == pytest.approx(bound.factor, rel=2e-6)
 
 
@@ -99,7 +99,7 @@ def test_a_twisted_square_that_dilates_has_cohesion_where_it_touches_alone(psi) 
     torque = 0.3 * weight
     model = replace(model, load=np.array([0.0, 0.0, -weight, 0.0, 0.0, torque]))
     cohesion = 20.0 * area * model.area_scale / model.force_scale
-    found = limit_on_pairs(model).governing
+    found = pairs_limit(model).governing
     by_hand = corner * (weight * math.tan(math.radians(20.0)) + cohesion / 4.0) / torque
     assert found.factor == pytest.approx(by_hand, rel=1e-7)
     assert static_bound(model, found.velocity, found.factor).factor > 1.5 * by_hand
@@ -141,12 +141,12 @@ def dilatant_slide(c: float, phi: float, psi: float) -> float:
 @pytest.mark.parametrize("psi", [2.0, 5.0, 8.0])
 @pytest.mark.parametrize("c", [50.0, 10.0, 0.0])
 def test_dilation_against_the_forces_by_hand(c, psi) -> None:
-    found = limit_on_pairs(paper_model((c, c), dilation=psi)).governing.factor
+    found = pairs_limit(paper_model((c, c), dilation=psi)).governing.factor
     assert found == pytest.approx(dilatant_slide(c, 20.0, psi), rel=1e-8)
 
 
 def test_dilation_raises_the_limit_steadily() -> None:
-    factors = [limit_on_pairs(paper_model(dilation=psi)).governing.factor for psi in (0.0, 3.0, 6.0, 9.0, 12.0)]
+    factors = [pairs_limit(paper_model(dilation=psi)).governing.factor for psi in (0.0, 3.0, 6.0, 9.0, 12.0)]
     assert factors == sorted(factors)
     assert factors[0] == pytest.approx(1.5573963, abs=1e-6)
     assert factors[-1] < 1.58676
@@ -157,7 +157,7 @@ def random_models(count: int, seed: int):
     while count:
         design = wedge_design({**random_wedge(rng), "bolts": None})
         model = cut(design).scene_at(0).model
-        analysis = limit_on_pairs(model)
+        analysis = pairs_limit(model)
         if analysis.governing.factor:
             count -= 1
             yield model, analysis
@@ -167,7 +167,7 @@ def random_models(count: int, seed: int):
 def test_static_bound_against_clarabel() -> None:
     """Other matrices, and bisection: to 1e-6 (Clarabel's margin is 1e-10)."""
     for model, analysis in random_models(25, 11):
-        ours = static_bound(model, analysis.governing.velocity_of(model), analysis.governing.factor)
+        ours = static_bound(model, analysis.governing.full_velocity(model), analysis.governing.factor)
         assert ours.factor == pytest.approx(conic_oracle.static_bound(model, ours.factor), rel=1e-6)
 
 

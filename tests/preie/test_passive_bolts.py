@@ -24,7 +24,7 @@ from slopekit.loads import PassiveBolts
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
 from slopekit.preie.one_block.limit import forces_only_limit
-from slopekit.preie.one_block.pairs_limit import limit_on_pairs
+from slopekit.preie.one_block.pairs_limit import pairs_limit
 from slopekit.preie.programs.distance import Distance
 from slopekit.preie.solvers.linear import bounded_least_squares
 from slopekit.preie.system.assembly import AssemblyModel
@@ -143,7 +143,7 @@ def test_the_papers_wedge_as_one_block_and_as_an_assembly() -> None:
     for force, toward in ((1e6, (0.0, 10.0)), (5e5, (20.0, 40.0)), (3e6, (340.0, -15.0))):
         wedge = {"dips": ("45/115", "45/245"), "bolts": [{"force": force, "toward": toward, "acts": "passive"}]}
         scene = cut(wedge_design(wedge)).scene_at(0)
-        analysis = limit_on_pairs(scene.model)
+        analysis = pairs_limit(scene.model)
         assert not analysis.moments_govern
         many = limit_of_blocks(as_assembly(scene), ranged=False)
         assert many.factor == pytest.approx(analysis.governing.factor, rel=1e-9)

@@ -23,7 +23,7 @@ from slopekit.preie.many_blocks import blocks
 from slopekit.preie.many_blocks.blocks import limit_of_blocks, load_limit
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
 from slopekit.preie.many_blocks.ravelling import Part, _too_coarse
-from slopekit.preie.one_block.pairs_limit import limit_on_pairs
+from slopekit.preie.one_block.pairs_limit import pairs_limit
 from slopekit.preie.outcome import Outcome
 from slopekit.preie.programs.bounds import held_by_normals, static_bound
 from slopekit.preie.system.assembly import AssemblyModel
@@ -420,7 +420,7 @@ def test_one_wedge_has_its_exact_limit_state(psi) -> None:
     """The paper's Table 4 by the limit state of one block, which is another method; 1e-6 as space is settled to."""
     assembly, model = paper_wedge()
     dilation = tangent(psi)
-    exact = limit_on_pairs(replace(model, tan_dilation=np.full_like(model.tan_dilation, dilation))).governing
+    exact = pairs_limit(replace(model, tan_dilation=np.full_like(model.tan_dilation, dilation))).governing
     found = limit_of_blocks(replace(assembly, tan_dilation=np.full_like(assembly.tan_dilation, dilation)))
     assert found.factor == pytest.approx(exact.factor, rel=3e-6)
 

@@ -9,7 +9,7 @@ import pytest
 from slopekit.core.arrays import frozen
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
 from slopekit.geometry.sections.section import line_pairs, plane_section
-from slopekit.preie.one_block.pairs_limit import limit_on_pairs
+from slopekit.preie.one_block.pairs_limit import pairs_limit
 from slopekit.preie.one_block.slippage import slippable
 from tests.scenes import COARSE, PAPER, SPHERE, model_of, run
 
@@ -130,7 +130,7 @@ def test_smoothed_normals_converge_to_the_true_ones() -> None:
     """The paper's ellipsoid on facets with smoothed normals: towards 1.34355 of the true surface, O(h²)."""
 
     def limit(**more) -> float:
-        return limit_on_pairs(model_of({**PAPER, **more})[0]).governing.factor
+        return pairs_limit(model_of({**PAPER, **more})[0]).governing.factor
 
     errors = [abs(limit(normals="smoothed", edge=edge) - 1.34355) for edge in (5.0, 2.5, 1.25)]
     assert limit() == pytest.approx(1.34355, abs=1e-5)

@@ -212,3 +212,20 @@ def law_strength(part: Part) -> np.ndarray:
     model, kpa = part.model, in_units(part.model)
     shear = model.lines.laws[0].resistance(part.limit.normal_force / kpa)
     return model.by_group(kpa * shear) / part.limit.factor
+
+
+@pytest.mark.parametrize(("strength", "counted"), [
+    ({"c": 24, "phi": 28}, True), ({"law": "barton-bandis", "jrc": 8, "jcs": "80 MPa", "phi_r": 26}, False),
+], ids=["line", "law"])  # fmt: skip
+def test_dilation_of_one_block_counts_on_lines_alone(strength, counted) -> None:
+    """A law says nothing of how far its joint dilates: the limit is that without dilation, and W310 says so."""
+    wedge = {
+        "slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
+        "slope": {"face": "65/180", "upper": "12/180", "height": 30},
+    }  # fmt: skip
+    plain, dilating = (sk.run(sk.load(wedge | {"strength": {"s": strength | {"dilation": given}}})) for given in (0, 6))
+    assert (dilating.fos.limit > plain.fos.limit * 1.001) == counted
+    assert counted or dilating.fos.limit == plain.fos.limit
+    (said,) = [notice.message for notice in dilating.warnings if notice.code == "W310"]
+    assert ("the limit is that without dilation" in said) != counted
+    assert (dilating.status == plain.status) or counted

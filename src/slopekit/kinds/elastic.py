@@ -37,7 +37,7 @@ from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, least_cou
 from slopekit.kinds.protocol import Kind
 from slopekit.kinds.single_block.one_block_limit import Cut
 from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
-from slopekit.preie.one_block.pairs_limit import limit_on_pairs
+from slopekit.preie.one_block.pairs_limit import pairs_limit
 from slopekit.preie.system.assembly import section_axes
 from slopekit.preie.system.contact import SHEAR_TO_NORMAL, CloughDuncan, JointStiffness
 from slopekit.preie.system.model import Model, local_axes
@@ -145,11 +145,11 @@ def scene_of_one(design: Design, made: Cut) -> ElasticScene:
         raise DesignError([Fault("E125", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
     elements, model = Elements(_meshed(mesh, edge, "the block"), *rock_of(design), order=ORDER), scene.model
     axes = local_axes(scene.pairs.normals)
-    rigid = limit_on_pairs(model)
+    rigid = pairs_limit(model)
     whole = elastic_model(model, body(elements, scene.pairs.points, axes, model.length_scale))
 
     def limit_without(parted: Bools) -> tuple[float | None, bool]:
-        return limit_on_pairs(replace(model, cohesion=frozen(model.cohesion * ~parted))).governing.factor or None, False
+        return pairs_limit(replace(model, cohesion=frozen(model.cohesion * ~parted))).governing.factor or None, False
 
     called = {interface.key: interface.name for interface in made.interfaces}
     return ElasticScene(

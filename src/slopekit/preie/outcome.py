@@ -50,7 +50,7 @@ class Limit:
         """Whether the factor is known to that part."""
         return self.outcome is not Outcome.NOT_CONVERGED and self.change <= relative
 
-    def velocity_of(self, model: Model) -> Floats:
+    def full_velocity(self, model: Model) -> Floats:
         """The mechanism in the unknowns of `model`: a limit of forces alone does not turn."""
         return np.concatenate([self.velocity, np.zeros(model.unknowns - len(self.velocity))])
 

@@ -168,7 +168,7 @@ def solve(design: Design, made: Cut, clock: Clock) -> FoundLimit:
     bound = lowest = at_rest = pairs = None
     with clock("bound"):
         if limit.factor:
-            velocity = limit.velocity_of(model)
+            velocity = limit.full_velocity(model)
             bound = static_bound(model, velocity, limit.factor, not found.analysis.moments_govern).factor
     with clock("range"):
         if limit.factor and found.factors is not None:
@@ -289,7 +289,7 @@ def block_status(found: FoundLimit, interfaces: Sequence[int]) -> str:
         return "falls" if model.normal_rows[:, model.translations - 1].max() <= 0.0 else "lifted"
     if limit.outcome in (Outcome.NO_STRENGTH, Outcome.NO_REST) and found.analysis.moments_govern:
         return "topples"
-    velocity = limit.velocity_of(model)
+    velocity = limit.full_velocity(model)
     if found.factors is not None and found.factors.exact is None:  # joints that open have no dilation
         model = replace(model, tan_dilation=np.zeros_like(model.tan_dilation))
     opens = opening_pairs(limit, model, velocity, by_motion=scene.bedding is not None)

@@ -212,9 +212,9 @@ def find_limit(made: Cut, clock: Clock) -> FoundLimit:
         scene = made.scene_at(made.refine)
     with clock("solve"):
         if scene.bedding is None:
-            from slopekit.preie.one_block.pairs_limit import limit_on_pairs  # only curved surfaces pay for the path
+            from slopekit.preie.one_block.pairs_limit import pairs_limit  # only curved surfaces pay for the path
 
-            analysis = limit_on_pairs(scene.model)
+            analysis = pairs_limit(scene.model)
             scene = scene if analysis.model is None else replace(scene, model=analysis.model)
             return FoundLimit(scene, scene, analysis)
         return moment_limit(scene)

@@ -34,7 +34,7 @@ def notices(design: Design, made: Cut, found: FoundLimit, why_not: str, block: s
     if limit.factor is not None:
         yield from _shaking(made, found)
         passive = any(bolt.acts == "passive" for bolt in design.bolts)
-        if passive and not (-model.bolt_rows @ limit.velocity_of(model) > SQUARE).any():
+        if passive and not (-model.bolt_rows @ limit.full_velocity(model) > SQUARE).any():
             yield undrawn_notice()
     held = any(strength.cohesion_kpa or strength.friction_angle_deg for strength in strengths)
     if not held and not len(model.bolt_capacity):
@@ -65,7 +65,7 @@ def _lost_contact(design: Design, made: Cut, found: FoundLimit) -> Iterator[Noti
 def _shaking(made: Cut, found: FoundLimit) -> Iterator[Notice]:
     """W328: a seismic load that does not drive the movement."""
     seismic, model = made.loads.parts["seismic"], found.scene.model
-    moved = model.moved(found.limit.velocity_of(model))[0]
+    moved = model.moved(found.limit.full_velocity(model))[0]
     size = float(np.linalg.norm(seismic) * np.linalg.norm(moved))
     if size:
         yield from shaking(float(seismic @ moved) / size)

@@ -42,7 +42,7 @@ from slopekit.kinds.surface.design import SurfaceDesign, read_surface
 from slopekit.kinds.words import loads_part, short, size_part, strength_in_words, water_in_words
 from slopekit.loads import Loads, PointForce, block_loads
 from slopekit.notices import those_of_factors
-from slopekit.preie.one_block.pairs_limit import limit_on_pairs
+from slopekit.preie.one_block.pairs_limit import pairs_limit
 from slopekit.preie.one_block.slippage import Slippage, slippable
 from slopekit.preie.outcome import Outcome
 from slopekit.preie.system.model import build_model
@@ -413,9 +413,7 @@ def _meshes(design: SurfaceDesign, result: Result, _: Cut) -> "Iterator[Rung]":
         assert isinstance(meshed, SurfaceGeometry)
         if rungs and len(scene.pairs) == rungs[-1].node_pairs:  # the coarsest mesh there is, once more
             rungs.pop()
-        rungs.append(
-            replace(limit_rung(scene, limit_on_pairs, f"edges of {wanted:.3g} m", level), edge_m=meshed.edge_m)
-        )
+        rungs.append(replace(limit_rung(scene, pairs_limit, f"edges of {wanted:.3g} m", level), edge_m=meshed.edge_m))
     yield from rungs
 
 

@@ -75,7 +75,7 @@ def flat_limit(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -
     if stands or forces.outcome in (Outcome.LIFTED, Outcome.NOT_CONVERGED) or forces.factor == 0.0:
         return FlatLimit(forces)
     bed = elastic_bed(model, polygons, centroid)
-    known = forces.velocity_of(model) * (forces.factor is not None)
+    known = forces.full_velocity(model) * (forces.factor is not None)
     slides = np.append(known, 1.0 / (forces.factor or 1.0))[None]
     state = bed_limits(bed, slides)
     if state.status[0] == BedStatus.PRESSED and not model.dilates:
@@ -89,7 +89,7 @@ def _pressed_slide(model: Model, forces: Limit, opening: Floats) -> Limit:
     assert forces.factor is not None
     normal = np.maximum(-model.control_area * (model.normal_rows @ opening), 0.0)
     strength = line(model.cohesion, model.tan_friction, normal) / forces.factor
-    velocity = forces.velocity_of(model)
+    velocity = forces.full_velocity(model)
     slip = model.relative(velocity)[:, 1:]
     friction = -(strength / np.maximum(model.slip(velocity), TINY))[:, None] * slip
     return replace(forces, velocity=velocity, normal_force=normal, bond=np.ones(len(normal)), friction=friction)

@@ -24,7 +24,7 @@ _BEYOND = 1e-3  # of a bracket: so far on either side of where a straight line a
 
 @dataclass(frozen=True)
 class LimitAnalysis:
-    """The limit that governs, that of the forces alone, and that with turning; the same where one step settled all.
+    """The limit that governs, that of the forces alone, and that with turning; all the same where there is one limit.
 
     `model`: where laws are curved, the model with the line of each pair at its own traction; None where none is.
     """
@@ -56,7 +56,7 @@ def governed(model: Model, alone: Limit, turning: Limit) -> LimitAnalysis:
     if turning.factor < alone.factor * (1.0 + SAME_LIMIT):
         # the same slide with its moments balanced: the factor of the forces, the normal forces of the moments
         return LimitAnalysis(replace(turning, factor=alone.factor), alone, turning, False)
-    return LimitAnalysis(replace(alone, velocity=alone.velocity_of(model)), alone, turning, False)
+    return LimitAnalysis(replace(alone, velocity=alone.full_velocity(model)), alone, turning, False)
 
 
 @dataclass(frozen=True)

@@ -31,18 +31,18 @@ def pressed_limit(model: Model) -> Limit | None:
     """Return the limit on node pairs where all of them stay pressed, with the dilation given; None where some open."""
     if model.lines is not None:  # the path knows no friction angle of a law that dilation could be held to
         return None
-    limit = _path_end(model, model.cohesion, elastic_displacement(model))
+    limit = _elastic_path_limit(model, model.cohesion, elastic_displacement(model))
     is_pressed = limit.factor is not None and bool((limit.normal_force > 0.0).all())
     return limit if is_pressed and not (_parted(model, limit) & (model.cohesion > 0.0)).any() else None
 
 
-def limit_on_pairs(model: Model) -> LimitAnalysis:
+def pairs_limit(model: Model) -> LimitAnalysis:
     """Return the limit of one block on its node pairs: the end of the elastic path of an assembly of one block.
 
     A pair that the motion opens, beyond what its slip does, has parted: it has no cohesion. There are no forces alone
     to compare with: `moments_govern` is false.
     """
-    limit = _limit_of_pairs(model)
+    limit = _bonded_limit(model)
     if model.lines is not None and limit.factor:
         from slopekit.preie.system.strength_lines import drawn  # only curved laws pay for it
 
@@ -50,7 +50,7 @@ def limit_on_pairs(model: Model) -> LimitAnalysis:
     return LimitAnalysis(limit, limit, limit, False, None if model.lines is None else model)
 
 
-def _limit_of_pairs(model: Model) -> Limit:
+def _bonded_limit(model: Model) -> Limit:
     """Return the exact limit with every pair pressed, or that of the path with the pairs parted that it parts.
 
     A pair that closes again has its cohesion back, once: one that parts twice has lost it.
@@ -66,7 +66,7 @@ def _limit_of_pairs(model: Model) -> Limit:
         return intact
     steps, parts = 0, np.zeros(len(bond))
     while True:  # a bond changes three times at most
-        limit = _path_end(model, bond * model.cohesion, displacement)
+        limit = _elastic_path_limit(model, bond * model.cohesion, displacement)
         steps += limit.steps
         parted = _parted(model, limit) & (model.cohesion > 0.0)
         parts += parted & (bond > 0.0)
@@ -81,7 +81,7 @@ def _parted(model: Model, limit: Limit) -> Bools:
     return opens(model, limit.velocity, np.minimum(model.tan_dilation, model.tan_friction / (limit.factor or math.inf)))
 
 
-def _path_end(model: Model, cohesion: Floats, displacement: Floats) -> Limit:
+def _elastic_path_limit(model: Model, cohesion: Floats, displacement: Floats) -> Limit:
     """Return the limit of the elastic path of one block with the cohesion (n,) that is left, some bonds lost."""
     pairs = len(cohesion)
     normal = np.maximum(-model.control_area * (model.normal_rows @ displacement), 0.0)

@@ -187,6 +187,8 @@ def _by_programs(model: Model, velocity: Floats, limit: float) -> StaticBound:
             bound = bound_by_programs(one_block(model), 1.0 / limit)
     except WorkSpentError:
         return none
-    if bound is None or bound.factor is None or not (1.0 - SAME_LIMIT) * limit < bound.factor < BOUND_BEYOND * limit:
+    if bound is None or bound.factor is None or bound.factor >= BOUND_BEYOND * limit:
         return none
-    return replace(bound, factor=max(bound.factor, limit), normal_force=bound.normal_force[: len(model.control_area)])
+    # one that lies lower is shown: it proves that the limit is none
+    factor = max(bound.factor, limit) if bound.factor > (1.0 - SAME_LIMIT) * limit else bound.factor
+    return replace(bound, factor=factor, normal_force=bound.normal_force[: len(model.control_area)])

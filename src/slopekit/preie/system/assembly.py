@@ -306,7 +306,7 @@ def one_block(model: Model) -> AssemblyModel:
     A contact has the motion at its node pair, in the axes of that, and the turns.
     """
     pairs, bolts, unknowns = len(model.control_area), len(model.bolt_capacity), model.unknowns
-    slips = model.rows[:, 1:] if unknowns == 6 else model.slips_in_section
+    slips = model.rows[:, 1:] if unknowns == 6 else model.section_slip_rows
     count, tangents, none = pairs + bolts, slips.shape[1], np.zeros(bolts)
     motion = np.tile(np.eye(unknowns), (count, 1, 1))
     motion[:pairs, 0], motion[:pairs, 1 : 1 + tangents] = model.normal_rows, slips

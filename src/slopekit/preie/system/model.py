@@ -81,7 +81,7 @@ class Model:
     lines: "StrengthLines | None" = None
 
     @property
-    def slips_in_section(self) -> Floats:
+    def section_slip_rows(self) -> Floats:
         """Slip (n, 1, 3) of the pairs of a section per unknown: of their two tangents one lies across it."""
         slips: Floats = self.rows[:, 1:].sum(axis=1, keepdims=True)
         return slips

@@ -33,8 +33,8 @@ from slopekit.strength.mohr_coulomb import line
 from slopekit.strength.protocol import LEAST_KPA, StrengthLaw, secant, tangent
 
 _MOST_ROUNDS = 120  # of lines drawn anew
-_MOST_BY_PASSES = 40  # rounds whose limit is known to some part alone: each may take seconds
-_STANDS = 1e-7  # a factor by passes that moves by no more from round to round stands
+_MOST_ROUGH = 40  # rounds whose limit is known to some part alone: each may take seconds
+_STANDS = 1e-7  # a factor known to some part that moves by no more from round to round stands
 _MEMORY = 6  # rounds that Anderson's mixing remembers, and before it begins
 _MIX, _LONGEST = 0.3, 0.7  # its relaxation, and the longest step of ln tan φ
 _PRESSED = 10.0  # tractions in parts of the mean, up to which joints are taken not to dilate by their friction angle
@@ -150,8 +150,10 @@ def _shared(model: AnyModel, slopes: Floats, normal: Floats) -> Floats:
 
 
 def _rounds(
-    model: AnyModel, solve: Callable[[AnyModel], Found], forces: Callable[[Found], tuple[Floats, float, float] | None]
-) -> tuple[AnyModel, Found, float]:
+    model: AssemblyModel,
+    solve: Callable[[AssemblyModel], Found],
+    forces: Callable[[Found], tuple[Floats, float, float] | None],
+) -> tuple[AssemblyModel, Found, float]:
     """Solve, draw the lines anew, solve again, until they stay; mixed after Anderson where that takes long.
 
     Parameters
@@ -165,27 +167,24 @@ def _rounds(
     rounds, and how far the others lie above it.
     """
     steps: list[tuple[Floats, Floats]] = []
-    rounds: list[tuple[float, AnyModel, Found]] = []
-    best, fruitless, by_passes = math.inf, 0, 0
-    while len(rounds) < _MOST_ROUNDS and fruitless < 2 * _FRUITLESS and by_passes < _MOST_BY_PASSES:
+    rounds: list[tuple[float, AssemblyModel, Found]] = []
+    best, fruitless, rough = math.inf, 0, 0
+    while len(rounds) < _MOST_ROUNDS and fruitless < 2 * _FRUITLESS and rough < _MOST_ROUGH:
         limit = solve(model)
         carries = forces(limit)
         if carries is None:
             return model, limit, 0.0
         normal, factor, exact = carries
         new = drawn(model, normal)
-        if isinstance(new, Model):
-            carried, bonds = normal, new.cohesion
-        else:
-            carried, bonds = new.by_group(normal), new.by_group(new.cohesion)
+        carried, bonds = new.by_group(normal), new.by_group(new.cohesion)
         strength = float(line(bonds, new.tan_friction, carried).sum())
         off = float(np.abs(new.tan_friction - model.tan_friction) @ carried) / max(strength, TINY)
         if off <= max(ROUNDING, exact):
             return model, limit, off
         rounds.append((factor, model, limit))
-        by_passes += exact > 0.0
-        if by_passes >= _MEMORY and (swing := _swing(rounds[-_MEMORY:])) <= _STANDS:
-            return model, limit, swing  # passes leave more of the forces than the lines could still gain
+        rough += exact > 0.0
+        if rough >= _MEMORY and (swing := _swing(rounds[-_MEMORY:])) <= _STANDS:
+            return model, limit, swing  # the limits leave more of the forces than the lines could still gain
         best, fruitless = (off, 0) if off < best else (best, fruitless + 1)
         if len(rounds) > _MEMORY:
             at = np.log(np.maximum(model.tan_friction, NO_FORCE))
@@ -199,7 +198,7 @@ def _rounds(
     return lowest[1], lowest[2], _swing(last_ones)
 
 
-def _swing(rounds: Sequence[tuple[float, AnyModel, Found]]) -> float:
+def _swing(rounds: Sequence[tuple[float, AssemblyModel, Found]]) -> float:
     """How far the highest factor of some rounds lies above the lowest."""
     factors = [one[0] for one in rounds]
     return max(factors) / min(factors) - 1.0

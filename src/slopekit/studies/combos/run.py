@@ -111,9 +111,9 @@ class Combos(StudyOutcome):
         """The worst, as many as are listed."""
         indices = self.ranked[: self.given.top].tolist()
         points = self.outcomes.of(np.arange(len(indices))).points
-        return tuple(self._shown(k, point) for k, point in zip(indices, points, strict=True))
+        return tuple(self._pair_check(k, point) for k, point in zip(indices, points, strict=True))
 
-    def _shown(self, k: int, point: Point) -> PairCheck:
+    def _pair_check(self, k: int, point: Point) -> PairCheck:
         pairs, said = self.pairs, point.factors
         assert said is not None  # a removable pair is a block
         joints = [self.joints.joints[int(of[k])] for of in (pairs.first, pairs.second)]

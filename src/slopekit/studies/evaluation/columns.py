@@ -24,6 +24,7 @@ from slopekit.kinds import kind_of
 from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany, shaken_toward
 from slopekit.kinds.single_block.held_bolts import nearly_parallel
 from slopekit.kinds.single_block.one_block_notices import lost_contact, shaking, without_strength
+from slopekit.studies.evaluation.bolts import has_heads
 from slopekit.studies.evaluation.rows import Rows, outcomes_on_arrays
 from slopekit.studies.evaluation.vectorised import Vectorised, vectorised
 from slopekit.studies.keys import Key, values_of
@@ -83,7 +84,7 @@ class ColumnRows(Rows):
         few = np.linspace(0, len(places) - 1, _FEW).astype(np.int64)
         probes = sorted({int(row) for row in (*few, *places.argmin(axis=0), *places.argmax(axis=0))})
         self.points.update((row, self.point(row, pre_ie)) for row in probes)
-        columns = columns_of(design, keys, places, pre_ie)
+        columns = array_columns(design, keys, places, pre_ie)
         of_inputs = {
             tuple(note for note in _renamed(point.notes, point.also, _WHOLE) if note.code not in _OF_ANSWERS)
             for point in self.points.values()
@@ -147,11 +148,11 @@ class ColumnRows(Rows):
 
 def may_be_on_arrays(design: Design) -> bool:
     """Whether rows of a design may be taken on arrays: none whose bolts stay, or whose crack is looked for, are."""
-    is_laid_out = any(bolt.head_m is not None for bolt in design.bolts)
-    return kind_of(design).on_arrays is not None and not is_laid_out and not getattr(design, "crack_searched", "")
+    is_searched = bool(getattr(design, "crack_searched", ""))
+    return kind_of(design).on_arrays is not None and not has_heads(design) and not is_searched
 
 
-def columns_of(design: Design, keys: Sequence[Key], places: Floats, pre_ie: bool) -> Vectorised | None:
+def array_columns(design: Design, keys: Sequence[Key], places: Floats, pre_ie: bool) -> Vectorised | None:
     """The columns of a design on arrays, None where its kind, or one of these values, does not take them.
 
     Parameters

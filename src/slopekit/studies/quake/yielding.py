@@ -26,7 +26,7 @@ from slopekit.studies.protocol import Advance
 from slopekit.studies.roots import RootSearch, Sample
 from slopekit.studies.running import Crew
 from slopekit.studies.solve.by_factor import for_factor
-from slopekit.studies.solve.factor_request import sample_of
+from slopekit.studies.solve.factor_request import level_sample
 from slopekit.studies.solve.solutions import NO_CONVERGENCE, Solution
 from slopekit.studies.words import status_words
 
@@ -201,7 +201,7 @@ def _root(
     def ask(coefficients: Sequence[float]) -> list[Sample[Point]]:
         advance(len(coefficients))
         points = [point_of(static, {KEY: k}, method == "pre_ie", pushed) for k in coefficients]
-        return [sample_of(k, point, method, 1.0) for k, point in zip(coefficients, points, strict=True)]
+        return [level_sample(k, point, method, 1.0) for k, point in zip(coefficients, points, strict=True)]
 
     def pushed(design: Design) -> Design:
         return replace(design, forces=(*design.forces, *more))

@@ -12,7 +12,7 @@ import numpy as np
 from slopekit.core.errors import Notice
 from slopekit.design.common import Design
 from slopekit.kinds import kind_of
-from slopekit.studies.evaluation.columns import columns_of, may_be_on_arrays, points_on_arrays
+from slopekit.studies.evaluation.columns import array_columns, may_be_on_arrays, points_on_arrays
 from slopekit.studies.evaluation.vectorised import Vectorised
 from slopekit.studies.keys import Key, values_of
 from slopekit.studies.points import Method, Point, factor_at, point_of, point_with, status_of
@@ -41,7 +41,7 @@ def level_of(factor: float, target: float) -> float:
     return 1.0 if math.isinf(factor) else (factor - target) / (factor + target)
 
 
-def sample_of(at: float, point: Point, method: Method, target: float) -> Sample[Point]:
+def level_sample(at: float, point: Point, method: Method, target: float) -> Sample[Point]:
     """What a method says at a value, by the level of its factor above a target."""
     factor = factor_at(point, method)
     return Sample(at, None if factor is None else level_of(factor, target), status_of(point, method), point)
@@ -83,7 +83,7 @@ class FactorRequest:
     def on_arrays(self) -> Vectorised | None:
         """The columns of its values, where the kind of the design takes them."""
         grid = np.array(self.grid(*FINE))[:, None]
-        return columns_of(self.design, [self.key], grid, True) if may_be_on_arrays(self.design) else None
+        return array_columns(self.design, [self.key], grid, True) if may_be_on_arrays(self.design) else None
 
     def samples(self, method: Method, values: Sequence[float]) -> Samples:
         """What a method says at values: all at once on arrays, else as many at a time as the crew is."""
@@ -100,7 +100,7 @@ class FactorRequest:
         if pre_ie:
             self.points.update(alone)
         found |= alone
-        return [sample_of(value, found[value], method, self.target) for value in values]
+        return [level_sample(value, found[value], method, self.target) for value in values]
 
     @property
     def alone(self) -> "FactorRequest":
@@ -117,7 +117,7 @@ class FactorRequest:
         """Whether designs of their own say what a search has at its crossings, its least and its greatest."""
         by_level = sorted(search.defined, key=level_at)
         samples = [*by_level[:1], *by_level[-1:], *(crossing.best for crossing in search.crossings())]
-        alone = [sample_of(sample.at, self.both(sample.at), method, self.target) for sample in samples]
+        alone = [level_sample(sample.at, self.both(sample.at), method, self.target) for sample in samples]
         return all(
             abs((one.level or 0.0) - (other.level or 0.0)) <= _SAME_LEVEL
             for one, other in zip(samples, alone, strict=True)

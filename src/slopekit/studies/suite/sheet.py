@@ -9,7 +9,7 @@ from slopekit.core.sheet import Column, Entry, Section, Sheet, Table
 from slopekit.studies.suite.references import QUANTITIES
 from slopekit.studies.suite.run import Row, Verification
 
-#: Errors below this are printed as such: their digits are those of the solver's last pass.
+#: Errors below this are printed as such: their digits are those of the solver's last step.
 _SMALL = 1e-6
 MARKS = {True: "yes", False: "NO", None: "-"}
 

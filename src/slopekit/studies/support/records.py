@@ -26,7 +26,7 @@ from slopekit.kinds.protocol import Factors
 from slopekit.studies.points import point_of
 from slopekit.studies.protocol import StudyOutcome
 from slopekit.studies.support.pattern import Layout
-from slopekit.studies.support.search import Answer, Need, answer_of
+from slopekit.studies.support.search import Answer, Need, method_answer
 
 FORCE_STEP_KN = 10.0  # of the force of a bolt as it is built
 DRILLABLE_DEG = (0.0, 30.0)  # plunges of bolts, where nobody says others
@@ -193,7 +193,7 @@ class BoltCase:
         """The factor with the same bolts in each other load case, or what is lacking there."""
         lacks = {name: trial.lacks for name, trial in self.trials.items()}
         tried = {name: trial.factors for name, trial in self.trials.items() if trial.factors and not trial.lacks}
-        answers = lacks | {name: answer_of(factors, "pre_ie").in_words for name, factors in tried.items()}
+        answers = lacks | {name: method_answer(factors, "pre_ie").in_words for name, factors in tried.items()}
         return f"{self.acts} bolts in the other cases: {'; '.join(map(' '.join, answers.items()))}" if answers else ""
 
     def solved_in(self, design: Design, target: float) -> "BoltCase":
@@ -201,7 +201,7 @@ class BoltCase:
         point = point_of(replace(design, bolts=(*design.bolts, *self.bolts)), {})
         lacks = f"{point.code} {point.message}"
         if point.factors is not None:
-            closed, limit = answer_of(point.factors, "closed_form"), answer_of(point.factors, "pre_ie")
+            closed, limit = method_answer(point.factors, "closed_form"), method_answer(point.factors, "pre_ie")
             both = f"{limit.in_words} by PRE-IE; {closed.in_words} by the closed form"
             lacks = f"solved again with these bolts {both}"
             if enough(target, closed, limit, dilates(design)):
@@ -326,7 +326,10 @@ class Support(StudyOutcome):
         4 where the methods disagree, or without convergence.
         """
         tried = [bolts for case in self.cases for bolts in (case, *case.trials.values())]
-        answers = [self.pre_ie, *(answer_of(bolts.factors, "pre_ie") for bolts in tried if bolts.factors is not None)]
+        answers = [
+            self.pre_ie,
+            *(method_answer(bolts.factors, "pre_ie") for bolts in tried if bolts.factors is not None),
+        ]
         if any(answer.agree is False or (answer.level is None and not self.reached) for answer in answers):
             return 4
         falls_short = any(notice.code == "W507" for notice in self.warnings)

@@ -41,10 +41,10 @@ from slopekit.studies.support.records import (
 from slopekit.studies.support.search import (
     Need,
     Site,
-    answer_of,
     best_direction,
     least_force,
     least_forces,
+    method_answer,
     site_of,
 )
 
@@ -148,7 +148,7 @@ class _Search:
     def __init__(self, site: Site, options: SupportOptions) -> None:
         self.site, self.options, self.target = site, options, options.target
         factors = factors_of(site.design)
-        self.bare, self.bare_limit = answer_of(factors, "closed_form"), answer_of(factors, "pre_ie")
+        self.bare, self.bare_limit = method_answer(factors, "closed_form"), method_answer(factors, "pre_ie")
         self.dilates = dilates(site.design)
         strengths = kind_of(site.design).strengths(site.design)
         self.has_strength = any(one.cohesion_kpa or one.friction_angle_deg for one in strengths)
@@ -252,7 +252,10 @@ class _Search:
         if bare.reaches(self.target):
             return Need(0.0, bare)
         need = least_force(
-            lambda force: answer_of(factors_of(changed(force), pre_ie), method), self.target, guess, bare.search_level
+            lambda force: method_answer(factors_of(changed(force), pre_ie), method),
+            self.target,
+            guess,
+            bare.search_level,
         )
         level = need.answer.search_level
         if need.force is None:

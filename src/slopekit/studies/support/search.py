@@ -163,7 +163,7 @@ class Site:
         return east, north, up
 
 
-def answer_of(factors: Factors, method: Method) -> Answer:
+def method_answer(factors: Factors, method: Method) -> Answer:
     """What a method says among the factors of a design: PRE-IE none where it did not settle."""
     if method == "pre_ie":
         return Answer(factors.limit, factors.status, factors.moments_govern, factors.agree)
