@@ -64,6 +64,8 @@ def blocks_of(cuts: Sequence[Cut]) -> Blocks:
         cohesion=cohesion,
         tan_friction=tan_friction,
         load=np.array([np.concatenate([made.loads.force, made.loads.moment]) for made in cuts]),
+        bolts=np.zeros((len(cuts), 0, 6)),
+        laws=np.full(shape, None),
     )
 
 
@@ -125,6 +127,8 @@ def wedges_of(arguments: Mapping[str, Any], count: int) -> Blocks:
         cohesion=np.stack(strengths, axis=1),
         tan_friction=np.tan(np.radians(np.stack(angles, axis=1))),
         load=load,
+        bolts=np.zeros((count, 0, 6)),
+        laws=np.full((count, 2), None),
     )
 
 

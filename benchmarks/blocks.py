@@ -203,8 +203,7 @@ def multiplier(without: Design, unit: Design, seconds: float = _SECONDS) -> tupl
     try:
         with _within(seconds):
             design = sk.load(without)
-            at_load = kind_of(design).at_load
-            found = None if at_load is None else at_load(design, sk.load(unit), 1.0)
+            found = kind_of(design).at_load(design, sk.load(unit), 1.0)
     except TimeoutError:
         return None, "time", time.process_time() - began
     return found, "none" if found is None else "found", time.process_time() - began

@@ -13,7 +13,7 @@ from slopekit.design.common import Design
 from slopekit.design.reading.files import with_values
 from slopekit.kinds import cut
 from slopekit.kinds.assemblies.many_blocks_scene import scene_loads
-from slopekit.kinds.assemblies.many_blocks_shaking import gyration
+from slopekit.kinds.assemblies.many_blocks_states import gyration
 from slopekit.kinds.solver_inputs import joint_strength
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.bed_states import Drive

@@ -47,7 +47,7 @@ def stages() -> None:
         "closed form": lambda: closed_form(design),
         "read, cut, load, mesh: design to model": lambda: cut(wedge_design(PAPER)).scene_at(0),
         "model to limit": lambda: flat_limit(*flat),
-        "static bound": lambda: static_bound(scene.model, limit.full_velocity(scene.model), limit.factor),
+        "static bound": lambda: static_bound(scene.model, limit.velocity, limit.factor),
         "orientation to checked result (all of it)": lambda: sk.wedge(**PAPER),
     }
     times = {name: median_ms(work) for name, work in rows.items()}

@@ -323,12 +323,11 @@ def test_every_template_stands_in_the_docs() -> None:
 
 
 def _keys_of(spec: Any) -> Iterator[str]:
-    for key, below in getattr(spec, "keys", {}).items():
+    for key, below in (spec.keys or {}).items():
         yield key
         yield from _keys_of(below)
-    of = getattr(spec, "of", ())
-    for below in of if isinstance(of, tuple) else (of,):
-        yield from _keys_of(below)
+    for below in (spec.names, spec.items):
+        yield from () if below is None else _keys_of(below)
 
 
 def test_every_key_of_a_design_stands_on_its_page() -> None:

@@ -14,7 +14,8 @@ from slopekit.core.errors import SolverError
 from slopekit.core.explanations import explanations
 from slopekit.design.templates import path_of
 from slopekit.geometry.interfaces import node_pairs
-from slopekit.kinds import cut
+from slopekit.kinds import cut, kind_of
+from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.single_block.one_block_limit import FoundLimit
 from slopekit.kinds.single_block.one_block_notices import notices
 from slopekit.kinds.wedge.design import wedge_design
@@ -101,7 +102,7 @@ def facts(**changes) -> tuple[set[str], str]:
         governing = replace(analysis.governing, change=changes.pop("swings"))
         analysis = replace(analysis, governing=governing)
     found = replace(FoundLimit(scene, scene, analysis), **changes)
-    said = list(notices(design, made, found, "", "wedge"))
+    said = list(notices(design, made, found, ClosedForm(None, ""), kind_of(design).words))
     return {notice.code for notice in said}, "\n".join(map(str, said))
 
 

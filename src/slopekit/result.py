@@ -288,7 +288,7 @@ class Result(Shown):
     @property
     def line(self) -> str:
         """Status, factor, what governs and the check: never a bare factor of safety."""
-        text: str = import_module("slopekit.kinds.sheets.line").line_of(self)  # as the sheet
+        text: str = import_module("slopekit.kinds.sheets.shared").line_of(self)  # as the sheet
         return text
 
     @property

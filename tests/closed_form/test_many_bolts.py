@@ -28,7 +28,7 @@ def factor_of(slope: str, bolts: list[tuple[float, str]]) -> float | None:
         "strength": {"s": {"c": 5, "phi": 24}}, "rock": {"unit_weight": 26},
         "support": {"bolts": [{"force": force, "toward": toward, "acts": "passive"} for force, toward in bolts]},
     })  # fmt: skip
-    return kind_of(design).closed_form(design).factor
+    return kind_of(design).closed_form(design, None).factor
 
 
 @pytest.mark.parametrize("slope", SLOPES)

@@ -11,8 +11,10 @@ from slopekit.core.orientation import Plane
 from slopekit.kinds import cut
 from slopekit.kinds.wedge import closed_form
 from slopekit.kinds.wedge.design import wedge_design
-from slopekit.preie.one_block.limit import forces_only_limit
+from slopekit.preie.one_block.flat_limit import forces_limit
+from slopekit.preie.one_block.forces_limits import forces_limits
 from slopekit.preie.one_block.pairs_limit import pairs_limit
+from slopekit.preie.one_block.polygon_bed import elastic_bed
 from tests.support import random_wedge
 
 DIPS = ("45/115", "45/245")
@@ -140,8 +142,10 @@ def test_forces_alone_equal_the_closed_form_under_every_load() -> None:
     for _ in range(30):
         wedge = loaded(rng)
         design = wedge_design(wedge)
-        model, closed = cut(design).scene_at(0).model, closed_form(design).factor
-        alone = forces_only_limit(model).factor
+        scene, closed = cut(design).scene_at(0), closed_form(design).factor
+        model = scene.model
+        bed = elastic_bed(model, scene.bedding.polygons, scene.bedding.centroid)
+        alone = forces_limit(model, forces_limits(bed)).factor
         cracks += "crack" in wedge
         if not closed:
             assert not alone

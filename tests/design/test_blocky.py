@@ -169,7 +169,7 @@ FAULTS = [
     ("E143", "blocks", "{k: 0.1, toward: 090}", "{toward: 090}", "loads.seismic.k is missing", "13:18"),
     ("E122", "blocks", "toward: 090}", "toward: 900}", "trend of seismic is 900", "13:35"),
     ("E123", "blocks", "force: 10, toward: 090/00, ", "force: 10, ", "force is 10", "13:50"),
-    ("E124", "topple", "acts: passive", "acts: both", "a bolt is active or passive", "10:19"),
+    ("E124", "topple", "acts: passive", "acts: both", "it is active or passive", "10:57"),
     ("E126", "topple", "criterion: all-pairs", "criterion: pairs", "criterion is 'pairs', it is limit or", "11:38"),
 ]  # fmt: skip
 

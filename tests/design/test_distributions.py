@@ -61,7 +61,7 @@ NUMBERS = [
     (("E165", "E165"), {"dist": "uniform", "min": None}, "min of phi is missing, uniform needs min, max"),
     (("E165",), {"dist": "uniform", "min": 1, "max": 2, "mean": 1.5}, "uniform has no mean (phi)"),
     (("E165", "E165"), {"dist": "normal", "mean": 1, "std": 2}, "normal has no std (phi)"),
-    (("E186",), {"dist": "normal", "mean": 20, "sd": -2}, "sd of phi is -2, a standard deviation is never negative"),
+    (("E186",), {"dist": "normal", "mean": 20, "sd": -2}, "sd of phi is -2°, a standard deviation is never negative"),
     (("E186",), {"dist": "uniform", "min": 30, "max": 10}, "min of phi is 30, it must be less than max, 10"),
     (("E186",), {"dist": "normal", "mean": 5, "sd": 1, "min": 5, "max": 5}, "min of phi is 5, it must be less"),
     (("E186",), {"dist": "normal", "mean": 40, "sd": 2, "min": 10, "max": 30}, "mean of phi is 40, beyond its max, 30"),

@@ -9,7 +9,7 @@ from slopekit.core.units import quantity
 from slopekit.design.fields import every_field, field_at, structure_of, words_of
 from slopekit.design.reading.document import read_document
 from slopekit.design.reading.files import load
-from slopekit.design.reading.structure import AnyOf, KeyGroup, Leaf, ListOf, Named
+from slopekit.design.reading.structure import Spec
 from slopekit.design.registry import KINDS, record_of
 from slopekit.design.strength_laws import fields_of_law
 from slopekit.design.templates import names, path_of
@@ -190,19 +190,15 @@ def test_every_field_that_may_scatter_is_looked_at() -> None:
     assert every - _seen() == set()
 
 
-def _leaves(spec: object, path: str) -> Iterator[str]:
+def _leaves(spec: Spec, path: str) -> Iterator[str]:
     """The paths of all numbers that may scatter, X for a name of the user's."""
-    if isinstance(spec, KeyGroup):
-        for key, below in spec.keys.items():
-            yield from _leaves(below, f"{path}.{key}" if path else key)
-    elif isinstance(spec, Named):
-        yield from _leaves(spec.of, f"{path}.X")
-    elif isinstance(spec, ListOf):
-        yield from _leaves(spec.of, f"{path}.0")
-    elif isinstance(spec, AnyOf):
-        for one in spec.of:
-            yield from _leaves(one, path)
-    elif isinstance(spec, Leaf) and spec.number:
+    for key, below in (spec.keys or {}).items():
+        yield from _leaves(below, f"{path}.{key}" if path else key)
+    if spec.names is not None:
+        yield from _leaves(spec.names, f"{path}.X")
+    if spec.items is not None:
+        yield from _leaves(spec.items, f"{path}.0")
+    if spec.value == "number":
         yield path
 
 

@@ -5,7 +5,7 @@ import pytest
 
 import slopekit as sk
 from slopekit.core.orientation import Line, parse_plane
-from slopekit.design import words
+from slopekit.design import sections
 from slopekit.design.reading.files import with_values
 from slopekit.kinds.single_block import held_bolts
 from slopekit.kinds.wedge import ON_ARRAYS
@@ -33,14 +33,14 @@ def design_with(**first) -> dict:
 
 @pytest.fixture
 def read(monkeypatch) -> list[object]:
-    """What `words.bolt` was asked to read."""
-    asked, bolt = [], words.bolt
+    """What `read_bolt` was asked to read."""
+    asked, bolt = [], sections.read_bolt
 
-    def noted(value, where):
-        asked.append(value)
-        return bolt(value, where)
+    def noted(reader, node):
+        asked.append(node)
+        return bolt(reader, node)
 
-    monkeypatch.setattr(words, "bolt", noted)
+    monkeypatch.setattr(sections, "read_bolt", noted)
     return asked
 
 
@@ -66,6 +66,40 @@ def test_what_is_wrong_with_one_is_said_every_time(wrong, code) -> None:
         with pytest.raises(sk.DesignError) as caught:
             with_values(design, {f"support.bolts.3.{key}": value for key, value in wrong.items()})
         assert caught.value.codes[0] == code
+
+
+def test_loads_in_words_are_each_their_own() -> None:
+    """The keys that a text stands for are nodes of a moment: what one of them says is no other's."""
+    forces = [10.0 * k for k in range(1, COUNT)]
+    design = design_with() | {
+        "support": {"bolts": [f"{force} kN@000/10" for force in forces]},
+        "loads": {"forces": [f"{force} kN@180/00" for force in forces], "seismic": "0.1 g@180"},
+        "water": "u=5 kPa, 6 kPa",
+    }
+    for _ in range(3):
+        loaded = sk.load(design)
+        assert [bolt.force_kn for bolt in loaded.bolts] == forces
+        assert [round(-force.components_kn[1], 9) for force in loaded.forces] == forces
+        assert (loaded.seismic.coefficient, loaded.seismic.trend_deg) == (0.1, 180.0)
+        assert loaded.water.pressures_kpa == (5.0, 6.0)
+
+
+@pytest.mark.parametrize(("force", "code"), [
+    ("300 kN@180/10,5", "E106"), ("300 kN@180/10,passive", "E108"), ("300 kN@180/10 at [0,0,0]", "E108"),
+    ({"force": "300 kN@180/10,passive", "at": [0, 1, 2]}, "E108"),
+])  # fmt: skip
+def test_nothing_behind_the_direction_of_a_force_is_passed_over(force, code) -> None:
+    """A passive bolt under forces would act at any displacement."""
+    with pytest.raises(sk.DesignError) as raised:
+        sk.load(design_with() | {"loads": {"forces": [force]}})
+    assert [fault.code for fault in raised.value.faults] == [code]
+
+
+def test_a_force_in_words_may_have_its_place_beside_it() -> None:
+    (written,) = sk.load(design_with() | {"loads": {"forces": ["300 kN@180/10"]}}).forces
+    (placed,) = sk.load(design_with() | {"loads": {"forces": [{"force": "300 kN@180/10", "at": [0, 1, 2]}]}}).forces
+    assert placed.components_kn == written.components_kn
+    assert (written.at_m, placed.at_m) == (None, (0.0, 1.0, 2.0))
 
 
 def test_one_that_scatters_scatters_every_time() -> None:

@@ -62,7 +62,7 @@ BAD_INPUT = [
     ("E123", {"forces": "100 kN"}, "force is 100 kN"),
     ("E123", {"forces": "100@180"}, "it is written trend/plunge"),
     ("E124", {"bolts": "200"}, "bolt is 200"),
-    ("E124", {"bolts": "200@000/10,strong"}, "a bolt is active or passive"),
+    ("E124", {"bolts": "200@000/10,strong"}, "it is active or passive"),
     ("E124", {"bolts": "200@000/100"}, "plunge of bolt is 100"),
     ("E124", {"bolts": {"force": 200, "toward": "000/10", "length": 9}}, "a bolt with a length needs its head"),
     ("E126", {"criterion": "all_pairs"}, "it is limit or all-pairs"),

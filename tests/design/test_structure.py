@@ -6,35 +6,39 @@ from slopekit.core.errors import DesignError
 from slopekit.design.reading.document import load_document
 from slopekit.design.reading.files import load
 from slopekit.design.reading.nodes import document_from
-from slopekit.design.reading.structure import AnyOf, KeyGroup, Leaf, ListOf, Named, check_structure
+from slopekit.design.reading.structure import VALUE, Spec, check_structure
 
-NUMBER = Leaf(number=True)
-STRENGTH = KeyGroup({"c": NUMBER, "phi": Leaf(number=True, example="20"), "dilation": NUMBER})
-WEDGE = KeyGroup(
-    {
-        "slopekit": Leaf(),
-        "kind": Leaf(),
-        "slope": KeyGroup(
-            {
-                "face": Leaf(orientation=True),
-                "height": Leaf(number=True, example="64.89 m"),
-                "profile": ListOf(ListOf(NUMBER, at_least=2, at_most=2), example="[[60, 0], [40, 0]]"),
+NUMBER = Spec("number")
+STRENGTH = Spec(keys={"c": NUMBER, "phi": Spec("number", example="20"), "dilation": NUMBER})
+WEDGE = Spec(
+    keys={
+        "slopekit": VALUE,
+        "kind": VALUE,
+        "slope": Spec(
+            keys={
+                "face": Spec("orientation"),
+                "height": Spec("number", example="64.89 m"),
+                "profile": Spec(items=Spec(items=NUMBER, at_least=2, at_most=2), example="[[60, 0], [40, 0]]"),
             },
             required=("height",),
         ),
-        "joints": Named(
-            KeyGroup({"plane": Leaf(orientation=True, example="45/115"), "strength": Leaf()}, required=("plane",)),
+        "joints": Spec(
+            names=Spec(keys={"plane": Spec("orientation", example="45/115"), "strength": VALUE}, required=("plane",)),
             at_least=2,
             example="{J1: {plane: 45/115}, J2: {plane: 45/245}}",
         ),
-        "strength": Named(STRENGTH),
-        "loads": KeyGroup({"forces": ListOf(AnyOf((Leaf(), ListOf(NUMBER, at_least=3, at_most=3))))}),
-        "slip": AnyOf((KeyGroup({"shape": Leaf(), "radius": NUMBER}, required=("shape",)), KeyGroup({"mesh": Leaf()}))),
-        "interfaces": Named(Leaf(), pairs=True),
+        "strength": Spec(names=STRENGTH),
+        "loads": Spec(keys={"forces": Spec(items=Spec("value", items=NUMBER, at_least=3, at_most=3))}),
+        "slip": Spec(
+            keys={"mesh": VALUE, "up": VALUE},
+            required=("mesh",),
+            names=Spec(keys={"shape": VALUE, "radius": NUMBER}, required=("shape",)),
+        ),
+        "interfaces": Spec(names=VALUE, pairs=True),
     },
     required=("slope", "joints"),
 )
-PLANE = KeyGroup({"weak_plane": KeyGroup({"dip": NUMBER})})
+PLANE = Spec(keys={"weak_plane": Spec(keys={"dip": NUMBER})})
 GOOD = {
     "kind": "wedge",
     "slope": {"height": "64.89 m", "face": "60/180"},
@@ -53,7 +57,7 @@ CASES = [
     ("E142", {"phi": 20}, "phi is not a key of a wedge design", "phi belongs under strength.<name>."),
     ("E142", {"slope": {"height": 5, "kind": 1}}, "kind is not a key of slope", "kind belongs at the top."),
     ("E142", {"weak_plane": {}}, "weak_plane is not a key", "weak_plane is a key of kind: plane."),
-    ("E142", {"radiuss": 1}, "radiuss is not a key", "Did you mean radius, under slip?"),
+    ("E142", {"radiuss": 1}, "radiuss is not a key", "Did you mean radius, under slip.<name>?"),
     ("E142", {"strength": {"weak": {"Phi": 1}}}, "Phi is not a key of strength.weak", "Did you mean phi?"),
     ("E143", {"slope": {"face": "60/180"}}, "slope.height is missing", "Add height: 64.89 m"),
     ("E143", {"joints": {"J1": {}, "J2": {"plane": 1}}}, "joints.J1.plane is missing", "Add plane: 45/115"),
@@ -95,7 +99,7 @@ def test_all_faults_of_a_file_with_line_and_column(tmp_path) -> None:
     assert [str(fault) for fault in faults] == [
         "E142 hight is not a key of slope\n     wall.yaml:1:9  slope: {hight: 5}\n     Did you mean height?",
         "E144 joints.J1 is the text '45/115', a group of keys (plane, strength) is needed\n"
-        "     wall.yaml:3:7  J1: 45/115",
+        "     wall.yaml:3:7  J1: 45/115\n     Write J1: {plane: 45/115}",
         "E142 plane:45/245 is not a key of joints.J2\n     wall.yaml:4:8  J2: {plane:45/245}\n"
         "     Put a space behind the colon: plane: 45/245",
         "E143 joints.J2.plane is missing\n     wall.yaml:4:3  J2: {plane:45/245}\n     Add plane: 45/115",
@@ -104,13 +108,14 @@ def test_all_faults_of_a_file_with_line_and_column(tmp_path) -> None:
     ]
 
 
-def test_of_several_shapes_the_nearest_speaks() -> None:
+def test_a_key_that_is_required_tells_a_group_of_keys_from_names() -> None:
     def codes(slip: object) -> list[str]:
         return [f.code for f in check_structure(document_from({**GOOD, "slip": slip}).root, WEDGE, "surface")]
 
     assert codes({"mesh": "slip.stl"}) == []
-    assert codes({"shape": "sphere", "radius": 5}) == []
-    assert codes({"shape": "sphere", "raduis": 5}) == ["E142"]
+    assert codes({"mesh": "slip.stl", "upp": "y"}) == ["E142"]
+    assert codes({"S1": {"shape": "sphere", "radius": 5}}) == []
+    assert codes({"S1": {"shape": "sphere", "raduis": 5}}) == ["E142"]
     assert codes("sphere") == ["E144"]
 
 

@@ -129,7 +129,7 @@ NO_PLANES = [
     ("E193", "alpha,beta,trend,plunge,reference\n50,20,140,60,\n", "has no reference"),
     ("E101", "alpha,beta,trend,plunge,reference\n95,20,140,60,top\n", "alpha of J1 is 95"),
     ("E102", "alpha,beta,trend,plunge,reference\n50,400,140,60,top\n", "beta of J1 is 400"),
-    ("E101", "alpha,beta,trend,plunge,reference\n50,20,140,-60,top\n", "the hole of J1 plunges -60"),
+    ("E101", "alpha,beta,trend,plunge,reference\n50,20,140,-60,top\n", "hole plunge of J1 is -60"),
     ("E101", "alpha,beta,trend,plunge,reference\n50,20,140,90,top\n", "the hole of J1 is vertical"),
     ("E113", "alpha,beta,trend,plunge,reference\n0.5,2.5,140,60,top\n0.6,2.1,140,60,top\n", "looks like radians"),
 ]

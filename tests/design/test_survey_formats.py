@@ -74,7 +74,7 @@ def test_a_text_of_dips_without_names_of_columns() -> None:
     survey = read_joints(HERE / "dips-bare.txt")
     assert planes(survey) == [FIRST, SECOND]
     assert [joint.quantity for joint in survey.joints] == [2.0, 1.0]
-    assert survey.left_out == ("1 column without a name", "lines 1 to 7 (above the columns)")
+    assert survey.left_out == ("column 4", "lines 1 to 7 (above the columns)")
     assert survey.read_as == ("trend and plunge are of poles: dip = 90 - plunge, dip direction = trend + 180",)
 
 

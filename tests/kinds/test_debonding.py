@@ -9,7 +9,7 @@ import pytest
 import slopekit as sk
 from benchmarks import populations
 from slopekit.kinds.assemblies import many_blocks, many_blocks_ladder
-from slopekit.kinds.blocks import OWN
+from slopekit.kinds.blocks import KIND
 
 DIP, PHI, COHESION, WEIGHT, LENGTH = math.radians(30.0), math.radians(25.0), 3.0, 50.0, 2.0
 
@@ -42,7 +42,7 @@ def test_a_bonded_block_by_hand() -> None:
     assert found.fos.limit == pytest.approx(whole, rel=1e-9)
     assert "W504" not in [notice.code for notice in found.warnings]
     assert not {"without_cohesion", "history", "without_turning", "lowest_limit"} & found.to_dict().keys()
-    part = many_blocks.solved(OWN, sk.load(block())).ravelling.failures[0].parts[0]
+    part = KIND.solved(sk.load(block())).ravelling.failures[0].parts[0]
     stable, fails = many_blocks._debonding_factors(part, 1)
     assert stable < whole < fails < 1.0035 * stable
 
@@ -86,7 +86,7 @@ def test_check_follows_the_history_of_more_blocks(monkeypatch) -> None:
 def test_no_history_is_followed_where_it_would_be_of_other_blocks(monkeypatch) -> None:
     """Dilation, and work that is not allowed."""
     design = sk.load(block())
-    solution = many_blocks.solved(OWN, design)
+    solution = KIND.solved(design)
     part = solution.ravelling.failures[0].parts[0]
     assert many_blocks._debonding_factors(part, 1) is not None
     assert many_blocks._debonding_factors(part, 0) is None

@@ -70,8 +70,8 @@ def test_the_same_table_by_depth_and_by_points() -> None:
     at_depth = sk.load({**ELLIPSOID, "water": {"mode": "table", "depth": "3 m"}})
     through = sk.load({**ELLIPSOID, "water": {"mode": "table", "points": [[x, z - 3] for x, z in PROFILE[::-1]]}})
     first, second = (kind_named("surface").cut(one).loads for one in (at_depth, through))
-    assert first.parts["water"] == pytest.approx(second.parts["water"], rel=1e-12)
-    assert float(np.linalg.norm(first.parts["water"])) > 100.0
+    assert first.parts["water 0"] == pytest.approx(second.parts["water 0"], rel=1e-12)
+    assert float(np.linalg.norm(first.parts["water 0"])) > 100.0
 
 
 def test_a_depth_below_a_vertical_face() -> None:
@@ -82,10 +82,10 @@ def test_a_depth_below_a_vertical_face() -> None:
         kind_named("surface").cut(sk.load({**CYLINDER, "slope": {"profile": profile}, "water": water})).loads
         for profile in (upright, upright[::-1], leaning)
     ]  # fmt: skip
-    force = found[0].parts["water"]
+    force = found[0].parts["water 0"]
     assert float(np.linalg.norm(force)) > 100.0
-    assert found[1].parts["water"] == pytest.approx(force, rel=1e-12, abs=1e-9)
-    assert found[2].parts["water"] == pytest.approx(force, rel=1e-3, abs=0.05)
+    assert found[1].parts["water 0"] == pytest.approx(force, rel=1e-12, abs=1e-9)
+    assert found[2].parts["water 0"] == pytest.approx(force, rel=1e-3, abs=0.05)
     over = [[60, 0], [30, 0], [33, 10], [20, 20], [-40, 20]]
     with pytest.raises(DesignError, match=r"E454 .* the profile overhangs"):
         sk.load({**CYLINDER, "slope": {"profile": over}, "water": water})

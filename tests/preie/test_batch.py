@@ -13,8 +13,9 @@ from slopekit import load
 from slopekit.kinds import cut
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.preie import batch
-from slopekit.preie.batch import Blocks, ForcesStatus, limits_of_blocks
+from slopekit.preie.batch import Blocks, limits_of_blocks
 from slopekit.preie.one_block.bed_limits import BedStatus
+from slopekit.preie.one_block.forces_limits import ForcesStatus
 from slopekit.studies.evaluation.vectorised import vectorised
 from slopekit.studies.prob.sampling import samples
 
@@ -96,7 +97,13 @@ def dams(eccentricities: list[float]) -> Blocks:
     one = np.ones((len(eccentricities), 2))
     counts = np.tile([4, 0], (len(eccentricities), 1))
     return Blocks(
-        corners=corners, counts=counts, cohesion=150.0 * one, tan_friction=math.tan(math.radians(40.0)) * one, load=load
+        corners=corners,
+        counts=counts,
+        cohesion=150.0 * one,
+        tan_friction=math.tan(math.radians(40.0)) * one,
+        load=load,
+        bolts=np.zeros((len(eccentricities), 0, 6)),
+        laws=np.full(counts.shape, None),
     )
 
 

@@ -20,7 +20,7 @@ def test_on_one_plane_the_bound_is_the_limit(dip, c, phi) -> None:
     """Normal forces are given there: dilation changes nothing (Davis 1968), to rounding."""
     model = block_on_incline(dip, c, phi, height=0.2)
     limit = pairs_limit(model).governing
-    found = static_bound(model, limit.full_velocity(model), limit.factor)
+    found = static_bound(model, limit.velocity, limit.factor)
     a = math.radians(dip)
     exact = (4.0 * c + 20.0 * math.cos(a) * math.tan(math.radians(phi))) / (20.0 * math.sin(a))
     assert found.factor == pytest.approx(exact, rel=1e-9)
@@ -96,6 +96,6 @@ def test_where_the_joints_jam_newton_is_not_trusted() -> None:
     """A little more strength and forces however large balance: the distance is a step there. Bisection, to 1e-6."""
     model = cut(wedge_design(JAMS)).scene_at(0).model
     limit = pairs_limit(model).governing
-    found = static_bound(model, limit.full_velocity(model), limit.factor)
+    found = static_bound(model, limit.velocity, limit.factor)
     bound = conic_oracle.sparse_static_bound(model, limit.factor, near=found.factor)
     assert found.factor == pytest.approx(bound, rel=1e-6)

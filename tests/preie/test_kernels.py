@@ -132,7 +132,7 @@ def springs_on(bed: Beds, split: int) -> BedSprings:
 def curved_square() -> Beds:
     """The same with a curved law on the square, and on the triangle one with a kink."""
     laws = (BartonBandis(8.0, 60000.0, 30.0), Bilinear(25.0, 15.0, 80.0))
-    return dataclasses.replace(cut_square(), laws=laws, stress_scale=120.0)
+    return dataclasses.replace(cut_square(), laws=laws, stress_scale=np.full(2, 120.0))
 
 
 CRACKED = {
@@ -196,7 +196,7 @@ def test_a_law_that_fails_raises_its_error_and_may_be_asked_again() -> None:
             return super().resistance(normal)
 
     law = Broken(8.0, 60000.0, 30.0)
-    springs = springs_on(dataclasses.replace(cut_square(), laws=(law, None), stress_scale=120.0), 1)
+    springs = springs_on(dataclasses.replace(cut_square(), laws=(law, None), stress_scale=np.full(2, 120.0)), 1)
     at = springs.beds.bonded[0], springs.beds.bonded[0], 0.5
     with pytest.raises(ArithmeticError, match="no strength"):
         unbalanced(springs, *at)

@@ -167,7 +167,7 @@ def random_models(count: int, seed: int):
 def test_static_bound_against_clarabel() -> None:
     """Other matrices, and bisection: to 1e-6 (Clarabel's margin is 1e-10)."""
     for model, analysis in random_models(25, 11):
-        ours = static_bound(model, analysis.governing.full_velocity(model), analysis.governing.factor)
+        ours = static_bound(model, analysis.governing.velocity, analysis.governing.factor)
         assert ours.factor == pytest.approx(conic_oracle.static_bound(model, ours.factor), rel=1e-6)
 
 

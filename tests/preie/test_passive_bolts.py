@@ -23,10 +23,12 @@ from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import PassiveBolts
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
-from slopekit.preie.one_block.limit import forces_only_limit
+from slopekit.preie.one_block.flat_limit import forces_limit
+from slopekit.preie.one_block.forces_limits import forces_limits
 from slopekit.preie.one_block.pairs_limit import pairs_limit
+from slopekit.preie.one_block.polygon_bed import elastic_bed
 from slopekit.preie.programs.distance import Distance
-from slopekit.preie.solvers.linear import bounded_least_squares
+from slopekit.preie.solvers.linear import non_negative_least_squares
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.components import whole_model
 from slopekit.result import Result
@@ -498,6 +500,11 @@ def test_the_sheet_says_what_bolts_pull() -> None:
     assert "W311" in text
 
 
+def forces_factor(scene) -> float | None:
+    bed = elastic_bed(scene.model, scene.bedding.polygons, scene.bedding.centroid)
+    return forces_limit(scene.model, forces_limits(bed)).factor
+
+
 @pytest.mark.parametrize("each", [10, 30], ids=["180 bolts", "540 bolts"])
 def test_many_bolts_of_one_direction_are_one_of_all_their_capacity(each) -> None:
     """Of more than 400 columns the least squares let in 400 and gave up without a word: a limit too low."""
@@ -505,14 +512,11 @@ def test_many_bolts_of_one_direction_are_one_of_all_their_capacity(each) -> None
     one = {"force": 60.0, "toward": (0.0, 0.0), "acts": "passive"}
     strong = [one | {"toward": (float(trend % 360), 0.0)} for trend in range(-9, 9)]
     weak = [bolt | {"force": 60.0 / each} for bolt in strong for _ in range(each)]
-    whole, parted = (
-        forces_only_limit(cut(wedge_design(given | {"bolts": bolts})).scene_at(0).model).factor
-        for bolts in (strong, weak)
-    )
+    whole, parted = (forces_factor(cut(wedge_design(given | {"bolts": bolts})).scene_at(0)) for bolts in (strong, weak))
     assert whole == pytest.approx(parted, rel=1e-9)
 
 
 def test_least_squares_let_in_as_many_columns_as_they_need() -> None:
-    found, left = bounded_least_squares(np.eye(450), np.full(450, 2.0), np.full(450, 1.5))
-    assert found == pytest.approx(np.full(450, 1.5))
-    assert left == pytest.approx(np.full(450, 0.5))
+    found, left = non_negative_least_squares(np.eye(450), np.full(450, 2.0))
+    assert found == pytest.approx(np.full(450, 2.0))
+    assert left == pytest.approx(np.zeros(450))

@@ -12,7 +12,7 @@ from slopekit.design.reading.files import with_values
 from slopekit.design.templates import path_of
 from slopekit.geometry.patches import Assembly
 from slopekit.kinds import kind_of
-from slopekit.kinds.assemblies.many_blocks_shaking import gyration
+from slopekit.kinds.assemblies.many_blocks_states import gyration
 
 KEY = "loads.seismic.k"
 

@@ -16,5 +16,5 @@ def test_two_joints_need_no_cone_program(monkeypatch) -> None:
         raise AssertionError("the three equations gave no bound")
 
     monkeypatch.setattr(bound, "_by_programs", unwanted)
-    found = bound.static_bound(model, limit.full_velocity(model), limit.factor)
+    found = bound.static_bound(model, limit.velocity, limit.factor)
     assert found.factor == pytest.approx(1.5868, abs=5e-5)

@@ -68,10 +68,37 @@ def random_design(rng: np.random.Generator) -> dict[str, Any]:
     return document | ({"water": water} if water else {})
 
 
-def compared(document: Mapping[str, Any]) -> tuple[set[str], int]:
+def random_law(rng: np.random.Generator) -> dict[str, Any]:
+    """A curved strength, or one that a law makes a line; its parameters scatter."""
+    laws: list[dict[str, Any]] = [
+        {"law": "barton-bandis", "jrc": near(rng.uniform(4, 14), 0.1), "jcs": "80 MPa", "phi_r": near(25, 0.1)},
+        {"law": "power", "a": near(rng.uniform(1, 2), 0.2), "b": near(0.8, 0.08), "d": near(6, 0.5)},
+        {"law": "bilinear", "phi": near(25, 0.1), "i": near(12, 0.2), "sigma_t": near(80, 0.5)},
+        {"law": "bridged", "c": near(2, 0.5), "phi": near(28, 0.1), "c_rock": "3 MPa", "phi_rock": 45,
+         "persistence": near(0.99, 0.005)},
+        {"c": near(15, 0.5), "phi": near(30, 0.1), "waviness": near(5, 0.5)},
+    ]  # fmt: skip
+    return laws[int(rng.integers(len(laws)))]
+
+
+def random_forces(rng: np.random.Generator, size: float) -> dict[str, Any]:
+    """A force, active and passive bolts, whose sizes and directions scatter."""
+
+    def towards(trend: float) -> dict[str, Any]:
+        return {"trend": near(trend, 0.05), "plunge": near(rng.uniform(2, 30), 0.4)}
+
+    bolts = [
+        {"force": near(size * rng.uniform(0.05, 0.5), 0.2), "toward": towards(rng.uniform(1, 40)), "acts": acts}
+        for acts in rng.choice(["passive", "passive", "active"], int(rng.integers(1, 4))).tolist()
+    ]
+    force = {"force": near(0.1 * size, 0.5), "toward": towards(180.0), "at": [0.0, -1.0, 4.0]}
+    return {"loads": {"forces": [force]}, "support": {"bolts": bolts}}
+
+
+def compared(document: Mapping[str, Any], count: int = SAMPLES) -> tuple[set[str], int]:
     """The statuses of the samples of a design, and how many have a factor: those of `run`, to 1e-9 and 3e-6."""
     design = sk.load(dict(document))
-    drawn = samples(design.variables, design.correlation, SAMPLES, 1, "monte-carlo")
+    drawn = samples(design.variables, design.correlation, count, 1, "monte-carlo")
     together = vectorised(design, drawn.values, drawn.settings)
     assert together is not None
     forms = together(drawn.values)
@@ -82,7 +109,7 @@ def compared(document: Mapping[str, Any]) -> tuple[set[str], int]:
         limits = together.limits(drawn.values[rows])
         statuses[rows] = limits.status
         found = dict(zip(rows.tolist(), limits.limit.tolist(), strict=True))
-    for row in range(SAMPLES):
+    for row in range(count):
         point = point_of(design, drawn.settings(row))
         if point.factors is None:
             assert statuses[row] == point.code
@@ -104,3 +131,19 @@ def test_samples_all_at_once_have_the_loads_of_each() -> None:
         statuses, judged = statuses | met, judged + count
     assert judged > DESIGNS * SAMPLES // 2
     assert statuses >= {"rotates", "slides_on_J1", "slides_on_both", "E207", "E456"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("laws", "bolts"), [(True, False), (False, True), (True, True)], ids=["laws", "bolts", "both"])
+def test_samples_all_at_once_have_the_strength_and_the_bolts_of_each(laws: bool, bolts: bool) -> None:
+    """Six dry designs of eight samples each: as `compared` has it."""
+    rng, judged = np.random.default_rng(44), 0
+    for _ in range(6):
+        document = random_design(rng)
+        height = document["slope"]["height"]["max"]
+        document = {key: of for key, of in document.items() if key not in ("water", "loads", "crack")}
+        document |= {"strength": {"s": random_law(rng)}} if laws else {}
+        weight = 5.0 * height ** (2 if document["kind"] == "plane" else 3)
+        document |= random_forces(rng, weight) if bolts else {}
+        judged += compared(document, 8)[1]
+    assert judged > 20

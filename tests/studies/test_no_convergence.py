@@ -1,6 +1,7 @@
 """Where PRE-IE does not converge a study says so, refuses no input, and ends with 4: what it asks may be there."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -96,11 +97,11 @@ def test_a_motion_that_did_not_settle_has_no_factor(monkeypatch) -> None:
     assert Point(lost).is_in_doubt
 
 
-def test_a_search_that_leads_nowhere_finds_no_coefficient(monkeypatch) -> None:
+def test_a_search_that_leads_nowhere_finds_no_coefficient() -> None:
     """Where the level is the same everywhere there is no root, nor where it lies beyond what a coefficient may be."""
     for level, root in ((lambda k: 0.5 - k, 0.5), (lambda _: 0.3, None), (lambda k: 5.0 - k, None)):
-        monkeypatch.setattr(yielding, "level_sample", lambda k, *_, level=level: Sample(k, level(k), "", None))
-        found = yielding._root(_slab(), "pre_ie", 0.2, (), lambda _: None)
+        request = SimpleNamespace(samples=lambda _, ks, level=level: [Sample(k, level(k), "", None) for k in ks])
+        found = yielding._root(request, "pre_ie", 0.2)
         assert found == (None if root is None else pytest.approx(root, rel=1e-12))
 
 

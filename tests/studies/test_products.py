@@ -30,6 +30,7 @@ FEATURES: dict[str, dict[str, Any]] = {
     "water in the crack": {"crack": {"plane": "80/185", "distance": "3 m", "water": "2 m"}},
     "surcharge": {"loads": {"surcharge": "20 kPa"}},
     "earthquake": {"loads": {"seismic": {"k": 0.1}}},
+    "force": {"loads": {"forces": [{"force": 500, "toward": "185/20"}]}},
     "passive bolts": {"support": {"bolts": [BOLT | {"acts": "passive"}]}},
     "active bolts": {"support": {"bolts": [BOLT]}},
     "residual strength": {"strength": {"s": {"c": 24, "phi": 28, "residual": {"c": 0, "phi": 25}}}},
@@ -43,7 +44,7 @@ REFUSED = {("support", "barton-bandis"): "E288", ("support", "power"): "E288"}
 #: Designs that fail as they are: there is no yield acceleration.
 FALLEN = ("crack half full", "water table", "pond")
 #: Features that samples are read one by one for.
-ONE_BY_ONE = ("passive bolts", "barton-bandis", "power", "dilation")
+ONE_BY_ONE = ("dilation",)
 KEY, NOW = "rock.unit_weight", 25.0
 
 

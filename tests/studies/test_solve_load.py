@@ -12,12 +12,13 @@ from slopekit.core.errors import Notice
 from slopekit.design.reading.files import with_values
 from slopekit.design.templates import path_of
 from slopekit.kinds import kind_of
+from slopekit.kinds.assemblies.many_blocks import ManyBlocks
 from slopekit.kinds.protocol import Factors
 from slopekit.notices import lost_cohesion_notices
 from slopekit.studies.outcomes import Outcomes, outcomes_from_points
 from slopekit.studies.points import Point
 from slopekit.studies.running import ALONE, RowArrays
-from slopekit.studies.solve import by_factor, factor_request
+from slopekit.studies.solve import factor_request
 
 COLUMN = {
     "slopekit": 1, "kind": "blocks",
@@ -67,9 +68,7 @@ def test_both_ways_to_the_yield_of_a_slab_are_one() -> None:
 
 def path_ends(monkeypatch, at: float) -> None:
     """The path in a load of a design ends there, whatever its blocks do."""
-    kind = replace(kind_of(_slab()), at_load=lambda *_: at)
-    for module in (by_factor, factor_request):
-        monkeypatch.setattr(module, "kind_of", lambda _: kind)
+    monkeypatch.setattr(ManyBlocks, "at_load", lambda *_: at)
 
 
 @pytest.mark.parametrize("part", [0.8, 1.3])

@@ -9,6 +9,7 @@ import pytest
 from slopekit.core.errors import DesignError
 from slopekit.design.reading.files import load, with_values
 from slopekit.kinds import kind_of
+from slopekit.strength.protocol import laws_of
 from slopekit.studies.evaluation.bolts import as_laid_out, standing
 from slopekit.studies.evaluation.vectorised import vectorised
 from slopekit.studies.prob.sampling import samples
@@ -18,10 +19,17 @@ def plane(dip: float, direction: float) -> dict:
     return {"dip": dip, "dip_direction": direction}
 
 
-LOADS = {"seismic": {"k": 0.05, "toward": 180},
-         "forces": [{"force": 300, "toward": "180/10"}, {"force": -50, "toward": "170/80"}]}  # fmt: skip
-SUPPORT = {"bolts": [{"force": 400, "toward": "000/10"}, {"force": 200, "toward": "010/05", "head": [0, -1, 5],
-                                                          "length": 9}]}  # fmt: skip
+LOADS = {"seismic": {"k": 0.05, "toward": 180}, "forces": [
+    {"force": 300, "toward": {"trend": 180, "plunge": 10}}, {"force": -50, "toward": {"trend": 170, "plunge": 80}},
+]}  # fmt: skip
+SUPPORT = {"bolts": [
+    {"force": 400, "toward": {"trend": 10, "plunge": 10}, "acts": "passive"},
+    {"force": 200, "toward": {"trend": 10, "plunge": 5}, "head": [0, -1, 5], "length": 9},
+]}  # fmt: skip
+BARTON = {"law": "barton-bandis", "jrc": 8, "jcs": 5e4, "phi_r": 26, "waviness": 3}
+POWER = {"law": "power", "a": 1.2, "b": 0.8, "d": 4}
+BILINEAR = {"law": "bilinear", "phi": 25, "i": 12, "sigma_t": 80}
+BRIDGED = {"law": "bridged", "c": 2, "phi": 28, "c_rock": 3000, "phi_rock": 45, "persistence": 0.9}
 STRENGTH = {"a": {"c": 20, "phi": 25, "tension": 1, "stiffness": {"normal": 1e7}}, "b": {"c": 30, "phi": 22}}
 WEDGE = {
     "slopekit": 1, "kind": "wedge", "strength": STRENGTH,
@@ -40,11 +48,14 @@ DESIGNS = {
     "wedge-crack": WEDGE | {"crack": CRACK | {"water": 0.5}, "water": {"fill": 0.3}, "loads": {"seismic": 0.1}},
     "wedge-pressures": WEDGE | {"crack": CRACK, "water": {"pressures": {"B": 9, "crack": 4}}},
     "wedge-list": WEDGE | {"crack": CRACK, "water": {"pressures": [5, 9, 4]}},
+    "wedge-curved": WEDGE | {"strength": {"a": BARTON, "b": POWER}},
+    "wedge-laws": WEDGE | {"strength": {"a": BILINEAR, "b": BRIDGED}},
+    "wedge-waves": WEDGE | {"strength": {"a": {"c": 20, "phi": 25, "waviness": 4}, "b": {"c": 30, "phi": 22}}},
     "plane": PLANE | {"rock": DENSE, "crack": {"depth": 4, "water": 2}, "loads": LOADS, "support": SUPPORT},
     "plane-fill": PLANE | {"crack": {"distance": 3}, "water": {"fill": 0.4, "unit_weight": 9.8}},
     "plane-pressures": PLANE | {"crack": {"depth": 4}, "water": {"pressures": {"A": 9, "crack": 5}}},
 }  # fmt: skip
-NO_SCATTER = ("slopekit", "toward", "head")
+NO_SCATTER = ("slopekit", "seismic", "head")
 
 
 def numbers(tree, path=()):
@@ -77,11 +88,22 @@ def check(values: dict, n: int = 2) -> None:
     fast = vectorised(design, drawn.values, drawn.settings)
     assert fast is not None
     found, own = fast.arguments(drawn.values), kind_of(design).on_arrays
+    strengths, forms = fast.at(drawn.values)[1], fast(drawn.values)
     for row in range(n):
         sample = standing(with_values(design, drawn.settings(row)), as_laid_out(design))
         for name, value in own.arguments(sample).items():
             one = None if found[name] is None else float(np.broadcast_to(found[name], n)[row])
-            assert one is None if value is None else one == pytest.approx(value, rel=1e-12, abs=1e-12), (name, row)
+            assert one is None if value is None else one == pytest.approx(float(value), rel=1e-12, abs=1e-12), (
+                name,
+                row,
+            )
+        for strength, alone in zip(strengths, sample.joint_strengths, strict=True):
+            law, at = laws_of(strength.law, n)[row], np.array([3.0, 40.0, 300.0])
+            assert (law is None) == (alone.law is None)
+            if law is not None:
+                assert law.resistance(at) == pytest.approx(alone.law.resistance(at), rel=1e-12)
+        assert forms.names[forms.outcome[row]] == (solution := own.of(sample)).status
+        assert forms.factor[row] == pytest.approx(solution.factor, rel=1e-9)
 
 
 @pytest.mark.parametrize(("name", "path"), [(name, path) for name, values in DESIGNS.items()
@@ -97,15 +119,10 @@ def test_all_keys_together(name) -> None:
 
 
 def test_what_is_read_one_by_one(tmp_path) -> None:
-    """The direction of a force, and a strength that a column of the joint list takes the place of."""
-    toward = copy.deepcopy(DESIGNS["wedge"])
-    toward["loads"]["forces"][0]["toward"] = {"dist": "fisher", "mean": "180/10", "k": 400}
+    """A strength that a column of the joint list takes the place of."""
     (tmp_path / "joints.csv").write_text("name,dip,dip direction,c\nJ1,45,115,20\nJ2,45,245,30\n")
     listed = scattered(WEDGE, ("strength", "a", "c")) | {"joints": {"csv": "joints.csv", "strength": "a"}}
     del listed["strength"]["b"]
-    design = load(toward)
-    drawn = samples(design.variables, (), 40, 3)
-    assert vectorised(design, drawn.values, drawn.settings) is None
     (tmp_path / "design.yaml").write_text(json.dumps(listed))
     design = load(tmp_path / "design.yaml")
     drawn = samples(design.variables, (), 40, 3)

@@ -285,6 +285,6 @@ def _line(result: Result | None) -> dict[str, float] | None:
 
 def _friction(design: Design) -> float | None:
     """The least friction angle of its strengths; None where one is curved."""
-    angles = [getattr(one, "friction_angle_deg", None) for one in kind_of(design).strengths(design)]
+    angles = [getattr(one, "friction_angle_deg", None) for one in design.joint_strengths]
     known = [float(angle) for angle in angles if isinstance(angle, int | float)]
     return min(known) if known and len(known) == len(angles) else None

@@ -29,7 +29,6 @@ from slopekit.design.reading.files import design_of, load_document_design
 from slopekit.design.reading.nodes import Document, Node
 from slopekit.design.reading.overrides import ALTERNATIVES, with_overrides
 from slopekit.design.reading.structure import WRITTEN
-from slopekit.kinds import kind_of
 from slopekit.studies.keys import Key
 
 _MOST_UNDONE = 500
@@ -142,8 +141,9 @@ class Session:
     @property
     def live(self) -> str:
         """When it is answered: drag, release or button."""
-        answered = kind_of(self.design).answered
-        return "release" if answered == "drag" and self.design.analysis.criterion != "limit" else answered
+        if not self.design.HAS_CLOSED_FORM:
+            return self.design.ANSWERED
+        return "drag" if self.design.analysis.criterion == "limit" else "release"
 
     @property
     def can_undo(self) -> bool:

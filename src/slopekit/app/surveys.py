@@ -29,7 +29,7 @@ from slopekit.design.common import Design
 from slopekit.design.joint_lists import JointList
 from slopekit.design.reading.nodes import as_text
 from slopekit.design.survey import MeasuredJoint, read_joints_text
-from slopekit.kinds import kind_of, status_text
+from slopekit.kinds import status_text
 from slopekit.studies.combos import Combos, combos
 
 _MOST_PAIRS = 200  # that the page is sent
@@ -176,7 +176,7 @@ def _question(name: str, text: str, columns: str | None, error: DesignError) -> 
 
 def _strength(design: Design) -> tuple[float, float]:
     """Cohesion and friction of the design: those of its first strength, where that is a straight one."""
-    for one in kind_of(design).strengths(design):
+    for one in design.joint_strengths:
         c, phi = getattr(one, "cohesion_kpa", None), getattr(one, "friction_angle_deg", None)
         if isinstance(c, int | float) and isinstance(phi, int | float):
             return float(c), float(phi)

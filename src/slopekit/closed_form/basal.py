@@ -29,7 +29,6 @@ from slopekit.closed_form.wedge_sliding import (
     SLIDES_UP,
     STATUSES,
     STILL,
-    Bolt,
     Vector,
     WedgeSlide,
     cross,
@@ -114,12 +113,11 @@ def basal_wedges(wedges: BasalWedgeArrays) -> ClosedFormWedges:
     (['slides_on_basal', 'slides_on_J1_and_J2', 'E441'], [1.2381, 2.8886, nan])
     """
     columns, count = columns_of_wedges(wedges, BasalWedgeArrays, ("J1", "J2", "the basal joint"))
-    bolts = [(float(bolt[0]), float(bolt[1]), float(bolt[2])) for bolt in wedges.passive_kn]
     outcome, numbers = np.empty(count, dtype=np.int8), np.empty((17, count))
     with np.errstate(all="ignore"):
         for first in range(0, count, _CHUNK):
             part = slice(first, first + _CHUNK)
-            outcome[part], chunk_numbers = _solved(of_chunk(columns, part), outcome[part].size, bolts)
+            outcome[part], chunk_numbers = _solved(of_chunk(columns, part), outcome[part].size)
             for row, values in zip(numbers, chunk_numbers, strict=True):
                 row[part] = values
     numbers[:, outcome >= _REFUSED] = np.nan
@@ -347,7 +345,7 @@ class JointTriple(NamedTuple):
         return np.stack([np.broadcast_to(-dot(load, one) / space, np.shape(load[2])) for one in across])
 
 
-def _solved(columns: Columns, count: int, bolts: Sequence[Bolt]) -> tuple[Codes, Sequence[Any]]:
+def _solved(columns: Columns, count: int) -> tuple[Codes, Sequence[Any]]:
     """Outcomes, and the numbers of `ClosedFormWedges`, of a chunk."""
     block = _block(columns, count)
     weight = columns["unit_weight_kn_m3"] * block.volume
@@ -365,8 +363,7 @@ def _solved(columns: Columns, count: int, bolts: Sequence[Bolt]) -> tuple[Codes,
     slide = bed.slide(load)
     outcome, normal, driving, resisting, _ = slide
     factor = resisting / driving
-    if bolts:
-        under_bolts(bed, load, bolts, block.code == 0, slide, factor)
+    under_bolts(bed, load, columns, block.code == 0, slide, factor)
     driving = np.where((outcome == LIFTED) | (outcome == FALLS) | (outcome == STILL), 0.0, driving)
     outcome = np.where(block.code, block.code, outcome)
     crack = block.areas[_CRACK] if len(block.areas) > _CRACK else 0.0

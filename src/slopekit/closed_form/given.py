@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -25,8 +26,8 @@ class BlockLoads:
     fill : part of full water pressure, 0 dry, 1 full
     seismic : coefficient
     force_kn : the sum of the forces and the active bolts; None without any
-    passive_kn : each passive bolt at full capacity: it pulls with capacity / F where it is drawn out, with less where
-        that would already stop the movement along it
+    passive_kn : each passive bolt at full capacity, 0 where it holds no block: it pulls with capacity / F where it is
+        drawn out, with less where that would already stop the movement along it
     """
 
     unit_weight_kn_m3: ArrayLike
@@ -34,7 +35,14 @@ class BlockLoads:
     fill: ArrayLike = 0.0
     seismic: ArrayLike = 0.0
     force_kn: Sequence[ArrayLike] | None = None
-    passive_kn: Sequence[Sequence[float]] = ()
+    passive_kn: Sequence[Sequence[ArrayLike]] = ()
+
+
+def with_passive(columns: Columns, count: int, bolts: Sequence[Sequence[ArrayLike]]) -> tuple[Columns, int]:
+    """The columns with bolts (n, b, parts) in one more of them; n."""
+    parts = np.broadcast_arrays(np.empty(count), *chain.from_iterable(bolts))
+    passive = np.stack(parts, axis=1)[:, 1:].reshape(len(parts[0]), len(bolts), -1 if bolts else 0)
+    return columns | {"passive_kn": passive}, len(passive)
 
 
 def columns_of(given: Mapping[str, ArrayLike | None]) -> tuple[Columns, int]:

@@ -13,7 +13,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from slopekit.closed_form.given import BlockLoads, Codes, Columns, Value, columns_of, counted
+from slopekit.closed_form.given import BlockLoads, Codes, Columns, Value, columns_of, counted, with_passive
 from slopekit.closed_form.tolerances import PARALLEL_DEG, SMALL
 from slopekit.closed_form.wedge_sliding import (
     FALLS,
@@ -119,21 +119,21 @@ def plane_failures(planes: PlaneArrays) -> ClosedFormPlanes:
     if planes.crack_pressure_kpa is not None and planes.pressure_kpa is None:
         raise ValueError("crack_pressure_kpa goes with pressure_kpa")
     given = {field.name: getattr(planes, field.name) for field in fields(PlaneArrays)}
-    bolts = [(float(x), float(z)) for x, z in given.pop("passive_kn") if x or z]
-    force = given.pop("force_kn")
+    bolts, force = given.pop("passive_kn"), given.pop("force_kn")
     if force is not None:
         given |= dict(zip(("force_out_kn", "force_up_kn"), force, strict=True))
-    columns, count = columns_of(given)
+    columns, count = with_passive(*columns_of(given), bolts)
     numbers = np.empty((9, count))
     with np.errstate(all="ignore"):
         block = _block(columns, count)
         bed, load = _bed(columns, block)
         slide = bed.slide(load)
         factor = np.where(slide.outcome <= SLIDES_UP, slide.resisting / slide.driving, np.nan)
-        held = (block.code == 0) & (slide.outcome != STILL) & bool(bolts)
+        held = (block.code == 0) & (slide.outcome != STILL) & columns["passive_kn"].any(axis=(1, 2))
         for one in np.flatnonzero(held).tolist():
             plane = bed.of(one)
-            pulls = [(float(along[0]), 0.0, float(off[0])) for along, off in (plane.on_plane(*bolt) for bolt in bolts)]
+            ways = [plane.on_plane(*bolt) for bolt in columns["passive_kn"][one].tolist()]
+            pulls = [(float(along[0]), 0.0, float(off[0])) for along, off in ways]
             factor[one], last = with_bolts(plane, [float(part[one]) for part in load], pulls)
             slide.outcome[one], slide.normal[:, one] = last.outcome[0], last.normal[:, 0]
             slide.driving[one], slide.resisting[one] = last.driving[0], last.resisting[0]

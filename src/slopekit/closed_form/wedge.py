@@ -13,14 +13,13 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from slopekit.closed_form.given import BlockLoads, Codes, Columns, Value, columns_of, counted, of_chunk
+from slopekit.closed_form.given import BlockLoads, Codes, Columns, Value, columns_of, counted, of_chunk, with_passive
 from slopekit.closed_form.tolerances import ALONG, DAYLIGHTS, SAME_DIRECTION, SMALL
 from slopekit.closed_form.wedge_sliding import (
     J1,
     J2,
     SLIDES_UP,
     STATUSES,
-    Bolt,
     JointPair,
     Vector,
     cross,
@@ -169,7 +168,6 @@ def hoek_bray_wedges(wedges: WedgeArrays, *, forces: bool = True) -> ClosedFormW
     (['slides_on_both', 'slides_on_both', 'E203'], [1.5574, 1.039, nan])
     """
     columns, count = columns_of_wedges(wedges, WedgeArrays, ("J1", "J2"))
-    bolts = [(float(bolt[0]), float(bolt[1]), float(bolt[2])) for bolt in wedges.passive_kn]
     outcome = np.empty(count, dtype=np.int8)
     numbers = np.empty((17 if forces else 1, count))
     # glibc hands what a chunk frees back to the system, to get it again page by page, which takes as long as to compute
@@ -178,7 +176,7 @@ def hoek_bray_wedges(wedges: WedgeArrays, *, forces: bool = True) -> ClosedFormW
     with np.errstate(all="ignore"):
         for first in range(0, count, CHUNK):
             part = slice(first, first + CHUNK)
-            _solve(of_chunk(columns, part), bolts, outcome[part], numbers[:, part])
+            _solve(of_chunk(columns, part), outcome[part], numbers[:, part])
     rest = numbers if forces else np.empty((17, 0))
     return ClosedFormWedges(
         outcome, numbers[0], rest[1:3], rest[3], rest[4], rest[5:8], rest[8:11], rest[11], rest[12], rest[13],
@@ -204,10 +202,10 @@ def columns_of_wedges(wedges: WedgeArrays, of: type[WedgeArrays], joints: Sequen
         given |= dict(zip(_FORCE, wedges.force_kn, strict=True))
     if (wedges.crack_dip_deg is None) != (wedges.crack_dip_direction_deg is None):
         raise ValueError("crack_dip_deg and crack_dip_direction_deg: give both or neither")
-    return columns_of(given)
+    return with_passive(*columns_of(given), wedges.passive_kn)
 
 
-def _solve(columns: Columns, bolts: Sequence[Bolt], outcome: Codes, numbers: Floats) -> None:
+def _solve(columns: Columns, outcome: Codes, numbers: Floats) -> None:
     """Fill in what is asked of a chunk."""
     cut = planes_cut(columns, outcome.size)
     those: Any = slice(None)
@@ -215,7 +213,7 @@ def _solve(columns: Columns, bolts: Sequence[Bolt], outcome: Codes, numbers: Flo
         those = np.flatnonzero(cut.formed)
         columns = of_chunk(columns, those)
     kept = cut if isinstance(those, slice) else cut.of(those)
-    outcome[those], kept_numbers = _moved(columns, kept, bolts)
+    outcome[those], kept_numbers = _moved(columns, kept)
     for row, values in zip(numbers, kept_numbers, strict=False):
         row[those] = values
     others = np.flatnonzero(~cut.formed)
@@ -406,7 +404,7 @@ def _reach(heights: Floats) -> Floats:
 # -- how it moves -------------------------------------------------------------------------------------
 
 
-def _moved(columns: Columns, cut: PlanesCut, bolts: Sequence[Bolt]) -> tuple[Codes, Sequence[Floats | float]]:
+def _moved(columns: Columns, cut: PlanesCut) -> tuple[Codes, Sequence[Floats | float]]:
     """Outcomes, and the numbers of `ClosedFormWedges`, of wedges that the planes cut."""
     shape = _shape(columns, cut)
     weight = columns["unit_weight_kn_m3"] * shape.volume
@@ -429,9 +427,8 @@ def _moved(columns: Columns, cut: PlanesCut, bolts: Sequence[Bolt]) -> tuple[Cod
     none = outcome > SLIDES_UP
     if none.any():
         factor[none], driving[none] = np.nan, 0.0
-    if bolts:
-        under_bolts(bed, load, bolts, cut.formed, slide, factor)
-        driving[outcome > SLIDES_UP] = 0.0
+    under_bolts(bed, load, columns, cut.formed, slide, factor)
+    driving[outcome > SLIDES_UP] = 0.0
     if shape.code is not None:
         outcome = np.where(shape.code, shape.code, outcome)
     areas = shape.areas if len(shape.areas) == 3 else [*shape.areas, 0.0]

@@ -11,7 +11,7 @@ from typing import Any, Final, NamedTuple, Protocol
 
 import numpy as np
 
-from slopekit.closed_form.given import Codes, Value
+from slopekit.closed_form.given import Codes, Columns, Value
 from slopekit.closed_form.tolerances import PULLS_SETTLED, SMALL, SQUARE
 from slopekit.core.array_types import Bools, Floats
 
@@ -126,12 +126,13 @@ class Beds(WedgeJoints, Protocol):
 
 
 def under_bolts(
-    beds: Beds, load: Vector, bolts: Sequence[Bolt], those: Bools, slide: WedgeSlide, factor: Floats
+    beds: Beds, load: Vector, columns: Columns, those: Bools, slide: WedgeSlide, factor: Floats
 ) -> None:  # fmt: skip
     """Put into `slide` and `factor` what passive bolts make of those wedges that something drives, one by one."""
-    for one in np.flatnonzero(those & (slide.outcome != STILL)).tolist():
+    bolts = columns["passive_kn"]
+    for one in np.flatnonzero(those & (slide.outcome != STILL) & bolts.any(axis=(1, 2))).tolist():
         alone = [float(np.broadcast_to(part, factor.size)[one]) for part in load]
-        factor[one], last = with_bolts(beds.of(one), alone, bolts)
+        factor[one], last = with_bolts(beds.of(one), alone, bolts[one])
         slide.outcome[one], slide.normal[:, one] = last.outcome[0], last.normal[:, 0]
         slide.driving[one], slide.resisting[one] = last.driving[0], last.resisting[0]
 
@@ -140,7 +141,7 @@ def with_bolts(bed: WedgeJoints, load: Sequence[float], bolts: Sequence[Bolt]) -
     """The factor of one wedge with passive bolts, and how it slides at the first loss."""
     from slopekit.closed_form.search import loss_with_bolts, together  # a plain wedge has no bolts to look for
 
-    bolts = together([(east, north, up) for east, north, up in bolts])
+    bolts = together([(east, north, up) for east, north, up in bolts if east or north or up])
 
     def at(reduction: Floats) -> WedgeSlide:
         return bed.slide(_pulled(bed, load, bolts, reduction))

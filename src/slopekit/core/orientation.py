@@ -60,10 +60,10 @@ class Line:
     plunge_deg: float
 
     def vector(self) -> Floats:
-        """Unit vector (east, north, up), shape (3,)."""
-        trend, plunge = math.radians(self.trend_deg), math.radians(self.plunge_deg)
-        horizontal = math.cos(plunge)
-        return np.array([math.sin(trend) * horizontal, math.cos(trend) * horizontal, -math.sin(plunge)])
+        """Unit vector (east, north, up), shape (3,); (n, 3) of angles that are arrays (n,)."""
+        trend, plunge = np.radians(self.trend_deg), np.radians(self.plunge_deg)
+        level = np.cos(plunge)
+        return np.stack(np.broadcast_arrays(np.sin(trend) * level, np.cos(trend) * level, -np.sin(plunge)), axis=-1)
 
     def __str__(self) -> str:
         return f"{bearing(self.trend_deg)}/{self.plunge_deg:.1f}"

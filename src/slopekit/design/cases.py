@@ -10,9 +10,8 @@
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from difflib import get_close_matches
 
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault, did_you_mean
 from slopekit.design.common import Design, LoadCase
 from slopekit.design.reading.nodes import Document, Node, cut
 from slopekit.design.reading.overrides import with_overrides
@@ -65,8 +64,7 @@ def case_named(design: Design, name: str) -> LoadCase:
         message = f"the design has no load cases, {name} is none"
         raise DesignError([Fault("E313", message, f"--case {name}", "Leave --case out, or write cases: in the file.")])
     if name not in known:
-        near = get_close_matches(name, known, n=1) or get_close_matches(name.lower(), known, n=1)
-        advice = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(known)}."
+        advice = did_you_mean(name, known, f"There are: {', '.join(known)}.")
         raise DesignError([Fault("E197", f"{name} is no load case of this design", f"--case {name}", advice)])
     return known[name]
 
@@ -121,17 +119,11 @@ def _case(
 
 def _of_case(name: str, node: Node, faults: Sequence[Fault]) -> list[Fault]:
     """Faults of a case; those that do not stand in it say whose they are."""
-    own = set(_places(node))
+    places = {str(place) for part in node.walk() for place in (part.place, part.key_place)}
     return [
-        fault if fault.where in own else replace(fault, message=f"{fault.message} (load case {name})")
+        fault if fault.where in places else replace(fault, message=f"{fault.message} (load case {name})")
         for fault in faults
     ]
-
-
-def _places(node: Node) -> Iterator[str]:
-    yield from (str(node.place), str(node.key_place))
-    for part in node.elements or tuple(below for _, below in node.items()):
-        yield from _places(part)
 
 
 def _shown(node: Node) -> str:

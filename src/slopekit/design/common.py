@@ -1,6 +1,6 @@
 """What designs of every kind share, in m, kN, kPa, kN/m³ and degrees."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeAlias
 
@@ -25,15 +25,15 @@ from slopekit.design.parts import (
     forces_without,
     listed,
 )
-from slopekit.design.reading.structure import Leaf, ListOf
+from slopekit.design.reading.structure import Spec
 
 if TYPE_CHECKING:
     from slopekit.design.reading.nodes import Document
     from slopekit.design.scatter.distributions import Variable
 
 Criterion = Literal["limit", "all-pairs"]
-#: When a design under work is analysed: while a slider is dragged, when it is let go, at a button.
-Answered = Literal["drag", "release", "button"]
+#: When a design under work is analysed: when a slider is let go, at a button.
+Answered = Literal["release", "button"]
 #: Two coordinates of what scatters, by `Variable.coordinates`, and their rank correlation.
 Pair: TypeAlias = tuple[str, str, float]
 
@@ -68,7 +68,8 @@ def _slips_of_density(
     return None
 
 
-_OF_STUDIES = ("variables", "correlation", "source", "cases")
+#: Attributes that are no inputs of a single run.
+_NO_INPUTS = ("crack_searched", "reading", "variables", "correlation", "source", "cases", "project")
 
 
 #: Rock under elastic blocks does not give: the one word that its key takes.
@@ -119,7 +120,9 @@ class DesignKeys:
     PAPER_KEYS: ClassVar[tuple[str, ...]] = ()
     #: The slope falls toward -x where nothing of a result says the way.
     FALLS_WEST: ClassVar[bool] = False
-    #: When it is analysed under work, where it has no closed form.
+    #: Whether its closed form is asked alone, in next to no time.
+    HAS_CLOSED_FORM: ClassVar[bool] = False
+    #: When it is analysed under work, where it has none.
     ANSWERED: ClassVar[Answered] = "release"
     ACTIONS: ClassVar[Mapping[str, Action]] = {"water_unit_weight_kn_m3": "water"}
     #: Along what places of a water table are counted, and where a plane has its elevation, in words.
@@ -198,7 +201,8 @@ class Analysis:
         doc="longest edge of an element at contacts, for --elastic; `auto`: an eighth of the longest of the block",
     )  # fmt: skip
     partial: PartialFactors | None = group(
-        "analysis.partial_factors", PartialFactors, default=None, forms=(Leaf(example="DA1-C2"),), left_out="none",
+        "analysis.partial_factors", PartialFactors, default=None, forms=(Spec("value", example="DA1-C2"),),
+        left_out="none",
         doc="[partial factors](cases.md#partial-factors): `DA1-C1`, `DA1-C2`, `DA2`, `DA3`, a file, or its keys",
     )  # fmt: skip
 
@@ -238,7 +242,7 @@ class Design(DesignKeys):
         "water.unit_weight", "unit weight", default=9.81, least=5.0, most=15.0, code="E110", says=_RANGE,
         advice="Water weighs 9.81 kN/m³ (62.4 pcf).", label="unit weight of water",
     )  # fmt: skip
-    water: Water = group("water", Water, default=Water(), forms=(Leaf(example="dry"),), left_out="dry",
+    water: Water = group("water", Water, default=Water(), forms=(Spec("value", example="dry"),), left_out="dry",
                          doc="`dry`, `full`, `50 %`, or by its keys")  # fmt: skip
     seismic: Seismic = number(
         "loads.seismic", "ratio", default=Seismic(), least=0.0, most=2.0, code="E122", of=Seismic, example="0.1",
@@ -252,7 +256,7 @@ class Design(DesignKeys):
         doc="one or a list; `>=`, `>`, `<=`, `<` on `fos`, `fos.limit`, `fos.lowest`, `fos.closed_form`, "
         "`fos.static_bound`, `fos.all_pairs_failed`, `fos.residual`, on surfaces "
         "`fos.fellenius`, `fos.janbu`, `fos.bishop`",
-        forms=(ListOf(Leaf(example='"fos >= 1.5"')), Leaf()),
+        forms=(Spec("value", items=Spec("value", example='"fos >= 1.5"')),),
     )  # fmt: skip
     analysis: Analysis = part(Analysis)
     reading: Reading = field(default=Reading(), compare=False)
@@ -314,9 +318,18 @@ class Design(DesignKeys):
         """A sentence on what happens, joints by the names that the user gave them."""
         return sentence
 
+    def changes(self) -> Iterator[tuple[str, Self]]:
+        """Designs with one input a little changed, by name: SENSITIVITY says what they do to the closed form."""
+        return iter(())
+
     def at_residual(self) -> Self:
         """The design with residual strength wherever there is one."""
         return self.each_strength(Strength.at_residual)
+
+    @property
+    def joint_strengths(self) -> Sequence[Strength]:
+        """The strengths of its joints, in their order."""
+        return tuple(_strengths(tuple(getattr(self, part.name) for part in fields(self))))
 
     def each_strength(self, change: Callable[[Strength], Strength]) -> Self:
         """The design with every strength changed."""
@@ -344,10 +357,7 @@ class Design(DesignKeys):
 
     def inputs(self) -> dict[str, Any]:
         """Every input as plain JSON values, the defaults written out; of what scatters the value that a run takes."""
-        document = self.plain()
-        for key in ("crack_searched", "reading", *_OF_STUDIES, "project", "partial"):
-            document.pop(key, None)
-        return document
+        return {key: value for key, value in self.plain().items() if key not in (*_NO_INPUTS, "partial")}
 
     def input_hash(self) -> str:
         """SHA-256 of the kind and the inputs: equal designs give equal hashes.
@@ -356,8 +366,7 @@ class Design(DesignKeys):
         20. What a study draws depends on `variables` and `correlation` too.
         """
         exact = self.plain(exact=True) | {"kind": self.kind}
-        for key in ("crack_searched", "reading", *_OF_STUDIES, "project"):
-            exact.pop(key, None)
+        exact = {key: value for key, value in exact.items() if key not in _NO_INPUTS}
         exact |= dict.fromkeys(("defaults", "assumed", "left_out", "title"))
         return digest(exact)
 
@@ -382,6 +391,14 @@ def _changed(value: Any, change: Callable[[Strength], Strength]) -> Any:
     return tuple(_changed(item, change) for item in value) if type(value) is tuple else value
 
 
+def _strengths(value: Any) -> Iterator[Strength]:
+    if isinstance(value, Strength):
+        yield value
+    elif type(value) is tuple:
+        for item in value:
+            yield from _strengths(item)
+
+
 def _is_nothing(given: Any) -> bool:
     """Whether a value is None, or a tuple of nothing else."""
     return all(one is None for one in given) if isinstance(given, tuple) else given is None
@@ -396,7 +413,7 @@ def _plain(value: Any, exact: bool = False) -> Any:
         return str(value)
     if is_dataclass(value):
         unsaid = {name for own in listed(type(value), "UNSAID") for name in own}
-        given = ((part.name, getattr(value, part.name)) for part in fields(value))
+        given = ((part.name, getattr(value, part.name)) for part in fields(value) if part.repr)
         record = {name: _plain(own, exact) for name, own in given if not (name in unsaid and _is_nothing(own))}
         for name in parts_of(type(value)):
             record |= record.pop(name)

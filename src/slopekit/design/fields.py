@@ -23,9 +23,9 @@ from typing import Any, Literal, TypeVar, cast
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import number as shown
-from slopekit.core.units import unit_of
+from slopekit.core.units import quantity, unit_of
 from slopekit.design.reading.nodes import Node
-from slopekit.design.reading.structure import ANGLES, AnyOf, KeyGroup, Leaf, ListOf, Named, OrientationKind, Spec
+from slopekit.design.reading.structure import ANGLES, VALUE, OrientationKind, Spec, either
 
 #: What a number is: of the slope itself, a coordinate, how something scatters, or how the analysis is done.
 Role = Literal["quantity", "coordinate", "scatter", "setting"]
@@ -217,7 +217,13 @@ class Field:
             raise DesignError(
                 [Fault(self.limits.code, f"{name} is {size}, {self.limits_in_words()}", where, self.limits.advice)]
             )
-        return value
+        return int(value) if self.limits.whole else value
+
+    def read(
+        self, value: object, name: str, where: str, written: str = "", called: Callable[[str], str] = str
+    ) -> float:
+        """The number that a value with a unit says, where it is one that a design takes: see `checked`."""
+        return self.checked(quantity(value, self.measures, name, where), name, where, written, called)
 
     @property
     def sought(self) -> tuple[float, float]:
@@ -497,106 +503,71 @@ def words_of(record: Any, path: str) -> str:
 
 
 @_remembered
-def structure_of(record: Any, required: tuple[str, ...] = (), without: tuple[str, ...] = ()) -> KeyGroup:
+def structure_of(record: Any, required: tuple[str, ...] = (), without: tuple[str, ...] = ()) -> Spec:
     """Which keys a record may have: what `check_structure` goes by.
 
     Parameters
     ----------
     required : top keys that must be there beside those of required fields
     """
-    keys: dict[str, Any] = {}
-    needed: dict[str, None] = dict.fromkeys(required)
     more = getattr(record, "more_fields", None)
     every = (*fields_of(record).values(), *(() if more is None else more()))
-    within = sorted(every, key=lambda one: any(other.path.startswith(f"{one.path}.") for other in every))
-    for one in within:  # a group after the keys that are declared beside it, which it takes in
-        if one.path in without:
-            continue
-        *above, last = one.path.split(".")
-        holder = keys
-        for part in above:
-            if part == "*":
-                continue
-            holder = holder.setdefault(part, {})
-        beside = holder.get(last)
-        holder[last] = (one, _spec(one) if beside is None else _with_keys(_spec(one), _section(beside)))
-        if one.is_required:
-            needed[one.path.partition(".")[0]] = None
-    return _section(keys, tuple(needed))
+    parts = [([part for part in one.path.split(".") if part != "*"], one) for one in every if one.path not in without]
+    needed = dict.fromkeys((*required, *(path[0] for path, one in parts if one.is_required)))
+    group = _section(parts)  # an example of one key of many would be taken for all that is needed
+    return replace(group, required=tuple(needed), example=group.example if group.required else "")
 
 
-def _with_keys(spec: Spec, more: KeyGroup) -> Spec:
-    """A group with keys that are declared beside it."""
-    if isinstance(spec, AnyOf):
-        return replace(spec, of=tuple(_with_keys(one, more) for one in spec.of))
-    return replace(spec, keys={**spec.keys, **more.keys}) if isinstance(spec, KeyGroup) else spec
-
-
-def _section(keys: Mapping[str, Any], required: Sequence[str] | None = None) -> KeyGroup:
-    made: dict[str, Spec] = {}
-    examples = []
-    needed = []
-    for key, below in keys.items():
-        if isinstance(below, dict):
-            made[key] = _section(below)
-            continue
-        one, made[key] = below
-        if one.is_required:
-            needed.append(key)
-        if one.texts.example and (one.is_required or required is None):
-            examples.append((one.is_required, f"{key}: {one.texts.example}"))
-    shown_ones = [text for is_needed, text in examples if is_needed] or [text for _, text in examples[:1]]
-    example = f"{{{', '.join(shown_ones)}}}" if shown_ones else ""
-    return KeyGroup(made, tuple(needed if required is None else required), example)
+def _section(parts: Sequence[tuple[Sequence[str], Field]]) -> Spec:
+    """The group of keys of fields with the parts of their paths in it: a key may be a field, and hold further ones."""
+    members: dict[str, list[tuple[Sequence[str], Field]]] = {}
+    for (key, *below), one in parts:
+        members.setdefault(key, []).append((below, one))
+    keys, required, examples = dict[str, Spec](), list[str](), dict[str, str]()
+    for key, fields_below in members.items():
+        inner = _section([(below, one) for below, one in fields_below if below])
+        keys[key] = inner
+        for one in [one for below, one in fields_below if not below]:
+            spec = _spec(one)
+            keys[key] = replace(spec, keys={**spec.known_keys(), **inner.known_keys()}) if inner.keys else spec
+            required += [key] if one.is_required else []
+            examples |= {key: f"{key}: {one.texts.example}"} if one.texts.example else {}
+    shown_ones = [examples[key] for key in required if key in examples] or list(examples.values())[:1]
+    return Spec(keys=keys, required=tuple(required), example=f"{{{', '.join(shown_ones)}}}" if shown_ones else "")
 
 
 def _spec(one: Field) -> Spec:
-    made: Spec
+    """What may stand at the key of a field."""
+    shape, example = one.shape, one.texts.example
+    forms = shape.forms if one.many not in ("names", "pairs") else ()
     if one.measures in ANGLES:
-        made = orientation_spec(one)
-    elif one.measures == "point":
-        made = ListOf(Leaf(), 3, 3, example=one.texts.example)
-    elif one.is_number:
-        made = Leaf(number=one.scatters, example=one.texts.example)
-        if one.shape.each:
-            made = AnyOf((made, ListOf(made, 1), Named(made, 1)))
-        elif one.many == "list":
-            made = ListOf(replace(made, example=""), one.shape.at_least, one.shape.at_most, example=one.texts.example)
-        elif one.many:
-            made = Named(
-                replace(made, example=""), one.shape.at_least, pairs=one.many == "pairs", example=one.texts.example
-            )
-        elif one.of is not None:
-            made = AnyOf((made, structure_of(one.of)))
-        elif one.shape.forms:
-            made = AnyOf((made, *one.shape.forms))
-    elif one.of is not None:
-        own = structure_of(one.of, without=one.shape.without)
-        made = replace(own, example=one.texts.example) if one.texts.example and not one.many else own
-        if one.shape.forms and one.many != "names" and one.many != "pairs":
-            made = AnyOf((*one.shape.forms, made), example=one.texts.example)
-        if one.many == "list":
-            made = ListOf(made, one.shape.at_least, example=one.texts.example)
-        elif one.many:
-            made = Named(made, one.shape.at_least, pairs=one.many == "pairs", example=one.texts.example)
-            made = AnyOf((made, *one.shape.forms), example=one.texts.example) if one.shape.forms else made
-    elif one.shape.forms:
-        made = one.shape.forms[0] if len(one.shape.forms) == 1 else AnyOf(one.shape.forms, example=one.texts.example)
-    else:
-        made = Leaf(example=one.texts.example)
-    return made
+        return orientation_spec(one)
+    if one.measures == "point":
+        return Spec(items=VALUE, at_least=3, at_most=3, example=example)
+    spec = Spec()
+    if one.is_number:
+        spec = Spec("number" if one.scatters else "value")
+    elif one.of is None and not shape.forms:
+        spec = VALUE
+    own = Spec() if one.of is None else structure_of(one.of, without=shape.without)
+    spec = either(spec, *forms, own)
+    if shape.each:
+        spec = replace(spec, names=spec, items=spec, at_least=1)
+    elif one.many == "list":
+        spec = Spec(items=spec, at_least=shape.at_least, at_most=shape.at_most)
+    elif one.many:
+        spec = Spec(names=spec, at_least=shape.at_least, pairs=one.many == "pairs")
+        spec = either(spec, *shape.forms)
+    return replace(spec, example=example) if example else spec
 
 
-def orientation_spec(one: Field) -> AnyOf:
+def orientation_spec(one: Field) -> Spec:
     """Two angles with a slash, a pair, a distribution, or the two angles by name, each a number or a distribution."""
     of: OrientationKind = "plane" if one.measures == "plane" else "line"
     first, _, second = one.texts.example.partition("/")
     examples = (first, second) if of == "plane" else (second, first)
-    angles: Mapping[str, Spec] = {
-        key: Leaf(number=True, example=value) for key, value in zip(ANGLES[of], examples, strict=True)
-    }
-    words = Leaf(orientation=True, example=one.texts.example)
-    return AnyOf((words, KeyGroup(angles, required=ANGLES[of])), example=one.texts.example)
+    angles = {key: Spec("number", example=value) for key, value in zip(ANGLES[of], examples, strict=True)}
+    return Spec("orientation", keys=angles, required=ANGLES[of], example=one.texts.example)
 
 
 # -- checks that several fields share ---------------------------------------------------------------------------------

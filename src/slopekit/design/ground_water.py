@@ -6,14 +6,14 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from slopekit.core.errors import DesignError, Fault, Notice
+from slopekit.core.errors import Notice
 from slopekit.core.orientation import number as shown
 from slopekit.core.orientation import parse_plane
 from slopekit.core.units import quantity
 from slopekit.design.common import Design
 from slopekit.design.fields import field_at, number
 from slopekit.design.parts import Action, TablePlane, Water
-from slopekit.design.reading.nodes import Node
+from slopekit.design.reading.nodes import Node, fail
 from slopekit.design.reading.reader import Reader
 
 TABLE: Literal["table"] = "table"
@@ -93,26 +93,22 @@ def read_table(reader: Reader) -> Water | None:
     if node is None or not node.is_mapping:
         return None
     known = [key for key in _TABLE_KEYS if key != "depth" or field_at(reader.record, "water.depth") is not None]
-    said = [key for key in known if node.get(key) is not None]
-    mode = node.get("mode")
-    pond = node.get("pond")
+    said, mode, pond = [key for key in known if node.get(key) is not None], node.get("mode"), node.get("pond")
     is_table = mode is not None and mode.text == TABLE
     if not (is_table or said or pond is not None):
         return None
-    others = [key for key in ("fill", "pressures") if node.get(key) is not None]
-    if mode is not None and not is_table:
-        others.insert(0, f"mode: {mode.text}")
+    others = [] if mode is None or is_table else [f"mode: {mode.text}"]
+    others += [key for key in ("fill", "pressures") if node.get(key) is not None]
     if others:
-        beside = said[0] if said else "pond" if pond is not None else "mode: table"
-        message = f"water has {others[0]} and {beside}: they exclude each other"
+        table = said[0] if said else "pond" if pond is not None else "mode: table"
+        message = f"water has {others[0]} and {table}: they exclude each other"
         reader.fault("E112", message, node, "Keep one of them; a table says how high the water stands.")
     elif len(said) > 1:
         message = f"the water table has {' and '.join(said)}: they exclude each other"
         reader.fault("E112", message, node.get(said[1]), "Keep one of them.")
     elif not said and pond is None:
-        message = "water is a table, and nothing says where it lies"
-        first = ", ".join(_TABLE_KEYS[key] for key in known)
-        reader.fault("E454", message, mode, f"Add {first} or pond: 3 m.")
+        advice = f"Add {', '.join(_TABLE_KEYS[key] for key in known)} or pond: 3 m."
+        reader.fault("E454", "water is a table, and nothing says where it lies", mode, advice)
     elif said and not is_table:
         in_crack = said[0] == "depth" and reader.at("crack") is not None
         advice = "Add mode: table" + ("; a depth in the crack is crack: {water: 2 m}." if in_crack else ".")
@@ -149,9 +145,10 @@ def _plane(value: Any, where: str) -> TablePlane:
     plane, _, level = str(value).partition("@")
     if isinstance(value, Mapping) or not level:
         message = f"the plane of the water table is {value}, it is written 5/180@2m"
-        raise DesignError([Fault("E454", message, where, "Dip, dip direction, and its elevation over the toe.")])
+        fail("E454", message, where, "Dip, dip direction, and its elevation over the toe.")
     water_plane = parse_plane(plane, "the water table", where)
     if water_plane.dip_deg > _STEEPEST_DEG:
-        message = f"the water table dips {shown(water_plane.dip_deg)}°, at most {shown(_STEEPEST_DEG)}° is one"
-        raise DesignError([Fault("E454", message, where)])
+        fail(
+            "E454", f"the water table dips {shown(water_plane.dip_deg)}°, at most {shown(_STEEPEST_DEG)}° is one", where
+        )
     return TablePlane(water_plane, quantity(level, "length", "elevation of the water table", where))

@@ -10,12 +10,14 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault, Faults
 from slopekit.core.orientation import Plane, parse_face, parse_plane
+from slopekit.design.reading.nodes import fail
 from slopekit.design.survey import JointList as JointList
 from slopekit.design.survey import MeasuredJoint, read_frame, read_joints
 from slopekit.design.survey.bad_rows import BadRow, grouped_faults
 from slopekit.design.survey.columns import checked_convention
 from slopekit.design.survey.tables import is_frame
 
+_GIVE = 'Give "joints.csv" or ["45/115", "45/245"].'
 MOST_JOINTS = 3000  # 4.5 million pairs
 
 
@@ -52,13 +54,11 @@ def joint_list(
         joints = JointList("joints", _from_python(source))
     if len(joints) < at_least:
         advice = "Every pair is looked at: two joints make the first."
-        raise DesignError(
-            [Fault("E190", f"{joints.name} holds {len(joints)} joint, two are needed", joints.name, advice)]
-        )
+        fail("E190", f"{joints.name} holds {len(joints)} joint, two are needed", joints.name, advice)
     if len(joints) > most:
         pairs = f", {len(joints) * (len(joints) - 1) // 2:,} pairs" if most == MOST_JOINTS else ""
         message = f"{joints.name} holds {len(joints)} joints{pairs}: more than {most} joints are not taken"
-        raise DesignError([Fault("E125", message, joints.name, "Take a domain of the slope, or a sample of each set.")])
+        fail("E125", message, joints.name, "Take a domain of the slope, or a sample of each set.")
     return joints
 
 
@@ -70,24 +70,21 @@ def _from_python(source: Any) -> tuple[MeasuredJoint, ...]:
         named = [(f"J{k}", value) for k, value in enumerate(values, 1)]
     else:
         message = f"joints are {type(source).__name__}, a path, a frame, a list of planes or {{name: plane}} is needed"
-        raise DesignError([Fault("E405", message, "joints", 'Give "joints.csv" or ["45/115", "45/245"].')])
-    faults, bad, names_of_bad = Faults(), list[BadRow](), list[str]()
+        fail("E405", message, "joints", _GIVE)
+    faults, bad = Faults(), list[BadRow]()
     joints: list[MeasuredJoint] = []
     for line, (name, value) in enumerate(named, 1):
-        if isinstance(value, MeasuredJoint):
-            joints.append(value)
-            continue
         try:
-            joints.append(MeasuredJoint(name, parse_plane(value, name), line))
+            joint = value if isinstance(value, MeasuredJoint) else MeasuredJoint(name, parse_plane(value, name), line)
+            joints.append(joint)
         except DesignError as error:
-            bad.append((line, list(error.faults)))
-            names_of_bad.append(name)
-    faults += grouped_faults(bad, names_of_bad)
+            bad.append((line, name, error.faults))
+    faults += grouped_faults(bad)
     for name, times in Counter(joint.name for joint in joints).items():
         if times > 1:
             faults.append(Fault("E151", f"{name} is the name of {times} joints", "joints"))
     if not named:
-        faults.append(Fault("E405", "there are no joints", "joints", 'Give "joints.csv" or ["45/115", "45/245"].'))
+        faults.append(Fault("E405", "there are no joints", "joints", _GIVE))
     faults.refuse()
     return tuple(joints)
 
@@ -118,5 +115,5 @@ def own_or_given(
 def plane_of(value: object, name: str, where: str) -> Plane:
     """A plane of the slope, where it must be given."""
     if value is None:
-        raise DesignError([Fault("E143", f"{where} is missing", where, f"Give {where} as dip/dip direction: 65/180.")])
+        fail("E143", f"{where} is missing", where, f"Give {where} as dip/dip direction: 65/180.")
     return parse_face(value, name, f"{where} {value}")

@@ -10,22 +10,23 @@ from slopekit.design.fields import count, declare, keys_of
 from slopekit.design.parts import Strength
 from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.reader import Reader
-from slopekit.design.reading.structure import AnyOf, KeyGroup, Leaf, ListOf
+from slopekit.design.reading.structure import VALUE, Spec
 from slopekit.design.sections import read_strength, standard_strength, strength_names
 
 #: A joint list in place of joints.
-FROM_CSV = KeyGroup(
-    {
-        "csv": Leaf(example="joints.csv"),
-        "pick": AnyOf((ListOf(Leaf(), 1), Leaf())),
-        "convention": Leaf(),
-        "columns": AnyOf((ListOf(Leaf(), 1), Leaf())),
-        "strength": Leaf(),
+FROM_CSV = Spec(
+    keys={
+        "csv": Spec("value", example="joints.csv"),
+        "pick": Spec("value", items=VALUE, at_least=1),
+        "convention": VALUE,
+        "columns": Spec("value", items=VALUE, at_least=1),
+        "strength": VALUE,
     },
     required=("csv",),
 )
 
 
+_NEEDED = {1: "one joint", 2: "two joints"}
 #: A joint by its name: its plane, and the strength it names.
 _JOINT = keys_of(
     "Joint",
@@ -72,33 +73,27 @@ def joints_of(reader: Reader, count: int) -> list[GivenJoint]:
         return []
     if node.get("csv") is not None:
         return _from_csv(reader, node, count)
-    entries = [(name, below) for name, below in node.items() if below.is_mapping]
-    if len(entries) != count:
-        if len(node.items()) != count:
-            needed = "two joints" if count == 2 else "one joint"
-            third = count == 2 and len(node.items()) == 3
-            advice = (
-                "A third joint under the block stands by itself: basal: {plane: 20/180, height: 4 m}." if third else ""
-            )
-            reader.fault("E109", f"a {reader.kind} has {needed}, {len(node.items())} are given", node, advice)
-        return []
+    entries = reader.names("joints")
+    if count not in (len(entries), len(node.items())):
+        third = count == 2 and len(node.items()) == 3
+        advice = "A third joint under the block stands by itself: basal: {plane: 20/180, height: 4 m}." if third else ""
+        message = f"a {reader.kind} has {_NEEDED[count]}, {len(node.items())} are given"
+        reader.fault("E109", message, node, advice)
     joints = []
-    for name, below in entries:
-        given = below.get("plane")
-        plane = reader.plane(given, name) if given is not None and given.value is not None else None
-        joints.append(GivenJoint(name, plane, below.get("strength"), below, {}))
+    for name, below in entries if len(entries) == count else ():
+        plane = below.get("plane")
+        orientation = None if plane is None or plane.value is None else reader.plane(plane, name)
+        joints.append(GivenJoint(name, orientation, below.get("strength"), below, {}))
     return joints
 
 
 def _from_csv(reader: Reader, node: Node, count: int) -> list[GivenJoint]:
+    from slopekit.design.reading.named_files import beside
     from slopekit.design.survey import read_joints
 
-    file, pick, convention = node.get("csv"), node.get("pick"), node.get("convention")
-    order = node.get("columns")
+    file, pick, convention, order = (node.get(key) for key in ("csv", "pick", "convention", "columns"))
     assert file is not None
     try:
-        from slopekit.design.reading.named_files import beside
-
         survey = read_joints(
             beside(reader, file),
             convention.text if convention is not None else None,
@@ -112,7 +107,7 @@ def _from_csv(reader: Reader, node: Node, count: int) -> list[GivenJoint]:
             reader.faults.append(fault if at is None else replace(fault, where=str(at.place)))
         return []
     reader.left_out += [f"{part} of {file.text}" for part in survey.left_out]
-    if any(joint.quantity != 1.0 for joint in survey.joints):
+    if survey.has_quantities:
         reader.left_out.append(f"quantities of {file.text}")
     reader.read_as += [f"{file.text}: {part}" for part in survey.read_as]
     names = [joint.name for joint in survey.joints]
@@ -127,8 +122,7 @@ def _from_csv(reader: Reader, node: Node, count: int) -> list[GivenJoint]:
     if missing or shared:
         return []
     if len(wanted) != count:
-        needed = "two joints" if count == 2 else "one joint"
-        message = f"a {reader.kind} takes {needed}, {len(wanted)} come from {file.text}"
+        message = f"a {reader.kind} takes {_NEEDED[count]}, {len(wanted)} come from {file.text}"
         reader.fault("E109", message, pick or file, f"Add pick: [{', '.join(names[:count])}].")
         return []
     chosen = [survey.joints[names.index(name)] for name in wanted]

@@ -22,7 +22,6 @@ from pathlib import Path
 from typing import Any
 
 from slopekit.core.errors import DesignError, Fault, Faults, GeometryError, did_you_mean
-from slopekit.core.units import quantity
 from slopekit.design.common import Design
 from slopekit.design.fields import fields_of
 from slopekit.design.parts import Action, FactoredNumber, PartialFactors, Residual, Rule, Strength, listed
@@ -67,12 +66,10 @@ def _numbers(node: Node, faults: Faults) -> dict[str, Any]:
     factors: dict[str, Any] = {}
     for path, name in _NUMBERS.items():
         below = node.get(path)
-        if below is None or below.text is None:
-            continue
-        with faults.kept():
-            where = str(below.place)
-            value = quantity(below.text, "ratio", path, where)
-            factors[name] = fields_of(PartialFactors)[name].checked(value, f"the partial factor {path}", where)
+        if below is not None and below.text is not None:
+            read = fields_of(PartialFactors)[name].read
+            value = faults.of(read, below.text, f"the partial factor {path}", str(below.place))
+            factors |= {} if value is None else {name: value}
     return factors
 
 
@@ -87,7 +84,7 @@ def _set_of(document: Document, text: str, node: Node) -> PartialFactors:
     shipped = {path.stem: path for path in sorted(_SHIPPED.glob("*.yaml"))}
     if first.lower() in shipped:
         return _chosen(_sets(shipped[first.lower()]), rest.strip(), first, where)
-    every = {name: one for path in shipped.values() for name, one in _shipped(path).items()}
+    every = {name: one for path in shipped.values() for name, one in _of_ours(path).items()}
     return _chosen(every, text.strip(), "slopekit", where)
 
 
@@ -100,11 +97,6 @@ def _chosen(sets: Mapping[str, PartialFactors], name: str, of: str, where: str) 
     advice = did_you_mean(name.upper(), sets, f"There are: {', '.join(sets)}; or a file: my-factors.yaml.")
     message = f"{name} is no set of partial factors of {of}" if name else f"{of} has several sets of partial factors"
     raise DesignError([Fault("E197", message, where, advice)])
-
-
-@cache
-def _shipped(path: Path) -> Mapping[str, PartialFactors]:
-    return _sets(path)
 
 
 def _sets(path: Path) -> Mapping[str, PartialFactors]:
@@ -135,6 +127,8 @@ def _sets(path: Path) -> Mapping[str, PartialFactors]:
     return factor_sets
 
 
+_of_ours = cache(_sets)
+
 # -- the design with them ---------------------------------------------------------------------------------------------
 
 
@@ -150,46 +144,46 @@ def factored(design: Design, kind: Any, given: PartialFactors, where: str = "") 
     DesignError
         E112 a curved law with two factors.
     """
-    if abs(given.tan_phi - given.c) > _SAME and any(one.law is not None for one in kind.strengths(design)):
+    if abs(given.tan_phi - given.c) > _SAME and any(one.law is not None for one in design.joint_strengths):
         message = "a curved strength has no c and phi of its own: its partial factors tan_phi and c must be equal"
         raise DesignError([Fault("E112", message, where, "Eurocode 7 has 1.25 for both.")])
     rules = design.rules or (Rule("fos", ">=", 1.0),)
     tried = [
         (_level(made, kind), made)
-        for made in (_with(design, kind, given, *one) for one in _combinations(design, kind, given))
+        for made in (_with(design, given, *one) for one in _combinations(design, given))
     ]  # fmt: skip
     return replace(min(tried, key=lambda pair: pair[0])[1], rules=rules)
 
 
-def _combinations(design: Design, kind: Any, given: PartialFactors) -> Iterator[tuple[float, float, float]]:
+def _combinations(design: Design, given: PartialFactors) -> Iterator[tuple[float, float, float]]:
     """Factors of weight, forces and surcharge; the unfavourable ones first."""
     permanent = (given.permanent_unfavourable, given.permanent_favourable)
     variable = (given.variable_unfavourable, given.variable_favourable)
     forces = (variable if given.forces == "variable" else permanent) if design.forces or _load(design) else (1.0,)
     surcharge = variable if _surcharges(design) else (1.0,)
     every = product(dict.fromkeys(permanent), dict.fromkeys(forces), dict.fromkeys(surcharge))
-    yield from every if kind.closed_form is not None else [next(every)]
+    yield from every if design.HAS_CLOSED_FORM else [next(every)]
 
 
 def _level(design: Design, kind: Any) -> float:
-    if kind.closed_form is None:
+    if not design.HAS_CLOSED_FORM:
         return 0.0
     try:
-        solution = kind.closed_form(design)
+        solution = kind.closed_form(design, None)
     except GeometryError:
         return math.inf  # said when it is analysed
     return math.inf if solution.status == "no_driving_force" else float(solution.factor or 0.0)
 
 
 def _with(
-    design: Design, kind: Any, given: PartialFactors, on_weight: float, on_forces: float, on_surcharge: float
+    design: Design, given: PartialFactors, on_weight: float, on_forces: float, on_surcharge: float
 ) -> Design:  # fmt: skip
     weight, water = on_weight * given.unit_weight, given.permanent_unfavourable
     by: dict[Action, float] = {"weight": weight, "water": water, "force": on_forces, "surcharge": on_surcharge}
     load, surcharges = _load(design), _surcharges(design)
     shaken = replace(design.seismic, coefficient=design.seismic.coefficient / weight)
     made: Design = replace(_acting(design.each_strength(lambda one: _weaker(one, given)), by), seismic=shaken)
-    rows = [*_of_strengths(design, made, kind, given)]
+    rows = [*_of_strengths(design, made, given)]
     if design.rock.unit_weight_kn_m3:  # a footing may stand on rock without weight
         rows.append(
             FactoredNumber("unit weight", design.rock.unit_weight_kn_m3, weight, made.rock.unit_weight_kn_m3, "kN/m³")
@@ -261,8 +255,8 @@ def _angle(degrees: float, factor: float) -> float:
     return degrees if factor == 1.0 else math.degrees(math.atan(math.tan(math.radians(degrees)) / factor))
 
 
-def _of_strengths(design: Design, made: Design, kind: Any, given: PartialFactors) -> Iterator[FactoredNumber]:
-    pairs = list(dict.fromkeys(zip(kind.strengths(design), kind.strengths(made), strict=True)))
+def _of_strengths(design: Design, made: Design, given: PartialFactors) -> Iterator[FactoredNumber]:
+    pairs = list(dict.fromkeys(zip(design.joint_strengths, made.joint_strengths, strict=True)))
     for k, (before, after) in enumerate(pairs, 1):
         of = f", strength {k}" if len(pairs) > 1 else ""
         on_phi, on_c = given.tan_phi * given.resistance, given.c * given.resistance

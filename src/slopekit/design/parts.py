@@ -10,7 +10,7 @@ import numpy as np
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.orientation import number as shown
 from slopekit.design.fields import Field, declare, group, in_degrees, keys_of, number, orientation, point, text
-from slopekit.design.reading.structure import Anything, Leaf, ListOf, Named
+from slopekit.design.reading.structure import VALUE, Spec
 
 if TYPE_CHECKING:
     from slopekit.strength.protocol import StrengthLaw
@@ -104,7 +104,7 @@ class Water:
         "points", default=None, coordinates=2, left_out="no table",
         doc="with `mode: table`: distance from the toe into the slope (surfaces, blocks: x), ascending, and elevation; "
         "level beyond its ends",
-        forms=(ListOf(ListOf(Leaf(), 2, 2), 2, example="[[0, 0], [10, 4], [30, 9]]"),),
+        forms=(Spec(items=Spec(items=VALUE, at_least=2, at_most=2), at_least=2),),
         example="[[0, 0], [10, 4], [30, 9]]",
     )  # fmt: skip
     table_plane: TablePlane | None = text(
@@ -187,20 +187,25 @@ class Seismic:
 class Force:
     """A force on the block: east, north, up (kN), and the point it acts at (None: the centroid).
 
-    `block` names the block of an assembly.
+    `block` names the block of an assembly; `toward` is the direction that it was written by, None of components.
     """
 
-    ALSO: ClassVar[tuple[Field, ...]] = (declare("toward", "line", example="000/10", doc="trend/plunge"),)
+    ALSO: ClassVar[tuple[Field, ...]] = (
+        declare("toward", "line", label="force", code="E123", example="000/10", doc="trend/plunge"),
+    )
     ACTIONS: ClassVar[Mapping[str, Action]] = {"components_kn": "force"}
 
     components_kn: tuple[float, float, float] = number(
-        "force", "force", code="E123", coordinates=1, axis="size", forms=(ListOf(Leaf(), 3, 3, example="[0, -3, 6]"),),
+        "force", "force", code="E123", coordinates=1, axis="size",
+        forms=(Spec(items=VALUE, at_least=3, at_most=3, example="[0, -3, 6]"),),
         doc="size, or its components",
     )  # fmt: skip
-    at_m: tuple[float, float, float] | None = point("at", default=None, axis="place", left_out="the centroid",
-                                                           doc="where it acts")  # fmt: skip
+    at_m: tuple[float, float, float] | None = point(
+        "at", default=None, label="point of the force", axis="place", left_out="the centroid", doc="where it acts"
+    )
     block: str | None = text("block", default=None, example="B1", left_out="the one it lies in, or the only one",
                              doc="the block it acts on")  # fmt: skip
+    toward: Line | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True)
@@ -212,10 +217,20 @@ class Bolt:
     """
 
     force_kn: float = number("force", "force", above=0.0, code="E124", label="force of the bolt", axis="force")
-    toward: Line = orientation("toward", "line", example="000/10", doc="direction of its force on the block")
-    acts: Literal["active", "passive"] = text("acts", default="active", doc="active or passive")
+    toward: Line = orientation(
+        "toward",
+        "line",
+        label="bolt",
+        axis="toward",
+        code="E124",
+        example="000/10",
+        doc="direction of its force on the block",
+    )
+    acts: Literal["active", "passive"] = text(
+        "acts", default="active", words=("active", "passive"), code="E124", label="a bolt"
+    )
     head_m: tuple[float, float, float] | None = point(
-        "head", default=None, left_out="the centroid", doc="where its head is"
+        "head", default=None, label="head of the bolt", axis="head", left_out="the centroid", doc="where its head is"
     )
     length_m: float | None = number(
         "length",
@@ -236,14 +251,20 @@ def forces_without(*keys: str) -> Any:
     """A list of forces, by their keys but for these, or in words."""
     return group(
         "loads.forces", Force, default=(), many="list", without=keys, coordinates=2, or_measures=("force",),
-        forms=(Leaf(example="500 kN@180/10"), ListOf(Leaf(), 3, 3, example="[0, -3, 6]")),
+        forms=(Spec("value", items=VALUE, at_least=3, at_most=3, example="500 kN@180/10"),),
     )  # fmt: skip
 
 
 def bolts_without(*keys: str) -> Any:
     """A list of bolts, by their keys but for these, or in words."""
-    forms = (Leaf(example="200 kN@000/10,passive"),)
-    return group("support.bolts", Bolt, default=(), many="list", without=keys, forms=forms)
+    return group(
+        "support.bolts",
+        Bolt,
+        default=(),
+        many="list",
+        without=keys,
+        forms=(Spec("value", example="200 kN@000/10,passive"),),
+    )
 
 
 @dataclass(frozen=True)
@@ -369,8 +390,6 @@ class Strength:
         >>> round(Strength.by_law(PowerCurve(2.0, 0.5)).friction_angle_deg, 9)
         11.309932474
         """
-        import numpy as np
-
         from slopekit.strength.protocol import secant
 
         line = getattr(law, "straight", None)
@@ -468,9 +487,9 @@ class PartialFactors:
 #: What a load case says: which keys of the design it sets, by their paths, and what is accepted.
 CASE_KEYS = keys_of(
     "CaseKeys",
-    declare("set", "group", forms=(Named(Anything(), pairs=True),), example="{loads.seismic.k: 0.1}",
+    declare("set", "group", forms=(Spec(names=Spec(is_anything=True), pairs=True),), example="{loads.seismic.k: 0.1}",
             left_out="the design as it is", doc="keys by their paths, as `--set` takes them; `null` takes one out"),
-    declare("accept", "text", forms=(ListOf(Leaf(example='"fos >= 1.1"')), Leaf(example='"fos >= 1.1"')),
+    declare("accept", "text", forms=(Spec("value", items=Spec("value", example='"fos >= 1.1"')),),
             example='"fos >= 1.1"', left_out="the design's rules", doc="one or a list, as `acceptance.rules`"),
 )  # fmt: skip
 

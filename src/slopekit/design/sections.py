@@ -5,11 +5,23 @@ from dataclasses import replace
 from typing import Any
 
 from slopekit.core.errors import Fault
+from slopekit.core.orientation import Line
 from slopekit.core.orientation import number as shown
 from slopekit.design import words
 from slopekit.design.common import BEDROCK, Design
 from slopekit.design.fields import fields_of, structure_of
-from slopekit.design.parts import HyperbolaParameters, Project, Residual, Seismic, Stiffness, Strength, Water
+from slopekit.design.parts import (
+    Bolt,
+    Force,
+    HyperbolaParameters,
+    Project,
+    Residual,
+    Rule,
+    Seismic,
+    Stiffness,
+    Strength,
+    Water,
+)
 from slopekit.design.reading.nodes import Node, Place
 from slopekit.design.reading.reader import Reader
 from slopekit.design.reading.structure import is_distribution, spread, without_name
@@ -38,9 +50,9 @@ def read_common(reader: Reader, on_blocks: bool = False) -> dict[str, Any]:
     if "seismic" in own:
         attributes["seismic"] = read_seismic(reader)
     if "forces" in own and not on_blocks:
-        attributes["forces"] = reader.many("loads.forces", words.force)
-        attributes["bolts"] = reader.many("support.bolts", words.bolt)
-    attributes["rules"] = reader.many("acceptance.rules", words.rule)
+        attributes["forces"] = reader.many("loads.forces", read_force)
+        attributes["bolts"] = reader.many("support.bolts", read_bolt)
+    attributes["rules"] = reader.many("acceptance.rules", read_rule)
     attributes["factors"] = read_factors(reader) if "factors" in own else ()
     return attributes | {
         "title": title.text if title is not None and title.text else "",
@@ -79,7 +91,7 @@ def read_seismic(reader: Reader) -> Seismic:
     if node is None or node.value is None:
         return Seismic()
     own = fields_of(Seismic)
-    given = spread(replace(node, path="loads.seismic"))  # a call has another
+    given = spread(node, "loads.seismic")
     k = given.get("k") if given.is_mapping and not is_distribution(node) else node
     if k is None:
         advice = "Add k: 0.1, a fraction of gravity, or leave loads.seismic out."
@@ -90,6 +102,54 @@ def read_seismic(reader: Reader) -> Seismic:
     if coefficient and toward is None:
         reader.defaults.append("seismic.trend")
     return Seismic() if coefficient is None or (toward is not None and trend is None) else Seismic(coefficient, trend)
+
+
+def read_rule(reader: Reader, node: Node) -> Rule | None:
+    """An acceptance rule."""
+    return reader.kept(words.rule, reader.written(node), str(node.place))
+
+
+def read_force(reader: Reader, node: Node) -> Force | None:
+    """A force: its components, or its size and direction, in words or by its keys."""
+    own, keys = fields_of(Force), spread(node, "loads.forces.0")
+    size, toward = keys.get("force") if keys.is_mapping else node, keys.get("toward")
+    if size is not None and toward is None:  # force: 300 kN@180/10, with its place beside it
+        written = spread(size, "loads.forces.0")
+        size, toward = written.get("force") or size, written.get("toward")
+    components: Any = None
+    line: Line | None = None
+    if size is not None and toward is not None:
+        amount, line = reader.number(own["components_kn"], size, "force"), reader.field(own["toward"], toward)
+        components = None if amount is None or line is None else tuple((amount * line.vector()).tolist())
+    elif size is not None and size.elements and _has_keys_of(keys, Force):
+        components = reader.kept(words.point, reader.value(size), "force", str(node.place), "force")
+    else:
+        message = (
+            f"force is {words.shown(reader.written(size or node))}, it is written 500kN@180/10 or (east, north, up)"
+        )
+        reader.fault("E123", message, node)
+    at_m = reader.field(own["at_m"], keys.get("at"))
+    return None if components is None else Force(components, at_m, toward=line)
+
+
+def read_bolt(reader: Reader, node: Node) -> Bolt | None:
+    """A bolt in words or by its keys."""
+    keys = spread(node, "support.bolts.0")
+    if not keys.is_mapping or not _has_keys_of(keys, Bolt):
+        said = "it is written 200kN@000/10,passive or as force, toward, acts, head, length"
+        reader.fault("E124", f"bolt is {words.shown(reader.written(node))}, {said}", node)
+        return None
+    values = reader.fields(Bolt, keys)
+    if values["length_m"] is not None and keys.get("head") is None:
+        reader.fault("E124", "a bolt with a length needs its head", node)
+    needed = (values["force_kn"], values["toward"], values["acts"])
+    return None if None in needed else Bolt(**values)
+
+
+def _has_keys_of(node: Node, record: type) -> bool:
+    """Whether all keys are those of a record: nobody else has looked at those of a call."""
+    known = {field.path for field in fields_of(record).values()}
+    return all(key in known for key, _ in node.items())
 
 
 def read_factors(reader: Reader) -> tuple[float, ...]:
@@ -121,10 +181,19 @@ def read_strength(
     """
     if (node is None or not node.is_mapping) and not listed and not standard:
         return None
-    if node is not None and node.is_mapping and node.get("residual") is not None:
-        of_peak = replace(node, value={name: below for name, below in node.items() if name != "residual"})
-        peak = read_strength(reader, of_peak, owner, standard, listed, beside)
-        return with_residual(reader, node, owner, peak)
+    peak = _peak_strength(reader, node, owner, standard, listed, beside)
+    below = None if node is None else node.get("residual")
+    return peak if below is None else _with_residual(reader, below, owner, peak)
+
+
+def _peak_strength(
+    reader: Reader,
+    node: Node | None,
+    owner: str,
+    standard: Mapping[str, float] | None,
+    listed: Mapping[str, float | None] | None,
+    beside: Node | None,
+) -> Strength | None:
     own = node if node is not None and node.is_mapping and _is_curved(node) else None
     if own is not None:
         from slopekit.design.strength_laws import named_law, refuse_keys, with_waves
@@ -152,11 +221,8 @@ def read_strength(
     return with_waves(reader, own, owner, straight) if own is not None and straight is not None else straight
 
 
-def with_residual(reader: Reader, node: Node, owner: str, peak: Strength | None) -> Strength | None:
+def _with_residual(reader: Reader, below: Node, owner: str, peak: Strength | None) -> Strength | None:
     """A strength with what is left of it after slip: E453 where that is more than the peak."""
-    below = node.get("residual")
-    if below is None:
-        return peak
     attributes = reader.fields(Residual, below, f"residual {owner}") if below.is_mapping else {}
     if not attributes or None in attributes.values() or peak is None:
         return peak
@@ -212,36 +278,28 @@ def strength_names(reader: Reader, users: Sequence[tuple[str, Node | None, Node]
     users : name of the interface, the node of its `strength` key, the node of the interface itself
     """
     strengths = reader.at("strength")
-    if strengths is None or not users:
+    if strengths is None or without_name(strengths, structure_of(Strength)):  # the structure says so
         return [None] * len(users)
-    if without_name(strengths, structure_of(Strength)):
-        return [None] * len(users)  # the structure says so
     named = {wanted.text for _, wanted, _ in users if wanted is not None}
     slips = [name for name, node in strengths.items() if str(node.key_place).startswith("--set") and name not in named]
     names = [name for name, _ in strengths.items() if name not in slips] or slips
-    if names is not slips:  # no strengths of the file: names that were typed beside its own
-        for name, node in strengths.items():
-            if name in slips:
-                message = f"the strength {name} is used by no interface"
-                reader.fault("E195", message, node, reader.nearest(name, names))
     assigned: list[str | None] = []
     for user, wanted, own in users:
+        name = names[0] if len(names) == 1 else None
         if wanted is not None and wanted.text is not None:
-            known = wanted.text in names
-            if not known:
+            name = wanted.text if wanted.text in names else None
+            if name is None:
                 message = f"{user} has the strength {wanted.text}, which is not under strength"
                 reader.fault("E176", message, wanted, reader.nearest(wanted.text, names))
-            assigned.append(wanted.text if known else None)
         elif len(names) > 1:
             message = f"{user} names no strength, and there are {len(names)}"
             reader.fault("E176", message, own, f"Add strength: {' or '.join(names[:4])}.")
-            assigned.append(None)
-        else:
-            assigned.append(names[0] if names else None)
-    if len(names) > 1 and None not in assigned:
-        for name, node in strengths.items():
-            if name in names and name not in assigned:
-                reader.fault("E195", f"the strength {name} is used by no interface", node, "Use it or take it out.")
+        assigned.append(name)
+    for name, node in strengths.items() if users else ():
+        is_idle = len(names) > 1 and None not in assigned and name not in assigned
+        if name not in names or is_idle:  # a name that was typed beside those of the file; one that nothing has
+            advice = "Use it or take it out." if name in names else reader.nearest(name, names)
+            reader.fault("E195", f"the strength {name} is used by no interface", node, advice)
     return assigned
 
 
@@ -264,8 +322,7 @@ def read_stiffness(reader: Reader) -> Stiffness:
     if not given or len({str(node.plain()) for node in given}) > 1:
         return Stiffness()
     own = fields_of(Stiffness)
-    normal = reader.field(own["normal_kn_m3"], given[0].get("normal"))
-    normal = normal or Stiffness().normal_kn_m3
+    normal = reader.field(own["normal_kn_m3"], given[0].get("normal")) or Stiffness().normal_kn_m3
     shear = given[0].get("shear")
     if shear is not None and shear.is_mapping and not is_distribution(shear):
         law = shear.get("law")
@@ -273,8 +330,6 @@ def read_stiffness(reader: Reader) -> Stiffness:
             advice = "Leave law out: it is clough-duncan (k1, n, Rf, phi)."
             reader.fault("E127", f"{law.text} is no shear law", law, advice)
         return Stiffness(normal, None, HyperbolaParameters(**reader.fields(HyperbolaParameters, shear)))
-    if shear is not None and (shear.text or "").lower() in own["shear_kn_m3"].words:
-        shear = None
     return Stiffness(normal, reader.field(own["shear_kn_m3"], shear))
 
 
@@ -302,7 +357,7 @@ def read_water(reader: Reader, order: Sequence[str], joints: int) -> tuple[Water
     if len(said) != 1:
         return Water(), node
     ((key, only),) = said.items()
-    pressures = only if key == "pressures" or only.elements else spread(replace(only, path="water")).get("pressures")
+    pressures = only if key == "pressures" or only.elements else spread(only, "water").get("pressures")
     if pressures is not None:
         return _by_pressures(reader, pressures, order, joints), only
     value = reader.value(only)

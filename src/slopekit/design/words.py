@@ -7,7 +7,8 @@ from typing import Any
 from slopekit.core.errors import DesignError, Fault, did_you_mean
 from slopekit.core.orientation import Line, number
 from slopekit.core.units import quantity
-from slopekit.design.parts import Bolt, Force, Rule
+from slopekit.design.fields import declare
+from slopekit.design.parts import Rule
 
 RULE_NAMES = (
     "fos", "fos.limit", "fos.closed_form", "fos.static_bound", "fos.all_pairs_failed", "fos.lowest", "fos.residual",
@@ -17,29 +18,21 @@ _RULE = r"^\s*([A-Za-z_.]+)\s*(>=|<=|>|<)\s*(\S+)\s*$"  # texts: compiled when f
 _BARE_NUMBER = r"^[+-]?(\d+\.?\d*|\.\d+)$"
 
 
+def measured(value: object, kind: str, name: str, where: str, **limits: Any) -> float:
+    """A number with a unit, between limits as `slopekit.design.fields.declare` takes them."""
+    return declare("", kind, **limits).read(value, name, where)
+
+
 def above_zero(value: object, kind: str, name: str, code: str, where: str) -> float:
-    result = quantity(value, kind, name, where)
-    if result <= 0.0:
-        raise DesignError([Fault(code, f"{name} is {number(result)}, it must be more than 0", where)])
-    return result
+    return measured(value, kind, name, where, least=0.0, above=True, code=code)
 
 
-def between(
-    value: object, kind: str, ends: tuple[float, float], code: str, what: str, where: str, advice: str = "",
-    unit: str = "",
-) -> float:  # fmt: skip
-    result = quantity(value, kind, what.removeprefix("the "), where)
-    if not ends[0] <= result <= ends[1]:
-        message = f"{what} is {number(result)}{unit}, it lies between {number(ends[0])} and {number(ends[1])}"
-        raise DesignError([Fault(code, message, where, advice)])
-    return result
-
-
-def point(value: object, name: str, where: str) -> tuple[float, float, float]:
+def point(value: object, name: str, where: str, kind: str = "length") -> tuple[float, float, float]:
+    """Three coordinates, or components of another kind."""
     parts = re.split(r"\s*,\s*", value.strip()) if isinstance(value, str) else value
     if not isinstance(parts, Sequence) or len(parts) != 3:
         raise DesignError([Fault("E109", f"{name} needs three coordinates: east, north, up", where)])
-    east, north, up = (quantity(part, "length", name, where) for part in parts)
+    east, north, up = (quantity(part, kind, name, where) for part in parts)
     return east, north, up
 
 
@@ -63,72 +56,14 @@ def fill(value: Any, where: str) -> float:
     return part
 
 
-def trend(value: object, name: str, code: str, where: str) -> float:
-    trend = quantity(value, "angle", f"trend of {name}", where)
-    if not 0.0 <= trend <= 360.0:
-        raise DesignError([Fault(code, f"trend of {name} is {number(trend)}, it lies between 0 and 360", where)])
-    return trend
-
-
 def line_of_words(value: object, name: str, code: str, where: str) -> Line:
     parts = re.split(r"\s*/\s*", value.strip()) if isinstance(value, str) else value
     if not isinstance(parts, Sequence) or len(parts) != 2:
         raise DesignError([Fault(code, f"direction of {name} is {shown(value)}, it is written trend/plunge", where)])
-    toward = trend(parts[0], name, code, where)
-    plunge = quantity(parts[1], "angle", f"plunge of {name}", where)
-    if not -90.0 <= plunge <= 90.0:
-        message = f"plunge of {name} is {number(plunge)}, it lies between -90 (up) and 90 (down)"
-        raise DesignError([Fault(code, message, where)])
-    return Line(toward, plunge)
-
-
-def force(value: Any, where: str) -> Force:
-    at = None
-    if isinstance(value, dict):
-        unknown = value.keys() - {"force", "toward", "at"}
-        if unknown or "force" not in value:
-            raise DesignError([Fault("E123", "a force has the keys force, toward, at", where)])
-        at = point(value["at"], "point of the force", where) if "at" in value else None
-        value = f"{value['force']}@{value['toward']}" if "toward" in value else value["force"]
-    if isinstance(value, str) and "@" in value:
-        size, _, toward = value.partition("@")
-        amount = quantity(size, "force", "force", where)
-        east, north, up = (amount * line_of_words(toward, "force", "E123", where).vector()).tolist()
-    elif is_point(value):
-        east, north, up = (quantity(part, "force", "force", where) for part in value)
-    else:
-        message = f"force is {shown(value)}, it is written 500kN@180/10 or (east, north, up)"
-        raise DesignError([Fault("E123", message, where)])
-    return Force((east, north, up), at)
-
-
-def bolt(value: object, where: str) -> Bolt:
-    head = length = None
-    acts: Any = "active"
-    if isinstance(value, str) and "@" in value:
-        text, _, word = value.partition(",")
-        size, _, toward = text.partition("@")
-        acts = word.strip() or acts
-    elif isinstance(value, dict) and {"force", "toward"} <= value.keys() <= {
-        "force",
-        "toward",
-        "acts",
-        "head",
-        "length",
-    }:
-        size, toward, acts = value["force"], value["toward"], value.get("acts", acts)
-        head = point(value["head"], "head of the bolt", where) if "head" in value else None
-        if "length" in value:
-            length = above_zero(value["length"], "length", "length of the bolt", "E124", where)
-    else:
-        message = f"bolt is {shown(value)}, it is written 200kN@000/10,passive or as force, toward, acts, head, length"
-        raise DesignError([Fault("E124", message, where)])
-    if acts not in ("active", "passive"):
-        raise DesignError([Fault("E124", f"a bolt is active or passive, not {acts!r}", where)])
-    if length is not None and head is None:
-        raise DesignError([Fault("E124", "a bolt with a length needs its head", where)])
-    force = above_zero(size, "force", "force of the bolt", "E124", where)
-    return Bolt(force, line_of_words(toward, "bolt", "E124", where), acts, head, length)
+    says = "it lies between -90 (up) and 90 (down)"
+    trend = measured(parts[0], "angle", f"trend of {name}", where, least=0.0, most=360.0, code=code)
+    plunge = measured(parts[1], "angle", f"plunge of {name}", where, least=-90.0, most=90.0, code=code, says=says)
+    return Line(trend, plunge)
 
 
 def rule(value: object, where: str) -> Rule:

@@ -58,7 +58,7 @@ def polytopes(outward: Floats, offsets: Floats, size: Floats) -> Polytopes:
     at = offsets[:, triples, None]
     sides = cross(two, three), cross(three, one), cross(one, two)
     meet = (one * sides[0]).sum(axis=2)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # planes that are nearly parallel
         points = sum(at[:, :, k] * side for k, side in enumerate(sides)) / meet[:, :, None]
         beyond = points @ outward.transpose(0, 2, 1) - offsets[:, None]
     rows = np.arange(len(triples))[:, None]

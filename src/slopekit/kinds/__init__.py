@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from slopekit.core.errors import Notice, SlopekitError
 from slopekit.design import registry
 from slopekit.design.common import Design
+from slopekit.evidence import ResidualFactors, WithoutBasal
 from slopekit.notices import (
     means_taken,
     not_as_given,
@@ -18,8 +19,9 @@ from slopekit.notices import (
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
-    from slopekit.evidence import WithoutBasal
     from slopekit.kinds.protocol import Factors, Kind
+
+_SAME = 1e-9  # factors of residual and of peak strength
 
 
 def register(kind: "Kind[Any]") -> None:
@@ -72,12 +74,31 @@ def with_all_said(result: Result) -> Result:
     """Return what a kind found with what is said of all kinds: W302 of its size, the factors on residual strength."""
     said = _of_size(result.design, result.geometry.total_height_m)
     result = replace(result, warnings=(*result.warnings, *said)) if said else result
-    kind = kind_of(result.design)
-    if any(strength.residual for strength in kind.strengths(result.design)):
-        from slopekit.kinds.single_block.residual import with_residual
+    factors = _at_residual(result.design)
+    if factors is None:
+        return result
+    left = ResidualFactors(factors.status, factors.limit, factors.closed_form, factors.difference, factors.agree)
+    held = replace(result, comparisons=replace(result.comparisons, residual=left))
+    return replace(held, warnings=(*held.warnings, *_of_residual(held, left)))
 
-        result = with_residual(kind, result)
-    return result
+
+def _at_residual(design: Design) -> "Factors | None":
+    """Both factors on residual strength, after slip; None where no joint has one."""
+    if not any(strength.residual for strength in design.joint_strengths):
+        return None
+    return kind_of(design).factors(replace(design.at_residual(), rules=()))
+
+
+def _of_residual(result: Result, left: ResidualFactors) -> Iterator[Notice]:
+    """Yield W417 of a result beside its factors on residual strength."""
+    peak = result.fos.limit
+    if left.limit is not None and peak is not None and left.limit > peak * (1.0 + _SAME):
+        yield Notice("W417", f"the residual factor {left.limit:.4g} lies above the peak's {peak:.4g}: other "
+                     "joints open or carry then; is the residual strength that of these joints?")  # fmt: skip
+    if result.met_by_peak_only:
+        number = f"is {left.limit:.4g}" if left.limit is not None else f"does not exist ({left.status})"
+        yield Notice("W417", f"acceptance is met by the peak strength only: the residual factor {number}; once "
+                     "the joints have slipped, the rule is broken")  # fmt: skip
 
 
 def _of_size(design: Design, height_m: float | None) -> tuple[Notice, ...]:
@@ -115,7 +136,7 @@ def likely_slips(design: Design, varied: Sequence[str] = ()) -> list[Notice]:
     height_m = _height_m(design)
     by_path: dict[str, Iterable[Notice]] = {
         "rock": weight_notices(design),
-        "strength": strength_notices(kind_of(design).strengths(design)),
+        "strength": strength_notices(design.joint_strengths),
         "slope.height": () if height_m is None else size_notices(height_m),
         "water": () if height_m is None else _pressure_notices(design, height_m),
     }
@@ -147,14 +168,13 @@ def factors_of(design: Design, pre_ie: bool = True) -> "Factors":
     ('slides_on_both', 1.5574, 1.5574, True)
     """
     kind = kind_of(design)
-    if kind.closed_form is None or pre_ie:
+    if pre_ie or not design.HAS_CLOSED_FORM:
         return kind.factors(design)
     from slopekit.kinds.protocol import Factors
 
-    closed = kind.closed_form(design)
+    closed = kind.closed_form(design, None)
     return Factors(
-        closed.status, None, closed.status, closed.factor or None, None, None, False,
-        also=kind.without_basal(design),
+        closed.status, None, closed.status, closed.factor or None, None, None, False, also=kind.without_basal(design)
     )  # fmt: skip
 
 
@@ -165,15 +185,15 @@ def peak_only(design: Design, of: str) -> tuple[Notice, ...]:
     ----------
     of : what is of the peak strength, in words
     """
-    if not any(strength.residual for strength in kind_of(design).strengths(design)):
+    left = _at_residual(design)
+    if left is None:
         return ()
-    left = kind_of(design).factors(replace(design.at_residual(), rules=()))
     factor = f"has {left.limit:.4g}" if left.limit is not None else f"has no factor ({left.status})"
     return (Notice("W417", f"{of} of the peak strength: on residual strength, once its joints have slipped, the "
                    f"design {factor}"),)  # fmt: skip
 
 
-def also_falls_short(also: "WithoutBasal | None", target: float, where: str) -> tuple[Notice, ...]:
+def also_falls_short(also: WithoutBasal | None, target: float, where: str) -> tuple[Notice, ...]:
     """W507: a design meets a target, what acceptance of it is held against besides does not."""
     if also is None or not also.falls_short(target):
         return ()
@@ -182,7 +202,7 @@ def also_falls_short(also: "WithoutBasal | None", target: float, where: str) -> 
 
 def dilates(design: Design) -> bool:
     """Whether any joint of the design dilates as it slips."""
-    return any(strength.dilation_deg for strength in kind_of(design).strengths(design))
+    return any(strength.dilation_deg for strength in design.joint_strengths)
 
 
 def cut(design: Design) -> Any:

@@ -17,16 +17,17 @@ from slopekit.design.parts import Action, Water
 from slopekit.design.reading.reader import Reader
 from slopekit.design.sections import strength_names
 from slopekit.kinds.assemblies.many_blocks import (
-    Blocks,
-    kind_of_many_blocks,
+    ManyBlocks,
+    contact_areas,
     named_strength,
     no_closed_form,
+    water_of_blocks,
 )
 from slopekit.kinds.assemblies.many_blocks_design import MOST_BLOCKS, AssemblyDesign, common, named_pressures, water_by
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, with_loads
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.sizes import Crest
-from slopekit.kinds.words import BLOCKS_STATUSES, short
+from slopekit.kinds.words import BLOCKS_STATUSES, sections_of, short
 from slopekit.preie.many_blocks.ravelling import Failure
 from slopekit.result import Result, Words
 
@@ -253,7 +254,7 @@ def _notices(design: BenchDesign, scene: AssemblyScene, first: Failure, _: Close
                      "there: see whether a longer or deeper bench changes the factor")  # fmt: skip
 
 
-def _slope(design: BenchDesign, result: Result) -> Section:
+def _slope(design: BenchDesign, result: Result) -> list[Section]:
     entries, areas = [], result.geometry.areas_m2
     for one in design.sets:
         area = f"  area {short(areas[one.name])} m²" if one.name in areas else ""
@@ -266,7 +267,9 @@ def _slope(design: BenchDesign, result: Result) -> Section:
     entries.append(
         f"bench {design.length_m:.6g} m along the strike{toe}, rock modelled to {design.depth_m:.6g} m behind the crest"
     )
-    return Section("SETS", entries)
+    wet = [(one.name, one.pressure_kpa) for one in design.sets]
+    others = contact_areas({name: area for name, area in areas.items() if name not in design.wet_interfaces})
+    return sections_of(result, Section("SETS", entries), water_of_blocks(wet), others)
 
 
 def _regularity(design: BenchDesign, one: JointSetInput) -> str:
@@ -286,14 +289,11 @@ def _surface(name: str, plane: Plane) -> str:
     return f"{name} {plane}  " + (plane.in_words() if plane.dip_deg else "level")
 
 
-OWN = Blocks(
+KIND = ManyBlocks(
+    BenchDesign, read_bench,
     Words(
         "bench cut by joint sets", "bench", "the way the face dips", "closed form", "", BLOCKS_STATUSES,
         "there is none for blocks cut by joint sets",
     ),
-    cut, no_closed_form, _notices,
-)  # fmt: skip
-KIND = kind_of_many_blocks(
-    BenchDesign, read_bench, OWN, _slope, lambda design: [(one.name, one.pressure_kpa) for one in design.sets],
-    with_areas=lambda design: {one.name for one in design.sets},
+    cut, no_closed_form, _slope, _notices,
 )  # fmt: skip

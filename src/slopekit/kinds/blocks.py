@@ -17,16 +17,16 @@ from slopekit.design.parts import Action, MeshFile, Water, axis_key
 from slopekit.design.reading.named_files import mesh_file
 from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.reader import Reader
-from slopekit.design.reading.structure import Leaf, ListOf, Named
+from slopekit.design.reading.structure import VALUE, Spec
 from slopekit.design.sections import strength_names
 from slopekit.geometry.fit import BlocksCut, ContactTolerance, Misfits
 from slopekit.geometry.patches import Patches
 from slopekit.geometry.sections.polygons import fault_of_polygon
 from slopekit.kinds.assemblies.many_blocks import (
-    Blocks,
-    kind_of_many_blocks,
+    ManyBlocks,
+    contact_areas,
     no_closed_form,
-    no_notices,
+    water_of_blocks,
 )
 from slopekit.kinds.assemblies.many_blocks_design import (
     NamedDesign,
@@ -37,7 +37,14 @@ from slopekit.kinds.assemblies.many_blocks_design import (
     water_by,
 )
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, with_ground, with_loads
-from slopekit.kinds.words import BLOCKS_STATUSES, first_and_last, names_in_runs, shortened, strength_in_words
+from slopekit.kinds.words import (
+    BLOCKS_STATUSES,
+    first_and_last,
+    names_in_runs,
+    sections_of,
+    shortened,
+    strength_in_words,
+)
 from slopekit.result import Result, Words
 
 _OVERLAP = 1e-3  # of the smaller block: a larger overlap is refused
@@ -66,7 +73,7 @@ class BlockInput:
     polygon_m: tuple[Point2, ...] | None = text(
         "polygon", default=None, coordinates=2, left_out="one of the two",
         doc="corners [x, z] once around, either way; at least three", example="[[0, 0], [2, 0], [2, 1]]",
-        forms=(ListOf(ListOf(Leaf(), 2, 2, example="[0, 5]"), 3, example="[[0, 0], [2, 0], [2, 1]]"),),
+        forms=(Spec(items=Spec(items=VALUE, at_least=2, at_most=2, example="[0, 5]"), at_least=3),),
     )  # fmt: skip
     mesh: MeshFile | None = text(
         "mesh",
@@ -114,7 +121,7 @@ class BlocksDesign(NamedDesign):
     default_strength: str
     interfaces: tuple[tuple[str, str, str], ...] = text(
         "interfaces", default=(), left_out="the only strength", doc="a strength by `default`, and of pairs `A/B`",
-        forms=(Named(Leaf(example="joint"), pairs=True, example="{default: joint, B1/B2: smooth}"),),
+        forms=(Spec(names=Spec("value", example="joint"), pairs=True),),
     )  # fmt: skip
     water: Water = water_by(
         declare("pressures", "pressure", 0.0, many="pairs", axis="water pressure", example="{B1/B2: 5 kPa}"),
@@ -494,7 +501,7 @@ def _some(words: Sequence[str]) -> str:
     return ", ".join(words[:_NAMED]) + more
 
 
-def _slope(design: BlocksDesign, _result: Result) -> Section:
+def _slope(design: BlocksDesign, result: Result) -> list[Section]:
     moving = [block.name for block in design.blocks if not block.fixed]
     fixed = [block.name for block in design.blocks if block.fixed]
     shape = f"polygons of a section {design.thickness_m:.6g} m thick" if design.in_section else "closed meshes"
@@ -516,7 +523,9 @@ def _slope(design: BlocksDesign, _result: Result) -> Section:
         if name == design.default_strength:
             on.insert(0, "on every other interface" if design.interfaces else "on every interface")
         entries.append(f"{name}  {strength_in_words(strength, '.6g')}  {' and '.join(on) or 'on no interface'}")
-    return Section("BLOCKS", entries + _own_weights(design))
+    made_from = Section("BLOCKS", entries + _own_weights(design))
+    wet = [(f"{block}/{other}", pressure) for block, other, pressure in design.pressures_kpa]
+    return sections_of(result, made_from, water_of_blocks(wet), contact_areas(result.geometry.areas_m2))
 
 
 def _own_weights(design: BlocksDesign) -> list[str]:
@@ -534,14 +543,11 @@ def _own_weights(design: BlocksDesign) -> list[str]:
     return ["own unit weights: " + "; ".join([*shown, *more, *last])]
 
 
-OWN = Blocks(
+KIND = ManyBlocks(
+    BlocksDesign, read_blocks,
     Words(
         "blocks of any shape", "blocks", "the way the file says", "closed form", "", BLOCKS_STATUSES,
         "there is none for blocks of any shape",
     ),
-    cut, no_closed_form, no_notices,
-)  # fmt: skip
-KIND = kind_of_many_blocks(
-    BlocksDesign, read_blocks, OWN, _slope,
-    lambda design: [(f"{block}/{other}", pressure) for block, other, pressure in design.pressures_kpa],
+    cut, no_closed_form, _slope,
 )  # fmt: skip

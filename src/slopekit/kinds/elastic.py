@@ -7,7 +7,7 @@ at which elastic blocks no longer come to rest.
 
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -97,8 +97,9 @@ def _meshed(mesh: Any, edge: float, name: str) -> Any:
     """A mesh with no edge longer than `edge`; E125 where that are too many elements."""
     cells = mesh.t.shape[1] * (2.0 ** len(mesh.p)) ** _times(mesh, edge)
     if cells > _MOST_CELLS:
-        message = f"edges of {edge:.4g} m make {cells:.3g} finite elements of {name}, at most {_MOST_CELLS} are taken"
-        raise DesignError([Fault("E125", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
+        raise _too_many(
+            f"edges of {edge:.4g} m make {cells:.3g} finite elements of {name}, at most {_MOST_CELLS} are taken"
+        )
     return split_evenly(mesh, edge)
 
 
@@ -118,6 +119,25 @@ def _refuse(why: str, advice: str = "Leave --elastic out.") -> DesignError:
     return DesignError([Fault("E288", f"no elastic blocks of this design: {why}", "--elastic", advice)])
 
 
+def _too_many(what: str, advice: str = "Give a longer edge, or auto.") -> DesignError:
+    return DesignError([Fault("E125", what, "analysis.elastic.edge", advice)])
+
+
+def _flat(outline: Floats, name: str) -> Any:
+    """The mesh of a convex outline (k, 2)."""
+    if not is_convex_outline(outline):
+        raise _refuse(f"{name} is not convex")
+    return mesh_of(outline, fanned([range(len(outline))]))
+
+
+def _solid(polygons: Iterable[Floats], name: str) -> Any:
+    """The mesh of a convex block, from its faces."""
+    points, faces = numbered(polygons)
+    if not is_convex(points, faces):
+        raise _refuse(f"{name} is not convex")
+    return mesh_of(points, cells_of(points, fanned(faces)))
+
+
 def scene_of_one(design: Design, made: Cut) -> ElasticScene:
     """A convex block on flat joints."""
     block = made.block
@@ -126,23 +146,19 @@ def scene_of_one(design: Design, made: Cut) -> ElasticScene:
     coarse = made.scene_at(0)
     if coarse.bedding is None:
         raise _refuse("the block lies on a curved surface, and is not convex")
-    points, faces = numbered(block.faces.values())
-    if not is_convex(points, faces):
-        raise _refuse("the block is not convex")
+    polygons = list(block.faces.values())
     if coarse.model.translations == 2:
-        side = next(np.asarray(face) for face in block.faces.values() if np.ptp(np.asarray(face)[:, 1]) < 1e-9)
-        outline = side[:, [0, 2]]
-        mesh = mesh_of(outline, fanned([range(len(outline))]))
+        side = next(np.asarray(face) for face in polygons if np.ptp(np.asarray(face)[:, 1]) < 1e-9)
+        mesh = _flat(side[:, [0, 2]], "the block")
     else:
-        mesh = mesh_of(points, cells_of(points, fanned(faces)))
+        mesh = _solid(polygons, "the block")
     edge = design.analysis.elastic_edge_m or _auto(mesh, _HALVED["one"])
     joint_edge = max(float(np.sqrt((np.diff(corners, axis=0, append=corners[:1]) ** 2).sum(axis=1)).max())
                      for corners in map(np.asarray, coarse.bedding.polygons.values()))  # fmt: skip
     refine = max(made.refine, math.ceil(math.log2(joint_edge / edge * (1.0 - 1e-9))))
     scene = made.scene_at(min(max(refine, 0), _MOST_REFINED))
     if len(scene.pairs) > _MOST_PAIRS:
-        message = f"edges of {edge:.4g} m make {len(scene.pairs)} node pairs, at most {_MOST_PAIRS} are taken"
-        raise DesignError([Fault("E125", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
+        raise _too_many(f"edges of {edge:.4g} m make {len(scene.pairs)} node pairs, at most {_MOST_PAIRS} are taken")
     elements, model = Elements(_meshed(mesh, edge, "the block"), *rock_of(design), order=ORDER), scene.model
     axes = local_axes(scene.pairs.normals)
     rigid = pairs_limit(model)
@@ -184,8 +200,7 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
     if moving > _MOST_BLOCKS:
         message = f"{moving} blocks move, elastic ones are at most {_MOST_BLOCKS}"
         raise DesignError([Fault("E125", message, "--elastic", "Leave --elastic out, or make the slope smaller.")])
-    bodies = _bodies(scene)
-    meshes = {block: bodies(block) for block in np.flatnonzero(~assembly.fixed).tolist()}
+    meshes = {block: _mesh_of_block(scene, block) for block in np.flatnonzero(~assembly.fixed).tolist()}
     halved = _HALVED["section"] if assembly.in_section else _HALVED["space"] * (moving <= _FEW)
     own_edges = {block: design.analysis.elastic_edge_m or _auto(mesh, halved) for block, mesh in meshes.items()}
     edge = float(np.median(list(own_edges.values())))
@@ -201,8 +216,10 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
         raise _refuse("its blocks touch nothing")
     pairs = whole.joint_pairs.stop
     if pairs > _MOST_OF_MANY:
-        message = f"{pairs} node pairs between elastic blocks, at most {_MOST_OF_MANY} are taken"
-        raise DesignError([Fault("E125", message, "analysis.elastic.edge", "Give a longer edge, or fewer blocks.")])
+        raise _too_many(
+            f"{pairs} node pairs between elastic blocks, at most {_MOST_OF_MANY} are taken",
+            "Give a longer edge, or fewer blocks.",
+        )
     rows, bolt_rows = _rows(whole, pairs)
     contact = whole.pair_contact[:pairs]
     patch = whole.patch[contact]
@@ -220,8 +237,7 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
         mesh = _meshed(meshes[block], own_edges[block], scene.names[block])
         cells += mesh.t.shape[1]
         if cells > _MOST_CELLS:
-            message = f"edges of {edge:.4g} m make more than {_MOST_CELLS} finite elements"
-            raise DesignError([Fault("E125", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
+            raise _too_many(f"edges of {edge:.4g} m make more than {_MOST_CELLS} finite elements")
         sides = np.where(plus[own] == k, 1.0, -1.0)[:, None, None] * axes[own]
         elements = Elements(mesh, *rock_of(design), scene.thickness or 1.0, ORDER)
         condensed.append((body(elements, whole.points[own], sides, whole.length_scale), at, unknowns))
@@ -268,23 +284,12 @@ def _gone(scene: AssemblyScene, result: Result) -> Bools:
     return np.isin(scene.names, [name for chip in chips for name in chip.blocks])
 
 
-def _bodies(scene: AssemblyScene) -> Callable[[int], Any]:
+def _mesh_of_block(scene: AssemblyScene, block: int) -> Any:
     """The mesh of a block, one element where it can be; refused where it is not convex."""
-    assembly = scene.assembly
-
-    def body(block: int) -> Any:
-        name = scene.names[block]
-        if assembly.in_section:
-            outline = np.asarray(scene.outlines[name])
-            if not is_convex_outline(outline):
-                raise _refuse(f"{name} is not convex")
-            return mesh_of(outline, fanned([range(len(outline))]))
-        points, faces = numbered(assembly.vertices[assembly.triangles[assembly.triangle_block == block]])
-        if not is_convex(points, faces):
-            raise _refuse(f"{name} is not convex")
-        return mesh_of(points, cells_of(points, np.array(faces)))
-
-    return body
+    assembly, name = scene.assembly, scene.names[block]
+    if assembly.in_section:
+        return _flat(np.asarray(scene.outlines[name]), name)
+    return _solid(assembly.vertices[assembly.triangles[assembly.triangle_block == block]], name)
 
 
 def _split(scene: AssemblyScene, parts: Ints) -> tuple[AssemblyScene, Ints]:
@@ -336,7 +341,7 @@ def with_elastic(kind: Kind[Any], result: Result) -> Result:
     design, began = result.design, time.perf_counter()
     say("elastic", head=True)
     made = kind.cut(design)
-    if any(strength.law is not None for strength in kind.strengths(design)):
+    if any(strength.law is not None for strength in design.joint_strengths):
         raise _refuse("strength is curved, and the lines of its law would follow the tractions")
     scene = (
         scene_of_one(design, made)

@@ -3,13 +3,13 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 
 from slopekit.closed_form.plane import OUTCOMES, ClosedFormPlanes, PlaneArrays, plane_failures
-from slopekit.core import sheet
 from slopekit.core.errors import Fault, MisfitError
+from slopekit.core.sheet import Section
 from slopekit.design.common import Design
 from slopekit.design.fields import Field, count, declare, group, number
 from slopekit.design.parts import Action, Stiffness, Strength
@@ -18,11 +18,11 @@ from slopekit.design.sections import read_common, read_strengths
 from slopekit.geometry.pressure import resultant
 from slopekit.geometry.sections.section import J1, PlaneSection, footing_section, line_pairs
 from slopekit.kinds.protocol import ClosedForm
-from slopekit.kinds.single_block.one_block import DILATES, kind_of_one_block, other_strengths
+from slopekit.kinds.single_block.one_block import DILATES, SingleBlock
 from slopekit.kinds.single_block.one_block_limit import Cut, Interface
-from slopekit.kinds.single_block.secants import on_secants
+from slopekit.kinds.single_block.secants import on_secants, other_strengths
 from slopekit.kinds.solver_inputs import section_bedding, section_geometry
-from slopekit.kinds.words import loads_part, size_number, size_part, strength_in_words, water_in_words
+from slopekit.kinds.words import sections_of, size_number, strength_in_words
 from slopekit.loads import PointForce, block_loads
 from slopekit.result import Result, Words
 
@@ -68,6 +68,7 @@ class FootingDesign(Design):
     UNSAID: ClassVar[tuple[str, ...]] = ("uplift",)
     ACTIONS: ClassVar[Mapping[str, Action]] = {"load_kn": "force"}
     WITHOUT: ClassVar[tuple[str, ...]] = ("water", "loads", "support")
+    HAS_CLOSED_FORM = True
 
     load_kn: float = number("footing.load", "force", above=0.0, code="E123", example="1500 kN", doc="downward")
     load_at_m: float | None = number(
@@ -121,6 +122,13 @@ class FootingDesign(Design):
         middle = self.length_m * math.cos(math.radians(self.dip_deg)) / 2.0
         return 0.0 if self.load_at_m is None else self.load_at_m - middle
 
+    def changes(self) -> Iterator[tuple[str, Self]]:
+        """Designs with one input a little changed, by name."""
+        yield "load +10 %", replace(self, load_kn=self.load_kn * 1.1)
+        yield from other_strengths(self)
+        if self.dip_deg < 88.0:
+            yield "dip +1°", replace(self, dip_deg=self.dip_deg + 1.0)
+
 
 def read_footing(reader: Reader) -> FootingDesign:
     """A footing on a weak plane.
@@ -160,8 +168,8 @@ def _uplift(reader: Reader) -> Uplift | None:
 
 def cut(design: FootingDesign) -> Cut:
     """Load the block above the weak plane. Raises GeometryError E219 where the load stands beside it."""
-    section, at = _block(design)
-    push = PointForce(np.array([0.0, 0.0, -design.load_kn]), np.array([-at, 0.0, section.bottom[2]]))
+    section = _block(design)
+    push = PointForce(np.array([0.0, 0.0, -design.load_kn]), np.array([-design.at_m, 0.0, section.bottom[2]]))
     plane, (toe, heel) = section.block.faces[J1], design.ends_kpa
     pressures = toe + (heel - toe) * plane[:, 0] / section.bottom[0]
     (thrust,), (point,) = resultant([(plane[None], pressures[None])], plane[None])
@@ -182,7 +190,7 @@ def cut(design: FootingDesign) -> Cut:
     )  # fmt: skip
 
 
-def closed_form(design: FootingDesign) -> ClosedForm:
+def closed_form(design: FootingDesign, _: Cut | None = None) -> ClosedForm:
     """The design by limit equilibrium: a plane failure below level ground and a vertical face, under the load."""
     _block(design)
 
@@ -194,7 +202,7 @@ def closed_form(design: FootingDesign) -> ClosedForm:
             pressure_kpa=design.uplift_kn / design.length_m, force_kn=(0.0, -design.load_kn),
         ))  # fmt: skip
 
-    found = on_secants([design.strength], on_line, lambda found: [float(found.normal_kn[0] / found.length_m[0])])
+    found = on_secants([design.strength], on_line, lambda found: [found.normal_kn / found.length_m])
     status, factor = OUTCOMES[found.outcome[0]], float(found.factor[0])
     why_not = DILATES if design.strength.dilation_deg else ""
     if status == "slides":
@@ -202,41 +210,32 @@ def closed_form(design: FootingDesign) -> ClosedForm:
     return ClosedForm(None, status, why_not)
 
 
-def _block(design: FootingDesign) -> tuple[PlaneSection, float]:
-    """The block and the place of the load on it, m from the face."""
+def _block(design: FootingDesign) -> PlaneSection:
+    """The block. Raises MisfitError where the load stands beside it."""
     section = footing_section(design.dip_deg, design.length_m)
-    width = -float(section.bottom[0])
-    at = width / 2.0 if design.load_at_m is None else design.load_at_m
+    at, width = design.at_m, -float(section.bottom[0])
     if not 0.0 <= at <= width:
         raise MisfitError([Fault("E219", f"the load stands {at:.6g} m from the face, the block is {width:.6g} m wide")])
-    return section, at
+    return section
 
 
-def _changes(design: FootingDesign) -> Iterator[tuple[str, FootingDesign]]:
-    yield "load +10 %", replace(design, load_kn=design.load_kn * 1.1)
-    yield from other_strengths(design, [design.strength])
-    if design.dip_deg < 88.0:
-        yield "dip +1°", replace(design, dip_deg=design.dip_deg + 1.0)
-
-
-def _slope(design: FootingDesign, result: Result) -> Iterator[sheet.Section]:
+def _slope(design: FootingDesign, result: Result) -> list[Section]:
     long = size_number(design.length_m)
     words = f"weak plane dips {design.dip_deg:.6g}°, {long} m long  {strength_in_words(design.strength)}"
-    yield sheet.Section("PLANES", [words])
-    yield size_part(result, result.geometry.total_height_m, " per metre")
     off = design.eccentricity_m
     place = "over the middle of the plane" if not off else f"{abs(off):.4g} m off the middle of the plane"
     toe, heel = design.ends_kpa
     wet = [f"uplift {toe:.4g} kPa at the toe, {heel:.4g} kPa at the heel"] if design.uplift_kn else []
-    yield loads_part([f"footing {size_number(design.load_kn)} kN, {place}", *wet, *water_in_words(result)], result)
+    acting = [f"footing {size_number(design.load_kn)} kN, {place}", *wet]
+    return sections_of(result, Section("PLANES", [words]), acting)
 
 
-KIND = kind_of_one_block(
+KIND = SingleBlock(
     FootingDesign, read_footing,
     Words(
         "footing above a weak plane, per metre", "block", "out of the face", "closed form", "limit equilibrium",
         {"slides_on_J1": "slides on the weak plane", "lifted": "contact lost on the weak plane (uplift)"},
         horizontal="x",
     ),
-    cut, closed_form, changes=_changes, strengths=lambda design: [design.strength], slope=_slope,
+    cut, closed_form, _slope,
 )  # fmt: skip

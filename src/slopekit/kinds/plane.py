@@ -4,15 +4,15 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
 from slopekit.closed_form.plane import OUTCOMES, PlaneArrays, plane_failures
-from slopekit.core import sheet
 from slopekit.core.arrays import Floats, cross
 from slopekit.core.errors import Fault, GeometryError, Notice
 from slopekit.core.orientation import Line, Plane
+from slopekit.core.sheet import Section
 from slopekit.core.units import is_unit_of, unit_of
 from slopekit.design import words
 from slopekit.design.fields import Field, declare, fields_of, group, number, orientation
@@ -34,18 +34,17 @@ from slopekit.kinds.single_block.closed_forms import (
     ClosedForms,
     OnArrays,
     SizesOfMany,
-    passive_bolts,
     pressures_and_force,
 )
 from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of, upward
-from slopekit.kinds.single_block.one_block import DILATES, kind_of_one_block, left_out_of_slope, other_strengths
+from slopekit.kinds.single_block.one_block import DILATES, SingleBlock, left_out_of_slope
 from slopekit.kinds.single_block.one_block_limit import Cut, Interface
+from slopekit.kinds.single_block.secants import other_strengths, steeper
 from slopekit.kinds.solver_inputs import bolt_forces, point_force, section_bedding, section_geometry
-from slopekit.kinds.water import LocalSlope, OnFaces, pushes_of_cut, standing_in_crack
+from slopekit.kinds.water import LocalSlope, OnFaces, pushes_on, standing_in_crack
 from slopekit.kinds.words import (
-    loads_part,
+    sections_of,
     short,
-    size_part,
     strength_in_words,
     water_in_words,
 )
@@ -85,6 +84,7 @@ class PlaneDesign(SlopeDesign):
     ALSO: ClassVar[tuple[Field, ...]] = (JOINTS,)
     INTO: ClassVar[Mapping[str, str]] = {"joints": "joint", "crack.water": "water.crack_water_m"}
     FILLS: ClassVar[bool] = True
+    HAS_CLOSED_FORM = True
 
     joint: Plane
     joint_name: str
@@ -105,6 +105,14 @@ class PlaneDesign(SlopeDesign):
         """The part of an earthquake that acts out of the slope, in its section."""
         trend = self.seismic.trend_deg
         return 1.0 if trend is None else math.cos(math.radians(trend - self.face.dip_direction_deg))
+
+    def changes(self) -> Iterator[tuple[str, Self]]:
+        """Designs with one input a little changed, by name."""
+        if not self.water.has_table and (self.water.mode == "dry" or self.water.fill < 1.0):
+            yield "full water", replace(self, water=Water("full", 1.0))
+        yield from other_strengths(self)
+        if self.joint.dip_deg <= 89.0:
+            yield f"dip of {self.joint_name} +1°", replace(self, joint=steeper(self.joint))
 
     def plain(self, exact: bool = False) -> dict[str, Any]:
         """The attributes as JSON values, the depth of water in the crack with the crack."""
@@ -212,20 +220,17 @@ def _crest_point(design: PlaneDesign) -> Floats:
     return np.array([_crest_x(design), 0.0, design.height_m])
 
 
-def compared(design: PlaneDesign) -> ClosedForm:
+def compared(design: PlaneDesign, made: Cut | None = None) -> ClosedForm:
     """The closed form as PRE-IE is compared with it. Raises GeometryError as `cut`, without loading the section."""
-    section_of(design)
+    if made is None:
+        section_of(design)
     return replace(closed_form(design), why_not=DILATES if design.strength.dilation_deg else "")
 
 
 def _signed_dip(plane: Plane, face: Plane) -> Any:
     """Dip, positive where the plane dips the way of the face; of planes whose angles may be arrays."""
-    return _signed(plane.dip_deg, plane.dip_direction_deg, face.dip_direction_deg)
-
-
-def _signed(dip: Any, direction: Any, face: Any) -> Any:
-    same = np.cos(np.radians(np.subtract(direction, face))) >= 0.0
-    return np.where(same, dip, np.negative(dip))
+    same = np.cos(np.radians(np.subtract(plane.dip_direction_deg, face.dip_direction_deg))) >= 0.0
+    return np.where(same, plane.dip_deg, np.negative(plane.dip_deg))
 
 
 def section_of(design: PlaneDesign) -> PlaneSection:
@@ -265,12 +270,6 @@ def _full_water(slope: LocalSlope, unit_weight: Any) -> list[OnFaces]:
 
 def _loads(design: PlaneDesign, section: PlaneSection) -> Loads:
     axes, origin = _axes(design.face) * [[1.0], [0.0], [1.0]], np.zeros(3)  # where along the slope says nothing
-    upper, face = (math.radians(float(_signed_dip(plane, design.face))) for plane in (design.upper, design.face))
-    normals = np.array([[[math.sin(dip), 0.0, math.cos(dip)]] for dip in (face, upper)])
-    slope = LocalSlope.of_cut(
-        section.block, (J1,), CRACK, (FACE, UPPER), normals, np.array([[0.0], normals[1] @ _crest_point(design)]),
-        np.array([[-1.0, 0.0, 0.0]]), np.array([0.0, 1.0, 0.0]), _full_water, _axes(design.face), 0.0,
-    )  # fmt: skip
     hull = cache(lambda: hull_of(design, section.block))  # which a block without bolts does not need
     active, passive = bolt_forces(design, origin, lambda head, way: hull().meets(head, way), axes)
     k = design.seismic.coefficient * design.section_share
@@ -279,7 +278,7 @@ def _loads(design: PlaneDesign, section: PlaneSection) -> Loads:
         section.block, design.rock.unit_weight_kn_m3, np.array([k, 0.0, 0.0]),
         [point_force(force, origin, axes) for force in design.forces], active,
         [bolt for bolt in passive if float(np.abs(bolt.force).max()) > _OUT * strongest],
-        pushes_of_cut(design, slope),
+        pushes_on(design, bounds(design), _full_water, axes) if design.is_wet or design.is_cut_for_loads else {},
     )  # fmt: skip
 
 
@@ -297,21 +296,23 @@ def hull_of(design: PlaneDesign, block: Block) -> Hull:
 
 def arguments(design: PlaneDesign) -> Arguments:
     """What Hoek & Bray's plane failure is given of a design, but for its passive bolts."""
-    columns: Arguments = {}
-    for name, plane in {"plane": design.joint, "face": design.face, "upper": design.upper}.items():
-        columns |= {f"{name}_dip_deg": plane.dip_deg, f"{name}_direction": plane.dip_direction_deg}
-    crack = design.crack
+    face, crack, seismic = design.face, design.crack, design.seismic
     pressures, loads = pressures_and_force(design, 1, bounds, _full_water)
     given = pressures[0] is not None
-    return columns | loads | {
-        "height_m": design.height_m, **_of_strengths(_strengths(design)),
+    shaken = 1.0
+    if seismic.trend_deg is not None:
+        shaken = np.cos(np.radians(np.subtract(seismic.trend_deg, face.dip_direction_deg)))
+    return loads | {
+        "plane_dip_deg": _signed_dip(design.joint, face), "upper_dip_deg": _signed_dip(design.upper, face),
+        "face_dip_deg": face.dip_deg, "face_direction": face.dip_direction_deg,
+        "across": _strikes_across(design.joint, face) | _strikes_across(design.upper, face),
+        "height_m": design.height_m, **_of_strengths(design.joint_strengths),
         "unit_weight_kn_m3": design.rock.unit_weight_kn_m3,
         "crack_depth_m": None if crack is None else crack.depth_m,
         "crack_distance_m": None if crack is None else crack.distance_m,
         "water_in_crack_m": None if given else design.water.crack_water_m,
         "fill": 0.0 if given else design.water.fill, "pressure_kpa": pressures[0], "crack_pressure_kpa": pressures[1],
-        "water_unit_weight_kn_m3": design.water_unit_weight_kn_m3, "k": design.seismic.coefficient,
-        "trend": design.seismic.trend_deg,
+        "water_unit_weight_kn_m3": design.water_unit_weight_kn_m3, "seismic": seismic.coefficient * shaken,
     }  # fmt: skip
 
 
@@ -319,43 +320,30 @@ def _of_strengths(strengths: Sequence[Strength]) -> Arguments:
     return {"cohesion_kpa": strengths[0].cohesion_kpa, "friction_deg": strengths[0].friction_angle_deg}
 
 
-def _strengths(design: PlaneDesign) -> list[Strength]:
-    return [design.strength]
-
-
 def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]]) -> ClosedForms:
     """Designs by Hoek & Bray's plane failure; each of the arguments is one number for all of them or an array.
 
     Parameters
     ----------
-    bolts : out of the slope and up, of the passive ones
+    bolts : east, north and up of the passive ones
     """
     given = dict(arguments)
-    misfit = given.pop("misfit")
-    plane, face, upper = (given.pop(f"{name}_direction") for name in ("plane", "face", "upper"))
-    across = _strikes_across(given["plane_dip_deg"], plane, face) | _strikes_across(given["upper_dip_deg"], upper, face)
-    for name, direction in (("plane", plane), ("upper", upper)):
-        given[f"{name}_dip_deg"] = _signed(given[f"{name}_dip_deg"], direction, face)
-    k, trend = given.pop("k"), given.pop("trend")
-    given["seismic"] = k if trend is None else k * np.cos(np.radians(np.subtract(trend, face)))
+    misfit, across, face = (given.pop(name) for name in ("misfit", "across", "face_direction"))
     east, north, up = (given.pop(f"force_{name}") for name in ("east", "north", "up"))
     turned = np.radians(face)
     given["force_kn"] = None if up is None else (east * np.sin(turned) + north * np.cos(turned), up)
-    failures = plane_failures(PlaneArrays(**given, passive_kn=bolts))
+    out = [(east * np.sin(turned) + north * np.cos(turned), up) for east, north, up in bolts]
+    failures = plane_failures(PlaneArrays(**given, passive_kn=out))
     count = max(failures.outcome.size, np.size(across))
     outcome, factor = np.broadcast_to(failures.outcome, count).copy(), np.broadcast_to(failures.factor, count).copy()
     outcome[np.broadcast_to(across, count)], factor[np.broadcast_to(across, count)] = _OUTCOMES.index("E213"), np.nan
     return ClosedForms(_OUTCOMES, outcome, factor, [failures.normal_kn], [failures.length_m]).refused(misfit, MISFITS)
 
 
-def _strikes_across(dip: Any, direction: Any, face: Any) -> Any:
+def _strikes_across(plane: Plane, face: Plane) -> Any:
     """Whether a plane strikes too far from the face for plane failure (Hoek & Bray 1981, ch. 7)."""
-    return (_strikes_apart(direction, face) > WIDEST_DEG) & (np.asarray(dip) > 0.0)
-
-
-def _passive(design: PlaneDesign) -> list[tuple[float, float]]:
-    axes = _axes(design.face)
-    return [(float(axes[0] @ bolt), float(axes[2] @ bolt)) for bolt in passive_bolts(design)]
+    apart = _strikes_apart(plane.dip_direction_deg, face.dip_direction_deg)
+    return (apart > WIDEST_DEG) & (np.asarray(plane.dip_deg) > 0.0)
 
 
 def bounds(design: PlaneDesign) -> Bounds:
@@ -408,7 +396,7 @@ def crack_reach(design: PlaneDesign) -> Floats:
 
 
 ON_ARRAYS = OnArrays(
-    arguments, _passive, _strengths, _of_strengths, closed_forms, bounds, _sizes, crack_reach, None, _full_water,
+    arguments, _of_strengths, closed_forms, bounds, _sizes, crack_reach, None, _full_water,
     lambda design: upward(90.0, design.face.dip_direction_deg),  # out of the face
 )  # fmt: skip
 
@@ -424,16 +412,7 @@ def closed_form(design: PlaneDesign) -> ClosedForm:
     return ON_ARRAYS.of(design)
 
 
-def _changes(design: PlaneDesign) -> Iterator[tuple[str, PlaneDesign]]:
-    if not design.water.has_table and (design.water.mode == "dry" or design.water.fill < 1.0):
-        yield "full water", replace(design, water=Water("full", 1.0))
-    yield from other_strengths(design, [design.strength])
-    if design.joint.dip_deg <= 89.0:
-        dipping = replace(design.joint, dip_deg=design.joint.dip_deg + 1.0)
-        yield f"dip of {design.joint_name} +1°", replace(design, joint=dipping)
-
-
-def _notices(design: PlaneDesign) -> Iterator[Notice]:
+def _notices(design: PlaneDesign, *_: object) -> Iterator[Notice]:
     yield from design.ground_notices(0.0, design.height_m, design.crack.distance_m if design.crack else None)
     share = design.section_share
     if design.seismic.coefficient and abs(share) < 1.0 - 1e-6:
@@ -452,7 +431,7 @@ def _notices(design: PlaneDesign) -> Iterator[Notice]:
         yield Notice("W323", message)
 
 
-def _slope(design: PlaneDesign, result: Result) -> Iterator[sheet.Section]:
+def _slope(design: PlaneDesign, result: Result) -> list[Section]:
     geometry, name = result.geometry, design.joint_name
     entries = [
         f"{name} {design.joint}  {design.joint.in_words()}  {strength_in_words(design.strength)}  "
@@ -465,22 +444,15 @@ def _slope(design: PlaneDesign, result: Result) -> Iterator[sheet.Section]:
         off = geometry.crack_distance_m
         where = f"{off:.4g} m behind the crest" if off >= 0.0 else f"{-off:.4g} m in front of the crest"
         entries.append(f"crack vertical, {geometry.crack_depth_m:.4g} m deep, {where}{design.crack_in_words}")
-    yield sheet.Section("PLANES", entries)
-    yield size_part(result, design.height_m, " per metre")
-    crack = design.water.crack_water_m
-    highest = f"{(crack or 0.0) * design.water_unit_weight_kn_m3:.4g} kPa at its bottom"
-    in_crack = [f"water {crack:.4g} m deep in the crack, {highest}, falling to nothing at the toe"] if crack else []
-    own = design.ground_in_words()
-    yield loads_part([*([] if design.water.has_table else water_in_words(result, 2.0) or in_crack), *own], result)
+    return sections_of(result, Section("PLANES", entries), water_in_words(result, 2.0, "falling to nothing at the toe"))
 
 
-KIND = kind_of_one_block(
+KIND = SingleBlock(
     PlaneDesign, read_plane,
     Words(
         "plane failure, per metre", "block", "out of the slope", "Hoek & Bray closed form (plane failure)",
         "Hoek & Bray: forces only",
         {"slides_on_J1": "slides on its plane", "lifted": "contact lost on its plane (uplift)"},
     ),
-    cut, compared, changes=_changes, strengths=_strengths, slope=_slope, notices=_notices,
-    on_arrays=ON_ARRAYS,
+    cut, compared, _slope, _notices, ON_ARRAYS,
 )  # fmt: skip

@@ -1,13 +1,13 @@
 """What a kind of design says of itself, in one place: studies and views ask here, never which kind it is."""
 
-from collections.abc import Callable, Mapping, Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 from slopekit.core.codec import NO_JSON
 from slopekit.core.errors import Notice
-from slopekit.design.common import Answered, Design
-from slopekit.design.parts import Strength
+from slopekit.design.common import Design
 from slopekit.design.reading.reader import Reader
 from slopekit.evidence import WithoutBasal
 from slopekit.result import Result, Words
@@ -22,11 +22,30 @@ D = TypeVar("D", bound=Design)
 
 @dataclass(frozen=True)
 class ClosedForm:
-    """A closed form to compare with: its factor and status; `why_not` says why it is not compared."""
+    """A closed form to compare with: its factor and status.
+
+    Attributes
+    ----------
+    why_not : why it is not compared; empty where it is
+    methods : factors of other methods of the kind (columns) by name; None where one has no answer
+    table : of the columns of a row, empty of all else
+    notices : what a reader must know of it
+    """
 
     factor: float | None
     status: str
     why_not: str = ""
+    methods: Mapping[str, float | None] = field(default_factory=dict)
+    table: Sequence[Mapping[str, Any]] = ()
+    notices: Sequence[Notice] = ()
+
+    def figure(self, name: str, which: Any) -> float | None:
+        """Return a number that published cases give beside the factor; None where there is none of that name."""
+        return None
+
+    def seismic_gain(self, k: float) -> "Gain | None":
+        """Return how fast the mechanism at a yield coefficient gains on the ground; None where that is not known."""
+        return None
 
 
 @dataclass(frozen=True)
@@ -80,59 +99,79 @@ class Gain:
     first: float | None = None
 
 
+def of_closed_form(_: Design, __: Any, ___: Any, closed: ClosedForm) -> Sequence[Notice]:
+    """Return what a reader must know of the closed form alone."""
+    return closed.notices
+
+
 @dataclass(frozen=True)
-class Kind(Generic[D]):
-    """A kind of design.
+class Kind(ABC, Generic[D]):
+    """A kind of design: what it is made of, in eight members. All else follows from these, of one block or of many.
 
     Attributes
     ----------
     record : the dataclass of its designs, whose fields declare the keys
     read : a design from a file, all faults at once
     words : what it calls things
-    analyse : from a design to its result
-    factors : both factors of safety and nothing else, for studies that ask thousands of times
-    ladder : what `check` looks at: the result, and ways to its factor with more and less effort
-    strengths : of the joints
+    cut : the blocks, cut and loaded: `one_block_limit.Cut` or `many_blocks_scene.AssemblyScene`
+    closed_form : on the same assumptions, of a design and what was cut of it; None in its place where a closed form is
+        asked alone (`record.HAS_CLOSED_FORM`), in next to no time
     slope : what was analysed, on the sheet: joints and faces, size, loads
-    closed_form : on the same assumptions, in next to no time; None where there is none
-    on_arrays : the same for many designs in one call, None where it takes them one by one; support is looked for where
-        there is one: the block is a `Cut` with a free face
-    cut : the blocks, cut and loaded: `one_block.Cut` or `many_blocks_scene.AssemblyScene`
-    beside : what is known of a factor from elsewhere and takes as long as it: said of one answer, not of thousands
-    without_basal : a block that the one analysed is part of, and that may fail before it; None where there is none
-    at_load : (without, unit, target) the multiplier of a load at which the factor is the target; None where a kind has
-        no such path
-    seismic_gain : (without, unit, k_y, by the closed form) how fast the mechanism at k_y gains on the ground; None of
-        kinds of one block, whose k_y with a force along the sliding says it
-    figures : numbers that published cases give beside the factors: name -> (design, which) -> number
+    notices : what a reader must know of a design, of what was cut, of its limit (`FoundLimit` of one block, the first
+        `Failure` of many), of the closed form
+    on_arrays : the closed form of many designs in one call, None where it takes them one by one; support is looked for
+        where there is one: the block is a `Cut` with a free face
     """
+
+    MOVES_MANY: ClassVar[bool]  #: Whether it has many blocks, whose path a load may drive.
 
     record: type[D]
     read: Callable[[Reader], D]
     words: Words
-    analyse: Callable[[D], Result]
-    factors: Callable[[D], Factors]
-    ladder: "Callable[[D], Ladder]"
-    strengths: Callable[[D], Sequence[Strength]]
-    slope: "Callable[[D, Result], Sequence[Section]]"
     cut: Callable[[D], Any]
-    closed_form: Callable[[D], ClosedForm] | None = None
+    closed_form: Callable[[D, Any], ClosedForm]
+    slope: "Callable[[D, Result], Iterable[Section]]"
+    notices: Callable[[D, Any, Any, ClosedForm], Iterable[Notice]] = of_closed_form
     on_arrays: "OnArrays[D] | None" = None
-    beside: Callable[[D], tuple[Notice, ...]] = lambda _: ()
-    without_basal: Callable[[D], WithoutBasal | None] = lambda _: None
-    at_load: Callable[[D, D, float], float | None] | None = None
-    seismic_gain: Callable[[D, D, float, bool], Gain | None] | None = None
-    figures: Mapping[str, Callable[[D, Any], float]] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
         """The word behind `kind:`."""
         return self.record.__name__.removesuffix("Design").lower()
 
-    @property
-    def answered(self) -> Answered:
-        """When a design under work is analysed: while a slider is dragged, when it is let go, at a button."""
-        return "drag" if self.closed_form is not None else self.record.ANSWERED
+    @abstractmethod
+    def analyse(self, design: D) -> Result:
+        """Return the result of a design. Raises GeometryError where no block can be formed."""
+
+    @abstractmethod
+    def factors(self, design: D) -> Factors:
+        """Return both factors of safety and nothing else, for studies that ask thousands of times."""
+
+    @abstractmethod
+    def ladder(self, design: D) -> "Ladder":
+        """Return what `check` looks at: the result, and ways to its factor with more and less effort."""
+
+    def without_basal(self, design: D) -> WithoutBasal | None:
+        """Return what a block does that the one analysed is part of, and that may fail before it; None without one."""
+        return None
+
+    def beside(self, design: D) -> tuple[Notice, ...]:
+        """Return what is known of a factor from elsewhere and takes as long as it: said of one answer alone."""
+        return ()
+
+    def at_load(self, without: D, unit: D, target: float) -> float | None:
+        """Return the multiplier of what one design has more of loads than another at which the factor is a target.
+
+        None where the blocks do not stand without it, or stand with any of it.
+        """
+        return None
+
+    def seismic_gain(self, without: D, unit: D, k: float, by_closed_form: bool) -> Gain | None:
+        """Return how fast the blocks gain on the ground above k_y; None where their motion is none that settled.
+
+        Of one block the k_y with a force along the sliding says it.
+        """
+        return None
 
 
 def compare(

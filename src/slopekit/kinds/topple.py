@@ -1,7 +1,7 @@
 """Columns on a stepped base, with Goodman & Bray's table beside those of PRE-IE."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
@@ -23,7 +23,6 @@ from slopekit.design.fields import Field, declare, number
 from slopekit.design.parts import Action, Water
 from slopekit.design.reading.reader import Reader
 from slopekit.design.sections import strength_names
-from slopekit.findings import Mechanism
 from slopekit.geometry.sections.columns import (
     BASE,
     RISER,
@@ -32,7 +31,7 @@ from slopekit.geometry.sections.columns import (
     slope_heights,
     too_many_columns,
 )
-from slopekit.kinds.assemblies.many_blocks import Blocks, kind_of_many_blocks, named_strength
+from slopekit.kinds.assemblies.many_blocks import ManyBlocks, contact_areas, named_strength, water_of_blocks
 from slopekit.kinds.assemblies.many_blocks_design import (
     MOST_BLOCKS,
     NamedDesign,
@@ -44,12 +43,10 @@ from slopekit.kinds.assemblies.many_blocks_design import (
 )
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, scene_loads, with_ground, with_loads
 from slopekit.kinds.protocol import ClosedForm, Gain
-from slopekit.kinds.words import BLOCKS_STATUSES, first_and_last
-from slopekit.preie.many_blocks.ravelling import Failure
+from slopekit.kinds.words import BLOCKS_STATUSES, first_and_last, sections_of
 from slopekit.result import Result, Words
 
 _BEYOND = 1e-6  # the table is that of columns which just fail
-_MODES = {"slides": "slide", "topples": "topple", "rotates": "turn", "falls": "fall", "lifts": "lift"}
 _MOST_HEIGHTS = 20
 
 
@@ -248,52 +245,67 @@ def _columns_with_water(design: ToppleDesign) -> AssemblyScene:
     return with_ground(design, scene)
 
 
-def goodman_bray(design: ToppleDesign, mechanism: Mechanism | None) -> tuple[ClosedForm, tuple[Mapping[str, Any], ...]]:
+@dataclass(frozen=True, kw_only=True)
+class GoodmanBray(ClosedForm):
+    """What Goodman & Bray's method says of a row of columns."""
+
+    design: ToppleDesign
+
+    def figure(self, name: str, which: Any) -> float | None:
+        if name == "toe_force_kn":
+            return toe_force_required(column_slope(self.design))
+        if name == "column_force_kn":
+            return float(toppling_table(column_slope(self.design)).force_kn[int(which or 1) - 1])
+        return None
+
+    def seismic_gain(self, k: float) -> Gain | None:
+        toward = self.design.seismic.trend_deg
+        if why_no_table(self.design) or (toward is not None and toward <= 180.0):
+            return None
+        try:
+            factor, column = seismic_gain(replace(column_slope(self.design), seismic=k))
+        except DesignError:
+            return None
+        return Gain(factor, self.design.block_names[column - 1])
+
+
+def goodman_bray(design: ToppleDesign, _: AssemblyScene | None) -> GoodmanBray:
     """The closed form of a row of columns, and its table at the factor where the columns are at their limit."""
-    why = why_no_table(design)
-    if why:
-        return ClosedForm(None, "", why), ()
-    base, sides = design.strength(design.base), design.strength(design.sides)
+
+    def form(why: str, factor: float | None = None, status: str = "", table: Iterable[Any] = ()) -> GoodmanBray:
+        said = [Notice("W310", why)] if why else []
+        return GoodmanBray(factor or None, status, why, table=tuple(table), notices=said, design=design)
+
+    if why := why_no_table(design):
+        return form(why)
     try:
         slope = column_slope(design)
         factor, status = toppling_factor_of_safety(slope)
         table = toppling_table(slope, (factor or 1.0) * (1.0 + _BEYOND))
     except DesignError as error:
-        why = f"Goodman & Bray's method does not take these columns: {error.faults[0].message}"
-        return ClosedForm(None, "", why), ()
-    moving = () if mechanism is None else zip(mechanism.blocks, mechanism.how, strict=True)
-    ways = {name: _MODES[how] for name, how in moving}
-    columns = tuple(_columns(design, table, ways))
+        return form(f"Goodman & Bray's method does not take these columns: {error.faults[0].message}")
+    return form(_why_not(design, table, slope.loads is not None, factor), factor, status, _columns(table))
+
+
+def _why_not(design: ToppleDesign, table: TopplingTable, is_loaded: bool, factor: float | None) -> str:
+    """Why the factor of the method is not compared with PRE-IE's; empty where it is."""
+    base, sides = design.strength(design.base), design.strength(design.sides)
     rough = math.tan(math.radians(base.friction_angle_deg)) * math.tan(math.radians(sides.friction_angle_deg))
     if factor and rough >= factor**2:
-        why = (
+        return (
             f"at {factor:.4g} the columns are so rough (tan φ tan φ of the sides above 1) that Goodman & Bray's "
             "sliding has no meaning: not compared"
         )
-        return ClosedForm(factor, status, why), columns
     if not table.base_holds.all():
         lifted = ", ".join(f"C{n + 1}" for n in np.flatnonzero(~table.base_holds)[:5])
-        why = f"Goodman & Bray's forces are not admissible at {lifted} (lifted, or slipping back): not compared"
-        return ClosedForm(factor or None, status, why), columns
-    onto = _slid_onto(table) if slope.loads is not None else []
+        return f"Goodman & Bray's forces are not admissible at {lifted} (lifted, or slipping back): not compared"
+    onto = _slid_onto(table) if is_loaded else []
     if onto:
-        why = (
+        return (
             f"Goodman & Bray's P act at the tops of columns, and {onto[0]}, which slides, need not press there: it is "
+            "above one that topples: not compared"
         )
-        return ClosedForm(factor or None, status, f"{why}above one that topples: not compared"), columns
-    return ClosedForm(factor or None, status), columns
-
-
-def _closed_gain(design: ToppleDesign, k: float) -> Gain | None:
-    """The gain of Goodman & Bray's columns at their yield coefficient; None where the method does not take them."""
-    toward = design.seismic.trend_deg
-    if why_no_table(design) or (toward is not None and toward <= 180.0):
-        return None
-    try:
-        factor, column = seismic_gain(replace(column_slope(design), seismic=k))
-    except DesignError:
-        return None
-    return Gain(factor, design.block_names[column - 1])
+    return ""
 
 
 def _slid_onto(table: TopplingTable) -> list[str]:
@@ -303,27 +315,25 @@ def _slid_onto(table: TopplingTable) -> list[str]:
 
 
 def why_no_table(design: ToppleDesign) -> str:
-    """Why Goodman & Bray's method says nothing of a design."""
+    """Why Goodman & Bray's method says nothing of a design; empty where it does."""
     sides, base = design.strength(design.sides), design.strength(design.base)
-    if sides.law or base.law:
-        return "the closed form (Goodman & Bray) knows one friction angle for all bases: not compared"
-    if sides.cohesion_kpa:
-        return "the closed form (Goodman & Bray) knows no cohesion on the sides of columns: not compared"
-    if design.forces or design.bolts:
-        return "the closed form (Goodman & Bray) is without forces and bolts on single columns: not compared"
-    if sides.dilation_deg or base.dilation_deg:
-        return "the closed form (Goodman & Bray) knows no dilation: not compared"
-    return ""
+    reasons = {
+        "knows one friction angle for all bases": bool(sides.law or base.law),
+        "knows no cohesion on the sides of columns": bool(sides.cohesion_kpa),
+        "is without forces and bolts on single columns": bool(design.forces or design.bolts),
+        "knows no dilation": bool(sides.dilation_deg or base.dilation_deg),
+    }
+    first = next((reason for reason, holds in reasons.items() if holds), "")
+    return first and f"the closed form (Goodman & Bray) {first}: not compared"
 
 
-def _columns(design: ToppleDesign, table: TopplingTable, ways: dict[str, str]) -> Iterator[Mapping[str, Any]]:
+def _columns(table: TopplingTable) -> Iterator[Mapping[str, Any]]:
     for k in range(len(table.heights_m)):
         yield {
             "n": k + 1, "y_m": float(table.heights_m[k]), "M_m": _known(table.upper_contact_m[k]),
             "L_m": _known(table.lower_contact_m[k]), "P_topple_kn": _known(table.topple_force_kn[k]),
             "P_slide_kn": _known(table.slide_force_kn[k]), "P_kn": _known(table.force_kn[k]),
             "R_kn": _known(table.normal_kn[k]), "S_kn": _known(table.shear_kn[k]), "mode": table.modes[k],
-            "mode_preie": ways.get(design.block_names[k], "stable"),
         }  # fmt: skip
 
 
@@ -360,12 +370,7 @@ def _loads(design: ToppleDesign) -> Floats | None:
     return np.column_stack([along, off, turning])
 
 
-def _notices(_: ToppleDesign, __: AssemblyScene, ___: Failure, closed: ClosedForm) -> Iterator[Notice]:
-    if closed.why_not:
-        yield Notice("W310", closed.why_not)
-
-
-def _slope(design: ToppleDesign, _: Result) -> Section:
+def _slope(design: ToppleDesign, result: Result) -> list[Section]:
     heights = design.heights_m
     count = len(heights)
     step = f", each {design.base_step_m:.6g} m above the one below" if design.base_step_m else ", in one plane"
@@ -394,21 +399,17 @@ def _slope(design: ToppleDesign, _: Result) -> Section:
         entries += [
             f"{on}  {named_strength(design, name)}" for on, name in (("bases", design.base), ("sides", design.sides))
         ]
-    return Section("COLUMNS", entries)
+    wet = list(zip(("bases", "sides"), design.pressures_kpa, strict=True))
+    return sections_of(
+        result, Section("COLUMNS", entries), water_of_blocks(wet), contact_areas(result.geometry.areas_m2)
+    )
 
 
-OWN = Blocks(
+KIND = ManyBlocks(
+    ToppleDesign, read_topple,
     Words(
         "toppling columns", "topple", "out of the slope", "Goodman & Bray closed form", "Goodman & Bray",
         BLOCKS_STATUSES, "Goodman & Bray's method does not take this design (see NOTE)",
     ),
-    cut, goodman_bray, _notices, _closed_gain,
-)  # fmt: skip
-KIND = kind_of_many_blocks(
-    ToppleDesign, read_topple, OWN, _slope,
-    lambda design: list(zip(("bases", "sides"), design.pressures_kpa, strict=True)),
-    figures={  # Goodman & Bray's table at full strength; the result has it where the columns are at their limit
-        "toe_force_kn": lambda design, _: toe_force_required(column_slope(design)),
-        "column_force_kn": lambda design, n: float(toppling_table(column_slope(design)).force_kn[int(n or 1) - 1]),
-    },
+    cut, goodman_bray, _slope,
 )  # fmt: skip

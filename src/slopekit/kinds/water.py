@@ -21,15 +21,13 @@ from slopekit.design.common import Design
 from slopekit.design.ground_water import SlopeDesign
 from slopekit.geometry.polytopes import Polytopes, polytopes
 from slopekit.geometry.pressure import Height, Pieces, Pressure, even, in_strips, plane_table, resultant, under_planes
-from slopekit.geometry.rock.cutting import Block
 from slopekit.kinds.single_block.closed_forms import MISFITS
 from slopekit.kinds.single_block.held_bolts import Bounds
 from slopekit.loads import PointForce
 
 _ABOVE = 1e-6  # of the height: a table that lies no more above the ground is on it
-_ON = 1e-9  # of the size of the block: a corner this near to a plane lies on it
+_ROUNDING = 1e-9  # of the size of a block, the depth of its crack, the water that would fill it
 _TINY = float(np.finfo(np.float64).tiny)  # m²: a face without area
-_BRIM = 1e-9  # of the depth of the crack: water that stands no higher does not run out
 _GIVE_MEANS = "Give the mean pressures: water: {pressures: ...}."
 
 #: Which (n,) blocks a value does not fit, and the fault of the first of them.
@@ -71,19 +69,6 @@ class LocalSlope:
     full: FullWater
     axes: Floats
     level: float
-
-    @classmethod
-    def of_cut(
-        cls, block: Block, joints: Sequence[int], crack: int, free: tuple[int, int], *attributes: Any
-    ) -> "LocalSlope":
-        """One block that was cut; the attributes follow as they do above."""
-        polygons = block.faces
-        most = max(map(len, polygons.values()))
-        faces = np.zeros((1 + max(*polygons, *free), 1, most, 3))
-        for plane, polygon in polygons.items():
-            faces[plane, 0] = polygon[:1]
-            faces[plane, 0, : len(polygon)] = polygon
-        return cls(faces, block.corners[None], joints, crack if crack in polygons else None, free, *attributes)
 
     @property
     def interfaces(self) -> list[int]:
@@ -163,10 +148,11 @@ def pushes(design: SlopeDesign, slope: LocalSlope) -> tuple[dict[str, PointForce
     pressures, misfits = _pressures(design, slope)
     loads: dict[str, PointForce] = {}
     outward, areas = slope.normals_and_areas
+    least = _ROUNDING * design.water_unit_weight_kn_m3 * slope.extents.prod(axis=1)
     for planes, pieces in pressures:
         forces, points = resultant(pieces, slope.faces[list(planes)])
         for plane, force, point in zip(planes, forces, points, strict=True):
-            if force.any():
+            if (force > least).any():
                 loads[f"water {plane}"] = PointForce(-force[:, None] * outward[plane], point)
     upper = slope.free[1]
     if np.any(design.surcharge_kpa) and areas[upper : upper + 1].any():
@@ -179,17 +165,19 @@ def pushes(design: SlopeDesign, slope: LocalSlope) -> tuple[dict[str, PointForce
     return loads, misfits
 
 
-def pushes_of_cut(design: SlopeDesign, slope: LocalSlope) -> dict[str, PointForce]:
-    """`pushes` of one block, each (3,).
+def pushes_on(design: SlopeDesign, bounds: Bounds, full: FullWater, axes: Floats) -> dict[str, PointForce]:
+    """`pushes` of one block, each (3,) in local axes: (3, 3) rows in east, north, up.
 
     Raises
     ------
     MisfitError
         The first misfit.
     """
-    loads, misfits = pushes(design, slope)
+    loads, misfits = pushes(design, slope_of(bounds, blocks_within(bounds, 1), full))
     refuse(misfits)
-    return {name: PointForce(load.force[0], load.at[0]) for name, load in loads.items() if load.at is not None}
+    return {
+        name: PointForce(axes @ load.force[0], axes @ load.at[0]) for name, load in loads.items() if load.at is not None
+    }
 
 
 def _pressures(design: SlopeDesign, slope: LocalSlope) -> tuple[list[OnFaces], list[Misfit]]:
@@ -263,7 +251,7 @@ def beyond_crack(slope: LocalSlope, depth: Any) -> list[Misfit]:
     if slope.crack is None:
         return []
     holds, depth = _brim(slope, slope.crack)[1], np.asarray(depth)
-    too_deep = depth > holds * (1.0 + _BRIM)
+    too_deep = depth > holds * (1.0 + _ROUNDING)
     first = int(too_deep.argmax())
     stands, most = (float(np.broadcast_to(values, too_deep.shape)[first]) for values in (depth, holds))
     inside = ~_lies_on(slope, list(slope.joints), *slope.free, slope.crack).all(axis=2).all(axis=0)
@@ -298,7 +286,7 @@ def _from_crack(slope: LocalSlope, crack: int, level: Floats, unit_weight: Any) 
     low = np.where(in_crack, heads, -np.inf).argmax(axis=2)[..., None]
     deepest, lowest = (np.take_along_axis(heads, low, axis=2), np.take_along_axis(polygons, low[..., None], axis=2))
     arms = polygons - lowest
-    has_edge = in_crack & ((arms * arms).sum(axis=3) > (_ON * slope.extents.max(axis=1)[:, None]) ** 2)
+    has_edge = in_crack & ((arms * arms).sum(axis=3) > (_ROUNDING * slope.extents.max(axis=1)[:, None]) ** 2)
     is_wet = (deepest > 0.0) & has_edge.any(axis=2)[..., None]
     # where the water ends on the edge the joint is dry above it
     is_above = is_wet & (heads < 0.0)
@@ -319,7 +307,7 @@ def _lies_on(slope: LocalSlope, faces: Any, *planes: int) -> Bools:
             normal = slope.normals_and_areas[0][plane]
             offset = (normal * slope.faces[plane][:, 0]).sum(axis=1)
         nearest = np.minimum(nearest, np.abs((corners * normal[:, None]).sum(axis=-1) - offset[:, None]))
-    on_plane: Bools = nearest <= _ON * slope.extents.max(axis=1)[:, None]
+    on_plane: Bools = nearest <= _ROUNDING * slope.extents.max(axis=1)[:, None]
     return on_plane
 
 

@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import TypeVar
 
 from slopekit.block_scene import Sizes
@@ -11,6 +12,7 @@ from slopekit.core.sheet import Section, counted
 from slopekit.design.common import Design
 from slopekit.design.fields import fields_of
 from slopekit.design.parts import Bolt, Force, Strength, listed
+from slopekit.extents import SectionGeometry
 from slopekit.result import Result
 
 MOST_RUNS = 4
@@ -101,26 +103,62 @@ def shortened(items: Sequence[str], most: int) -> list[str]:
 # -- one design ----------------------------------------------------------------------------------------------------
 
 
-def size_part(result: Result, height_m: float, per: str = "") -> Section:
-    """Height, volume, weight and extent of one block; mass, unit weight and traces in the full sheet.
+def sections_of(
+    result: Result, made_from: Section, loads: Sequence[str], size: Sequence[str] = ()
+) -> list[Section]:  # fmt: skip
+    """What was analysed, how large it is, and the loads on it.
 
     Parameters
     ----------
-    height_m : from toe to crest
-    per : stands behind the volume
+    made_from : joints and faces, sets, columns or blocks; loads, size : what the kind has to say of these
     """
-    total_m = result.geometry.total_height_m
-    volume = f"volume {short(result.geometry.volume_m3)} m³{per}"
+    size_of = _size_of_block if result.findings is None else _size_of_blocks
+    measured = size_of(result)
+    return [
+        made_from, replace(measured, entries=[*measured.entries, *size]),
+        loads_part([*loads, *result.design.ground_in_words()], result),
+    ]  # fmt: skip
+
+
+def _size_of_block(result: Result) -> Section:
+    """Height, volume, weight and extent of one block; mass, unit weight and traces in the full sheet."""
+    design, geometry = result.design, result.geometry
+    per = " per metre" if isinstance(geometry, SectionGeometry) else ""
+    total_m = geometry.total_height_m
+    scaled = getattr(geometry, "scaled", None)
+    height_m = getattr(design, "height_m", total_m) * (1.0 if scaled is None else scaled["factor"])  # from toe to crest
     extent = [] if result.size is None else extents_in_words(result.size)
     traces = [] if result.size is None else traces_in_words(result.size)
     mass = [f"mass {short(result.mass_t)} t{per}"] if result.mass_t else []
     total = [] if math.isclose(total_m, height_m, rel_tol=_SAME_HEIGHT) else [f"the block {short(total_m)} m high"]
     details = ["  ".join([*mass, *unit_weight_in_words(result), *total]), *traces]
+    measured = _height_and_volume(height_m, geometry.volume_m3) + per
     return Section(
         "SIZE",
-        ["  ".join([f"height {short(height_m)} m", volume, weight_in_words(result), *extent])],
-        details=[result.design.in_own_names(text) for text in details if text],
+        ["  ".join([measured, weight_in_words(result), *extent])],
+        details=[design.in_own_names(text) for text in details if text],
     )
+
+
+def _size_of_blocks(result: Result) -> Section:
+    """Blocks, height, volume and weight."""
+    geometry, findings, first = result.geometry, result.findings, result.size
+    assert findings is not None
+    bedrock = f" and {findings.fixed} of bedrock" if findings.fixed else ""
+    groups = f", in {findings.components} groups that touch only through bedrock" if findings.components > 1 else ""
+    moving = counted(findings.blocks - findings.fixed, "block")
+    entries = [
+        f"{moving} that can move{bedrock}, {counted(findings.contacts, 'contact')}{groups}",
+        f"{_height_and_volume(geometry.total_height_m, geometry.volume_m3)}  {weight_in_words(result)}",
+    ]
+    if first is not None:
+        measured = [_height_and_volume(first.height_m, first.volume_m3), f"mass {mass_in_words(first.mass_t)}"]
+        entries.append("  ".join(["critical block or group: " + measured[0], measured[1], *extents_in_words(first)]))
+    return Section("SIZE", entries, details=unit_weight_in_words(result))
+
+
+def _height_and_volume(height_m: float, volume_m3: float) -> str:
+    return f"height {short(height_m)} m  volume {short(volume_m3)} m³"
 
 
 def extents_in_words(sizes: Sizes) -> list[str]:
@@ -176,14 +214,11 @@ def short(value: float) -> str:
     return f"{rounded:,.0f}" if 1000 <= abs(rounded) < 10**9 else size_number(rounded)
 
 
-def loads_part(own: list[str], result: Result, x_is_east: bool = False) -> Section:
-    """What acts beside the weight: what is the kind's own, then seismic load, forces and bolts.
-
-    Parameters
-    ----------
-    x_is_east : the design has an x axis, which is 090
-    """
+def loads_part(own: list[str], result: Result) -> Section:
+    """What acts beside the weight: what is the kind's own, then seismic load, forces and bolts."""
     design = result.design
+    in_section = result.findings is not None and getattr(result.geometry, "thickness_m", None) is not None
+    x_is_east = in_section or "x" in design.ALONG
     entries = own + seismic(design, result.words.seismic, x_is_east)
     forces, bolts = [force_text(force) for force in design.forces], [bolt_text(bolt) for bolt in design.bolts]
     if any(bolt.head_m is not None for bolt in design.bolts):  # the schedule has them
@@ -212,10 +247,19 @@ def _further_loads(design: Design, shown: str) -> list[str]:
     return entries
 
 
-def water_in_words(result: Result, highest_of_mean: float = 1.0) -> list[str]:
-    """Water as one block has it, a part of full with its highest pressure: so many times the mean of an interface."""
+def water_in_words(result: Result, highest_of_mean: float = 1.0, falls: str = "") -> list[str]:
+    """Water as one block has it, but for a table: a part of full with its highest pressure, or a depth in the crack.
+
+    Parameters
+    ----------
+    highest_of_mean : the highest pressure of full water in parts of the mean of an interface
+    falls : where the pressure of water in the crack falls to nothing
+    """
     water, areas = result.design.water, result.geometry.areas_m2
-    if water.mode == "dry" and not water.crack_fill:
+    if depth := water.crack_water_m:
+        highest = f"{depth * result.design.water_unit_weight_kn_m3:.4g} kPa at its bottom"
+        return [f"water {depth:.4g} m deep in the crack, {highest}, {falls}"]
+    if water.has_table or (water.mode == "dry" and not water.crack_fill):
         return []
     if water.mode == "pressures" and water.crack_fill is None:
         if len(water.pressures_kpa) < 2:

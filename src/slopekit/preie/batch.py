@@ -5,37 +5,28 @@
 as `one_block.flat_limit` has it for one block; rows are taken in chunks, so that memory does not grow with n.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from enum import IntEnum
-from itertools import chain, combinations
+from typing import TypeVar
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats, Ints, cross
+from slopekit.core.arrays import Bools, Floats, Ints, NDArray, cross
 from slopekit.preie.one_block.bed_limits import SPLITS, BedLimits, follow_paths, running_limits
 from slopekit.preie.one_block.bed_path import lengths
+from slopekit.preie.one_block.forces_limits import ForcesLimits, forces_limits
 from slopekit.preie.one_block.polygon_bed import Beds, contact_rows, cross_2d
-from slopekit.preie.solvers.linear import bounded_least_squares
 from slopekit.preie.system.model import local_axes
-from slopekit.preie.tolerances import NO_FORCE, OPENS, PARALLEL, SAME_LIMIT, TINY
+from slopekit.preie.tolerances import OPENS, SAME_LIMIT, TINY
 
 #: Rows that are taken at a time: with fewer NumPy's calls take the time, with more memory grows (9 kB a row).
 CHUNK = 4096
-
-
-class ForcesStatus(IntEnum):
-    """What the forces alone do to a block."""
-
-    SLIDES = 0
-    LIFTED = 1  # the load pulls it off every contact
-    FALLS = 2  # so too, and no contact is below it
-    NOT_DRIVEN = 3  # nothing drives it, but its moments need strength
-    STANDS = 4  # pushes of its contacts balance the forces and the moments
+T = TypeVar("T", "BlockLimits", ForcesLimits)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Blocks:
-    """Single blocks on up to k flat contacts of up to c corners each, without passive bolts.
+    """Single blocks on up to k flat contacts of up to c corners each.
 
     In a section, metre by metre, contacts are lines: c = 2, with the block on the left of the way from the first end to
     the second where x is to the right and z up; nothing moves along y or turns about x and z.
@@ -45,14 +36,17 @@ class Blocks:
     corners : (n, k, c, 3) m from the centroid of each block, anticlockwise as seen from outside the block
     counts : (n, k) corners of each contact; 0: a block has fewer contacts, but one at least
     cohesion : (n, k) kPa; tan_friction : (n, k)
-    load : (n, 6) kN and kN m about the centroid
+    laws : (n, k) curved laws, None where strength is that line
+    load : (n, 6) kN and kN m about the centroid; bolts : (n, b, 6) passive ones at full capacity likewise
     """
 
     corners: Floats
     counts: Ints
     cohesion: Floats
     tan_friction: Floats
+    laws: NDArray[np.object_]
     load: Floats
+    bolts: Floats
 
     @property
     def unknowns(self) -> Ints:
@@ -80,7 +74,10 @@ class Blocks:
         axes, whole = local_axes(-outward[contacts] / area[contacts][:, None]), area.sum(axis=1)
         middle, rows, plane = contact_rows(arms / length[block, None], corner, axes, columns)
         scale = np.broadcast_to((length ** (len(columns) // 3) / whole)[:, None], counts.shape)
+        units = np.stack([force] * 3 + [force * length] * 3, axis=1)
+        pulls, capacity = self.bolts / units[:, None], np.sqrt((self.bolts[:, :, :3] ** 2).sum(axis=2)) / force[:, None]
         line = np.stack([scale, self.cohesion * (whole / force)[:, None], self.tan_friction], axis=2)[contacts]
+        laws = self.laws[contacts]
         return Beds(
             contact=np.concatenate([[0], np.cumsum(contacts.sum(axis=1))]),
             corner=corner,
@@ -89,10 +86,12 @@ class Blocks:
             rows=rows,
             plane=plane,
             line=line,
-            load=np.ascontiguousarray((self.load / np.stack([force] * 3 + [force * length] * 3, axis=1))[:, columns]),
-            bolt_rows=np.zeros((len(counts), 0, len(columns))),
-            bolt_capacity=np.zeros((len(counts), 0)),
+            load=np.ascontiguousarray((self.load / units)[:, columns]),
+            bolt_rows=(pulls / np.maximum(capacity, TINY)[:, :, None])[:, :, columns],
+            bolt_capacity=capacity,
             length=length,
+            laws=tuple(laws) if any(laws) else (),
+            stress_scale=np.repeat(force / whole, contacts.sum(axis=1)),
         )
 
 
@@ -135,46 +134,41 @@ def limits_of_blocks(blocks: Blocks) -> BlockLimits:
 
     Blocks whose paths have to be followed are gathered first: all take each step together.
     """
-    slides, ends, chunks = list[tuple[Ints, Floats, Floats]](), list[Floats](), list[BlockLimits]()
+    slides, ends, chunks = list[ForcesLimits](), list[Floats](), list[BlockLimits]()
     for first in range(0, len(blocks.load), CHUNK):
         chunk = blocks.of(slice(first, first + CHUNK))
         beds = chunk.beds()
-        slides.append(_slides(beds))
-        found, rise = running_limits(beds, slides[-1][1])
+        slides.append(forces_limits(beds))
+        found, rise = running_limits(beds, slides[-1].slides)
         chunks.append(_limits(chunk, beds, slides[-1], found))
         ends.append(rise)
-    slide, end = [np.concatenate(part) for part in zip(*slides, strict=True)], np.concatenate(ends)
-    names = [field.name for field in fields(BlockLimits)]
-    limits = BlockLimits(*(np.concatenate([getattr(chunk, name) for chunk in chunks]) for name in names))
+    limits, by_forces, end = _joined(chunks), _joined(slides), np.concatenate(ends)
     paths = np.flatnonzero(~np.isnan(end))
     for rows in np.split(paths, range(CHUNK, len(paths), CHUNK)) if len(paths) else ():
-        status, velocity, pushes = (part[rows] for part in slide)
-        chunk = blocks.of(rows)
+        chunk, begun = blocks.of(rows), ForcesLimits(*(getattr(by_forces, name)[rows] for name in _names(ForcesLimits)))
         beds = chunk.beds()
         found = BedLimits.none(beds, SPLITS[0])
-        follow_paths(beds, found, velocity[:, -1], end[rows])
-        onward = _limits(chunk, beds, (status, velocity, pushes), found)
-        for name in names:
+        follow_paths(beds, found, begun.slides[:, -1], end[rows])
+        onward = _limits(chunk, beds, begun, found)
+        for name in _names(BlockLimits):
             getattr(limits, name)[rows] = getattr(onward, name)
     return limits
 
 
-def _slides(beds: Beds) -> tuple[Ints, Floats, Floats]:
-    """Return what forces alone do to blocks, as of `forces_slides`; λ is not a number where no bed is looked at."""
-    status, slides, pushes = forces_slides(beds)
-    for row in np.flatnonzero(status == ForcesStatus.NOT_DRIVEN).tolist():
-        if stands_without_strength(beds, row):
-            status[row] = ForcesStatus.STANDS
-    slides[status == ForcesStatus.NOT_DRIVEN, -1] = 1.0  # a guess
-    slides[~np.isfinite(slides[:, -1]), -1] = np.nan  # nor of blocks without strength
-    return status, slides, pushes
+def _names(record: type) -> list[str]:
+    return [field.name for field in fields(record)]
 
 
-def _limits(blocks: Blocks, beds: Beds, slide: tuple[Ints, Floats, Floats], found: BedLimits) -> BlockLimits:
+def _joined(parts: Sequence[T]) -> T:
+    """Return the rows of some records in one."""
+    record = type(parts[0])
+    return record(*(np.concatenate([getattr(part, name) for part in parts]) for name in _names(record)))
+
+
+def _limits(blocks: Blocks, beds: Beds, by_forces: ForcesLimits, found: BedLimits) -> BlockLimits:
     """Return the limits of as many blocks as one chunk has, by what their forces do and what their beds do."""
-    (status, slides, pushes), contacts = slide, blocks.counts > 0
+    slides, forces, contacts = by_forces.slides, by_forces.factor, blocks.counts > 0
     has_bed = slides[:, -1] > 0.0
-    forces = np.where(status == ForcesStatus.SLIDES, np.where(has_bed, 1.0 / slides[:, -1], 0.0), np.nan)
     bed, forces_govern = found.factor, ~has_bed | (found.factor > forces * (1.0 + SAME_LIMIT))
     rests, same = np.isfinite(bed), bed >= forces * (1.0 - SAME_LIMIT)
     velocity = np.where(forces_govern[:, None], slides[:, :-1], found.velocity)
@@ -183,7 +177,7 @@ def _limits(blocks: Blocks, beds: Beds, slide: tuple[Ints, Floats, Floats], foun
     pressed, normal = np.full((2, *contacts.shape), np.nan)
     pressed[contacts], normal[contacts] = pressed_parts(beds, found.displacement)
     pressed[~rests], normal[~rests] = np.nan, np.nan
-    normal[forces_govern] = pushes[forces_govern]
+    normal[forces_govern] = by_forces.pushes[forces_govern]
     normal[~contacts] = np.nan
     motion, moves = np.zeros_like(blocks.load), beds.translations
     motion[:, blocks.unknowns] = velocity
@@ -191,7 +185,7 @@ def _limits(blocks: Blocks, beds: Beds, slide: tuple[Ints, Floats, Floats], foun
     return BlockLimits(
         factor=np.where(has_bed & ~rests, np.nan, np.where(same, forces, np.fmin(forces, bed))),
         forces=forces,
-        forces_status=status,
+        forces_status=by_forces.status,
         bed=bed,
         bed_status=np.where(has_bed, found.status, -1),
         early=1.0 / found.early,
@@ -201,58 +195,6 @@ def _limits(blocks: Blocks, beds: Beds, slide: tuple[Ints, Floats, Floats], foun
         opens_wholly=opens_wholly,
         normal=normal * force[:, None],
     )
-
-
-def forces_slides(beds: Beds) -> tuple[Ints, Floats, Floats]:
-    """Return what forces alone do to blocks (n,), how they slide (n, u + 1) as of `bed_limits`, and pushes (n, k).
-
-    Contacts push with N >= 0 so as to leave the least of the load (Moreau's decomposition): of all sets of contacts
-    that may carry it, it is that whose pushes are not negative and which no other contact would add to.
-    """
-    first, count = beds.contact[:-1], np.diff(beds.contact)
-    most, blocks, moves = int(count.max()), len(count), beds.translations
-    inside = np.arange(most) < count[:, None]
-    place = np.where(inside, first[:, None] + np.arange(most), 0)
-    normals = beds.rows[place, 0, :moves] * inside[:, :, None]
-    load = beds.load[:, :moves]
-    pushes, pull, found = np.zeros((blocks, most)), load.copy(), np.zeros(blocks, dtype=bool)
-    for carriers in chain.from_iterable(combinations(range(most), size) for size in range(min(most, moves) + 1)):
-        some = normals[:, carriers]
-        gram = some @ some.transpose(0, 2, 1)
-        good = ~found & inside[:, carriers].all(axis=1) & (np.linalg.det(gram) > PARALLEL)
-        rows = np.flatnonzero(good)
-        force = np.linalg.solve(gram[rows], -(some[rows] @ load[rows, :, None]))[:, :, 0]
-        left = load[rows] + (force[:, None] @ some[rows])[:, 0]
-        added = (normals[rows] @ left[:, :, None])[:, :, 0]
-        fits = (force > 0.0).all(axis=1) & (added > -NO_FORCE).all(axis=1)
-        rows = rows[fits]
-        pushes[rows[:, None], list(carriers)] = force[fits]
-        pull[rows], found[rows] = left[fits], True
-    touching = pushes > 0.0
-    area, line = beds.whole[place, 0, 0], beds.line[place]
-    driving = lengths(pull)
-    least = NO_FORCE * np.maximum(1.0, pushes.sum(axis=1))  # what wedges a block in may push far more than its load
-    resisting = (touching * (line[:, :, 1] * area + line[:, :, 2] * pushes)).sum(axis=1)
-    status = np.where(touching.any(axis=1), ForcesStatus.SLIDES, ForcesStatus.LIFTED)
-    status = np.where(~touching.any(axis=1) & (normals[:, :, -1] <= 0.0).all(axis=1), ForcesStatus.FALLS, status)
-    status = np.where(driving > least, status, ForcesStatus.NOT_DRIVEN)
-    with np.errstate(divide="ignore"):
-        reduction = np.where(status == ForcesStatus.SLIDES, driving / resisting, np.nan)
-    slides = np.zeros((blocks, beds.load.shape[1] + 1))
-    slides[:, :moves] = np.where(driving > least, 1.0 / np.maximum(driving, TINY), 0.0)[:, None] * pull
-    slides[:, -1] = reduction
-    return status, slides, pushes
-
-
-def stands_without_strength(beds: Beds, block: int) -> bool:
-    """Return whether pushes at the corners of a block balance its forces and moments."""
-    corners = np.flatnonzero(
-        (beds.contact[block] <= beds.contact_of_corners) & (beds.contact_of_corners < beds.contact[block + 1])
-    )
-    across = np.concatenate([np.ones((len(corners), 1)), beds.plane[corners]], axis=1)
-    lifts = (across[:, None] @ beds.rows[beds.contact_of_corners[corners], :3])[:, 0]
-    _, rest = bounded_least_squares(lifts.T, -beds.load[block], np.full(len(lifts), np.inf))
-    return float(np.abs(rest).max()) < NO_FORCE
 
 
 def opened(beds: Beds, motion: Floats) -> tuple[Bools, Bools]:

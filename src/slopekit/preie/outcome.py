@@ -50,10 +50,6 @@ class Limit:
         """Whether the factor is known to that part."""
         return self.outcome is not Outcome.NOT_CONVERGED and self.change <= relative
 
-    def full_velocity(self, model: Model) -> Floats:
-        """The mechanism in the unknowns of `model`: a limit of forces alone does not turn."""
-        return np.concatenate([self.velocity, np.zeros(model.unknowns - len(self.velocity))])
-
 
 def opens(model: Model, velocity: Floats, tan_dilation: Floats) -> Bools:
     """Which pairs a motion opens beyond their dilation, (n,)."""

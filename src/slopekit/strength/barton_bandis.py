@@ -98,13 +98,13 @@ class BartonBandis:
     def slope(self, normal: Floats) -> Floats:
         """Tan φ - JRC / (ln 10 cos² φ), and tan φ alone where the angle is cut off, (n,)."""
         angle, curved = self._angle(normal)
-        falls = math.radians(self.scaled[0]) / math.log(10.0)
+        falls = np.radians(self.scaled[0]) / math.log(10.0)
         return np.tan(angle) - np.where(curved, falls / np.cos(angle) ** 2, 0.0)
 
     def _angle(self, normal: Floats) -> tuple[Floats, Floats]:
         roughness, wall = self.scaled
         with np.errstate(divide="ignore"):
-            degrees = self.phi_r_deg + roughness * np.log10(wall / np.maximum(normal, 1e-300 * max(1.0, wall)))
+            degrees = self.phi_r_deg + roughness * np.log10(wall / np.maximum(normal, 1e-300 * np.maximum(1.0, wall)))
         within = np.clip(degrees, self.phi_r_deg, STEEPEST_DEG)
         return np.radians(within), within == degrees
 

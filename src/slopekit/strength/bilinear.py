@@ -6,7 +6,6 @@
 Source: Patton (1966), Proc. 1st Congress ISRM, Lisbon, 1, 509-513.
 """
 
-import math
 from dataclasses import dataclass, field
 from typing import ClassVar
 
@@ -41,8 +40,8 @@ class Bilinear:
         return None if self.i_deg else MohrCoulomb(0.0, self.phi_deg)
 
     @property
-    def _slopes(self) -> tuple[float, float]:
-        return math.tan(math.radians(self.phi_deg + self.i_deg)), math.tan(math.radians(self.phi_deg))
+    def _slopes(self) -> tuple[Floats, Floats]:
+        return np.tan(np.radians(self.phi_deg + self.i_deg)), np.tan(np.radians(self.phi_deg))
 
     def resistance(self, normal: Floats) -> Floats:
         """τ (n,) kPa.

@@ -9,9 +9,8 @@ calculation of the stability of slopes in open cast mines, Planning Open Pit Min
 the area: Einstein, Veneziano, Baecher & O'Reilly (1983), Int. J. Rock Mech. Min. Sci. 20, 227-236.
 """
 
-import math
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -50,25 +49,26 @@ class Bridged:
         """The line that it is.
 
         >>> found = Bridged(0.0, 30.0, 5000.0, 45.0, 0.98).straight
-        >>> round(found.cohesion_kpa, 6), round(math.tan(math.radians(found.friction_angle_deg)), 6)
+        >>> round(found.cohesion_kpa, 6), float(np.tan(np.radians(found.friction_angle_deg)).round(6))
         (100.0, 0.585803)
         """
         cohesion, tangent = self._line
-        return MohrCoulomb(cohesion, math.degrees(math.atan(tangent)))
+        return MohrCoulomb(cohesion, np.degrees(np.arctan(tangent)))
 
     @property
-    def _line(self) -> tuple[float, float]:
-        joint, rock = (math.tan(math.radians(angle)) for angle in (self.friction_angle_deg, self.rock_friction_deg))
+    def _line(self) -> tuple[float, Any]:
+        joint, rock = (np.tan(np.radians(angle)) for angle in (self.friction_angle_deg, self.rock_friction_deg))
         k = self.persistence
         return k * self.cohesion_kpa + (1.0 - k) * self.rock_cohesion_kpa, k * joint + (1.0 - k) * rock
 
     def resistance(self, normal: Floats) -> Floats:
         """τ (n,) kPa."""
-        return line(*self._line, np.maximum(normal, 0.0))
+        cohesion, tangent = self._line
+        return line(cohesion, tangent, np.maximum(normal, 0.0))
 
     def slope(self, normal: Floats) -> Floats:
         """The weighted tan φ, (n,)."""
-        return np.full_like(normal, self._line[1])
+        return np.broadcast_to(self._line[1], np.shape(normal))
 
     def reduced(self, factor: float) -> MohrCoulomb:
         """The line over the factor."""

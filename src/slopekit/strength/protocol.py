@@ -9,11 +9,12 @@ the limit state is that of the law itself: forces, moments and τ(σ) / F agree 
 many blocks asks the law itself (`preie.system.joint_strengths`), and ends in such a state.
 """
 
-from typing import Protocol, runtime_checkable
+from dataclasses import fields, replace
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
-from slopekit.core.arrays import Floats
+from slopekit.core.arrays import Floats, NDArray
 
 #: Least normal traction, kPa, at which a line is drawn: 1e-6 of the weight of a metre of rock.
 LEAST_KPA = 2.5e-5
@@ -43,6 +44,22 @@ class StrengthLaw(Protocol):
     def in_words(self) -> str:
         """The law with its parameters as the sheet prints it."""
         ...
+
+
+def laws_of(law: Any, count: int) -> NDArray[np.object_]:
+    """The laws (n,) of n joints, of one whose numbers may be arrays; Nones of none.
+
+    >>> from slopekit.strength.power import PowerCurve
+    >>> [float(law.a) for law in laws_of(PowerCurve(np.array([2.0, 3.0]), 0.5), 2)]
+    [2.0, 3.0]
+    """
+    numbers = {} if law is None else {part.name: getattr(law, part.name) for part in fields(law)}
+    each = {name: laws_of(number, count) for name, number in numbers.items() if hasattr(number, "resistance")}
+    each |= {name: number for name, number in numbers.items() if isinstance(number, np.ndarray)}
+    laws = np.full(count, law, dtype=object)
+    for row in range(count if each else 0):
+        laws[row] = replace(law, **{name: values[row] for name, values in each.items()})
+    return laws
 
 
 def secant(law: StrengthLaw, normal: Floats, least: float = LEAST_KPA) -> tuple[Floats, Floats]:

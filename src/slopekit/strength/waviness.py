@@ -6,7 +6,6 @@ It never changes the geometry: planes stay flat. Source: SWedge and UnWedge, "jo
 help, joint shear strength, eq. 1: τ = c + σ tan φ + σ tan φ_w).
 """
 
-import math
 from dataclasses import dataclass, field
 from typing import ClassVar
 
@@ -32,18 +31,19 @@ class Wavy:
     def straight(self) -> MohrCoulomb | None:
         """The line that it is on one; None where its law is curved.
 
-        >>> round(Wavy(MohrCoulomb(50.0, 45.0), 45.0).straight.friction_angle_deg, 6)
+        >>> float(Wavy(MohrCoulomb(50.0, 45.0), 45.0).straight.friction_angle_deg.round(6))
         63.434949
         """
         below = self.law if isinstance(self.law, MohrCoulomb) else getattr(self.law, "straight", None)
         if below is None:
             return None
-        tangent = math.tan(math.radians(below.friction_angle_deg)) + self._tangent
-        return MohrCoulomb(below.cohesion_kpa, math.degrees(math.atan(tangent)))
+        tangent = np.tan(np.radians(below.friction_angle_deg)) + self._tangent
+        return MohrCoulomb(below.cohesion_kpa, np.degrees(np.arctan(tangent)))
 
     @property
-    def _tangent(self) -> float:
-        return math.tan(math.radians(self.waviness_deg))
+    def _tangent(self) -> Floats:
+        tangent: Floats = np.tan(np.radians(self.waviness_deg))
+        return tangent
 
     def resistance(self, normal: Floats) -> Floats:
         """τ (n,) kPa."""
@@ -55,7 +55,7 @@ class Wavy:
 
     def reduced(self, factor: float) -> "Wavy":
         """Both parts over the factor."""
-        return Wavy(self.law.reduced(factor), math.degrees(math.atan(self._tangent / factor)))
+        return Wavy(self.law.reduced(factor), float(np.degrees(np.arctan(self._tangent / factor))))
 
     def in_words(self) -> str:
         """The law and the waves."""

@@ -6,7 +6,7 @@ from slopekit.core.errors import Fault
 from slopekit.core.synonyms import SYNONYMS, folded, synonym
 from slopekit.design.fields import structure_of
 from slopekit.design.reading.nodes import Node, joined
-from slopekit.design.reading.structure import AnyOf, KeyGroup, ListOf, Named, Spec
+from slopekit.design.reading.structure import Spec
 from slopekit.design.registry import KINDS, record_of
 
 
@@ -32,17 +32,17 @@ def canonical_path(root: Node, path: str) -> str:
     spec = _structure(root)
     if parts[0] == "correlation":
         return ".".join(["correlation", _of_strengths(".".join(parts[1:]))]) if len(parts) > 1 else path
-    specs: list[Spec] = [] if spec is None else [spec]
     for place, part in enumerate(parts):
-        groups = [arm for spec in specs for arm in _arms(spec)]
-        known = {key for group in groups if isinstance(group, KeyGroup) for key in group.keys}
-        is_free = any(isinstance(group, Named | ListOf) for group in groups) and part not in known
-        parts[place] = part if is_free else synonym(part, known) or part
-        specs = [below for group in groups for below in _below(group, parts[place])]
+        if spec is None:
+            break
+        keys = spec.known_keys()
+        if part not in keys and spec.names is None and spec.items is None:
+            parts[place] = synonym(part, keys) or part
+        spec = keys.get(parts[place]) or spec.names or (spec.items if part.isdigit() else None)
     return ".".join(parts)
 
 
-def _structure(root: Node) -> KeyGroup | None:
+def _structure(root: Node) -> Spec | None:
     """The keys that a design of its kind may have; None where it names no kind."""
     kind = root.get("kind")
     if kind is None or kind.text is None or kind.text not in KINDS:
@@ -53,65 +53,38 @@ def _structure(root: Node) -> KeyGroup | None:
 
 def _has_synonyms(node: Node) -> bool:
     """Whether any key could be a synonym: most designs have none, and are left as they are."""
-    waiting, keys = [node], set[str]()
-    while waiting:
-        value = waiting.pop().value
-        if isinstance(value, dict):
-            keys.update(value)
-            waiting += [below for below in value.values() if not isinstance(below.value, str)]
-        elif isinstance(value, list):
-            waiting += [below for below in value if not isinstance(below.value, str)]
+    keys = {key for below in node.walk() for key, _ in below.items()}
     return any("/" in key or folded(key.rpartition(".")[2]) in SYNONYMS for key in keys)
 
 
 def _canonical(node: Node, spec: Spec, root: Node, path: str, faults: list[Fault]) -> Node:
     """A value with canonical keys, at its canonical path."""
     node = node if node.path == path else replace(node, path=path)
-    for arm in _arms(spec):
-        if isinstance(arm, KeyGroup) and isinstance(node.value, dict):
-            node = _with_keys(node, arm, root, faults)
-        elif isinstance(arm, Named) and isinstance(node.value, dict):
-            node = _with_names(node, arm, root, faults)
-        elif isinstance(arm, ListOf) and isinstance(node.value, list):
-            parts = [
-                _canonical(part, arm.of, root, joined(path, str(place)), faults)
-                for place, part in enumerate(node.value)
-            ]
-            node = replace(node, value=parts)
-    return node
-
-
-def _with_keys(node: Node, group: KeyGroup, root: Node, faults: list[Fault]) -> Node:
+    if isinstance(node.value, list) and spec.items is not None:
+        items = enumerate(node.value)
+        parts = [_canonical(item, spec.items, root, joined(path, str(k)), faults) for k, item in items]
+        return replace(node, value=parts)
+    if not node.is_mapping:
+        return node
     made: dict[str, Node] = {}
     for word, below in node.items():
-        key = word if word in group.keys else synonym(word, group.keys) or word
+        key = _key(word, spec, node, root)
+        inner = spec.known_keys().get(key) or spec.names
         if key in made or (key != word and node.get(key) is not None):
-            _refuse_second(node, key, word, below, faults)
-        elif key in group.keys:
-            made[key] = _canonical(below, group.keys[key], root, joined(node.path, key), faults)
+            message = f"{joined(path, key)} is given twice" + (f", here as {word}" if word != key else "")
+            faults.append(Fault("E151", message, str(below.key_place), "Leave one of them out."))
         else:
-            made[key] = below
+            made[key] = below if inner is None else _canonical(below, inner, root, joined(path, key), faults)
     return replace(node, value=made)
 
 
-def _with_names(node: Node, names: Named, root: Node, faults: list[Fault]) -> Node:
-    made: dict[str, Node] = {}
-    for word, below in node.items():
-        name = word
-        if node.path == "correlation":
-            name = _of_strengths(word)
-        elif node.name == "set" and node.path.startswith("cases."):
-            name = canonical_path(root, word.strip())
-        if name in made:
-            _refuse_second(node, name, word, below, faults)
-        else:
-            made[name] = _canonical(below, names.of, root, joined(node.path, name), faults)
-    return replace(node, value=made)
-
-
-def _refuse_second(node: Node, key: str, word: str, below: Node, faults: list[Fault]) -> None:
-    message = f"{joined(node.path, key)} is given twice" + (f", here as {word}" if word != key else "")
-    faults.append(Fault("E151", message, str(below.key_place), "Leave one of them out."))
+def _key(word: str, spec: Spec, node: Node, root: Node) -> str:
+    """The key that a word under a node stands for."""
+    if node.path == "correlation":
+        return _of_strengths(word)
+    if node.name == "set" and node.path.startswith("cases."):
+        return canonical_path(root, word.strip())
+    return word if word in spec.known_keys() else synonym(word, spec.known_keys()) or word
 
 
 def _of_strengths(names: str) -> str:
@@ -123,15 +96,3 @@ def _of_strengths(names: str) -> str:
             f"{above}{dot}{synonym(last, ('c', 'phi', 'tension', 'dilation', 'unit_weight', 'density')) or last}"
         )
     return "/".join(made)
-
-
-def _arms(spec: Spec) -> list[Spec]:
-    return [arm for part in spec.of for arm in _arms(part)] if isinstance(spec, AnyOf) else [spec]
-
-
-def _below(group: Spec, part: str) -> list[Spec]:
-    if isinstance(group, KeyGroup):
-        return [group.keys[part]] if part in group.keys else []
-    if isinstance(group, ListOf):
-        return [group.of] if part.isdigit() else []
-    return [group.of] if isinstance(group, Named) else []

@@ -14,13 +14,12 @@ from slopekit.core.options import DESIGN
 from slopekit.core.taken import wrong_kind
 from slopekit.design.common import Design
 from slopekit.design.fields import field_in, in_degrees, structure_of
-from slopekit.design.parts import PartialFactors
 from slopekit.design.reading.canonical import with_canonical_keys
 from slopekit.design.reading.document import read_document
 from slopekit.design.reading.nodes import Document, Node, document_from
 from slopekit.design.reading.overrides import with_overrides
 from slopekit.design.reading.reader import Reader
-from slopekit.design.reading.structure import KeyGroup, check_structure
+from slopekit.design.reading.structure import Spec, check_structure
 from slopekit.design.registry import KINDS, kind_named, record_of
 
 Overrides = Sequence[tuple[str, object]]
@@ -54,6 +53,16 @@ def load(
         document, wrong = read_document(source, overrides)
         faults += wrong
     design = faults.of(_set_over, source, overrides, document)
+    design = _with_cases(document, faults, design)
+    if case is not None:
+        from slopekit.design import cases
+
+        return cases.case_named(design, case).design
+    return design
+
+
+def _with_cases(document: Document, faults: Faults, design: Design | None) -> Design:
+    """The design of a document with its load cases, or every fault of both."""
     if document.root.get("cases") is not None:
         from slopekit.design import cases  # most designs have none
 
@@ -62,10 +71,6 @@ def load(
         design = None if design is None else replace(design, source=document, cases=load_cases)
     if faults or design is None:
         raise DesignError(dict.fromkeys(faults))
-    if case is not None:
-        from slopekit.design import cases
-
-        return cases.case_named(design, case).design
     return design
 
 
@@ -116,15 +121,7 @@ def load_document_design(document: Document, faults: Sequence[Fault] = ()) -> De
         With every fault found.
     """
     every = Faults(faults)
-    if document.root.get("cases") is not None:
-        from slopekit.design import cases
-
-        document, _, wrong = cases.read_cases(document, every, design_of)
-        every += wrong
-    design = every.of(design_of, document)
-    if every or design is None:
-        raise DesignError(dict.fromkeys(every))
-    return design
+    return replace(_with_cases(document, every, every.of(design_of, document)), cases=())
 
 
 def design_of(document: Document, other_values: bool = False) -> Design:
@@ -142,11 +139,16 @@ def design_of(document: Document, other_values: bool = False) -> Design:
     """
     root = document.root
     kind = kind_named(_kind(root))
-    faults = check_structure(
-        root, structure_of(kind.record, kind.record.REQUIRED), kind.name, partial(_others, kind.name)
-    )
+    spec = structure_of(kind.record, kind.record.REQUIRED)
+    faults = Faults(check_structure(root, spec, kind.name, partial(_others, kind.name)))
     faults += _version(root)
-    wanted, factors = _partial(document, faults)
+    analysis = root.get("analysis")
+    wanted = analysis.get("partial_factors") if analysis is not None else None
+    factors = None
+    if wanted is not None and wanted.value is not None:
+        from slopekit.design import partial_factors  # most designs have none
+
+        factors = faults.of(partial_factors.read_factors, document, wanted)
     unsound = {fault.where for fault in faults}
     try:
         design: Design = kind.read(Reader(document, kind.record, faults, other_values))
@@ -155,24 +157,8 @@ def design_of(document: Document, other_values: bool = False) -> Design:
         faults += [fault for fault in error.faults if fault.where not in unsound]
         raise DesignError(dict.fromkeys(faults or error.faults)) from None
     if wanted is not None and factors is not None:
-        from slopekit.design.partial_factors import factored
-
-        design = factored(design, kind, factors, str(wanted.place))
+        design = partial_factors.factored(design, kind, factors, str(wanted.place))
     return replace(design, source=document)
-
-
-def _partial(document: Document, faults: list[Fault]) -> "tuple[Node | None, PartialFactors | None]":
-    """Where a design says its partial factors, and these."""
-    analysis = document.root.get("analysis")
-    if analysis is None or (node := analysis.get("partial_factors")) is None or node.value is None:
-        return None, None
-    from slopekit.design.partial_factors import read_factors  # most designs have none
-
-    try:
-        return node, read_factors(document, node)
-    except DesignError as error:
-        faults += [fault for fault in error.faults if fault not in faults]
-        return node, None
 
 
 def with_values(design: Design, values: Mapping[str, object]) -> Design:
@@ -228,7 +214,7 @@ def _version(root: Node) -> list[Fault]:
     return [Fault("E174", message, str(node.place), f"Write slopekit: {VERSION}.")]
 
 
-def _others(kind: str) -> dict[str, KeyGroup]:
+def _others(kind: str) -> dict[str, Spec]:
     """The structures of the other kinds, asked for only where a key does not fit."""
     records = {other: record_of(other) for other in KINDS if other != kind}
     return {other: structure_of(record, record.REQUIRED) for other, record in records.items()}

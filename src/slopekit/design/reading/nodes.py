@@ -6,7 +6,7 @@ made of a file (`yaml.py`) and of a Python mapping (`document_from`).
 
 import os
 import re
-from collections.abc import Callable, ItemsView, Mapping
+from collections.abc import Callable, ItemsView, Iterator, Mapping
 from dataclasses import dataclass
 from numbers import Real
 from pathlib import Path
@@ -102,6 +102,12 @@ class Node:
     def items(self) -> "ItemsView[str, Node]":
         """Keys and their nodes, in the order of the file; nothing where the value has no keys."""
         return (self.value if isinstance(self.value, dict) else {}).items()
+
+    def walk(self) -> "Iterator[Node]":
+        """The node and every node below it."""
+        yield self
+        for part in self.value.values() if isinstance(self.value, dict) else self.elements:
+            yield from part.walk()
 
     def plain(self) -> Plain:
         """The value as dicts, lists, texts and None.

@@ -1,7 +1,7 @@
 """Values put over those of a design: `--set a.b.c=value` and `sk.run(set=...)`."""
 
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from slopekit.core.errors import DesignError, Fault
@@ -246,22 +246,12 @@ def _replaced_item(node: Node, items: list[Node], parts: list[str], new: Node | 
     return copy
 
 
-def _without_alternatives(root: Node, path: str, own: Collection[Place]) -> Node:
+def _without_alternatives(root: Node, path: str, own: set[Place]) -> Node:
     """The tree without what excludes `path`, unless that was set in the same call."""
-    for parent, keys in ALTERNATIVES.items():
-        given = next((key for key in keys if f"{path}.".startswith(f"{parent}.{key}.")), None)
-        if given is None:
-            continue
-        above: Node | None = root
-        for part in parent.split("."):
-            above = above.get(part) if above else None
-        for key in keys:
-            other = above.get(key) if above else None
-            if key != given and other is not None and other.key_place not in own and not _holds_set(other, own):
-                root = _replaced(root, [*parent.split("."), key], None, other.place)
+    parent, chosen = (f"{path}.".split(".", 2))[:2]
+    keys, above = ALTERNATIVES.get(parent, ()), root.get(parent)
+    for key in keys if chosen in keys else ():
+        other = above.get(key) if above is not None and key != chosen else None
+        if other is not None and own.isdisjoint({other.key_place, *(part.place for part in other.walk())}):
+            root = _replaced(root, [parent, key], None, other.place)
     return root
-
-
-def _holds_set(node: Node, own: Collection[Place]) -> bool:
-    parts = node.elements or [part for _, part in node.items()]
-    return node.place in own or any(_holds_set(part, own) for part in parts)

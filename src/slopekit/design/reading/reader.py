@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
 from slopekit.core.orientation import Plane, parse_face, parse_plane
-from slopekit.core.units import LARGEST, is_unit_of, quantity, unit_of
+from slopekit.core.units import LARGEST, is_unit_of, unit_of
 from slopekit.design import words
 from slopekit.design.common import Design, Reading
 from slopekit.design.fields import Field, every_field, field_in, fields_of, with_parts
@@ -59,7 +59,7 @@ class Reader:
         self.read_as: list[str] = []
         self.defaults: list[str] = []
         self.guesses = 0
-        self._found: dict[int, Any] = {}
+        self._found: Kept[Any] = Kept()  # numbers, False for those that are none
 
     # -- the tree -----------------------------------------------------------------------------------------------------
 
@@ -93,11 +93,10 @@ class Reader:
 
     def is_sound(self, node: Node) -> bool:
         """Whether a value and all in it have the shape they need."""
-        if not self.misshapen:
-            return True
-        parts = node.elements or tuple(below for _, below in node.items())
-        own = {str(node.place), str(node.key_place)}
-        return self.misshapen.isdisjoint(own) and all(self.is_sound(part) for part in parts)
+        misshapen = self.misshapen
+        return not misshapen or all(
+            misshapen.isdisjoint((str(part.place), str(part.key_place))) for part in node.walk()
+        )
 
     def value(self, node: Node) -> Any:
         """What a node says, numbers as numbers, distributions by the value a single run takes; None: misshapen."""
@@ -111,6 +110,10 @@ class Reader:
             return [self.value(below) for below in node.elements]
         written = node.text
         return float(written) if written is not None and re.match(_BARE_NUMBER, written) else written
+
+    def written(self, node: Node) -> Any:
+        """What a node says in the user's own words where it is a text, else its value."""
+        return node.text if node.text is not None and self.is_sound(node) else self.value(node)
 
     def centre(self, node: Node) -> Any:
         """What a single run takes of a number that scatters, or of an orientation that is not written in one word."""
@@ -159,9 +162,9 @@ class Reader:
 
     def field(self, field: Field, node: Node | None, owner: str = "") -> Any:
         """The value of one field where `node` gives it, else its default."""
-        if node is None or node.value is None or node.text in field.words:
+        if node is None or node.value is None or (node.text or "").lower() in field.words:
             if field.measures == "text" and node is not None and node.text is not None:
-                return node.text
+                return node.text.lower()
             if "." in field.path and field.key in self.record.DEFAULTS and (node is None or node.value is None):
                 return self.default(field.key, self.record.DEFAULTS[field.key])
             return field.default
@@ -174,7 +177,7 @@ class Reader:
             return tuple(value for value in each if value is not None)
         if field.is_number:
             return self.number(field, node, f"{field.in_words} of {owner}" if owner else field.in_words)
-        value = self.value(node)
+        value = self.written(node)
         if value is None:
             return None
         if field.measures == "plane":
@@ -204,21 +207,21 @@ class Reader:
             mean = node.get("mean")
             written = mean.text if mean is not None else None
         where = str(node.place)
-        known = self._found.get(id(node))
+        known = self._found.of(node)
         if known is not None:
             return None if known is False else float(known)  # one value of several interfaces is judged once
 
         def read() -> float:
-            magnitude = quantity(_other_kind(value, field, name, where, self.called), field.measures, name, where)
-            return field.checked(magnitude, name, where, written or "", self.called)
+            number = _other_kind(value, field, name, where, self.called)
+            return field.read(number, name, where, written or "", self.called)
 
-        found_one = self.kept(read)
-        self._found[id(node)] = False if found_one is None else found_one
-        return int(found_one) if field.limits.whole and found_one is not None else found_one
+        checked = self.kept(read)
+        self._found.keep(node, False if checked is None else checked)
+        return checked
 
     def plane(self, node: Node, name: str) -> Plane | None:
         """An orientation as a plane."""
-        value = node.text if node.text is not None and self.is_sound(node) else self.value(node)
+        value = self.written(node)
         parse = parse_face if node.name in ("face", "upper") else parse_plane
         return None if value is None else self.kept(parse, value, name, str(node.place))
 
@@ -245,7 +248,7 @@ class Reader:
             return ()
         return node.elements if isinstance(node.value, list) else (node,)
 
-    def many(self, path: str, read: Callable[[Any, str], T]) -> tuple[T, ...]:
+    def many(self, path: str, read: "Callable[[Reader, Node], T | None]") -> tuple[T, ...]:
         """A list of things in words of their own, each with its faults."""
         entries = []
         for item in self.items(path):
@@ -253,14 +256,11 @@ class Reader:
             if known is not None and known[0] is read and not self.misshapen:
                 entries.append(known[1])
                 continue
-            before = len(self.variables), len(self._found), len(self.faults)
-            value = item.text if item.text is not None and self.is_sound(item) else self.value(item)
-            if value is None:
-                continue
-            made = self.kept(read, value, str(item.place))
+            scattering = len(self.variables)
+            made = read(self, item) if item.value is not None and self.is_sound(item) else None
             if made is not None:
                 entries.append(made)
-                if before == (len(self.variables), len(self._found), len(self.faults)) and not self.misshapen:
+                if len(self.variables) == scattering and not self.faults and not self.misshapen:
                     _READ.keep(item, (read, made))
         return tuple(entries)
 

@@ -2,17 +2,16 @@
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import parse_plane
 from slopekit.core.synonyms import TANGENTS, folded, is_likely, nearest, synonym
 from slopekit.design.reading.nodes import Kept, Node, joined
 
-Spec: TypeAlias = "Leaf | KeyGroup | Named | ListOf | AnyOf | Anything"
 OrientationKind = Literal["plane", "line"]
 #: The angles of a plane and of a line: the steep one, then the direction.
 ANGLES: Mapping[OrientationKind, tuple[str, str]] = {"plane": ("dip", "dip_direction"), "line": ("plunge", "trend")}
@@ -25,60 +24,67 @@ MOST_FAULTS = 200  # that are said of one design: nobody reads more, and each is
 
 
 @dataclass(frozen=True)
-class Leaf:
-    """One value. A number may be a distribution; an orientation also a pair of numbers; `example` is for messages."""
+class Spec:
+    """What may stand at a key: one value, a group of keys, things under names of the user's, a list, as far as given.
 
-    number: bool = False
-    orientation: bool = False
-    example: str = ""
+    Attributes
+    ----------
+    value : of a scalar: a number may be a distribution, an orientation also a distribution or a pair of numbers
+    keys, required : known keys, and those of them that have to be there
+    names : what stands under each name (`weak: ...`); `pairs` allows names such as B1/B2 and J1.phi/J2.phi
+    items : what stands in a list
+    at_least, at_most : names or items; equal bounds fix the length of a list
+    is_anything : a value of any shape, which is looked at where it will stand
+    example : for messages
+    """
 
-
-@dataclass(frozen=True)
-class KeyGroup:
-    """Known keys, some of them required."""
-
-    keys: Mapping[str, Spec]
+    value: Literal["", "value", "number", "orientation"] = ""
+    keys: Mapping[str, "Spec"] | None = None
     required: tuple[str, ...] = ()
-    example: str = ""
-
-
-@dataclass(frozen=True)
-class Named:
-    """Things under names of the user's choice (`weak: ...`); `pairs` allows names such as B1/B2 and J1.phi/J2.phi."""
-
-    of: Spec
-    at_least: int = 0
+    names: "Spec | None" = None
     pairs: bool = False
-    example: str = ""
-
-
-@dataclass(frozen=True)
-class ListOf:
-    """A list of like things; equal bounds fix its length."""
-
-    of: Spec
+    items: "Spec | None" = None
     at_least: int = 0
     at_most: int | None = None
+    is_anything: bool = False
     example: str = ""
 
+    def known_keys(self) -> Mapping[str, "Spec"]:
+        """The keys, none where it takes no group of them."""
+        return self.keys or {}
 
-@dataclass(frozen=True)
-class AnyOf:
-    """One of several: the first that fits the value best."""
+    def may_scatter(self) -> bool:
+        """Whether a distribution may stand there."""
+        return self.value in ("number", "orientation")
 
-    of: tuple[Spec, ...]
-    example: str = ""
+    def may_be_empty(self) -> bool:
+        """Whether nothing behind the key says the same as no entries."""
+        lists = self.names is not None or self.items is not None
+        return self.is_anything or (self.keys is not None and not self.required) or (lists and not self.at_least)
+
+    def in_words(self) -> str:
+        """What is needed, for messages."""
+        keys = list(self.known_keys())
+        words = [_VALUES[self.value]] if self.value or self.is_anything else []
+        words += ["a list"] if self.items is not None else []
+        words += ["a group of names"] if self.names is not None else []
+        words += [_listed(keys)] if self.keys is not None else []
+        return " or ".join(words)
 
 
-class Anything:
-    """A value of any shape: it is looked at where it will stand."""
-
-    example = ""
+_VALUES = {"": "a value", "value": "a value", "number": "a number", "orientation": "an orientation"}
+VALUE = Spec("value")
 
 
-def check_structure(
-    root: Node, spec: KeyGroup, kind: str, others: Callable[[], Mapping[str, KeyGroup]] = dict
-) -> list[Fault]:
+def either(*specs: Spec) -> Spec:
+    """One of several that differ in their shape."""
+    parts: dict[str, Any] = {}
+    for spec in specs:
+        parts |= {name: part for name, part in vars(spec).items() if part and name not in parts}
+    return Spec(**parts)
+
+
+def check_structure(root: Node, spec: Spec, kind: str, others: Callable[[], Mapping[str, Spec]] = dict) -> list[Fault]:
     """Every key of a design that is unknown, missing or of the wrong shape.
 
     Parameters
@@ -95,7 +101,7 @@ def check_structure(
         E109 a list that is too short or too long; E149 behind the last where there are too many to go on.
 
     >>> from slopekit.design.reading.nodes import document_from
-    >>> spec = KeyGroup({"height": Leaf(number=True, example="64.89 m")}, required=("height",))
+    >>> spec = Spec(keys={"height": Spec("number", example="64.89 m")}, required=("height",))
     >>> print(*check_structure(document_from({"hieght": 5}).root, spec, "wedge"), sep="\\n")
     E142 hieght is not a key of a wedge design
          design: hieght = 5
@@ -127,11 +133,11 @@ def has_angles(node: Node) -> bool:
 
 
 #: Items of lists that were found to have the shape that they need, with that shape.
-_SOUND: Kept[Any] = Kept()
+_SOUND: Kept[Spec] = Kept()
 
 
 class _Checker:
-    def __init__(self, spec: KeyGroup, kind: str, others: Callable[[], Mapping[str, KeyGroup]]) -> None:
+    def __init__(self, spec: Spec, kind: str, others: Callable[[], Mapping[str, Spec]]) -> None:
         self.spec, self.kind, self.others = spec, kind, others
         self.faults: list[Fault] = []
         self.places: dict[str, list[str]] = {}
@@ -153,25 +159,30 @@ class _Checker:
     def check(self, node: Node, spec: Spec) -> None:
         if len(self.faults) >= MOST_FAULTS:
             return
-        if isinstance(spec, AnyOf):
-            self.any_of(node, spec)
-        elif node.value is None and (isinstance(spec, Leaf) or not _may_be_empty(spec)):
-            self.empty(node, spec)
-        elif node.value is not None and not _fits(node, spec):
+        if spec.is_anything:
+            return
+        if node.value is None:
+            if not spec.may_be_empty():
+                message = f"{node.path or 'the design'} is empty, {spec.in_words()} is needed"
+                self.fault("E144", message, node, _example(node, spec))
+        elif not _fits(node, spec):
             self.wrong_shape(node, spec)
-        elif isinstance(spec, KeyGroup):
-            self.section(node, spec)
-        elif isinstance(spec, Named):
-            self.named(node, spec)
-        elif isinstance(spec, ListOf):
+        elif isinstance(node.value, list):
             self.list_of(node, spec)
+        elif node.is_mapping and not (spec.may_scatter() and is_distribution(node)):
+            has_keys = spec.keys is not None and any(node.get(key) is not None for key in spec.required)
+            if spec.names is not None and not has_keys:
+                self.named(node, spec, spec.names)
+            else:
+                self.section(node, spec)
 
-    def section(self, node: Node, spec: KeyGroup) -> None:
+    def section(self, node: Node, spec: Spec) -> None:
         holder = f"of {node.path}" if node.path else f"of a {self.kind} design"
         remedies = set()
+        keys = spec.known_keys()
         for key, below in node.items():
-            if key in spec.keys:
-                self.check(below, spec.keys[key])
+            if key in keys:
+                self.check(below, keys[key])
                 continue
             if len(self.faults) >= MOST_FAULTS:
                 return
@@ -182,11 +193,11 @@ class _Checker:
             path = f"{node.path}.{key}" if node.path else key
             is_misplaced = any(remedy.endswith((f"mean {key}?", f"under {path}.")) for remedy in remedies)
             if node.get(key) is None and not is_misplaced:
-                example = spec.keys[key].example
+                example = keys[key].example
                 self.fault("E143", f"{path} is missing", node, f"Add {key}: {example}" if example else "")
 
-    def named(self, node: Node, spec: Named) -> None:
-        nameless = without_name(node, spec.of)
+    def named(self, node: Node, spec: Spec, below_name: Spec) -> None:
+        nameless = without_name(node, below_name)
         if nameless:
             message = f"{node.path} has {' and '.join(nameless)} of no name"
             values = ", ".join(f"{key}: {value}" for key, value in nameless.items())
@@ -197,74 +208,47 @@ class _Checker:
             if not name.strip() or (not spec.pairs and re.search(r"[./]", name)):
                 advice = "Dots and slashes join names elsewhere (J1.phi/J2.phi): use letters, digits, - and _."
                 self.fault("E146", f"{name!r} under {node.path} cannot be a name", below, advice)
-            self.check(below, spec.of)
+            self.check(below, below_name)
         if len(node.items()) < spec.at_least:
             message = f"{node.path} has {_count(len(node.items()))}, at least {spec.at_least} needed"
             self.fault("E109", message, node, _example(node, spec))
 
-    def list_of(self, node: Node, spec: ListOf) -> None:
+    def list_of(self, node: Node, spec: Spec) -> None:
+        item = spec.items
+        if item is None:
+            return  # the two angles of an orientation
         for below in node.elements:
-            if _SOUND.of(below) is spec.of:
+            if _SOUND.of(below) is item:
                 continue
             before = len(self.faults)
-            self.check(below, spec.of)
+            self.check(below, item)
             if len(self.faults) == before:
-                _SOUND.keep(below, spec.of)
+                _SOUND.keep(below, item)
         given, least, most = len(node.elements), spec.at_least, spec.at_most
         if given < least or (most is not None and given > most):
             needed = f"{least}" if least == most else f"at least {least}" if given < least else f"at most {most}"
             self.fault("E109", f"{node.path} has {_count(given)}, {needed} needed", node, _example(node, spec))
 
-    def any_of(self, node: Node, spec: AnyOf) -> None:
-        fitting = [one for one in spec.of if _fits(node, one)] if node.value is not None else []
-        if node.is_mapping and not is_distribution(node) and any(_is_orientation(one) for one in spec.of):
-            # keys of which none is an angle's are a distribution gone wrong
-            fitting = [
-                one for one in fitting if isinstance(one, KeyGroup) and {key for key, _ in node.items()} & set(one.keys)
-            ]
-        if not fitting:
-            if node.value is not None:
-                self.wrong_shape(node, spec)
-            elif not any(_may_be_empty(one) for one in spec.of):
-                self.empty(node, spec)
-            return
-        best: list[Fault] | None = None
-        for one in fitting:
-            trial = _Checker(self.spec, self.kind, self.others)
-            trial.check(node, one)
-            if not trial.faults:
-                return
-            if best is None or len(trial.faults) < len(best):
-                best = trial.faults
-        self.faults += best or []
-
     # -- messages -----------------------------------------------------------------------------------------------------
 
-    def empty(self, node: Node, spec: Spec) -> None:
-        needed = _needed(spec)
-        self.fault("E144", f"{node.path or 'the design'} is empty, {needed} is needed", node, _example(node, spec))
-
     def wrong_shape(self, node: Node, spec: Spec) -> None:
-        advice = _example(node, spec)
-        number = isinstance(spec, Leaf) and spec.number
-        orientation = isinstance(spec, AnyOf) and any(_is_orientation(one) for one in spec.of)
-        if (number or orientation) and node.is_mapping:
-            advice = _of_distribution(node, number)
-        message = f"{node.path or 'the design'} is {_given(node)}, {_needed(spec)} is needed"
+        meant = spec.may_scatter() and node.is_mapping
+        advice = _of_distribution(node, spec.value == "number") if meant else _example(node, spec)
+        message = f"{node.path or 'the design'} is {_given(node)}, {spec.in_words()} is needed"
         self.faults.append(Fault("E144", message, str(node.place), advice))
 
-    def remedy(self, key: str, node: Node, above: Node, spec: KeyGroup) -> str:
+    def remedy(self, key: str, node: Node, above: Node, spec: Spec) -> str:
         """What to type instead of an unknown key: the likeliest slip."""
         name, colon, value = key.partition(":")
-        if colon and node.value is None and name.strip() in spec.keys:
+        keys = spec.known_keys()
+        if colon and node.value is None and name.strip() in keys:
             return f"Put a space behind the colon: {name.strip()}: {value.strip()}"
-        for known, below in spec.keys.items():
-            inner = [arm for arm in (below.of if isinstance(below, AnyOf) else (below,)) if isinstance(arm, KeyGroup)]
-            meant = next((key if key in arm.keys else synonym(key, arm.keys) for arm in inner), None)
+        for known, below in keys.items():
+            meant = key if key in below.known_keys() else synonym(key, below.known_keys())
             if above.path and meant is not None:
                 return f"{meant} belongs under {above.path}.{known}."
         places = [path for path in self.places_of().get(key, ()) if path != above.path]
-        near = nearest(key, spec.keys, cutoff=0.65)
+        near = nearest(key, keys, cutoff=0.65)
         sure = bool(near) and (is_likely(key, near[0]) or SequenceMatcher(None, folded(key), near[0]).ratio() > 0.8)
         is_number = node.text is not None and re.fullmatch(r"\d*\.?\d+", node.text) is not None
         if is_number and near == ["rules"]:
@@ -274,7 +258,9 @@ class _Checker:
         if places and not sure and not (near and len(key) == 1):  # one letter is more likely a slip than a law's a or b
             return f"{key} belongs under {' or '.join(places[:3])}." if all(places) else f"{key} belongs at the top."
         # the other kinds are loaded only here
-        if not (above.path or sure) and (kinds := [kind for kind, other in self.others().items() if key in other.keys]):
+        if not (above.path or sure) and (
+            kinds := [kind for kind, other in self.others().items() if key in other.known_keys()]
+        ):
             return f"{key} is a key of kind: {' and of kind: '.join(kinds)}."
         if near:
             return f"Did you mean {near[0]}?"
@@ -282,36 +268,22 @@ class _Checker:
         if elsewhere:
             where = self.places_of()[elsewhere[0]][0]
             return f"Did you mean {elsewhere[0]}, {f'under {where}' if where else 'at the top'}?"
-        known = ", ".join(list(spec.keys)[:_SHOWN_KEYS]) + (", …" if len(spec.keys) > _SHOWN_KEYS else "")
+        known = ", ".join(list(keys)[:_SHOWN_KEYS]) + (", …" if len(keys) > _SHOWN_KEYS else "")
         return f"Known here: {known}."
 
 
-def _is_orientation(spec: Spec) -> bool:
-    return isinstance(spec, Leaf) and spec.orientation
-
-
 def _fits(node: Node, spec: Spec) -> bool:
-    """Whether the value has the shape of the spec, its own keys and items not looked at."""
-    if isinstance(spec, Anything):
+    """Whether a value has the shape of the spec, its own keys and items not looked at."""
+    if node.text is not None:
+        return spec.value != ""
+    if isinstance(node.value, list):
+        is_pair = len(node.value) == 2 and all(part.text is not None for part in node.value)
+        return spec.items is not None or (spec.value == "orientation" and is_pair)
+    if is_distribution(node) and spec.may_scatter():
         return True
-    if isinstance(spec, AnyOf):
-        return any(_fits(node, one) for one in spec.of)
-    if isinstance(spec, Leaf):
-        pair = len(node.elements) == 2 and all(part.text is not None for part in node.elements)
-        is_special = (spec.number or spec.orientation) and is_distribution(node)
-        return node.text is not None or is_special or (spec.orientation and pair)
-    return isinstance(node.value, list) if isinstance(spec, ListOf) else node.is_mapping
-
-
-def _may_be_empty(spec: Spec) -> bool:
-    """Whether nothing behind the key says the same as no entries."""
-    if isinstance(spec, Anything):
-        return True
-    if isinstance(spec, KeyGroup):
-        return not spec.required
-    if isinstance(spec, AnyOf):
-        return any(_may_be_empty(one) for one in spec.of)
-    return isinstance(spec, Named | ListOf) and not spec.at_least
+    if spec.value == "orientation":  # keys of which none is an angle's are a distribution gone wrong
+        return any(key in spec.known_keys() for key, _ in node.items())
+    return spec.keys is not None or spec.names is not None
 
 
 def _given(node: Node) -> str:
@@ -319,49 +291,34 @@ def _given(node: Node) -> str:
         return f"the text {node.text!r}" if len(node.text) <= 40 else f"the text {node.text[:39]!r}…"
     if isinstance(node.value, list):
         return f"a list of {len(node.value)}"
-    keys = [key for key, _ in node.items()]
+    return _listed([key for key, _ in node.items()])
+
+
+def _listed(keys: Sequence[str]) -> str:
     return f"a group of keys ({', '.join(keys[:4])}{', …' if len(keys) > 4 else ''})"
-
-
-def _needed(spec: Spec) -> str:
-    if isinstance(spec, AnyOf):
-        return " or ".join(dict.fromkeys(_needed(one) for one in spec.of))
-    if isinstance(spec, Anything):
-        return "a value"
-    if isinstance(spec, Leaf):
-        return "a number" if spec.number else "an orientation" if spec.orientation else "a value"
-    if isinstance(spec, KeyGroup):
-        keys = list(spec.keys)
-        return f"a group of keys ({', '.join(keys[:4])}{', …' if len(keys) > 4 else ''})"
-    return "a list" if isinstance(spec, ListOf) else "a group of names"
 
 
 def _example(node: Node, spec: Spec) -> str:
     own = "" if re.fullmatch(r"\d*", node.name) else f"{node.name}: "
-    if isinstance(spec, AnyOf):
-        spec = next((arm for arm in spec.of if _rewritten(node, arm)), spec)
     rewritten = _rewritten(node, spec)
     return f"Write {own}{rewritten or spec.example}" if rewritten or spec.example else ""
 
 
 def _rewritten(node: Node, spec: Spec) -> str:
     """The user's value in the shape that is needed: `{plane: 45/245}` of a plane alone; empty where it does not fit."""
-    if isinstance(spec, Named):
+    if spec.names is not None:
         texts = [part.text or "" for part in node.elements] or (node.text or "").split()
-        parts = [_rewritten(replace(node, value=text), spec.of) for text in texts]
+        parts = [_rewritten(replace(node, value=text), spec.names) for text in texts]
         is_pair = node.elements and len(parts) == 2 and not all(parts)
         return "" if is_pair or not parts or not all(parts) else (
             "{" + ", ".join(f"J{number}: {part}" for number, part in enumerate(parts, 1)) + "}"
         )  # fmt: skip
-    if not isinstance(spec, KeyGroup):
-        return ""
-    if len(spec.keys) == 1 and (node.text is not None or node.elements):
+    keys = spec.known_keys()
+    if len(keys) == 1 and (node.text is not None or node.elements):
         texts = [node.text] if node.text is not None else [part.text or "" for part in node.elements]
         listed = ", ".join(f'"{text}"' for text in texts)
-        return f"{{{next(iter(spec.keys))}: [{listed}]}}" if all(texts) else ""
-    planes = [
-        key for key, below in spec.keys.items() if isinstance(below, AnyOf) and any(map(_is_orientation, below.of))
-    ]
+        return f"{{{next(iter(keys))}: [{listed}]}}" if all(texts) else ""
+    planes = [key for key, below in keys.items() if below.value == "orientation"]
     if not planes or [key for key in spec.required if key not in planes]:
         return ""
     text = node.text if node.text is not None else "/".join(part.text or "" for part in node.elements)
@@ -385,10 +342,9 @@ def _of_distribution(node: Node, is_number: bool) -> str:
 
 def without_name(node: Node, spec: Spec) -> dict[str, str]:
     """The keys of a thing, with their values, that stand where its name should: `strength: {c: 50, phi: 20}`."""
-    if not isinstance(spec, KeyGroup):
-        return {}
+    keys = spec.known_keys()
     return {key: below.text for key, below in node.items() if below.text is not None and (
-        key in spec.keys or synonym(key, spec.keys) is not None
+        key in keys or synonym(key, keys) is not None
     )}  # fmt: skip
 
 
@@ -398,27 +354,27 @@ def _count(number: int) -> str:
 
 def _walk(spec: Spec, path: str = "") -> Iterator[tuple[str, str]]:
     """Every known key with the path it stands under; free names as <name>."""
-    if isinstance(spec, KeyGroup):
-        for key, below in spec.keys.items():
-            yield key, path
-            yield from _walk(below, f"{path}.{key}" if path else key)
-    elif isinstance(spec, Named):
-        yield from _walk(spec.of, f"{path}.<name>")
-    elif isinstance(spec, ListOf):
-        yield from _walk(spec.of, path)
-    elif isinstance(spec, AnyOf):
-        for one in spec.of:
-            yield from _walk(one, path)
+    for key, below in spec.known_keys().items():
+        yield key, path
+        yield from _walk(below, joined(path, key))
+    if spec.names is not None:
+        yield from _walk(spec.names, f"{path}.<name>")
+    if spec.items is not None:
+        yield from _walk(spec.items, path)
 
 
-def spread(node: Node) -> Node:
+def spread(node: Node, path: str = "") -> Node:
     """What a value in short stands for, with its keys: `water: dry`, `seismic: 0.1@180`, `200 kN@000/10,passive`.
+
+    Parameters
+    ----------
+    path : where it stands in a design, if not where the node does: a call has another
 
     >>> from slopekit.design.reading.nodes import document_from
     >>> spread(document_from({"water": "50 %"}).root.get("water")).plain()
     {'fill': '50 %'}
     """
-    entries = _in_full(node.path, node.text or "")
+    entries = _in_full(path or node.path, node.text or "")
     if not entries:
         return node
     return replace(node, value={key: _made(value, joined(node.path, key), node) for key, value in entries.items()})
@@ -433,7 +389,9 @@ def _in_full(path: str, text: str) -> Mapping[str, str | list[str]]:
         return {"mode" if text.strip().lower() in ("dry", "full") else "fill": text}
     if path == "loads.seismic" and text:
         return {"k": first, "toward": second} if at else {"k": first}
-    if holder in ("support.bolts", "loads.forces") and last.isdigit() and at:
+    if holder == "loads.forces" and last.isdigit() and at:
+        return {"force": first, "toward": second}
+    if holder == "support.bolts" and last.isdigit() and at:
         toward, comma, acts = (part.strip() for part in second.partition(","))
         return {"force": first, "toward": toward} | ({"acts": acts} if comma else {})
     return {}

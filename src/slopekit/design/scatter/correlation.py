@@ -5,10 +5,9 @@ from typing import TypeAlias
 
 import numpy as np
 
-from slopekit.core.errors import Fault, Faults, did_you_mean
-from slopekit.core.orientation import number
+from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
 from slopekit.design.common import Pair
-from slopekit.design.reading.nodes import Node
+from slopekit.design.reading.nodes import Node, fail
 from slopekit.design.reading.structure import ANGLES
 from slopekit.design.scatter.copula import EIGENVALUE_TOLERANCE, smallest_eigenvalue
 from slopekit.design.scatter.distributions import Fisher, Variable, number_of
@@ -50,13 +49,13 @@ def check_correlation(node: Node, names: Mapping[str, Named]) -> tuple[tuple[Pai
             faults.append(Fault("E167", f"{key} is not a pair of two names", where, "A pair is written J1.phi/J2.phi."))
             continue
         unknown = [_unknown_name(name, names, where) for name in dict.fromkeys(parts) if name not in names]
-        coordinates = [] if unknown else _coordinates(parts[0], parts[1], names, where, faults)
+        coordinates = [] if unknown else faults.of(_coordinates, parts[0], parts[1], names, where) or []
         twice = next((keys[frozenset(pair)] for pair in coordinates if frozenset(pair) in keys), None)
         if twice is not None:
             message = f"{'/'.join(parts)} is the same pair as {twice}"
             faults.append(Fault("E151", message, where, "Leave one of them out."))
         faults += unknown
-        value = _coefficient(given, key, faults)
+        value = faults.of(number_of, given, "ratio", f"correlation {key}", least=-1.0, most=1.0, code="E167")
         if value is not None and twice is None:
             pairs |= {frozenset(pair): (*pair, value) for pair in coordinates}
             keys |= dict.fromkeys(map(frozenset, coordinates), key)
@@ -66,49 +65,31 @@ def check_correlation(node: Node, names: Mapping[str, Named]) -> tuple[tuple[Pai
     return found_pairs, faults
 
 
-def _coordinates(a: str, b: str, names: Mapping[str, Named], where: str, faults: list[Fault]) -> list[tuple[str, str]]:
-    """The pairs of coordinates that a pair of names is; none where a fault stands for it."""
-    one, other = names[a], names[b]
-    if one == other:
-        shown = one if isinstance(one, str) else one.path
-        message = (
-            f"{a} is correlated with itself, that is always 1" if a == b else f"{a} and {b} are one value, {shown}"
-        )
-        advice = "Leave it out." if a == b else "Leave it out, or give each its own: two strengths, two planes."
-        faults.append(Fault("E167", message, where, advice))
-        return []
-    if isinstance(one, str) and isinstance(other, str):
-        variables = [own for own in names.values() if isinstance(own, Variable)]
-        if any(isinstance(own.distribution, Fisher) and {one, other} == {*own.angles} for own in variables):
+def _coordinates(a: str, b: str, names: Mapping[str, Named], where: str) -> list[tuple[str, str]]:
+    """The pairs of coordinates that a pair of names is. Raises DesignError E167 where it is none."""
+    first, second = names[a], names[b]
+    if a == b:
+        fail("E167", f"{a} is correlated with itself, that is always 1", where, "Leave it out.")
+    if first == second:
+        message = f"{a} and {b} are one value, {first if isinstance(first, str) else first.path}"
+        fail("E167", message, where, "Leave it out, or give each its own: two strengths, two planes.")
+    if isinstance(first, str) and isinstance(second, str):
+        variables = [variable for variable in names.values() if isinstance(variable, Variable)]
+        if any(isinstance(each.distribution, Fisher) and {first, second} == {*each.angles} for each in variables):
             message = f"{a} and {b} are of one Fisher distribution, which scatters alike to all sides"
-            advice = "To correlate them write plane: {dip: {dist: …}, dip_direction: {dist: …}}."
-            faults.append(Fault("E167", message, where, advice))
-            return []
-        return [(one, other)]
-    if isinstance(one, Variable) and isinstance(other, Variable):
-        angle_pairs = [
-            (first, second) for first, second in zip(one.angles, other.angles, strict=True) if first and second
-        ]
-        if not angle_pairs:
-            message = f"of {a} and {b} no angle scatters in both"
-            advice = f"There are: {', '.join((*one.coordinates, *other.coordinates))}."
-            faults.append(Fault("E167", message, where, advice))
-        return angle_pairs
-    whole, plain, turned = (a, b, one) if isinstance(one, Variable) else (b, a, other)
+            fail("E167", message, where, "To correlate them write plane: {dip: {dist: …}, dip_direction: {dist: …}}.")
+        return [(first, second)]
+    if isinstance(first, Variable) and isinstance(second, Variable):
+        pairs = [pair for pair in zip(first.angles, second.angles, strict=True) if all(pair)]
+        if not pairs:
+            advice = f"There are: {', '.join((*first.coordinates, *second.coordinates))}."
+            fail("E167", f"of {a} and {b} no angle scatters in both", where, advice)
+        return pairs
+    whole, plain, turned = (a, b, first) if isinstance(first, Variable) else (b, a, second)
     assert isinstance(turned, Variable)
     choice = " or ".join(f"{whole}.{angle.rpartition('.')[2]}/{plain}" for angle in turned.coordinates)
     message = f"{whole} is an orientation, {plain} is not: {a}/{b} does not say which angle"
-    faults.append(Fault("E167", message, where, f"Write {choice}."))
-    return []
-
-
-def _coefficient(node: Node, key: str, faults: Faults) -> float | None:
-    value = faults.of(number_of, node, "ratio", f"correlation {key}")
-    if value is not None and not -1.0 <= value <= 1.0:
-        message = f"correlation {key} is {number(value)}, it lies between -1 and 1"
-        faults.append(Fault("E167", message, str(node.key_place)))
-        return None
-    return value
+    raise DesignError([Fault("E167", message, where, f"Write {choice}.")])
 
 
 def _unknown_name(name: str, names: Mapping[str, Named], where: str) -> Fault:

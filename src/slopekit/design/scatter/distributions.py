@@ -2,14 +2,14 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Literal, TypeAlias, cast
+from math import inf
+from typing import Any, ClassVar, Literal, TypeAlias, cast
 
 from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
 from slopekit.core.orientation import Line, Plane, number, parse_face, parse_plane
-from slopekit.core.units import quantity
-from slopekit.design.reading.nodes import Node
+from slopekit.design.reading.nodes import Node, fail
 from slopekit.design.reading.structure import ANGLES, WRITTEN, OrientationKind, is_distribution
-from slopekit.design.words import line_of_words
+from slopekit.design.words import line_of_words, measured
 
 Scatter: TypeAlias = "Distribution | Fisher | Angles"
 Name = Literal["normal", "lognormal", "uniform", "triangular"]
@@ -28,6 +28,13 @@ _EXAMPLES = {
     "triangular": "{dist: triangular, min: 10, mode: 20, max: 30}",
     "fisher": "{dist: fisher, mean: 45/115, k: 100}",
 }
+_SPREAD: Mapping[str, Any] = {"least": 0.0, "code": "E186", "says": "a standard deviation is never negative"}
+_CONCENTRATION: Mapping[str, Any] = {
+    "least": 0.0,
+    "above": True,
+    "code": "E165",
+    "advice": "Joint sets have 10 (scattered) to 500 (tight).",
+}
 
 
 @dataclass(frozen=True)
@@ -41,6 +48,7 @@ class Distribution:
     name: Name
     parameters: Mapping[str, float]
     kind: str
+    of: ClassVar[None] = None
 
     @property
     def centre(self) -> float:
@@ -60,6 +68,11 @@ class Fisher:
 
     mean: Plane | Line
     k: float
+
+    @property
+    def of(self) -> OrientationKind:
+        """What it is one of."""
+        return "plane" if isinstance(self.mean, Plane) else "line"
 
     @property
     def centre(self) -> Plane | Line:
@@ -106,11 +119,7 @@ class Variable:
     @property
     def of(self) -> OrientationKind | None:
         """What an orientation is one of; None for a number."""
-        if isinstance(self.distribution, Distribution):
-            return None
-        if isinstance(self.distribution, Angles):
-            return self.distribution.of
-        return "plane" if isinstance(self.distribution.mean, Plane) else "line"
+        return self.distribution.of
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -173,18 +182,15 @@ def read_distribution(node: Node, kind: str, name: str, period: float | None = N
     dist = _dist(node, name)
     if dist == "fisher":
         advice = f"A number takes {_EXAMPLES['normal']}."
-        raise DesignError([Fault("E165", f"{name} is a number, fisher is for orientations", str(node.place), advice)])
-    faults = Faults(_wrong_parameters(node, dist, name))
-    values: dict[str, float] = {}
+        fail("E165", f"{name} is a number, fisher is for orientations", str(node.place), advice)
+    faults, values = Faults(_wrong_parameters(node, dist, name)), dict[str, float]()
     for key in sum(PARAMETERS[dist], ()):
-        given = node.get(key)
-        if given is None:
-            continue
-        value = faults.of(number_of, given, kind, f"{key} of {name}")
+        below = node.get(key)
+        limits = _SPREAD if key == "sd" else {}
+        value = None if below is None else faults.of(number_of, below, kind, f"{key} of {name}", **limits)
         if value is not None:
             values[key] = value
-    if period is not None:
-        values = _across_north(values, period)
+    values = values if period is None else _across_north(values, period)
     faults += _impossible(node, dist, values, name)
     faults.refuse()
     return Distribution(cast(Name, dist), values, kind)
@@ -219,20 +225,11 @@ def read_orientation(node: Node, name: str, of: OrientationKind = "plane") -> Fi
     dist = _dist(node, name)
     if dist != "fisher":
         advice = f"An orientation takes {_EXAMPLES['fisher']}."
-        raise DesignError([Fault("E165", f"{name} is an orientation, {dist} is for numbers", str(node.place), advice)])
+        fail("E165", f"{name} is an orientation, {dist} is for numbers", str(node.place), advice)
     faults = Faults(_wrong_parameters(node, dist, name))
-    mean: Plane | Line | None = None
-    k: float | None = None
-    given = node.get("mean")
-    if given is not None:
-        mean = faults.of(_orientation, given, f"mean of {name}", of)
-    concentration = node.get("k")
-    if concentration is not None:
-        where = str(concentration.key_place)
-        k = faults.of(number_of, concentration, "ratio", f"k of {name}")
-        if k is not None and k <= 0.0:
-            advice = "Joint sets have 10 (scattered) to 500 (tight)."
-            faults.append(Fault("E165", f"k of {name} is {number(k)}, it must be more than 0", where, advice))
+    mean_node, k_node = node.get("mean"), node.get("k")
+    mean = None if mean_node is None else faults.of(_orientation, mean_node, f"mean of {name}", of)
+    k = None if k_node is None else faults.of(number_of, k_node, "ratio", f"k of {name}", **_CONCENTRATION)
     if faults or mean is None or k is None:
         raise DesignError(faults)
     return Fisher(mean, k)
@@ -253,19 +250,21 @@ def read_angles(node: Node, name: str, of: OrientationKind = "plane") -> Angles:
     45/115
     """
     faults = Faults()
-    angles: list[Distribution | float | None] = []
-    for angle in ANGLES[of]:
-        given = node.get(angle)
-        if given is None or given.value is None:
-            angles.append(None)  # the checker of the structure says so
-        elif is_distribution(given):
-            period = 360.0 if angle == ANGLES[of][1] else None
-            angles.append(faults.of(read_distribution, given, "angle", f"{angle} of {name}", period))
-        else:
-            angles.append(faults.of(number_of, given, "angle", f"{angle} of {name}"))
-    if faults or len(angles) != 2 or angles[0] is None or angles[1] is None:
+    (steep, direction), periods = ANGLES[of], (None, 360.0)
+    angles = [
+        faults.of(_angle, node.get(angle), f"{angle} of {name}", period)
+        for angle, period in zip((steep, direction), periods, strict=True)
+    ]
+    if faults or angles[0] is None or angles[1] is None:  # the checker of the structure says so
         raise DesignError(faults)
     return Angles(of, angles[0], angles[1])
+
+
+def _angle(node: Node | None, name: str, period: float | None) -> Distribution | float | None:
+    """One angle of an orientation; None where it is missing."""
+    if node is None or node.value is None:
+        return None
+    return read_distribution(node, "angle", name, period) if is_distribution(node) else number_of(node, "angle", name)
 
 
 def _dist(node: Node, name: str) -> str:
@@ -294,31 +293,23 @@ def _wrong_parameters(node: Node, dist: str, name: str) -> Iterator[Fault]:
             yield Fault("E165", message, str(node.place), f"Write {_EXAMPLES[dist]}.")
 
 
-def _impossible(node: Node, dist: str, values: Mapping[str, float], name: str) -> list[Fault]:
+def _impossible(node: Node, dist: str, values: Mapping[str, float], name: str) -> Iterator[Fault]:
     """Parameters that each are numbers but cannot stand together."""
-    faults: list[Fault] = []
-
-    def fault(code: str, key: str, message: str, advice: str = "") -> None:
-        given = node.get(key) or node
-        faults.append(Fault(code, message, str(given.key_place), advice))
-
-    low, high = values.get("min"), values.get("max")
-    if values.get("sd", 0.0) < 0.0:
-        fault("E186", "sd", f"sd of {name} is {number(values['sd'])}, a standard deviation is never negative")
-    if low is not None and high is not None and low >= high:
-        fault("E186", "min", f"min of {name} is {number(low)}, it must be less than max, {number(high)}")
-    else:
-        for key in ("mean", "mode"):
-            centre = values.get(key)
-            if centre is None or ((low is None or low <= centre) and (high is None or centre <= high)):
-                continue
-            bound, side = ("max", high) if high is not None and centre > high else ("min", low)
-            message = f"{key} of {name} is {number(centre)}, {'beyond' if bound == 'max' else 'below'} its {bound}"
-            fault("E186", key, f"{message}, {number(side or 0.0)}", f"Move the {key} or the {bound}.")
-    if dist == "lognormal" and values.get("mean", 1.0) <= 0.0:
-        message = f"mean of {name} is {number(values['mean'])}, a lognormal value is always more than 0"
-        fault("E186", "mean", message, "Give the mean of the value itself, not of its logarithm.")
-    return faults
+    low, high = values.get("min", -inf), values.get("max", inf)
+    for key in ("min", "mean", "mode"):
+        value, where = values.get(key), str((node.get(key) or node).key_place)
+        if value is None:
+            continue
+        message, bound = f"{key} of {name} is {number(value)}", "max" if value > high else "min"
+        if key == "min" and value >= high:
+            yield Fault("E186", f"{message}, it must be less than max, {number(high)}", where)
+        elif low < high and not low <= value <= high:
+            side = "beyond" if bound == "max" else "below"
+            message += f", {side} its {bound}, {number(values[bound])}"
+            yield Fault("E186", message, where, f"Move the {key} or the {bound}.")
+        if dist == "lognormal" and key == "mean" and value <= 0.0:
+            advice = "Give the mean of the value itself, not of its logarithm."
+            yield Fault("E186", f"{message}, a lognormal value is always more than 0", where, advice)
 
 
 def _value(node: Node) -> object:
@@ -336,6 +327,6 @@ def _orientation(node: Node, name: str, of: OrientationKind) -> Plane | Line:
     return line_of_words(_value(node), name, "E165", where)
 
 
-def number_of(node: Node, kind: str, name: str) -> float:
-    """The number of a node. Raises DesignError where it is none."""
-    return quantity(_value(node), kind, name, str(node.key_place))
+def number_of(node: Node, kind: str, name: str, **limits: Any) -> float:
+    """The number of a node, between limits as `slopekit.design.words.measured` takes them."""
+    return measured(_value(node), kind, name, str(node.key_place), **limits)

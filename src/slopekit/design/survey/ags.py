@@ -5,12 +5,11 @@ are the group DISC, one a row of DATA. Source: AGS, Electronic transfer of geote
 edition 4.1.1.
 """
 
-import csv
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from typing import NoReturn
 
-from slopekit.core.degrees import decimal_degrees
-from slopekit.core.errors import DesignError, Fault
+from slopekit.design.reading.nodes import fail
 from slopekit.design.survey.tables import SurveyTable, Text, headings_with_units, text_or_grid
 
 _DIP, _DIP_DIRECTION = "DISC_DIP", "DISC_DIR"
@@ -29,17 +28,16 @@ def read_ags_table(name: str, content: bytes) -> SurveyTable:
         E140 a workbook without openpyxl, E159 neither a text nor a workbook, E191 AGS without discontinuities.
     """
     table = text_or_grid(name, content)
-    return ags_table(name, table.lines) if isinstance(table, Text) and is_ags(table.lines) else table
+    return ags_table(table) if isinstance(table, Text) and is_ags(table) else table
 
 
-def is_ags(lines: Sequence[str]) -> bool:
-    """Whether lines are of AGS: the first names a group, as "GROUP","PROJ" does, or "**PROJ" of AGS 3."""
-    first = next((line.lstrip() for line in lines if line.strip()), "")
-    begins = first.startswith(('"**', '"GROUP"', "GROUP,"))
-    return begins and (first.startswith('"**') or _group_of(_cells(first)) is not None)
+def is_ags(table: Text) -> bool:
+    """Whether a text is AGS: its first line names a group, as "GROUP","PROJ" does, or "**PROJ" of AGS 3."""
+    first = table.cells(table.rows[0]) if table.rows else [""]
+    return first[0].startswith("**") or _group_of(first) is not None
 
 
-def ags_table(name: str, lines: Sequence[str]) -> SurveyTable:
+def ags_table(table: Text) -> SurveyTable:
     """The rows of the group DISC of a file: its headings with their units, then its data.
 
     Rows without a dip or a dip direction are left out and listed: in core that is not oriented none is measured. A row
@@ -50,15 +48,14 @@ def ags_table(name: str, lines: Sequence[str]) -> SurveyTable:
     DesignError
         E191 a file of AGS 3, no group DISC, two of them whose headings differ.
     """
+    name, title = table.name, ""
     groups: dict[str, dict[int, list[str]]] = {}
-    group: dict[int, list[str]] = {}
-    for row, cells in _rows(lines):
+    for row in table.rows:
+        cells = table.cells(row)
         if cells[0].startswith("**"):
             _refuse(name, f"{name} is a file of AGS 3", row, "Save it as AGS 4.")
-        named = _group_of(cells)
-        if named is not None:
-            group = groups.setdefault(named, {})
-        group[row] = cells
+        title = _group_of(cells) or title
+        groups.setdefault(title, {})[row] = cells
     disc = groups.get("DISC", {})
     heads = [row for row, cells in disc.items() if cells[0] == "HEADING"]
     if not heads:
@@ -85,7 +82,7 @@ def ags_table(name: str, lines: Sequence[str]) -> SurveyTable:
     bare = sum(disc[row][0] != "DATA" for row in data)
     read_as = [f"{bare} rows of DISC without the word DATA are taken for data"] if bare else []
     with_units = headings_with_units(headings, units) or headings
-    return SurveyTable(name, {heads[0]: with_units} | oriented, lines, left_out, read_as)
+    return SurveyTable(name, {heads[0]: with_units} | oriented, table.lines, left_out, read_as)
 
 
 def _unoriented(headings: Sequence[str], data: Mapping[int, list[str]]) -> list[int]:
@@ -103,25 +100,10 @@ def _unoriented(headings: Sequence[str], data: Mapping[int, list[str]]) -> list[
     return unoriented
 
 
-def _rows(lines: Sequence[str]) -> Iterator[tuple[int, list[str]]]:
-    """The lines that are not empty, by their numbers, as cells; no cell goes on in the next line."""
-    for row, line in enumerate(lines, 1):
-        if line.strip():
-            yield row, _cells(line)
-
-
-def _cells(line: str) -> list[str]:
-    try:
-        fields = next(csv.reader([line], skipinitialspace=True))
-    except csv.Error:  # a field longer than csv takes
-        fields = line.split(",")
-    return [decimal_degrees(field.strip()) for field in fields]
-
-
 def _group_of(cells: Sequence[str]) -> str | None:
     named = len(cells) > 1 and cells[0] == "GROUP" and not any(cells[2:])
     return cells[1] if named and _GROUP_NAME.fullmatch(cells[1]) else None
 
 
-def _refuse(name: str, message: str, row: int, advice: str) -> None:
-    raise DesignError([Fault("E191", message, f"{name}:{row}", advice)])
+def _refuse(name: str, message: str, row: int, advice: str) -> NoReturn:
+    fail("E191", message, f"{name}:{row}", advice)

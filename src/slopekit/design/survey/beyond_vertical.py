@@ -5,13 +5,12 @@ beside dips that do is one of dips. An overturned plane is read where its direct
 it is written as directions are, 030, in a list that writes its dips otherwise and swaps none of them.
 """
 
-import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from slopekit.core.errors import Fault
 from slopekit.core.orientation import is_written_as_bearing
-from slopekit.design.survey.columns import WORDS, columns_advice
+from slopekit.design.survey.columns import WORDS, columns_advice, number_in
 
 SHARE_OF_BAD_ROWS = 0.1  # up to which bad rows are faults of their own, and can be skipped
 #: How two columns are exchanged, by the way that they give planes.
@@ -22,7 +21,6 @@ _EXCHANGED = {
     ("plane",): ("clar",),
     ("clar",): ("plane",),
 }
-_NUMBER = re.compile(r"^\s*[+-]?(\d+([.,]\d*)?|[.,]\d+)\s*°?\s*$")
 
 
 @dataclass(frozen=True)
@@ -46,7 +44,7 @@ class BeyondVertical:
 
     def is_overturned(self, dip_deg: float, azimuth: str) -> bool:
         """Whether a row is an overturned plane for certain."""
-        azimuth_deg = _value(azimuth)
+        azimuth_deg = number_in(azimuth)
         if not 90.0 < dip_deg <= 180.0 or azimuth_deg is None or not 0.0 <= azimuth_deg <= 360.0:
             return False
         return azimuth_deg > 90.0 or (self.bearings_count and is_written_as_bearing(azimuth))
@@ -81,7 +79,7 @@ def beyond_vertical(pairs: Iterable[tuple[str, str]]) -> BeyondVertical:
     rows = [
         (dip, azimuth, dip_deg, azimuth_deg)
         for dip, azimuth in pairs
-        if (dip_deg := _value(dip)) is not None and (azimuth_deg := _value(azimuth)) is not None
+        if (dip_deg := number_in(dip)) is not None and (azimuth_deg := number_in(azimuth)) is not None
     ]
     suspects = [row for row in rows if row[2] > 90.0 and row[3] <= 90.0]
     beyond_half_turn = sum(row[2] > 180.0 for row in suspects)
@@ -112,8 +110,3 @@ def swapped_columns(
     exchange = dict(zip(way, _EXCHANGED.get(tuple(way), tuple(way)), strict=True))
     advice = f"If so: {columns_advice(option, [exchange.get(heading, heading) for heading in headings])}."
     return Fault("E103", message, where, advice)
-
-
-def _value(text: str) -> float | None:
-    """The number that a cell holds, None for any other text."""
-    return float(text.replace(",", ".").strip(" °")) if _NUMBER.match(text) else None

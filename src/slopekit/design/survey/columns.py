@@ -66,9 +66,6 @@ COLUMNS: Mapping[str, tuple[str, ...]] = {
         "hole", "hole_id", "holeid", "borehole", "borehole_id", "drillhole", "drillhole_id", "bhid", "bh_id", "bh",
         "loca_id", "bohrung",
     ),
-}  # fmt: skip
-#: Columns of the sizes of joints, which only a study that asks for them reads.
-SIZES: Mapping[str, tuple[str, ...]] = {
     "spacing": ("spacing", "spacing_m", "joint_spacing", "true_spacing", "abstand", "kluftabstand"),
     "position": (
         "position", "position_m", "distance", "distance_m", "chainage", "station", "scanline_position", "depth",
@@ -79,6 +76,8 @@ SIZES: Mapping[str, tuple[str, ...]] = {
     ),
     "ends": ("ends", "ends_seen", "visible_ends", "ends_visible", "sichtbare_enden"),
 }  # fmt: skip
+#: Columns of the sizes of joints, which only a study that asks for them reads.
+SIZES = ("spacing", "position", "trace", "ends")
 #: Of these, two columns may stand in a list: the name that is given first above is taken.
 RANKED = ("name", "quantity", "hole", "reference")
 #: Numbers that are names only where each stands once.
@@ -100,7 +99,7 @@ WAYS: tuple[tuple[str, ...], ...] = (
     ("dip", "dip_direction"), ("strike", "dip"), ("plane",), ("clar",), ("strike/dip",), CORE[:4],
     ("trend", "plunge"),
 )  # fmt: skip
-#: Headings of a dip direction that might be meant for a strike: how they are read is said.
+#: Headings of a dip direction that might be meant for a strike, or beside core for the hole: how they are read is said.
 AMBIGUOUS_DIRECTIONS = ("azimuth", "azi", "azimut", "direction")
 #: A strike, a dip, and the side it dips to where a dip direction would stand.
 STRIKE_WITH_SIDE = ("strike", "dip", "dip_direction")
@@ -109,6 +108,8 @@ _DEGREES = ("", "°", "deg", "degree", "degrees", "º")
 _GERMAN = re.compile(r"fall|neigung|streich|azimut\b|pol(trend|plunge)|reibung|lage", re.IGNORECASE)
 #: Columns whose heading may hold a convention, and the words for it.
 _WORDS_IN_HEADING: Mapping[str, Mapping[str, str]] = {"strike": _CONVENTIONS, "beta": REFERENCE_LINES}
+#: A number as it stands in a cell, with a decimal point or comma, in degrees or without a unit.
+NUMBER = re.compile(r"^\s*[+-]?(\d+([.,]\d*)?|[.,]\d+)\s*°?\s*$")
 _HEADER = re.compile(r"^(.*?)\s*(?:\(([^)]*)\)|\[([^\]]*)\])?\s*$")
 
 
@@ -133,24 +134,28 @@ _NO_JOINTS: Mapping[frozenset[str], str] = {
 }  # fmt: skip
 
 
-def convention_of(word: str) -> str | None:
-    """The strike convention that a word means, None where it is not known: the long names, RHR and LHR.
+def checked_convention(word: str, where: str) -> str:
+    """The strike convention that a word means: a long name, RHR, LHR. Raises DesignError E192 where it is not known.
 
-    >>> convention_of("RHR"), convention_of("left-hand-rule"), convention_of("right")
-    ('right-hand-rule', 'left-hand-rule', None)
+    >>> checked_convention("RHR", ""), checked_convention("left-hand-rule", "")
+    ('right-hand-rule', 'left-hand-rule')
     """
     lower = word.strip().lower()
-    return lower if lower in STRIKE_TO_DIP_DIRECTION else _CONVENTIONS[lower] if lower in _SHORT else None
-
-
-def checked_convention(word: str, where: str) -> str:
-    """The strike convention that a word means. Raises DesignError E192 where it is not known."""
-    convention = convention_of(word)
-    if convention is None:
+    convention = _CONVENTIONS[lower] if lower in _SHORT else lower
+    if convention not in STRIKE_TO_DIP_DIRECTION:
         advice = did_you_mean(word.lower()[:80], STRIKE_TO_DIP_DIRECTION, "It is right-hand-rule or left-hand-rule.")
         message = f"the strike convention {cut(repr(word))} is not known"
         raise DesignError([Fault("E192", message, where, advice)])
     return convention
+
+
+def number_in(text: str) -> float | None:
+    """The number that a cell holds, None for any other text.
+
+    >>> number_in("45,5°"), number_in("N25E")
+    (45.5, None)
+    """
+    return float(text.replace(",", ".").strip(" °")) if NUMBER.match(text) else None
 
 
 def spelled(heading: str) -> str:
@@ -167,16 +172,6 @@ def key_of(heading: str) -> str | None:
     """What a column holds, None where its name is not known."""
     name = spelled(heading)
     return next((key for key, names in COLUMNS.items() if name in names), None)
-
-
-def size_of(heading: str) -> str | None:
-    """Which size of a joint a column holds, None where its name is not known.
-
-    >>> size_of("Trace length (m)"), size_of("remark")
-    ('trace', None)
-    """
-    name = spelled(heading)
-    return next((key for key, names in SIZES.items() if name in names), None)
 
 
 def column_of(index: int, heading: str) -> SurveyColumn:
@@ -196,7 +191,7 @@ def unit_in_heading(heading: str) -> str:
     return _split(heading)[1]
 
 
-def way_of(keys: Iterable[str]) -> tuple[str, ...] | None:
+def way_of(keys: Iterable[str | None]) -> tuple[str, ...] | None:
     """The columns that give the plane, None where they do not suffice."""
     there = set(keys)
     return next((way for way in WAYS if there.issuperset(way)), None)

@@ -7,11 +7,16 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.orientation import Plane, normals
+from slopekit.design.fields import count, in_degrees, number
+
+_EMPTY = "Leave the cell empty."
 
 
 @dataclass(frozen=True)
 class MeasuredJoint:
     """One measured joint: its name, its plane, the line of the file it stands in, strength and set where given.
+
+    The declared fields are columns of joint lists.
 
     quantity : how many like it were measured, or its weight against the bias of a scanline
     spacing_m, position_m, trace_m : to the next of its set, along the scanline, of its trace, where they were asked for
@@ -21,14 +26,33 @@ class MeasuredJoint:
     name: str
     plane: Plane
     line: int
-    cohesion_kpa: float | None = None
-    friction_angle_deg: float | None = None
+    cohesion_kpa: float | None = number(
+        "c", "pressure", default=None, least=0.0, code="E114", says="cohesion is never negative"
+    )
+    friction_angle_deg: float | None = number(
+        "phi",
+        "angle",
+        default=None,
+        least=0.0,
+        below=90.0,
+        code="E115",
+        check=in_degrees,
+        says="a friction angle lies from 0 to below 90",
+    )
     set_name: str = ""
-    quantity: float = 1.0
-    spacing_m: float | None = None
-    position_m: float | None = None
-    trace_m: float | None = None
-    ends: int | None = None
+    quantity: float = number("quantity", "ratio", default=1.0, least=0.0, code="E193", says="it is a number from 0")
+    spacing_m: float | None = number("spacing", "length", default=None, above=0.0, code="E193", advice=_EMPTY)
+    position_m: float | None = number("position", "length", default=None, code="E193")
+    trace_m: float | None = number("trace", "length", default=None, above=0.0, code="E193", advice=_EMPTY)
+    ends: int | None = count(
+        "ends",
+        0,
+        2,
+        default=None,
+        code="E193",
+        says="of a trace 0, 1 or 2 ends are seen",
+        advice="Leave the cell empty where it is not known.",
+    )
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,10 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Line, Plane, line_of, number, opposite
+from slopekit.design.reading.nodes import fail
 from slopekit.design.survey.columns import (
+    AMBIGUOUS_DIRECTIONS,
     BOTTOM,
     CORE,
     REFERENCE_LINES,
@@ -30,8 +31,6 @@ from slopekit.design.survey.columns import (
 DEPTHS = ("depth", "depth_m", "from", "from_m", "measured_depth", "md", "disc_top", "tiefe", "teufe")
 #: Degrees (rounding): a core that plunges more steeply has neither top nor bottom.
 STEEPEST_PLUNGE_DEG = 89.9
-#: Headings of a dip direction that in a list of core may be the hole's azimuth.
-_OF_THE_HOLE = ("azimuth", "azi", "azimut", "direction")
 _NAMES = "Call the columns hole_trend and hole_plunge (degrees below the horizontal) where they are the hole's."
 
 
@@ -76,7 +75,7 @@ def core_columns(
     Parameters
     ----------
     name : of the list; columns : by key; headings : of all columns, used or not
-    rows : the cells below the header; where : the header stands
+    rows : the cells below the header, as many as headings; where : the header stands
 
     Raises
     ------
@@ -92,17 +91,19 @@ def core_columns(
     for key in ("alpha", "beta"):
         if key not in found:
             message = f"{name} has no column for {key}: core that is not oriented gives no planes"
-            raise DesignError([Fault("E191", message, where, "alpha and beta are needed on oriented core.")])
-    _rename(found, "hole_trend", ("trend", "dip_direction"))
-    _rename(found, "hole_plunge", ("plunge", "dip"))
+            fail("E191", message, where, "alpha and beta are needed on oriented core.")
+    for key, others in (("hole_trend", ("trend", "dip_direction")), ("hole_plunge", ("plunge", "dip"))):
+        other = next((other for other in others if other in found), None)
+        if key not in found and other is not None:
+            found[key] = found.pop(other)
     if "hole_trend" not in found or "hole_plunge" not in found:
         message = f"{name} has alpha and beta of core, and no column for trend and plunge of the hole"
-        raise DesignError([Fault("E191", message, where, _NAMES)])
+        fail("E191", message, where, _NAMES)
     _refuse_signs(name, found, rows, where)
     if "reference" not in found and found["beta"].convention is None:
         message = f"beta has two meanings: {name} does not say from which line, bottom or top of the core"
         advice = "Add a column reference with bottom or top, or name the column beta (bottom)."
-        raise DesignError([Fault("E192", message, where, advice)])
+        fail("E192", message, where, advice)
     return found
 
 
@@ -122,11 +123,11 @@ class CoreLog:
 
     def is_station(self, cells: Sequence[str]) -> bool:
         """Whether a row is a survey station, which is then remembered."""
-        alpha, beta, trend, plunge = (self._cell(key, cells) for key in CORE[:4])
+        alpha, beta, trend, plunge = (cells[self.columns[key].index] for key in CORE[:4])
         depth = self._depth(cells)
         if alpha or beta or not trend or not plunge or depth is None:
             return False
-        self.stations.setdefault(self._cell("hole", cells), []).append((depth, trend, plunge))
+        self.stations.setdefault(self._hole(cells), []).append((depth, trend, plunge))
         return True
 
     def completed(self, texts: Mapping[str, str], cells: Sequence[str]) -> dict[str, str]:
@@ -135,7 +136,7 @@ class CoreLog:
         found["reference"] = found["reference"] or self.columns["beta"].convention or ""
         if not found["beta"] and re.fullmatch(r"90(\.0*)?°?", found["alpha"]):
             found["beta"] = "0"  # the joint crosses the core squarely, and has no lower end
-        depth, stations = self._depth(cells), self.stations.get(self._cell("hole", cells))
+        depth, stations = self._depth(cells), self.stations.get(self._hole(cells))
         if not found["hole_trend"] and not found["hole_plunge"] and depth is not None and stations:
             distance, _, trend, plunge = min((abs(at - depth), at, trend, plunge) for at, trend, plunge in stations)
             found |= {"hole_trend": trend, "hole_plunge": plunge}
@@ -160,12 +161,11 @@ class CoreLog:
             )
         return said
 
-    def _cell(self, key: str, cells: Sequence[str]) -> str:
-        column = self.columns.get(key)
-        return cells[column.index] if column is not None and column.index < len(cells) else ""
+    def _hole(self, cells: Sequence[str]) -> str:
+        return cells[self.columns["hole"].index] if "hole" in self.columns else ""
 
     def _depth(self, cells: Sequence[str]) -> float | None:
-        text = cells[self.depth].replace(",", ".") if self.depth is not None and self.depth < len(cells) else ""
+        text = "" if self.depth is None else cells[self.depth].replace(",", ".")
         return float(text) if re.fullmatch(r"\d+(\.\d*)?", text) else None
 
 
@@ -178,7 +178,7 @@ def is_from_bottom(reference: str) -> bool | None:
 def _gives_planes(columns: Mapping[str, SurveyColumn]) -> bool:
     """Whether columns beside those of core give the joints' planes: a dip direction by its full name, a pole."""
     direction = columns.get("dip_direction")
-    if "dip" in columns and direction is not None and spelled(direction.heading) not in _OF_THE_HOLE:
+    if "dip" in columns and direction is not None and spelled(direction.heading) not in AMBIGUOUS_DIRECTIONS:
         return True
     way = way_of(key for key in columns if key not in ("dip_direction", *CORE))
     return way is not None and (way != ("trend", "plunge") or _are_poles(columns))
@@ -198,14 +198,7 @@ def _refuse_trend_of_hole(name: str, columns: Mapping[str, SurveyColumn], headin
         return
     message = f"trend and plunge of {name} may be those of the hole (column {sign}) or of poles"
     advice = "Poles are named pole_trend and pole_plunge; core needs alpha, beta and reference (bottom or top) as well."
-    raise DesignError([Fault("E191", message, where, advice)])
-
-
-def _rename(columns: dict[str, SurveyColumn], key: str, others: Sequence[str]) -> None:
-    """Take the first of other columns that there is for a column of the hole that is not named so."""
-    other = next((other for other in others if other in columns), None)
-    if key not in columns and other is not None:
-        columns[key] = columns.pop(other)
+    fail("E191", message, where, advice)
 
 
 def _refuse_signs(name: str, columns: Mapping[str, SurveyColumn], rows: Iterable[Sequence[str]], where: str) -> None:
@@ -213,13 +206,13 @@ def _refuse_signs(name: str, columns: Mapping[str, SurveyColumn], rows: Iterable
     column = columns["hole_plunge"]
     if "dip" not in spelled(column.heading):
         return
-    dips = [row[column.index] for row in rows if len(row) > column.index and row[column.index]]
+    dips = [row[column.index] for row in rows if row[column.index]]
     negative = sum(dip.startswith("-") for dip in dips)
     if negative != len(dips) and key_of(column.heading) == "dip":
         message = (
             f"{columns['hole_trend'].heading} and {column.heading} of {name} may be those of the hole or of joints"
         )
-        raise DesignError([Fault("E191", message, where, _NAMES)])
+        fail("E191", message, where, _NAMES)
     if 0 < negative < len(dips):
         message = f"{column.heading} of {name} is negative in {negative} of {len(dips)} rows: some holes point upwards"
-        raise DesignError([Fault("E191", message, where, _NAMES)])
+        fail("E191", message, where, _NAMES)

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Callable, Mapping, Sequence
 
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import Fault
 from slopekit.core.orientation import (
     Line,
     Plane,
@@ -19,14 +19,32 @@ from slopekit.core.orientation import (
     plane_without_side,
 )
 from slopekit.core.sheet import counted
-from slopekit.core.units import quantity
+from slopekit.design.fields import Field, declare
+from slopekit.design.reading.nodes import fail
 from slopekit.design.survey.beyond_vertical import BeyondVertical
-from slopekit.design.survey.columns import CORE, STRIKE_TO_DIP_DIRECTION, STRIKE_WITH_SIDE, WORDS
+from slopekit.design.survey.columns import (
+    CORE,
+    STRIKE_TO_DIP_DIRECTION,
+    STRIKE_WITH_SIDE,
+    WORDS,
+    number_in,
+)
 from slopekit.design.survey.oriented_core import STEEPEST_PLUNGE_DEG, is_from_bottom, plane_on_core
 
+POLE = ("trend", "plunge")
+#: What the angles of planes may be, where they are not dip and dip direction.
+_DIRECTION = declare("", "angle", 0.0, 360.0, code="E102", says="a direction lies between 0 and 360")
+_ANGLES: Mapping[str, Field] = {
+    "strike": _DIRECTION,
+    "trend": _DIRECTION,
+    "beta": _DIRECTION,
+    "hole_trend": _DIRECTION,
+    "plunge": declare("", "angle", 0.0, 90.0, code="E101", says="a pole points down by 0 to 90"),
+    "hole_plunge": declare("", "angle", 0.0, 90.0, code="E101", says="a hole points down by 0 to 90"),
+    "alpha": declare("", "angle", 0.0, 90.0, code="E101", says="an angle to the core axis lies between 0 and 90"),
+}
 #: The order in which missing cells are named.
 DIP_FIRST = ("dip", "dip_direction", "strike", "plane", "clar", "strike/dip", "trend", "plunge", *CORE).index
-_NUMBER = re.compile(r"^[+-]?(\d+([.,]\d*)?|[.,]\d+)°?$")
 _SHOWN = 3  # overturned planes that are named
 _CORE_DECIMALS = 4  # of a degree (rounding): alpha and beta are measured to whole degrees
 _NO_SIDE = "the side it dips to is not said"
@@ -50,7 +68,7 @@ class PlaneReader:
         declination_deg: float,
         beyond: BeyondVertical,
     ) -> None:
-        self.read, self.beyond = _PLANE_BY[way], beyond
+        self.way, self.beyond = way, beyond
         self.overturned: list[str] = []
         self.convention, self.conventions, self.declination_deg = convention, conventions, declination_deg
         self.angles: list[tuple[float, float]] = []  # as they stand in the list
@@ -63,7 +81,7 @@ class PlaneReader:
         DesignError
             E101 to E105 for what is no plane, E192 a strike that needs a convention.
         """
-        plane = self.read(self, name, texts, where)
+        plane = _PLANE_BY[self.way](self, name, texts, where)
         turn = self.declination_deg
         return Plane(plane.dip_deg, (plane.dip_direction_deg + turn) % 360.0) if turn else plane
 
@@ -72,27 +90,24 @@ class PlaneReader:
         return self.checked(texts[0], texts[1] or "0", name, where)
 
     def by_strike(self, name: str, texts: Sequence[str], where: str) -> Plane:
+        """A strike and a dip, each with or without a side."""
         strike, dip = texts
-        azimuth = parse_strike(strike)
-        plane = None if azimuth is None else plane_by_side(azimuth, dip)
-        if plane is None and azimuth is not None and (self.convention is None or re.search("[A-Za-z]", strike)):
-            plane = plane_without_side(azimuth, dip)
-        if plane is not None:
-            return plane
-        sided = re.search(r"[NESWnesw]$", dip) is not None
-        if sided or (azimuth is not None and re.match(r"[NSEWnsew]", strike)):
-            message = f"{name} strikes {strike} and dips {dip}: the side it dips to " + (
-                "does not lie beside the strike" if sided else "is not said"
-            )
-            raise DesignError([Fault("E104", message, where, _BESIDE)])
+        azimuth, sided = parse_strike(strike), re.search(r"[NESWnesw]$", dip) is not None
+        in_letters = azimuth is not None and re.search("[A-Za-z]", strike) is not None
+        if azimuth is not None:
+            plane = plane_by_side(azimuth, dip)
+            if plane is None and (self.convention is None or in_letters):
+                plane = plane_without_side(azimuth, dip)
+            if plane is not None:
+                return plane
+        if sided or in_letters:
+            what = f"{name} strikes {strike} and dips {dip}: the side it dips to"
+            fail("E104", f"{what} {'does not lie beside the strike' if sided else 'is not said'}", where, _BESIDE)
         if azimuth is None:
-            azimuth = quantity(strike, "angle", f"strike of {name}", where)
-            if not 0.0 <= azimuth <= 360.0:
-                message = f"strike of {name} is {number(azimuth)}, a direction lies between 0 and 360"
-                raise DesignError([Fault("E102", message, where)])
+            azimuth = _angle("strike", strike, name, where)
         if self.convention is None:
             message = f"strike {strike} of {name} has two meanings, its convention is not said"
-            raise DesignError([Fault("E192", message, where, self.conventions)])
+            fail("E192", message, where, self.conventions)
         turned = (azimuth + STRIKE_TO_DIP_DIRECTION[self.convention]) % 360.0
         return self.checked(dip, f"{turned!r}", name, where, strike)
 
@@ -101,68 +116,39 @@ class PlaneReader:
         strike, dip, side = texts
         azimuth = parse_strike(strike)
         plane = None if azimuth is None else plane_by_side(azimuth, dip, side) or plane_without_side(azimuth, dip)
-        if plane is None and azimuth is not None and not side:
-            raise DesignError([Fault("E104", f"{name} strikes {strike} and dips {dip}: {_NO_SIDE}", where, _BESIDE)])
         if plane is None:
-            message = f"{name} strikes {strike}, dips {dip} toward {side}: that is no plane"
-            raise DesignError([Fault("E104", message, where, _BESIDE)])
+            what = f", dips {dip} toward {side}: that is no plane" if side else f" and dips {dip}: {_NO_SIDE}"
+            fail("E104", f"{name} strikes {strike}{what}", where, _BESIDE)
         return plane
 
     def by_word(self, name: str, texts: Sequence[str], where: str) -> Plane:
-        """`45/115` or `N25E/45SE`."""
-        plane = parse_quadrants(texts[0])
+        """A plane in one word: `45/115`, `115/45` as Clar wrote it, a strike and a dip, or in quadrants."""
+        plane, (first, slash, second) = parse_quadrants(texts[0]), map(str.strip, texts[0].partition("/"))
         if plane is not None:
             return plane
-        dip, slash, direction = texts[0].partition("/")
-        return self.checked(dip, direction, name, where) if slash else parse_plane(texts[0], name, where)
-
-    def by_clar(self, name: str, texts: Sequence[str], where: str) -> Plane:
-        """`115/45`, as Clar wrote it."""
-        direction, _slash, dip = texts[0].partition("/")
+        if self.way == ("strike/dip",):
+            return self.by_strike(name, (first, second), where)
+        if not slash:
+            return parse_plane(texts[0], name, where)
+        dip, direction = (first, second) if self.way == ("plane",) else (second, first)
         return self.checked(dip, direction, name, where)
 
-    def by_strike_word(self, name: str, texts: Sequence[str], where: str) -> Plane:
-        plane = parse_quadrants(texts[0])
-        strike, _slash, dip = texts[0].partition("/")
-        return plane or self.by_strike(name, (strike.strip(), dip.strip()), where)
-
     def by_pole(self, name: str, texts: Sequence[str], where: str) -> Plane:
-        trend, plunge = (
-            quantity(text, "angle", f"{key} of {name}", where)
-            for key, text in zip(("trend", "plunge"), texts, strict=True)
-        )
-        if not 0.0 <= plunge <= 90.0:
-            message = f"the pole of {name} plunges {number(plunge)}, a pole points down by 0 to 90"
-            raise DesignError([Fault("E101", message, where)])
-        if not 0.0 <= trend <= 360.0:
-            message = f"trend of {name} is {number(trend)}, a direction lies between 0 and 360"
-            raise DesignError([Fault("E102", message, where)])
+        trend, plunge = (_angle(key, text, name, where) for key, text in zip(POLE, texts, strict=True))
         self.angles.append((plunge, trend))
         return Plane(90.0 - plunge, opposite(trend))
 
     def by_core(self, name: str, texts: Sequence[str], where: str) -> Plane:
         """A plane by alpha, beta, trend and plunge of the hole, and the line on the core that beta is measured from."""
         alpha, beta, trend, plunge = (
-            quantity(text, "angle", f"{WORDS[key]} of {name}", where)
-            for key, text in zip(CORE, texts[:4], strict=False)
+            _angle(key, text, name, where) for key, text in zip(CORE, texts[:4], strict=False)
         )
         bottom = is_from_bottom(texts[4])
-        if not 0.0 <= alpha <= 90.0:
-            message = f"alpha of {name} is {number(alpha)}, an angle to the core axis lies between 0 and 90"
-            raise DesignError([Fault("E101", message, where)])
-        if not 0.0 <= plunge <= 90.0:
-            message = f"the hole of {name} plunges {number(plunge)}, a hole points down by 0 to 90"
-            raise DesignError([Fault("E101", message, where)])
-        for key, value in (("beta", beta), ("trend of the hole", trend)):
-            if not 0.0 <= value <= 360.0:
-                message = f"{key} of {name} is {number(value)}, a direction lies between 0 and 360"
-                raise DesignError([Fault("E102", message, where)])
         if bottom is None:
             message = f"beta of {name} is measured from {texts[4]!r}, it is the bottom or the top of the core"
-            raise DesignError([Fault("E192", message, where)])
+            fail("E192", message, where)
         if plunge > STEEPEST_PLUNGE_DEG:
-            message = f"the hole of {name} is vertical: its core has neither bottom nor top"
-            raise DesignError([Fault("E101", message, where)])
+            fail("E101", f"the hole of {name} is vertical: its core has neither bottom nor top", where)
         self.angles.append((alpha, beta))
         plane = plane_on_core(alpha, beta, Line(trend, plunge), bottom)
         return Plane(round(plane.dip_deg, _CORE_DECIMALS), round(plane.dip_direction_deg, _CORE_DECIMALS) % 360.0)
@@ -172,29 +158,24 @@ class PlaneReader:
 
         `strike` : that stands in the list where the direction follows from it
         """
-        dip, direction = (
-            text.strip().rstrip("°").replace(",", ".") if _NUMBER.match(text.strip()) else text
-            for text in (dip, direction)
-        )
-        try:
-            pair = (float(dip), float(direction))
-        except ValueError:
+        dip_deg, direction_deg, written = number_in(dip), number_in(direction), strike or direction
+        if dip_deg is None or direction_deg is None:
             return parse_plane(f"{dip}/{direction}", name, where)
-        written = strike or direction
-        if self.beyond.is_overturned(pair[0], written):
-            plane = overturned_plane(*pair)
-            self.overturned.append(f"{number(pair[0])}/{bearing(pair[1])} is {plane}")
-        elif self.beyond.order_is_sure and 90.0 < pair[0] <= 180.0 and 0.0 <= pair[1] <= 90.0:
+        overturned = overturned_plane(dip_deg, direction_deg)
+        if self.beyond.is_overturned(dip_deg, written):
+            plane = overturned
+            self.overturned.append(f"{number(dip_deg)}/{bearing(direction_deg)} is {plane}")
+        elif self.beyond.order_is_sure and 90.0 < dip_deg <= 180.0 and 0.0 <= direction_deg <= 90.0:
             advice = (
-                f"A plane that dips {number(pair[0])}° toward {bearing(pair[1])} is written {overturned_plane(*pair)}; "
-                f"with dip and dip direction exchanged it is {number(pair[1])}/{bearing(pair[0])}."
+                f"A plane that dips {number(dip_deg)}° toward {bearing(direction_deg)} is written {overturned}; "
+                f"with dip and dip direction exchanged it is {number(direction_deg)}/{bearing(dip_deg)}."
             )
-            message = f"dip of {name} is {number(pair[0])}, a dip lies between 0 and 90"
-            raise DesignError([Fault("E101", message, where, advice)])
+            message = f"dip of {name} is {number(dip_deg)}, a dip lies between 0 and 90"
+            fail("E101", message, where, advice)
         else:
-            plane = parse_plane(pair, name, where)
-        azimuth = float(written.replace(",", ".").rstrip("°")) if _NUMBER.match(written) else pair[1]
-        self.angles.append((pair[0], azimuth))
+            plane = parse_plane((dip_deg, direction_deg), name, where)
+        azimuth = number_in(written)
+        self.angles.append((dip_deg, direction_deg if azimuth is None else azimuth))
         return plane
 
     def read_as(self) -> list[str]:
@@ -216,9 +197,9 @@ class PlaneReader:
         return [Fault("E113", message, name, "Degrees are needed: multiply them by 57.29578.")]
 
 
-def is_horizontal(dip: str) -> bool:
-    """Whether a dip is 0, so that it has no direction."""
-    return re.match(r"^0+([.,]0*)?\s*°?$", dip.strip()) is not None
+def _angle(key: str, text: str, name: str, where: str) -> float:
+    """An angle of a plane, of its pole, or of core."""
+    return _ANGLES[key].read(text, f"{WORDS[key]} of {name}", where)
 
 
 def dip_and_azimuth(way: tuple[str, ...], texts: Sequence[str]) -> tuple[str, str]:
@@ -240,8 +221,8 @@ _PLANE_BY: Mapping[tuple[str, ...], Callable[[PlaneReader, str, Sequence[str], s
     ("strike", "dip"): PlaneReader.by_strike,
     STRIKE_WITH_SIDE: PlaneReader.by_side,
     ("plane",): PlaneReader.by_word,
-    ("clar",): PlaneReader.by_clar,
-    ("strike/dip",): PlaneReader.by_strike_word,
+    ("clar",): PlaneReader.by_word,
+    ("strike/dip",): PlaneReader.by_word,
     ("trend", "plunge"): PlaneReader.by_pole,
     CORE: PlaneReader.by_core,
 }

@@ -5,17 +5,17 @@ import re
 import warnings
 from bisect import bisect
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from io import BytesIO
 from typing import Any
 from zipfile import BadZipFile
 from zlib import error as ZlibError
 
 from slopekit.core.degrees import decimal_degrees
-from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import number
 from slopekit.core.units import is_unit_of, unit_of
 from slopekit.design.reading.nodes import fail
-from slopekit.design.survey.columns import key_of, size_of, unit_in_heading, way_of
+from slopekit.design.survey.columns import key_of, unit_in_heading, way_of
 
 _LONGEST = 3  # words of a name: dip direction (deg) counts two
 _DEGREES = re.compile(r"(deg|°|º)", re.IGNORECASE)
@@ -40,10 +40,11 @@ def headings_by_blanks(header: str, row: str) -> list[str] | None:
     if any(word[0].isdigit() for word in words):
         return None
     while words:
-        count = next((count for count in range(_LONGEST, 1, -1) if _is_name(words[:count])), 1)
-        headings.append(" ".join(words[:count]).replace("\0", " "))
-        words = words[count:]
-    gives_planes = way_of(key for key in map(key_of, headings) if key) is not None
+        longest_first = [" ".join(words[:count]) for count in range(_LONGEST, 0, -1)]
+        name = next((name for name in longest_first if key_of(name.replace("\0", " "))), words[0])
+        headings.append(name.replace("\0", " "))
+        words = words[len(name.split(" ")) :]
+    gives_planes = way_of(map(key_of, headings)) is not None
     return headings if gives_planes and len(headings) == len(row.split()) > 1 else None
 
 
@@ -55,11 +56,6 @@ def is_row_of_numbers(text: str) -> bool:
     """
     words = text.split()
     return len(words) > 1 and all(_NUMBER.fullmatch(word) for word in words)
-
-
-def _is_name(words: Sequence[str]) -> bool:
-    heading = " ".join(words).replace("\0", " ")
-    return key_of(heading) is not None or size_of(heading) is not None
 
 
 def headings_with_units(headings: Sequence[str], cells: Sequence[str]) -> list[str] | None:
@@ -75,17 +71,14 @@ def headings_with_units(headings: Sequence[str], cells: Sequence[str]) -> list[s
     >>> headings_with_units(["Dip", "Dip Direction"], ["45", "115"]) is None
     True
     """
-    units = [cell.strip(" ()[]") for cell in cells]
-    found = False
-    for heading, unit in zip(headings, units, strict=False):
-        is_known = key_of(heading) not in (None, *_TEXTS) or size_of(heading) is not None
-        if re.match(r"[+-]?[.,]?\d", unit) or (is_known and unit.lower() not in _NOTHING and not _unit(unit)):
-            return None
-        found = found or (is_known and _unit(unit) != "")
-    if not found:
+    words = [cell.strip(" ()[]") for cell in (*cells, *[""] * (len(headings) - len(cells)))]
+    columns = list(zip(headings, words, map(_unit, words), strict=False))
+    known = [(word, unit) for heading, word, unit in columns if key_of(heading) not in (None, *_TEXTS)]
+    if any(re.match(r"[+-]?[.,]?\d", word) for _, word, _ in columns):
         return None
-    units += [""] * (len(headings) - len(units))
-    return [_with_unit(heading, _unit(unit)) for heading, unit in zip(headings, units, strict=False)]
+    if not any(unit for _, unit in known) or any(word.lower() not in _NOTHING and not unit for word, unit in known):
+        return None
+    return [_with_unit(heading, unit) for heading, _, unit in columns]
 
 
 def _unit(word: str) -> str:
@@ -101,8 +94,7 @@ def _unit(word: str) -> str:
 def _with_unit(heading: str, unit: str) -> str:
     written = unit_in_heading(heading)
     if unit and written and _unit(written) not in ("", unit):
-        message = f"the column {heading} is in {unit} by the row of units"
-        raise DesignError([Fault("E191", message, heading, "Leave one of the units out.")])
+        fail("E191", f"the column {heading} is in {unit} by the row of units", heading, "Leave one of the units out.")
     return f"{heading} ({unit})" if unit and not written else heading
 
 
@@ -261,19 +253,14 @@ def _text(value: Any) -> str:
 
 def _decoded(content: bytes, name: str) -> str:
     """The text of UTF-8, UTF-16 or Windows files; what is no text at all is refused."""
+    encoding = "utf-16" if content[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig"
+    if b"\x00" in content[:200] and encoding != "utf-16":  # without its mark: every other byte of ASCII is zero
+        encoding = "utf-16-le" if content[1:2] == b"\x00" else "utf-16-be"
     text = None
-    if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        encodings: Sequence[str] = ("utf-16",)
-    elif b"\x00" in content[:200]:  # UTF-16 without its mark: every other byte of ASCII is zero
-        encodings = ("utf-16-le" if content[1:2] == b"\x00" else "utf-16-be",)
-    else:
-        encodings = ("utf-8-sig", "cp1252", "latin-1")
-    for encoding in encodings:
-        try:
-            text = content.decode(encoding)
-            break
-        except UnicodeDecodeError:
-            continue
+    for name_of_encoding in (encoding, *(("cp1252", "latin-1") if encoding == "utf-8-sig" else ())):
+        if text is None:
+            with suppress(UnicodeDecodeError):
+                text = content.decode(name_of_encoding)
     bad = re.search("[\x00-\x08\x0e-\x1f\x7f\ud800-\udfff]", text) if text is not None else None
     if text is None or bad:
         shown = f" (character U+{ord(bad.group()):04X})" if bad else ""

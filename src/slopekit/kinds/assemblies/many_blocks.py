@@ -4,18 +4,16 @@ scene -> loads -> the mechanisms one after the other -> what they say of each bl
 """
 
 import math
-from collections.abc import Callable, Container, Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from slopekit.block_scene import Contacts, Sizes
-from slopekit.core.arrays import frozen
+from slopekit.block_scene import Contacts
+from slopekit.core.arrays import NDArray, frozen
 from slopekit.core.errors import Notice
 from slopekit.core.onlooker import Clock
-from slopekit.core.sheet import Section, counted
-from slopekit.design.reading.reader import Reader
 from slopekit.evidence import (
     Comparisons,
     Displacements,
@@ -35,7 +33,7 @@ from slopekit.kinds.assemblies.many_blocks_states import (
     assembly_arrows,
     assembly_pair_state,
     at_full_strength,
-    mechanism,
+    gyration,
     mechanisms_of,
 )
 from slopekit.kinds.protocol import (
@@ -45,17 +43,12 @@ from slopekit.kinds.protocol import (
     Kind,
     compare,
 )
-from slopekit.kinds.single_block.secants import left_out_of_laws, secant_strength
+from slopekit.kinds.single_block.secants import left_out_of_laws, secant_at
 from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
 from slopekit.kinds.words import (
-    extents_in_words,
-    loads_part,
-    mass_in_words,
     short,
     shortened,
     strength_in_words,
-    unit_weight_in_words,
-    weight_in_words,
 )
 from slopekit.loads import AssemblyLoads
 from slopekit.notices import those_of_factors
@@ -67,7 +60,7 @@ from slopekit.preie.many_blocks.ravelling import (
     critical_load,
     ravel,
 )
-from slopekit.preie.motion.all_pairs import AllPairsFailed, all_pairs_failed
+from slopekit.preie.motion.all_pairs import all_pairs_failed
 from slopekit.preie.motion.balance import Balance, balance, of_blocks
 from slopekit.preie.outcome import Outcome
 from slopekit.preie.solvers import work_limit
@@ -75,7 +68,7 @@ from slopekit.preie.solvers.threads import one_thread
 from slopekit.preie.system.components import whole_model
 from slopekit.preie.system.contact import SHEAR_TO_NORMAL
 from slopekit.preie.tolerances import LIMIT_SETTLED
-from slopekit.result import Result, Words
+from slopekit.result import Result
 
 if TYPE_CHECKING:
     from slopekit.kinds.single_block.ladders import Ladder
@@ -86,6 +79,9 @@ _HISTORY = 100.0  # seconds of work that a history may take: of 501 blocks some 
 _DEBONDING = 0.02  # of a limit: a history that ends lower by more than this is its lowest factor (METHOD-4, 16)
 _BRACKET = 1e-4  # of the paper's criterion, in parts of its factor
 _SAME_K = 1e-2  # of a yield coefficient: the path in the load ends so near to it that its motion is that one
+_MODES = {
+    "slides": "slide", "topples": "topple", "rotates": "turn", "falls": "fall", "lifts": "lift", None: "stable",
+}  # fmt: skip
 _ENDS = {
     "count": "",
     "stands": "what is left stands without any strength",
@@ -96,220 +92,182 @@ _ENDS = {
 
 @dataclass(frozen=True)
 class SolvedAssembly:
-    """A result with what it was read from; the scene is without the chips."""
+    """A result with what it was read from."""
 
     result: Result
     scene: AssemblyScene
     ravelling: Ravelling
 
+    @property
+    def standing(self) -> AssemblyScene:
+        """The scene without the chips."""
+        return self.scene.without(self.ravelling.gone())
 
-@dataclass(frozen=True)
-class Blocks(Generic[A]):
-    """What a kind of many blocks adds to what they share.
+    def with_all_pairs(self) -> "SolvedAssembly":
+        """Return the result with the paper's criterion: where a block first has no chain of sticking pairs."""
+        scene, limit = self.standing, self.result.fos.limit
+        model = whole_model(scene.assembly, scene_loads(scene), joint_strength(scene.strengths)) if limit else None
+        if model is None or not limit:
+            return self
+        search = all_pairs_failed(model, joint_stiffness(self.result.design), limit, relative=_BRACKET)
+        fos = replace(self.result.fos, all_pairs_failed=search.factor)
+        moved = replace(self.result.displacements, all_pairs=search)
+        return replace(self, result=replace(self.result, fos=fos, displacements=moved))
 
-    Attributes
-    ----------
-    cut : the blocks with their contacts and loads
-    closed_form : and its table of columns, for the first mechanism
-    notices : what a reader must know of the first mechanism
-    closed_gain : (without an earthquake, k_y) the gain of the closed form's mechanism on shaken ground
-    """
-
-    words: Words
-    cut: Callable[[A], AssemblyScene]
-    closed_form: Callable[[A, Mechanism | None], tuple[ClosedForm, tuple[Mapping[str, Any], ...]]]
-    notices: Callable[[A, AssemblyScene, Failure, ClosedForm], Iterable[Notice]]
-    closed_gain: Callable[[A, float], Gain | None] | None = None
-
-
-def no_closed_form(_: object, __: Mechanism | None) -> tuple[ClosedForm, tuple[Mapping[str, Any], ...]]:
-    """Blocks of any shape have none."""
-    return ClosedForm(None, "", "there is no closed form for these blocks"), ()
-
-
-def no_notices(*_: object) -> tuple[Notice, ...]:
-    """Nothing but what is said of all kinds."""
-    return ()
+    def with_history(self, most: int) -> "SolvedAssembly":
+        """Return the result with what progressive slip and debonding make of so many blocks or fewer (W504)."""
+        fos, part = self.result.fos, self.ravelling.failures[0].parts[0] if self.ravelling.failures else None
+        stable, lower = debonding(part, most, fos.limit) if part is not None and fos.limit is not None else (None, ())
+        if stable is None:
+            return self
+        fos = replace(fos, lowest=min(stable, fos.lowest or stable))
+        return replace(self, result=replace(self.result, fos=fos, warnings=(*self.result.warnings, *lower)))
 
 
-def kind_of_many_blocks(
-    record: type[A], read: Callable[[Reader], A], own: Blocks[A], slope: Callable[[A, Result], Section],
-    pressures: Callable[[A], Sequence[tuple[str, float]]], *, with_areas: Callable[[A], Container[str]] = lambda _: (),
-    figures: Mapping[str, Callable[[A, Any], float]] | None = None,
-) -> Kind[A]:  # fmt: skip
-    """A kind of many blocks.
+class ManyBlocks(Kind[A]):
+    """A kind of many blocks; `cut` gives an `AssemblyScene`."""
 
-    Parameters
-    ----------
-    slope : what the blocks are made from, with the label of that; `with_areas`: the joints whose areas it has
-    pressures : mean water pressures (kPa) by what they act on
-    """
+    MOVES_MANY = True
 
-    def factors(design: A) -> Factors:
-        scene = own.cut(design)
-        ravelling = _ravelled(design, scene, scene_loads(scene), 1, ranged=False)
-        mechanisms = tuple(mechanism(failure, scene) for failure in ravelling.failures)
-        status = mechanisms[0].status if mechanisms else "no_driving_force"
-        factor = mechanisms[0].fos if mechanisms else None
-        closed, _ = own.closed_form(design, mechanisms[0] if mechanisms else None)
-        difference, agree = compare(factor, status, closed, design.analysis.agree_within)
-        if mechanisms and mechanisms[0].change > LIMIT_SETTLED:  # compared as in a result all the same
-            status, factor = "not_converged", None
-        of_kind = own.notices(design, scene, ravelling.failures[0], closed) if mechanisms else ()
-        notes = those_of_factors((*notices_of(design, scene, ravelling, mechanisms), *of_kind))
-        return Factors(status, factor, None, closed.factor, difference, agree, False, notes=notes)
+    def analyse(self, design: A) -> Result:
+        return self.solved(design).result
 
-    def beside(design: A) -> tuple[Notice, ...]:
-        if not any(strength.cohesion_kpa for _, strength in design.strengths):
+    def factors(self, design: A) -> Factors:
+        result = self._found(design, Clock(), 1, ranged=False).result
+        status, fos = result.status, result.fos
+        if result.model.residual > LIMIT_SETTLED:  # compared as in a result all the same
+            status, fos = "not_converged", replace(fos, limit=None)
+        notes = those_of_factors(result.warnings)
+        return Factors(status, fos.limit, None, fos.closed_form, result.difference, result.agree, False, notes=notes)
+
+    def beside(self, design: A) -> tuple[Notice, ...]:
+        if not any(strength.cohesion_kpa for strength in design.joint_strengths):
             return ()
-        scene = own.cut(design)
-        ravelling = _ravelled(design, scene, scene_loads(scene), 1, ranged=False)
-        limit = ravelling.failures[0].limit.factor if ravelling.failures else None
-        return () if limit is None else debonding(ravelling.failures[0].parts[0], MOST_FOLLOWED, limit)[1]
+        solution = self._found(design, Clock(), 1, ranged=False)
+        return solution.with_history(MOST_FOLLOWED).result.warnings[len(solution.result.warnings) :]
 
-    def ladder(design: A) -> "Ladder":
+    def ladder(self, design: A) -> "Ladder":
         from slopekit.kinds.assemblies.many_blocks_ladder import ladder_of_blocks  # only `check` asks
 
-        return ladder_of_blocks(design, solved(own, design))
+        return ladder_of_blocks(design, self.solved(design))
 
-    def parts(design: A, result: Result) -> tuple[Section, ...]:
-        geometry = result.geometry
-        assert isinstance(geometry, AssemblyGeometry)
-        wet, in_section = [*_water(pressures(design)), *design.ground_in_words()], geometry.thickness_m is not None
-        return (
-            slope(design, result),
-            _size(result, with_areas(design)),
-            loads_part(wet, result, in_section),
-        )
+    def at_load(self, without: A, unit: A, target: float) -> float | None:
+        _, _, critical = self._critical(without, unit, target)
+        return None if critical is None else critical[0]
 
-    return Kind(
-        record, read, own.words, lambda design: solved(own, design).result, factors,
-        ladder, lambda design: [strength for _, strength in design.strengths], parts,
-        own.cut, beside=beside, at_load=lambda *asked: _at_load(own, *asked),
-        seismic_gain=lambda *asked: _seismic_gain(own, *asked), figures=figures or {},
-    )  # fmt: skip
+    def _critical(
+        self, without: A, unit: A, target: float
+    ) -> tuple[AssemblyScene, AssemblyLoads, tuple[float, Failure] | None]:
+        """The blocks of a design with their loads, and the critical multiplier of what another has more of them."""
+        scene = self.cut(without)
+        first, second = scene_loads(scene), scene_loads(self.cut(unit))
+        ramp = (second.forces - first.forces, second.moments - first.moments)
+        if not ramp[0].any() and not ramp[1].any():
+            return scene, first, None
+        lightest = least_counted_weight(without, scene, first)
+        critical = critical_load(scene.assembly, first, ramp, joint_strength(scene.strengths), 1.0 / target, lightest)
+        return scene, first, critical
 
+    def seismic_gain(self, without: A, unit: A, k: float, by_closed_form: bool) -> Gain | None:
+        if by_closed_form:
+            return self.closed_form(without, None).seismic_gain(k)
+        from slopekit.preie.motion.seismic_gain import seismic_gain  # only earthquakes ask
 
-def _at_load(own: Blocks[A], without: A, unit: A, target: float) -> float | None:
-    """The multiplier of what one design has more of loads than another at which its factor is a target.
+        scene, loads, critical = self._critical(without, unit, 1.0)
+        if critical is None or abs(critical[0] / k - 1.0) > _SAME_K:
+            return None
+        multiplier, failure = critical
+        with one_thread():
+            gain = seismic_gain(failure.parts[0], multiplier, loads.weights, gyration(scene))
+        if gain is None:
+            return None
+        return Gain(gain.factor, scene.names[gain.block], gain.multiplier if gain.alone else None, gain.first)
 
-    None where the blocks do not stand without it, or stand with any of it.
-    """
-    _, _, critical = _critical(own, without, unit, target)
-    return None if critical is None else critical[0]
+    def solved(self, design: A) -> SolvedAssembly:
+        """The result of a design with its blocks, loads and mechanisms.
 
+        Raises
+        ------
+        GeometryError, DesignError
+            Where no blocks can be formed, or loads act on none.
+        """
+        clock = Clock()
+        with work_limit.allowed(math.inf):
+            solution = self._found(design, clock, design.mechanisms, ranged=True)
+        with clock("all_pairs"):
+            if design.analysis.criterion == "all-pairs":
+                solution = solution.with_all_pairs()
+        with clock("history"):
+            solution = solution.with_history(MOST_FOLLOWED)
+        with clock("displacements"):
+            result, limit = solution.result, solution.result.fos.limit
+            at_one = solution.scene.without(solution.ravelling.gone(1.0))
+            stands = result.status == "no_driving_force" or (limit is not None and limit > 1.0)
+            settled = at_full_strength(design, at_one, scene_loads(at_one)) if stands else None
+        moved = replace(result.displacements, at_factor_one=settled)
+        return replace(solution, result=replace(result, displacements=moved, timing_s=clock.done()))
 
-def _critical(
-    own: Blocks[A], without: A, unit: A, target: float
-) -> tuple[AssemblyScene, AssemblyLoads, tuple[float, Failure] | None]:
-    """The blocks of a design with their loads, and the critical multiplier of what another has more of them."""
-    scene = own.cut(without)
-    first, second = scene_loads(scene), scene_loads(own.cut(unit))
-    ramp = (second.forces - first.forces, second.moments - first.moments)
-    if not ramp[0].any() and not ramp[1].any():
-        return scene, first, None
-    lightest = least_counted_weight(without, scene, first)
-    critical = critical_load(scene.assembly, first, ramp, joint_strength(scene.strengths), 1.0 / target, lightest)
-    return scene, first, critical
-
-
-def _seismic_gain(own: Blocks[A], without: A, unit: A, k: float, by_closed_form: bool) -> Gain | None:
-    """How fast the blocks gain on the ground above k_y; None where their motion is none that settled."""
-    if by_closed_form:
-        return None if own.closed_gain is None else own.closed_gain(without, k)
-    from slopekit.kinds.assemblies.many_blocks_shaking import gyration  # only earthquakes ask
-    from slopekit.preie.motion.seismic_gain import seismic_gain
-
-    scene, loads, critical = _critical(own, without, unit, 1.0)
-    if critical is None or abs(critical[0] / k - 1.0) > _SAME_K:
-        return None
-    multiplier, failure = critical
-    with one_thread():
-        gain = seismic_gain(failure.parts[0], multiplier, loads.weights, gyration(scene))
-    if gain is None:
-        return None
-    return Gain(gain.factor, scene.names[gain.block], gain.multiplier if gain.alone else None, gain.first)
-
-
-def solved(own: Blocks[A], design: A) -> SolvedAssembly:
-    """The result of a design with its blocks, loads and mechanisms.
-
-    Raises
-    ------
-    GeometryError, DesignError
-        Where no blocks can be formed, or loads act on none.
-    """
-    clock = Clock()
-    with clock("cut"):
-        scene = own.cut(design)
-    assembly = scene.assembly
-    with clock("loads"):
-        loads = scene_loads(scene)
-    with clock("solve"), work_limit.allowed(math.inf):
-        ravelling = _ravelled(design, scene, loads, design.mechanisms)
-    standing = scene.without(ravelling.gone())
-    with clock("mechanisms"):
-        rows = tuple(mechanisms_of(ravelling, scene, design.rock.gravity_m_s2))
-        mechanisms = tuple(row for row in rows if row.role != "chip")
-    with clock("all_pairs"):
-        all_pairs = None
-        if design.analysis.criterion == "all-pairs" and mechanisms and mechanisms[0].fos:
-            all_pairs = search_of_all_pairs(design, standing, mechanisms[0].fos)
-    status = mechanisms[0].status if mechanisms else "no_driving_force"
-    sure = bool(mechanisms) and mechanisms[0].status != "not_converged"
-    limit = mechanisms[0].fos if sure else None
-    bound = ravelling.static_bound if mechanisms else None
-    governing = ravelling.failures[0].limit if ravelling.failures else None
-    low, high = (governing.lowest, governing.highest) if governing is not None and sure else (None, None)
-    lower: tuple[Notice, ...] = ()
-    with clock("history"):
-        if limit is not None:
-            stable, lower = debonding(ravelling.failures[0].parts[0], MOST_FOLLOWED, limit)
-            low = low if stable is None else min(stable, low or stable)
-    with clock("displacements"):
-        stands = status == "no_driving_force" or (limit is not None and limit > 1.0)
-        at_one = scene.without(ravelling.gone(1.0))
-        settled = at_full_strength(design, at_one, scene_loads(at_one)) if stands else None
-    with clock("closed_form"):
-        closed, table = own.closed_form(design, mechanisms[0] if mechanisms else None)
-    difference, agree = compare(limit, status, closed, design.analysis.agree_within)
-    findings = Findings(
-        rows, _standing(ravelling, scene), len(assembly), int(assembly.fixed.sum()), len(assembly.patches),
-        len(ravelling.parts), _checks(scene, ravelling), table, SHEAR_TO_NORMAL,
-    )  # fmt: skip
-    parts = ravelling.parts
-    first = ravelling.failures[0].parts if ravelling.failures else ()
-    split = [0 if part.refined is None else int(part.refined.max()) for part in first]
-    size = ModelSize(
-        int((~assembly.fixed).sum()), sum(part.model.load.size for part in parts),
-        sum(part.model.joint_pairs.stop for part in parts), max(split, default=0),
-        max((part.mesh_change for part in first if part.mesh_change is not None), default=None),
-        _left_out(design, scene, parts, drained=design.mechanisms > 1 or bool(ravelling.chips)),
-        max((part.limit.steps for part in first), default=0), mechanisms[0].change if mechanisms else 0.0,
-    )  # fmt: skip
-    of_kind = own.notices(design, scene, ravelling.failures[0], closed) if mechanisms else ()
-    result = Result(
-        design=design, words=own.words, status=status,
-        fos=FactorsOfSafety(limit, closed.factor, bound, all_pairs.factor if all_pairs else None, low, high),
-        difference=difference, agree=agree, moments_govern=False,
-        geometry=_geometry(scene), forces=_forces(standing, scene_loads(standing), parts), model=size,
-        warnings=(*notices_of(design, scene, ravelling, mechanisms), *lower, *of_kind),
-        limit_state=LimitState(
-            assembly_pair_state(scene, parts), assembly_arrows(scene, loads, parts), balance=balance_of(parts),
-            curved_strength=_curved(scene, parts),
-        ),
-        displacements=Displacements(settled, all_pairs), comparisons=Comparisons(), findings=findings,
-        timing_s=clock.done(),
-    )  # fmt: skip
-    return SolvedAssembly(result, standing, ravelling)
+    def _found(self, design: A, clock: Clock, count: int, ranged: bool) -> SolvedAssembly:
+        """Return the result of so many mechanisms, and how it was found."""
+        with clock("cut"):
+            scene: AssemblyScene = self.cut(design)
+        assembly = scene.assembly
+        with clock("loads"):
+            loads = scene_loads(scene)
+        with clock("solve"):
+            lightest, strength = least_counted_weight(design, scene, loads), joint_strength(scene.strengths)
+            ravelling = ravel(assembly, loads, strength, count, ranged, lightest)
+        with clock("mechanisms"):
+            rows = tuple(mechanisms_of(ravelling, scene, design.rock.gravity_m_s2))
+            mechanisms = tuple(row for row in rows if row.role != "chip")
+        status, fos = "no_driving_force", FactorsOfSafety()
+        if mechanisms:
+            status, governing = mechanisms[0].status, ravelling.failures[0].limit
+            fos = FactorsOfSafety(static_bound=ravelling.static_bound)
+            if status != "not_converged":
+                fos = replace(fos, limit=mechanisms[0].fos, lowest=governing.lowest, highest=governing.highest)
+        with clock("closed_form"):
+            closed = self.closed_form(design, scene)
+        difference, agree = compare(fos.limit, status, closed, design.analysis.agree_within)
+        findings = Findings(
+            rows, _standing(ravelling, scene), len(assembly), int(assembly.fixed.sum()), len(assembly.patches),
+            len(ravelling.parts), _checks(scene, ravelling), _table(closed, scene, mechanisms), SHEAR_TO_NORMAL,
+        )  # fmt: skip
+        parts = ravelling.parts
+        first = ravelling.failures[0].parts if ravelling.failures else ()
+        split = [0 if part.refined is None else int(part.refined.max()) for part in first]
+        size = ModelSize(
+            int((~assembly.fixed).sum()), sum(part.model.load.size for part in parts),
+            sum(part.model.joint_pairs.stop for part in parts), max(split, default=0),
+            max((part.mesh_change for part in first if part.mesh_change is not None), default=None),
+            _left_out(design, scene, parts, drained=design.mechanisms > 1 or bool(ravelling.chips)),
+            max((part.limit.steps for part in first), default=0), mechanisms[0].change if mechanisms else 0.0,
+        )  # fmt: skip
+        standing = scene.without(ravelling.gone())
+        of_kind = self.notices(design, scene, ravelling.failures[0], closed) if mechanisms else ()
+        result = Result(
+            design=design, words=self.words, status=status, fos=replace(fos, closed_form=closed.factor),
+            difference=difference, agree=agree, moments_govern=False,
+            geometry=_geometry(scene), forces=_forces(standing, scene_loads(standing), parts), model=size,
+            warnings=(*notices_of(design, scene, ravelling, mechanisms), *of_kind),
+            limit_state=LimitState(
+                assembly_pair_state(scene, parts), assembly_arrows(scene, loads, parts), balance=balance_of(parts),
+                curved_strength=_curved(scene, parts),
+            ),
+            displacements=Displacements(), comparisons=Comparisons(), findings=findings, timing_s=clock.done(),
+        )  # fmt: skip
+        return SolvedAssembly(result, scene, ravelling)
 
 
-def _ravelled(
-    design: AssemblyDesign, scene: AssemblyScene, loads: AssemblyLoads, count: int, ranged: bool = True
-) -> Ravelling:
-    """The first mechanisms of a scene that are no chips."""
-    lightest = least_counted_weight(design, scene, loads)
-    return ravel(scene.assembly, loads, joint_strength(scene.strengths), count, ranged, lightest)
+def no_closed_form(*_: object) -> ClosedForm:
+    """Blocks of any shape have none."""
+    return ClosedForm(None, "", "there is no closed form for these blocks")
+
+
+def _table(closed: ClosedForm, scene: AssemblyScene, mechanisms: Sequence[Mechanism]) -> tuple[Mapping[str, Any], ...]:
+    """The columns of the closed form, each with its mode in the first mechanism."""
+    ways = dict(zip(mechanisms[0].blocks, mechanisms[0].how, strict=True)) if mechanisms else {}
+    return tuple(dict(row) | {"mode_preie": _MODES[ways.get(scene.names[row["n"] - 1])]} for row in closed.table)
 
 
 def debonding(part: Part, most: int, limit: float) -> tuple[float | None, tuple[Notice, ...]]:
@@ -341,12 +299,6 @@ def _debonding_factors(part: Part, most: int) -> tuple[float, float | None] | No
             return debonding_limit(model, limit.factor)
     except work_limit.WorkSpentError:
         return None
-
-
-def search_of_all_pairs(design: AssemblyDesign, scene: AssemblyScene, limit: float) -> AllPairsFailed | None:
-    """The paper's criterion for many blocks: the factor at which a block first has no chain of sticking pairs."""
-    model = whole_model(scene.assembly, scene_loads(scene), joint_strength(scene.strengths))
-    return None if model is None else all_pairs_failed(model, joint_stiffness(design), limit, relative=_BRACKET)
 
 
 def _standing(ravelling: Ravelling, scene: AssemblyScene) -> str:
@@ -450,63 +402,33 @@ def _forces(scene: AssemblyScene, loads: AssemblyLoads, parts: Sequence[Part]) -
 
 def _curved(scene: AssemblyScene, parts: Sequence[Part]) -> dict[str, Mapping[str, Any]]:
     """The line of each curved joint at the mean normal traction of its node pairs that carry any."""
-    solved = [part for part in parts if part.model.lines is not None and part.limit.factor]
-    if not solved:
-        return {}
-    kinds = [part.model.lines.joint[part.model.joint_pairs] for part in solved if part.model.lines is not None]
-    joint = np.concatenate(kinds)
-    areas = [part.model.control_area[part.model.joint_pairs] * part.model.area_scale for part in solved]
-    area = np.concatenate(areas)
-    normals = [part.limit.normal_force[part.model.joint_pairs] * part.model.force_scale for part in solved]
-    normal = np.concatenate(normals)
-    lines = dict[str, Mapping[str, Any]]()
-    for key, (name, strength) in enumerate(zip(scene.joints, scene.strengths, strict=True)):
-        on = (joint == key) & (normal > 0.0)
-        if on.any() and strength.law is not None:
-            tractions, mean = normal[on] / area[on], float(normal[on].sum() / area[on].sum())
-            line = secant_strength(strength, mean)
-            lines[name] = {
-                "traction_kpa": mean, "range_kpa": (float(tractions.min()), float(tractions.max())),
-                "cohesion_kpa": line.cohesion_kpa, "friction_angle_deg": line.friction_angle_deg,
-            }  # fmt: skip
-    return lines
-
-
-# -- what check looks at ----------------------------------------------------------------------------------------------
+    none: list[NDArray[Any]] = [np.zeros(0)]
+    joint, area, normal = none.copy(), none.copy(), none.copy()
+    for part in parts:
+        model, real = part.model, part.model.joint_pairs
+        if model.lines is not None and part.limit.factor:
+            joint.append(model.lines.joint[real])
+            area.append(model.control_area[real] * model.area_scale)
+            normal.append(part.limit.normal_force[real] * model.force_scale)
+    of, area_m2, normal_kn = map(np.concatenate, (joint, area, normal))
+    carried = [(of == key) & (normal_kn > 0.0) for key in range(len(scene.joints))]
+    return {
+        name: secant_at(strength, normal_kn[on], area_m2[on])
+        for name, strength, on in zip(scene.joints, scene.strengths, carried, strict=True)
+        if on.any() and strength.law is not None
+    }
 
 
 # -- words ------------------------------------------------------------------------------------------------------------
 
 
-def _size(result: Result, with_areas: Container[str]) -> Section:
-    """Blocks, height, volume and weight, and the areas of the joints that it does not have yet."""
-    geometry, findings = result.geometry, result.findings
-    assert findings is not None
-    moving = findings.blocks - findings.fixed
-    bedrock = f" and {findings.fixed} of bedrock" if findings.fixed else ""
-    groups = f", in {findings.components} groups that touch only through bedrock" if findings.components > 1 else ""
-    areas = [f"{name} {short(area)} m²" for name, area in geometry.areas_m2.items() if name not in with_areas]
-    listed = ", ".join(shortened(areas, 6))
-    height, volume = short(geometry.total_height_m), short(geometry.volume_m3)
-    return Section("SIZE", [
-        f"{counted(moving, 'block')} that can move{bedrock}, {counted(findings.contacts, 'contact')}{groups}",
-        f"height {height} m  volume {volume} m³  {weight_in_words(result)}",
-        *_fails_first(result.size),
-        *([f"contact area  {listed}"] if listed else []),
-    ], details=unit_weight_in_words(result))  # fmt: skip
+def contact_areas(areas_m2: Mapping[str, float]) -> list[str]:
+    """The areas of joints in one line."""
+    areas = [f"{name} {short(area)} m²" for name, area in areas_m2.items()]
+    return [f"contact area  {', '.join(shortened(areas, 6))}"] if areas else []
 
 
-def _fails_first(size: Sizes | None) -> list[str]:
-    """The size of the first mechanism."""
-    if size is None:
-        return []
-    of_all = f"height {short(size.height_m)} m  volume {short(size.volume_m3)} m³"
-    return [
-        "  ".join([f"critical block or group: {of_all}", f"mass {mass_in_words(size.mass_t)}", *extents_in_words(size)])
-    ]
-
-
-def _water(pressures: Sequence[tuple[str, float]]) -> list[str]:
+def water_of_blocks(pressures: Sequence[tuple[str, float]]) -> list[str]:
     """Mean water pressures by what they act on."""
     wet = [f"u = {pressure:g} kPa on {name}" for name, pressure in pressures if pressure]
     return ["water " + ", ".join(shortened(wet, 6))] if wet else []

@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from slopekit.core.orientation import number
-from slopekit.design import words
 from slopekit.design.common import Design
 from slopekit.design.fields import Field, count, declare, fields_of, group, keys_of
 from slopekit.design.fields import number as number_field
@@ -13,8 +12,8 @@ from slopekit.design.ground_water import TABLE, read_table
 from slopekit.design.parts import Action, Bolt, Force, Seismic, Strength, Water, bolts_without, forces_without
 from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.reader import Reader
-from slopekit.design.reading.structure import Leaf
-from slopekit.design.sections import read_common, read_strength
+from slopekit.design.reading.structure import Spec
+from slopekit.design.sections import read_bolt, read_common, read_force, read_strength
 
 Point2 = tuple[float, float]
 MOST_BLOCKS = 200_000
@@ -37,7 +36,7 @@ def water_by(*pressures: Field, without: tuple[str, ...] = ()) -> Any:
         *pressures,
         *(one for name, one in fields_of(Water).items() if name in Water.UNSAID),
     )
-    return group("water", keys, default=Water(), forms=(Leaf(example="dry"),), without=without)
+    return group("water", keys, default=Water(), forms=(Spec("value", example="dry"),), without=without)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -179,8 +178,8 @@ def common(
     strengths = named_strengths(reader)
     attributes = read_common(reader, on_blocks=True)
     attributes["seismic"] = _seismic(reader, attributes["seismic"], in_section, toward)
-    attributes["forces"] = tuple(_on_blocks(reader, "loads.forces", "force", words.force, blocks, in_section))
-    attributes["bolts"] = tuple(_on_blocks(reader, "support.bolts", "bolt", words.bolt, blocks, in_section))
+    attributes["forces"] = tuple(_on_blocks(reader, "loads.forces", "force", read_force, blocks, in_section))
+    attributes["bolts"] = tuple(_on_blocks(reader, "support.bolts", "bolt", read_bolt, blocks, in_section))
     attributes["strengths"] = strengths
     by_pressures = Water("pressures", 0.0, tuple(water)) if any(water) else Water()
     attributes["water"] = read_table(reader) or by_pressures
@@ -204,15 +203,14 @@ def _seismic(reader: Reader, seismic: Seismic, in_section: bool, toward: float |
 
 
 def _on_blocks(
-    reader: Reader, path: str, what: str, read: Callable[[Any, str], Any], blocks: Mapping[str, bool] | None,
+    reader: Reader, path: str, what: str, read: Callable[[Reader, Node], Any], blocks: Mapping[str, bool] | None,
     in_section: bool,
 ) -> Iterator[Any]:  # fmt: skip
     """Forces or bolts with the blocks they act on; E252 for one that leaves the section."""
     for node in reader.items(path):
-        value = reader.value(node)
-        bare = {key: part for key, part in value.items() if key != "block"} if isinstance(value, dict) else value
-        load = None if value is None else reader.kept(read, bare, str(node.place))
-        block = _block_of(reader, node, what, blocks) if value is not None else None
+        if node.value is None or not reader.is_sound(node):
+            continue
+        load, block = read(reader, node), _block_of(reader, node, what, blocks)
         if load is None:
             continue
         vector = load.components_kn if isinstance(load, Force) else tuple(load.toward.vector().tolist())

@@ -1,7 +1,6 @@
 """The ladder of many blocks: the blocks that fail first on other elastic joints, on finer pairs, at other strengths."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import partial
 
 from slopekit.core.onlooker import say
@@ -9,8 +8,6 @@ from slopekit.kinds.assemblies.many_blocks import (
     MOST_FOLLOWED,
     SolvedAssembly,
     balance_of,
-    debonding,
-    search_of_all_pairs,
 )
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.kinds.assemblies.many_blocks_scene import scene_loads
@@ -26,28 +23,20 @@ _RATIOS = (0.1, 1.0)  # k_t / k_n of the path beside its own: where the limit de
 
 def ladder_of_blocks(design: AssemblyDesign, solution: SolvedAssembly) -> Ladder:
     """The result with its all-pairs factor, the rungs, the limit at other strengths."""
-    result = solution.result
-    few = result.model.moving_blocks <= _MOST_SEARCHED
-    if few and result.fos.limit and result.displacements.all_pairs is None:
+    few = solution.result.model.moving_blocks <= _MOST_SEARCHED
+    if few and solution.result.displacements.all_pairs is None:
         say("all pairs", head=True)
-        search = search_of_all_pairs(design, solution.scene, result.fos.limit)
-        if search is not None:
-            fos = replace(result.fos, all_pairs_failed=search.factor)
-            result = replace(result, fos=fos, displacements=replace(result.displacements, all_pairs=search))
-    failures = solution.ravelling.failures
-    if failures and len(failures[0].parts[0].blocks) > MOST_FOLLOWED and (limit := result.fos.limit):
+        solution = solution.with_all_pairs()
+    blocks = len(solution.ravelling.failures[0].parts[0].blocks) if solution.ravelling.failures else 0
+    if blocks > MOST_FOLLOWED:
         say("history of falling strength", head=True)
-        part, lowest = failures[0].parts[0], result.fos.lowest
-        stable, lower = debonding(part, len(part.blocks), limit)
-        if stable is not None:
-            fos = replace(result.fos, lowest=min(stable, lowest or stable))
-            result = replace(result, fos=fos, warnings=(*result.warnings, *lower))
+        solution = solution.with_history(blocks)
     unrefined = "" if _refines(solution) else "a flat contact of a section slips as one, and its ends turn it"
     with one_thread():  # as the analysis
         rungs = tuple(_rungs(solution))
     parts = solution.ravelling.parts
     rest = balance_of(parts, at_rest=True) if any(part.limit.width for part in parts) else None
-    return Ladder(result, rungs, _others(solution), unrefined, rest=rest)
+    return Ladder(solution.result, rungs, _others(solution), unrefined, rest=rest)
 
 
 def _others(solution: SolvedAssembly) -> tuple[float | None, ...]:
@@ -73,7 +62,7 @@ def _limited(factor: float | None, limit: BlocksLimit) -> float | None:
 
 def _rungs(solution: SolvedAssembly) -> Iterator[Rung]:
     """Rungs of the blocks that fail first; those that were held stay so."""
-    result, scene, failures = solution.result, solution.scene, solution.ravelling.failures
+    result, scene, failures = solution.result, solution.standing, solution.ravelling.failures
     if result.agree is not None and result.fos.closed_form is not None:
         yield Rung("closed form", "closed form", None, None, result.fos.closed_form, result.timing_s["closed_form"])
     if not failures or not failures[0].limit.factor:

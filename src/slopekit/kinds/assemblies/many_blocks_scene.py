@@ -240,20 +240,10 @@ def _pushed(design: AssemblyDesign, scene: AssemblyScene) -> SceneLoads:
             faults.append(Fault("E250", f"{name} acts on {scene.names[block]}, which is bedrock", place))
         elif isinstance(given, Force):
             pushes.append((block, push))
-        elif _misses(scene, given, block, finder):
-            within = "" if given.length_m is None else f" within its {given.length_m:.4g} m"
-            message = f"{name} misses {scene.names[block]}: from its head it does not pass through it{within}"
-            faults.append(Fault("E211", message, place, "Its head stands on a face of the block, or before one."))
         else:
-            toe = _toe(scene, given, finder)
-            if toe == block:
-                advice = "It needs its anchorage behind the joint on top of that, or leave length out: rock holds it."
-                message = f"{name} is {given.length_m:.4g} m long and ends in {scene.names[block]}: it is too short"
-                faults.append(Fault("E212", message, place, advice))
-            elif toe == BEDROCK and (left := _comes_out_of(scene, given, finder)):
-                message = f"{name} comes out of {left} and ends in the air: it is anchored in nothing"
-                advice = "Leave length out where rock holds it, or let it end in the block that it is tied to."
-                faults.append(Fault("E211", message, place, advice))
+            toe, wrong = _toe(scene, given, block, finder)
+            if wrong is not None:
+                faults.append(Fault(wrong[0], f"{name} {wrong[1]}", place, wrong[2]))
             if given.acts == "passive":
                 passive.append((block, toe, push))
                 names.append(name)
@@ -270,50 +260,46 @@ def _pushed(design: AssemblyDesign, scene: AssemblyScene) -> SceneLoads:
     )  # fmt: skip
 
 
-def _toe(scene: AssemblyScene, bolt: Bolt, finder: _Finder) -> int:
-    """The block in which a bolt ends, -1 for bedrock: all that is none of the blocks, and where no length is given."""
-    if bolt.head_m is None or bolt.length_m is None:
-        return BEDROCK
-    end = np.array(bolt.head_m) + bolt.length_m * bolt.toward.vector() - scene.origin
-    toe = finder(None, end)
-    if scene.assembly.in_section:
-        toe = next((k for k, outline in enumerate(scene.polygons) if _holds(outline, end[[0, 2]])), None)
-    return BEDROCK if toe is None or scene.assembly.fixed[toe] else toe
+def _toe(
+    scene: AssemblyScene, bolt: Bolt, block: int, finder: _Finder
+) -> tuple[int, tuple[str, str, str] | None]:  # fmt: skip
+    """The block in which a bolt through another one ends, and code, words and advice where that does not hold it.
 
-
-def _misses(scene: AssemblyScene, bolt: Bolt, block: int, finder: _Finder) -> bool:
-    """Whether a bolt does not pass through the block of its head, nor ends in it."""
-    if bolt.head_m is None:
-        return False
-    head = np.array(bolt.head_m) - scene.origin
-    apart = float(np.linalg.norm(scene.assembly.centroids[block] - head))
-    reach = 2.0 * (apart + scene.height_m) if bolt.length_m is None else bolt.length_m
-    end = head + reach * bolt.toward.vector()
-    if not scene.assembly.in_section:
-        return last_left(scene.assembly, head, end, block) < 0 and finder(None, end) != block
-    own = scene.polygons[block]
-    return last_left_in_section([own], head[[0, 2]], end[[0, 2]]) < 0 and not _holds(own, end[[0, 2]])
-
-
-def _comes_out_of(scene: AssemblyScene, bolt: Bolt, finder: _Finder) -> str:
-    """The block that moves out of which a bolt comes into the air; empty where rock holds its end.
-
-    Blocks that are bedrock say where the rock is: what they do not bound is air. Rows of columns have none.
+    It is -1 for bedrock: all that is none of the blocks, and where no length is given. Where blocks are bedrock they
+    say where the rock is, and what they do not bound is air; rows of columns have none.
     """
-    assembly = scene.assembly
-    if bolt.head_m is None or bolt.length_m is None or not assembly.fixed.any():
-        return ""
+    if bolt.head_m is None:
+        return BEDROCK, None
+    assembly, length, own = scene.assembly, bolt.length_m, scene.names[block]
     head = np.array(bolt.head_m) - scene.origin
-    end = head + bolt.length_m * bolt.toward.vector()
-    if finder(None, end) is not None:
-        return ""
-    if assembly.in_section:
-        if any(_holds(outline, end[[0, 2]]) for outline in scene.polygons):
-            return ""
-        last = last_left_in_section(scene.polygons, head[[0, 2]], end[[0, 2]])
-    else:
-        last = last_left(assembly, head, end)
-    return "" if last < 0 or assembly.fixed[last] else scene.names[last]
+    through = 2.0 * (float(np.linalg.norm(assembly.centroids[block] - head)) + scene.height_m)
+    end = head + (through if length is None else length) * bolt.toward.vector()
+    ends_in = finder(None, end)
+    if _last_left(scene, head, end, block) < 0 and ends_in != block:
+        within = "" if length is None else f" within its {length:.4g} m"
+        message = f"misses {own}: from its head it does not pass through it{within}"
+        return BEDROCK, ("E211", message, "Its head stands on a face of the block, or before one.")
+    if length is None:
+        return BEDROCK, None
+    if ends_in == block:
+        advice = "It needs its anchorage behind the joint on top of that, or leave length out: rock holds it."
+        return BEDROCK, ("E212", f"is {length:.4g} m long and ends in {own}: it is too short", advice)
+    if ends_in is not None:
+        return (BEDROCK if assembly.fixed[ends_in] else ends_in), None
+    left = _last_left(scene, head, end)
+    if left >= 0 and assembly.fixed.any() and not assembly.fixed[left]:
+        message = f"comes out of {scene.names[left]} and ends in the air: it is anchored in nothing"
+        advice = "Leave length out where rock holds it, or let it end in the block that it is tied to."
+        return BEDROCK, ("E211", message, advice)
+    return BEDROCK, None
+
+
+def _last_left(scene: AssemblyScene, head: Floats, end: Floats, block: int | None = None) -> int:
+    """The block that a line from head to end (3,) leaves last, of all or of one; -1 where it leaves none."""
+    if not scene.assembly.in_section:
+        return last_left(scene.assembly, head, end, block)
+    outlines = scene.polygons if block is None else [scene.polygons[block]]
+    return last_left_in_section(outlines, head[[0, 2]], end[[0, 2]])
 
 
 def _holds(outline: Floats, point: Floats) -> bool:
@@ -342,8 +328,10 @@ def _finder(scene: AssemblyScene) -> _Finder:
     def find(name: str | None, at: Floats | None) -> int | None:
         if name is not None:
             return index.get(name)
-        if at is None or len(assembly.triangles) == 0:
+        if at is None:
             return None
+        if assembly.in_section:
+            return next((k for k, outline in enumerate(scene.polygons) if _holds(outline, at[[0, 2]])), None)
         a, b, c = (assembly.vertices[assembly.triangles[:, k]] for k in range(3))
         outward = np.cross(b - a, c - a)
         beyond = ((at - a) * outward).sum(axis=1)

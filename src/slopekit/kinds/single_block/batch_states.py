@@ -4,8 +4,9 @@ import numpy as np
 
 from slopekit.core.arrays import NDArray
 from slopekit.kinds.single_block.one_block_states import motion_statuses
-from slopekit.preie.batch import BlockLimits, ForcesStatus
+from slopekit.preie.batch import BlockLimits
 from slopekit.preie.one_block.bed_limits import BedStatus
+from slopekit.preie.one_block.forces_limits import ForcesStatus
 
 
 def block_statuses(limits: BlockLimits) -> NDArray[np.str_]:

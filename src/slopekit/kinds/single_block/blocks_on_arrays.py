@@ -11,7 +11,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats, Ints, NDArray, cross
 from slopekit.design.ground_water import SlopeDesign
-from slopekit.design.parts import Strength
+from slopekit.design.parts import Bolt, Strength
 from slopekit.geometry.polytopes import Polytopes
 from slopekit.kinds.single_block.batch_states import block_statuses
 from slopekit.kinds.single_block.closed_forms import OnArrays
@@ -19,8 +19,10 @@ from slopekit.kinds.single_block.held_bolts import Bounds
 from slopekit.kinds.water import blocks_within, pushes, slope_of
 from slopekit.loads import PointForce
 from slopekit.preie.batch import BlockLimits, Blocks, limits_of_blocks
+from slopekit.strength.protocol import laws_of
 
 _NO_BLOCK = "E208"  # a crack cuts it in two
+_ACROSS = 1e-9  # of the strongest: a bolt with less in a section runs along its slope
 
 
 @dataclass(frozen=True)
@@ -41,7 +43,7 @@ class LimitsOfMany:
 def limits_on_arrays(
     design: SlopeDesign, on_arrays: OnArrays[Any], strengths: Sequence[Strength], count: int
 ) -> LimitsOfMany:
-    """Return PRE-IE's limits of n designs, without passive bolts.
+    """Return PRE-IE's limits of n designs.
 
     Parameters
     ----------
@@ -67,13 +69,31 @@ def blocks_of(design: SlopeDesign, on_arrays: OnArrays[Any], strengths: Sequence
         np.stack([_each(getattr(strength, name), count) for strength in strengths], axis=1)
         for name in ("cohesion_kpa", "friction_angle_deg")
     )
+    corners, counts = solids.faces[:, joints] - solids.centroid[:, None, None], solids.counts[:, joints]
+    if bounds.along is not None:
+        corners, counts = _lines(corners, counts, solids.outward[:, joints], bounds.along)
     return Blocks(
-        corners=solids.faces[:, joints] - solids.centroid[:, None, None],
-        counts=solids.counts[:, joints],
+        corners=corners,
+        counts=counts,
         cohesion=cohesion,
         tan_friction=np.tan(np.radians(friction)),
+        laws=np.stack([laws_of(strength.law, count) for strength in strengths], axis=1),
         load=_loads(design, on_arrays, bounds, solids),
+        bolts=_passive_bolts(design, bounds, solids),
     )
+
+
+def motion_toward(design: SlopeDesign, on_arrays: OnArrays[Any], limits: LimitsOfMany) -> Floats:
+    """Return cosines (b,) between motions of blocks at their limits and the earthquake, not numbers without motions."""
+    assert limits.found is not None
+    ways, velocity = shaken_toward(design, on_arrays, len(limits.status))[limits.rows], limits.found.velocity[:, :3]
+    along = on_arrays.bounds(design).along
+    if along is not None:
+        turned = np.broadcast_to(_section_axes(along), (len(limits.status), 3, 3))[limits.rows]
+        ways = (turned @ ways[:, :, None])[:, :, 0]
+    size = np.sqrt((velocity * velocity).sum(axis=1))
+    cosines: Floats = (ways * velocity).sum(axis=1) / np.where(size > 0.0, size, np.nan)
+    return cosines
 
 
 def shaken_toward(design: SlopeDesign, on_arrays: OnArrays[Any], count: int) -> Floats:
@@ -91,40 +111,72 @@ def _each(values: Any, count: int) -> Floats:
 
 
 def _loads(design: SlopeDesign, on_arrays: OnArrays[Any], bounds: Bounds, solids: Polytopes) -> Floats:
-    """Return the loads (n, 6) on n blocks: force in kN, and moment in kN m about the centroid."""
+    """Return the loads (n, 6) on n blocks: force in kN, and moment in kN m about the centroid.
+
+    Blocks that are a metre of a slope have them in the axes of its section.
+    """
     count = len(solids.volume)
-
-    def vectors(components: Any) -> Floats:
-        return np.stack([_each(component, count) for component in components], axis=1)
-
-    def place(point_m: Any) -> Floats | None:
-        return None if point_m is None else vectors(point_m) - bounds.origin
-
     weight = _each(design.rock.unit_weight_kn_m3, count)[:, None] * solids.volume[:, None]
-    loads = [PointForce(weight * (_shaking(design, on_arrays, count) - [0.0, 0.0, 1.0]))]
-    loads += [PointForce(vectors(force.components_kn), place(force.at_m)) for force in design.forces]
-    loads += [
-        PointForce(_each(bolt.force_kn, count)[:, None] * bolt.toward.vector(), place(bolt.head_m))
-        for bolt in design.bolts
-    ]
+    shaking = np.zeros((1, 3))
+    if np.any(design.seismic.coefficient):
+        shaking = _each(design.seismic.coefficient, count)[:, None] * shaken_toward(design, on_arrays, count)
+    loads = [PointForce(weight * (shaking - [0.0, 0.0, 1.0]))]
+    loads += [PointForce(_vectors(force.components_kn), _place(force.at_m, bounds)) for force in design.forces]
+    loads += [_pull(bolt, bounds, count) for bolt in design.bolts if bolt.acts == "active"]
     if design.is_wet or design.is_cut_for_loads:
         assert on_arrays.full is not None
         with np.errstate(divide="ignore", invalid="ignore"):
             loads += pushes(design, slope_of(bounds, solids, on_arrays.full))[0].values()
-    total = np.zeros((count, 6))
-    for load in loads:
-        total[:, :3] += load.force
-        if load.at is not None:
-            total[:, 3:] += cross(load.at - solids.centroid, load.force)
+    return np.asarray(np.sum([_on_block(load, bounds, solids) for load in loads], axis=0))
+
+
+def _passive_bolts(design: SlopeDesign, bounds: Bounds, solids: Polytopes) -> Floats:
+    """Return what passive bolts at full capacity do to n blocks, (n, b, 6), as loads have it."""
+    bolts, count = [bolt for bolt in design.bolts if bolt.acts == "passive"], len(solids.volume)
+    pulls = np.zeros((count, len(bolts), 6))
+    for k, bolt in enumerate(bolts):
+        pulls[:, k] = _on_block(_pull(bolt, bounds, count), bounds, solids)
+    forces = np.abs(pulls[:, :, :3]).max(axis=2)
+    pulls[forces <= _ACROSS * forces.max(initial=0.0)] = 0.0
+    return pulls
+
+
+def _pull(bolt: Bolt, bounds: Bounds, count: int) -> PointForce:
+    return PointForce(_each(bolt.force_kn, count)[:, None] * bolt.toward.vector(), _place(bolt.head_m, bounds))
+
+
+def _place(point_m: Any, bounds: Bounds) -> Floats | None:
+    """Return a point, whose coordinates may be arrays, from the origin of the blocks; None is a centroid."""
+    return None if point_m is None else _vectors(point_m) - bounds.origin
+
+
+def _vectors(parts: Any) -> Floats:
+    return np.stack(np.broadcast_arrays(*parts), axis=-1)
+
+
+def _on_block(load: PointForce, bounds: Bounds, solids: Polytopes) -> Floats:
+    """Return force (kN) and moment (kN m) about the centroid of n blocks (n, 6), as `_loads` has it."""
+    force, count = load.force, len(solids.volume)
+    moment = np.zeros((count, 3)) if load.at is None else cross(load.at - solids.centroid, force)
+    both = np.stack([np.broadcast_to(force, (count, 3)), moment], axis=1)
     if bounds.along is not None:  # per metre: what acts along the slope says nothing
-        along, turns = bounds.along, (total[:, 3:] * bounds.along).sum(axis=1)
-        total[:, :3] -= (total[:, :3] * along).sum(axis=1)[:, None] * along
-        total[:, 3:] = turns[:, None] * along
-    return total
+        both = both @ _section_axes(bounds.along).swapaxes(1, 2) * [[1.0, 0.0, 1.0], [0.0, 1.0, 0.0]]
+    return both.reshape(count, 6)
 
 
-def _shaking(design: SlopeDesign, on_arrays: OnArrays[Any], count: int) -> Floats:
-    """Return what an earthquake adds to the weight, (n, 3) parts of it."""
-    if not np.any(design.seismic.coefficient):
-        return np.zeros((count, 3))
-    return _each(design.seismic.coefficient, count)[:, None] * shaken_toward(design, on_arrays, count)
+def _section_axes(along: Floats) -> Floats:
+    """Return axes of sections, (n, 3, 3) or one for all: rows are out of the slope, along it, up."""
+    upright = np.broadcast_to([0.0, 0.0, 1.0], along.shape)
+    return np.stack([cross(along, upright), along, upright], axis=1)
+
+
+def _lines(faces: Floats, counts: Ints, outward: Floats, along: Floats) -> tuple[Floats, Ints]:
+    """Return the ends (n, k, 2, 3) of faces (n, k, c, 3) in their sections, with the block to the left, and counts."""
+    axes = _section_axes(along)
+    x, _, z = np.moveaxis(outward @ axes.swapaxes(1, 2), 2, 0)
+    ways = np.stack([-z, np.zeros_like(x), x], axis=2)
+    points = faces @ axes.swapaxes(1, 2)[:, None] * [1.0, 0.0, 1.0]
+    places = (points * ways[:, :, None]).sum(axis=3)
+    used = np.arange(faces.shape[2]) < counts[:, :, None]
+    ends = [np.where(used, side * places, -np.inf).argmax(axis=2) for side in (-1.0, 1.0)]
+    return np.take_along_axis(points, np.stack(ends, axis=2)[..., None], axis=2), np.where(counts > 0, 2, 0)

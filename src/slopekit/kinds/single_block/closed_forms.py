@@ -72,9 +72,10 @@ class ClosedForms:
         outcome = np.where(is_misfit, numbers[misfit], self.outcome)
         return replace(self, names=names, outcome=outcome, factor=np.where(is_misfit, np.nan, self.factor))
 
-    def tractions_kpa(self) -> list[float]:
-        """The mean effective normal traction on each joint of the first of them."""
-        return [float(normal[0] / area[0]) for normal, area in zip(self.normal_kn, self.areas_m2, strict=True)]
+    def tractions_kpa(self) -> list[Floats]:
+        """The mean effective normal traction (n,) on each joint."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return [normal / area for normal, area in zip(self.normal_kn, self.areas_m2, strict=True)]
 
 
 @dataclass(frozen=True)
@@ -99,14 +100,14 @@ class OnArrays(Generic[D]):
 
     Attributes
     ----------
-    arguments : of a design, but for its passive bolts; bolts : these, at full capacity
-    strengths : of its joints; of_strengths : the arguments that hold their cohesion and friction
+    arguments : of a design, but for its passive bolts
+    of_strengths : the arguments that hold the cohesion and friction of its joints
     closed_forms : designs by their arguments and the bolts that they share; each of the arguments is one number for all
         of them or an array
     bounds : the planes that bound the blocks of a design, whose numbers may be arrays
     sizes : of the blocks of a design, whose numbers may be arrays; None where it has none, or they are not known
-    also : of a design whose numbers may be arrays, the arguments that hold its strengths, and how far before the face
-        its bolts were laid out: what its acceptance is held against besides, with the outcome "" where there is no such
+    also : of a design whose numbers may be arrays, the strengths of its joints, and how far before the face its bolts
+        were laid out: what its acceptance is held against besides, with the outcome "" where there is no such
         block; None where designs have none
     crack_reach_m : how far the place of a crack may lie, of a design whose numbers may be arrays; not a number where
         the planes make no block; None where a design is asked one by one
@@ -115,34 +116,38 @@ class OnArrays(Generic[D]):
     """
 
     arguments: Callable[[D], Arguments]
-    bolts: Callable[[D], Sequence[Sequence[float]]]
-    strengths: Callable[[D], Sequence[Strength]]
     of_strengths: Callable[[Sequence[Strength]], Arguments]
-    closed_forms: Callable[[Mapping[str, Any], Sequence[Sequence[float]]], ClosedForms]
+    closed_forms: Callable[[Mapping[str, Any], Sequence[Sequence[Any]]], ClosedForms]
     bounds: Callable[[D], Bounds]
     sizes: Callable[[D], SizesOfMany | None] | None = None
     crack_reach_m: Callable[[D], Floats | None] | None = None
-    also: Callable[[D, Arguments, Floats], ClosedForms] | None = None
+    also: Callable[[D, Sequence[Strength], Floats], ClosedForms] | None = None
     full: "FullWater | None" = None
     shaken: Callable[[D], Floats] | None = None
 
     def of(self, design: D) -> ClosedForm:
-        """One design, on the secants of its strengths where these are curved.
+        """One design.
 
         Raises
         ------
         GeometryError
             Its planes cut no block.
         """
-        arguments, bolts, strengths = self.arguments(design), self.bolts(design), self.strengths(design)
-        if not any(strength.law for strength in strengths):
-            return self.closed_forms(arguments, bolts).of()
+        return self.forms(design, design.joint_strengths).of()
 
-        def on_lines(lines: Sequence[Strength]) -> tuple[ClosedForm, list[float]]:
-            forms = self.closed_forms(arguments | self.of_strengths(lines), bolts)
-            return forms.of(), forms.tractions_kpa()
+    def forms(self, design: D, strengths: Sequence[Strength]) -> ClosedForms:
+        """Designs, on the secants of their strengths where these are curved.
 
-        return on_secants(strengths, on_lines, lambda answer: answer[1])[0]
+        Parameters
+        ----------
+        design : whose numbers may be arrays; strengths : of its joints, likewise
+        """
+        arguments, bolts = self.arguments(design), passive_bolts(design)
+
+        def on_lines(lines: Sequence[Strength]) -> ClosedForms:
+            return self.closed_forms(arguments | self.of_strengths(lines), bolts)
+
+        return on_secants(strengths, on_lines, ClosedForms.tractions_kpa)
 
 
 def force_on(design: Design) -> Arguments:
@@ -177,11 +182,11 @@ def pressures_and_force(
     return (means if is_by_faces else pressures), force | {"misfit": misfit}
 
 
-def passive_bolts(design: Design) -> list[list[float]]:
+def passive_bolts(design: Design) -> list[list[Any]]:
     """East, north and up of each passive bolt at full capacity, kN."""
     return _bolts(design, "passive")
 
 
-def _bolts(design: Design, acts: str) -> list[list[float]]:
+def _bolts(design: Design, acts: str) -> list[list[Any]]:
     bolts = (bolt for bolt in design.bolts if bolt.acts == acts)
-    return [[bolt.force_kn * part for part in bolt.toward.vector().tolist()] for bolt in bolts]
+    return [[bolt.force_kn * part for part in bolt.toward.vector().T] for bolt in bolts]

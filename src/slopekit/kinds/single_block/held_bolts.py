@@ -6,7 +6,7 @@ where the line does not pass from a free face through a joint, or where the bolt
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 from typing import Any, TypeVar
 
 import numpy as np
@@ -18,7 +18,6 @@ from slopekit.design.parts import Bolt
 D = TypeVar("D", bound=Design)
 #: Between the planes of J1 and J2: where they are nearer to each other W301 says so.
 NEARLY_PARALLEL_DEG = 5.0
-_AT_ONCE = 20_000  # lines through blocks
 _CLEAR = 1e-9  # of the size of the block: a line that only touches it does not pass
 
 
@@ -56,11 +55,7 @@ def nearly_parallel(bounds: Bounds, count: int) -> Bools:
 
 def stand_off(bounds: Bounds, bolts: Sequence[Bolt]) -> Floats:
     """How far (m) before its free face the head of each bolt (b,) was laid out; 0 where it does not enter by one."""
-    distances_m = np.zeros(len(bolts))
-    for some in _with_heads(bolts, 1):
-        enters, _, passes = _passage(bounds, [bolts[k] for k in some])
-        distances_m[some] = np.where(passes[:, 0], enters[:, 0], 0.0)
-    return distances_m
+    return held(bounds, bolts, np.zeros(len(bolts)))[1][:, 0]
 
 
 def held(bounds: Bounds, bolts: Sequence[Bolt], before: Floats) -> tuple[Bools, Floats]:
@@ -72,34 +67,27 @@ def held(bounds: Bounds, bolts: Sequence[Bolt], before: Floats) -> tuple[Bools, 
     ----------
     before : (b,) as `stand_off` has it
     """
-    # lengths that scatter are arrays, planes that do not are one for all
-    reaches: list[Any] = [math.inf if bolt.length_m is None else bolt.length_m for bolt in bolts]
-    count = max([bounds.offsets.shape[1], *(np.size(reach) for reach in reaches)])
+    # lengths and directions that scatter are arrays, planes that do not are one for all
+    reaches: list[Any] = [np.inf if bolt.length_m is None else bolt.length_m for bolt in bolts]
+    numbers = [(bounds.offsets[0], reach, *astuple(bolt.toward)) for reach, bolt in zip(reaches, bolts, strict=True)]
+    count = max((np.broadcast(*each).size for each in numbers), default=bounds.offsets.shape[1])
     holds, moved = np.ones((len(bolts), count), dtype=bool), np.zeros((len(bolts), count))
-    for some in _with_heads(bolts, bounds.offsets.shape[1]):
-        enters, leaves, passes = _passage(bounds, [bolts[k] for k in some])
-        moved[some] = np.where(passes, enters - before[some, None], 0.0)
-        reach = np.stack([np.broadcast_to(reaches[k], count) for k in some])
-        holds[some] = passes & (leaves - moved[some] < reach)
+    for k, bolt in enumerate(bolts):
+        if bolt.head_m is not None:
+            enters, leaves, passes = _passage(bounds, bolt)
+            moved[k] = np.where(passes, enters - before[k], 0.0)
+            holds[k] = passes & (leaves - moved[k] < reaches[k])
     return holds, moved
 
 
-def _with_heads(bolts: Sequence[Bolt], designs: int) -> list[list[int]]:
-    """The numbers of the bolts that have a head, so many at once that their arrays for n designs stay small."""
-    numbers = [k for k, bolt in enumerate(bolts) if bolt.head_m is not None]
-    at_once = max(1, _AT_ONCE // designs)
-    return [numbers[k : k + at_once] for k in range(0, len(numbers), at_once)]
+def _passage(bounds: Bounds, bolt: Any) -> tuple[Floats, Floats, Bools]:
+    """How far (m) from its head a bolt enters each block and reaches sound rock, and whether it holds it, (n,).
 
-
-def _passage(bounds: Bounds, bolts: Sequence[Bolt]) -> tuple[Floats, Floats, Bools]:
-    """How far (m) from their heads bolts enter each block and reach sound rock, and whether they hold it, (b, n).
-
-    A bolt does where its line goes in through a free face and out through a joint, drawn on behind a tension crack.
+    It does where its line goes in through a free face and out through a joint, drawn on behind a tension crack.
     """
-    heads = np.array([bolt.head_m for bolt in bolts]) - bounds.origin
-    ways = np.stack([bolt.toward.vector() for bolt in bolts])
-    gap = bounds.offsets[:, None] - (bounds.outward @ heads.T).swapaxes(1, 2)  # (planes, b, n)
-    slope = (bounds.outward @ ways.T).swapaxes(1, 2)
+    head = np.stack(np.broadcast_arrays(*bolt.head_m), axis=-1) - bounds.origin
+    gap = bounds.offsets - (bounds.outward * head).sum(axis=2)  # (planes, n)
+    slope = (bounds.outward * bolt.toward.vector()).sum(axis=2)
     with np.errstate(divide="ignore", invalid="ignore"):
         at = gap / slope
     along = np.abs(slope) < 1e-12
@@ -107,7 +95,7 @@ def _passage(bounds: Bounds, bolts: Sequence[Bolt]) -> tuple[Floats, Floats, Boo
     going_out = np.where((slope > 0.0) & ~along, at, np.inf)
     planes = np.arange(len(bounds.offsets))
     is_free, is_joint = np.isin(planes, bounds.free), np.isin(planes, bounds.joints)
-    onward = np.where((is_free | is_joint)[:, None, None], going_out, np.inf)
+    onward = np.where((is_free | is_joint)[:, None], going_out, np.inf)
     enters, sound = going_in.max(axis=0), onward.min(axis=0)
     beside = (along & (gap < -_CLEAR * bounds.size)).any(axis=0)
     passes = (

@@ -8,20 +8,25 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from slopekit.core.onlooker import Clock, say
-from slopekit.kinds.protocol import ClosedForm, D
+from slopekit.kinds.protocol import D
 from slopekit.kinds.single_block.one_block_limit import Cut, find_limit
 from slopekit.kinds.single_block.one_block_states import ContactModel
 from slopekit.preie.motion.balance import Balance
 from slopekit.preie.one_block.flat_limit import flat_limit, forces_limit, refined_factor
+from slopekit.preie.one_block.forces_limits import forces_limits
 from slopekit.preie.one_block.limit import LimitAnalysis
+from slopekit.preie.one_block.polygon_bed import elastic_bed
 from slopekit.preie.outcome import Outcome
 from slopekit.preie.system.model import Model
 from slopekit.result import Result
+
+if TYPE_CHECKING:
+    from slopekit.kinds.single_block.one_block import SingleBlock
 
 #: What rungs vary, in words.
 METHODS = {
@@ -95,34 +100,28 @@ def timed(work: Callable[[], Any]) -> tuple[Any, float]:
     return answer, sorted(taken)[(len(taken) - 1) // 2]
 
 
-def ladder_of_block(
-    design: D, analyse: Callable[[D], Result], cut: Callable[[D], Cut],
-    finer: Callable[[D, Result, Cut], Iterator[Rung]], closed_form: Callable[[D], ClosedForm] | None = None,
-) -> Ladder:  # fmt: skip
-    """The ladder of a design of one block; times are those of the solvers alone.
-
-    Parameters
-    ----------
-    finer : rungs of coarser and finer node pairs
-    """
+def ladder_of_block(kind: "SingleBlock[D]", design: D) -> Ladder:
+    """The ladder of a design of one block; times are those of the solvers alone."""
     by_pairs = replace(design, analysis=replace(design.analysis, criterion="all-pairs"))
-    result = replace(analyse(by_pairs), design=design)
+    result = replace(kind.analyse(by_pairs), design=design)
     if not result.fos.limit:
         return Ladder(result)
     rungs: list[Rung] = []
-    if closed_form is not None and result.agree is not None and result.fos.closed_form is not None:
-        solution, seconds = timed(partial(closed_form, design))
+    if design.HAS_CLOSED_FORM and result.agree is not None and result.fos.closed_form is not None:
+        solution, seconds = timed(partial(kind.closed_form, design, None))
         rungs.append(Rung("closed form", "closed form", None, None, solution.factor, seconds))
-    made = cut(design)
+    made = kind.cut(design)
     scene = made.scene_at(made.refine)
     if scene.bedding is not None:
-        alone, seconds = timed(partial(forces_limit, scene.model))
-        rungs.append(Rung("forces alone", "no turning", len(scene.pairs), None, alone.factor, seconds))
-    rungs += finer(design, result, made)
+        bed = elastic_bed(scene.model, scene.bedding.polygons, scene.bedding.centroid)
+        alone, seconds = timed(partial(forces_limits, bed))
+        factor = forces_limit(scene.model, alone).factor
+        rungs.append(Rung("forces alone", "no turning", len(scene.pairs), None, factor, seconds))
+    rungs += kind.finer(design, result, made)
     return Ladder(result, tuple(rungs), tuple(_others(result, made)), neighbours=tuple(_neighbours(scene, made)))
 
 
-def meshes(_: object, result: Result, made: Cut) -> Iterator[Rung]:
+def meshes(made: Cut) -> Iterator[Rung]:
     """Flat joints with their parts, or the pressed parts of their bed, split further and further."""
     for level in range(made.refine, _MOST_REFINED + 1):
         setting = f"parts split {often(level)}"

@@ -1,20 +1,17 @@
 """One block on its joints: from what a kind has cut and loaded to its limit, its factors and its result."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.errors import GeometryError, Notice
+from slopekit.core.errors import GeometryError
 from slopekit.core.onlooker import Clock
-from slopekit.core.sheet import Section
 from slopekit.design.common import Design
 from slopekit.design.parts import Strength
-from slopekit.design.reading.reader import Reader
 from slopekit.evidence import (
     AtFactorOne,
     Comparisons,
@@ -23,7 +20,6 @@ from slopekit.evidence import (
     Forces,
     LimitState,
     ModelSize,
-    WithoutBasal,
 )
 from slopekit.kinds.protocol import ClosedForm, D, Factors, Kind, compare
 from slopekit.kinds.single_block.one_block_limit import Cut, FoundLimit, Interface, find_limit
@@ -37,23 +33,23 @@ from slopekit.kinds.single_block.one_block_states import (
     rigid_movement,
     series_of,
 )
-from slopekit.kinds.single_block.secants import changed_laws, left_out_of_laws, secant_strength
+from slopekit.kinds.single_block.secants import left_out_of_laws, secant_at
 from slopekit.kinds.solver_inputs import joint_stiffness
-from slopekit.loads import Loads
 from slopekit.notices import those_of_factors
 from slopekit.preie.motion.balance import balance, of_one_block
 from slopekit.preie.motion.equilibrium import equilibrium
 from slopekit.preie.one_block.flat_limit import lowest_factor
 from slopekit.preie.outcome import Outcome
 from slopekit.preie.programs.bound import static_bound
-from slopekit.result import Result, Words
+from slopekit.result import Result
 
 if TYPE_CHECKING:
-    from slopekit.kinds.single_block.closed_forms import OnArrays
-    from slopekit.kinds.single_block.ladders import Ladder
+    from slopekit.kinds.single_block.ladders import Ladder, Rung
+    from slopekit.preie.motion.all_pairs import AllPairsFailed
 
 DILATES = "the closed form knows no dilation: it is printed, not compared"
-_OF_THREE = ("J1", "J2", "basal")  # of a wedge with a basal joint
+_LOST = 0.98  # of the limit
+_TURNS = 1e-6  # of the square of a motion on a curved surface
 
 
 def left_out_of_slope(own: Sequence[str], has_crack: bool, strengths: Sequence[Strength]) -> list[str]:
@@ -64,119 +60,103 @@ def left_out_of_slope(own: Sequence[str], has_crack: bool, strengths: Sequence[S
     return ["bedrock (no unknowns)", "face and upper slope (free)", *own, *crack, *tension]
 
 
-def kind_of_one_block(
-    record: type[D], read: Callable[[Reader], D], words: Words,
-    cut: Callable[[D], Cut], closed_form: Callable[[D], ClosedForm], *,
-    changes: Callable[[D], Iterable[tuple[str, D]]], strengths: Callable[[D], Sequence[Strength]],
-    slope: Callable[[D, Result], Iterator[Section]], notices: Callable[[D], Iterable[Notice]] = lambda _: (),
-    on_arrays: "OnArrays[D] | None" = None,
-    without_basal: Callable[[D], WithoutBasal | None] = lambda _: None,
-) -> Kind[D]:  # fmt: skip
-    """A kind of one block on flat joints with a closed form; what else it says of itself is put in its place.
+class SingleBlock(Kind[D]):
+    """A kind of one block on its joints.
 
-    Parameters
-    ----------
-    cut, closed_form : of a design; both raise GeometryError where no block can be formed
-    changes : a few changes of the input, by name: SENSITIVITY says what they do to the closed form
-    notices : what a reader must know of the design
-    on_arrays : the closed form of many designs in one call, where it can be had
-    without_basal : a block that the one analysed is part of, and that may fail before it
+    `cut` gives a `Cut`, and raises GeometryError where no block can be formed; so does `closed_form`.
     """
 
-    def analyse(design: D) -> Result:
+    MOVES_MANY = False
+
+    def analyse(self, design: D) -> Result:
         clock = Clock()
         with clock("cut"):
-            made = cut(design)
+            made: Cut = self.cut(design)
         with clock("closed_form"):
-            closed = closed_form(design)
+            closed = self.closed_form(design, made)
         with clock("governs"):
-            governs = tuple((name, *after(other)) for name, other in changes(design))
-        found = solve(design, made, clock)
-        return result(
-            words.of(vars(design)),
-            design,
-            made,
-            found,
-            block_status(found, made.joints),
-            closed,
-            resultant_forces(made, found, water_forces(made.loads, made.faces)),
-            clock,
-            Comparisons(found.analysis.forces_only.factor, {}, governs, without_basal(design)),
-            tuple(notices(design)),
-        )
-
-    def after(design: D) -> tuple[float | None, str]:
-        try:
-            closed = closed_form(design)
-        except GeometryError:
-            return None, f"no {words.block}"
-        return closed.factor, closed.status
-
-    def factors(design: D) -> Factors:
-        made, closed = cut(design), closed_form(design)
-        found = find_limit(made, Clock())
-        status = block_status(found, made.joints)
+            governs = tuple((name, *self._after(other)) for name, other in design.changes())
+        found = find_limit(made, clock)
+        fos = _factors_of_safety(found, closed, clock)
+        moved = _displacements(design, made, found, fos.static_bound, clock)
+        if moved.all_pairs is not None and not _is_lost_before(moved.all_pairs, fos.limit):
+            fos = replace(fos, all_pairs_failed=moved.all_pairs.factor)
+        analysis, status, words = found.analysis, block_status(found, made.joints), self.words.of(vars(design))
         difference, agree = compare(found.comparable, status, closed, design.analysis.agree_within)
-        said = block_notices(design, made, found, closed.why_not, words.block)
-        return Factors(
-            status, found.limit.factor or None, closed.status, closed.factor or None, difference, agree,
-            found.analysis.moments_govern, notes=those_of_factors((*notices(design), *said)),
-            also=without_basal(design),
+        of_laws = left_out_of_laws([interface.strength for interface in made.interfaces])
+        size = ModelSize(
+            1, found.scene.model.unknowns, len(found.bounded.pairs), made.refine, found.change,
+            (*made.left_out, *of_laws), found.limit.steps, found.limit.change,
+        )  # fmt: skip
+        said = (*self.notices(design, made, found, closed), *block_notices(design, made, found, closed, words))
+        return Result(
+            design=design, words=words, status=status, fos=fos, difference=difference, agree=agree,
+            moments_govern=analysis.moments_govern, geometry=made.geometry(),
+            forces=resultant_forces(made, found, status), model=size, warnings=said,
+            limit_state=_limit_state(made, found), displacements=moved,
+            comparisons=Comparisons(analysis.forces_only.factor, closed.methods, governs, self.without_basal(design)),
+            timing_s=clock.done(),
         )  # fmt: skip
 
-    def ladder(design: D) -> "Ladder":
-        from slopekit.kinds.single_block.ladders import ladder_of_block, meshes
+    def factors(self, design: D) -> Factors:
+        made: Cut = self.cut(design)
+        closed, found = self.closed_form(design, made), find_limit(made, Clock())
+        status = block_status(found, made.joints)
+        difference, agree = compare(found.comparable, status, closed, design.analysis.agree_within)
+        said = (*self.notices(design, made, found, closed), *block_notices(design, made, found, closed, self.words))
+        return Factors(
+            status, found.limit.factor or None, closed.status if design.HAS_CLOSED_FORM else None,
+            closed.factor or None, difference, agree, found.analysis.moments_govern, notes=those_of_factors(said),
+            also=self.without_basal(design),
+        )  # fmt: skip
 
-        return ladder_of_block(design, analyse, cut, meshes, closed_form)
+    def _after(self, changed: D) -> tuple[float | None, str]:
+        try:
+            closed = self.closed_form(changed, None)
+        except GeometryError:
+            return None, f"no {self.words.block}"
+        return closed.factor, closed.status
 
-    return Kind(
-        record, read, words, analyse, factors, ladder, strengths,
-        lambda design, analysed: tuple(slope(design, analysed)), cut, closed_form, on_arrays,
-        without_basal=without_basal,
-    )  # fmt: skip
+    def ladder(self, design: D) -> "Ladder":
+        from slopekit.kinds.single_block.ladders import ladder_of_block
 
+        return ladder_of_block(self, design)
 
-def other_strengths(design: D, strengths: Sequence[Strength]) -> Iterator[tuple[str, D]]:
-    """Designs with a little more friction and cohesion, or more of each parameter of their laws, by name.
+    def finer(self, design: D, result: Result, made: Cut) -> "Iterator[Rung]":
+        """Yield the limit on coarser and finer node pairs."""
+        from slopekit.kinds.single_block.ladders import meshes
 
-    Parameters
-    ----------
-    strengths : of the joints, as the design has them
-    """
-    distinct = dict.fromkeys(strengths)
-    for strength in distinct:
-        joints = [joint for joint, own in zip(_OF_THREE, strengths, strict=False) if own == strength]
-        of = f" of {' and '.join(joints)}" if len(distinct) > 1 else ""
-        for name, other in changed_laws(strength):
-            yield name + of, design.each_strength(partial(_exchanged, strength, other))
-    if any(strength.named_law for strength in strengths):
-        return
-    if max(strength.friction_angle_deg for strength in strengths) < 88.0:
-        yield "φ +1°", design.each_strength(lambda one: replace(one, friction_angle_deg=one.friction_angle_deg + 1.0))
-    if any(strength.cohesion_kpa for strength in strengths):
-        yield "c +10 %", design.each_strength(lambda one: replace(one, cohesion_kpa=one.cohesion_kpa * 1.1))
+        return meshes(made)
 
 
-def _exchanged(old: Strength, new: Strength, strength: Strength) -> Strength:
-    return new if strength == old else strength
-
-
-def solve(design: Design, made: Cut, clock: Clock) -> FoundLimit:
-    """Mesh, limit, static bound, range, displacements, and what else the design asks for."""
-    found = find_limit(made, clock)
-    model, limit = found.bounded.model, found.limit
-    bound = lowest = at_rest = pairs = None
+def _factors_of_safety(found: FoundLimit, closed: ClosedForm, clock: Clock) -> FactorsOfSafety:
+    """Limit, closed form, static bound and range."""
+    limit, analysis = found.limit, found.analysis
+    highest = analysis.forces_only.factor if analysis.moments_govern else None
+    fos = FactorsOfSafety(limit.factor or None, closed.factor or None, highest=highest)
     with clock("bound"):
         if limit.factor:
-            velocity = limit.full_velocity(model)
-            bound = static_bound(model, velocity, limit.factor, not found.analysis.moments_govern).factor
+            model = found.bounded.model
+            bound = static_bound(model, limit.velocity, limit.factor, not analysis.moments_govern)
+            fos = replace(fos, static_bound=bound.factor)
     with clock("range"):
         if limit.factor and found.factors is not None:
-            lowest = lowest_factor(found.factors)
-    stiffness = joint_stiffness(design)
+            fos = replace(fos, lowest=lowest_factor(found.factors))
+    return fos
+
+
+def _displacements(
+    design: Design, made: Cut, found: FoundLimit, bound: float | None, clock: Clock
+) -> Displacements:  # fmt: skip
+    """At full strength, and what else of displacements the design asks for."""
+    model, limit, stiffness = found.bounded.model, found.limit, joint_stiffness(design)
+    settled = pairs = None
     with clock("displacements"):
         if limit.outcome is Outcome.NO_DRIVING_FORCE or (limit.factor is not None and limit.factor > 1.0):
-            at_rest = equilibrium(model, 1.0, stiffness)
+            rest = equilibrium(model, 1.0, stiffness)
+            if rest.stands:
+                movement = rigid_movement(model, rest.displacement, made.axes)
+                settled = AtFactorOne(movement, rest.failed_pairs, rest.residual)
     with clock("all_pairs"):
         if design.analysis.criterion == "all-pairs" and limit.factor:
             from slopekit.preie.motion.all_pairs import all_pairs_failed
@@ -184,74 +164,33 @@ def solve(design: Design, made: Cut, clock: Clock) -> FoundLimit:
             pairs = all_pairs_failed(model, stiffness, bound=bound)
     with clock("series"):
         series = tuple(series_of(model, design.analysis.factors, stiffness, bound, made.axes))
-    return replace(found, bound=bound, at_rest=at_rest, pairs=pairs, series=series, lowest=lowest)
+    return Displacements(settled, pairs, series)
 
 
-def result(
-    words: Words, design: Design, made: Cut, found: FoundLimit, status: str, closed: ClosedForm, forces: Forces,
-    clock: Clock, comparisons: Comparisons, extra: Sequence[Notice] = (),
-) -> Result:  # fmt: skip
-    """Put the evidence together.
+def _is_lost_before(pairs: "AllPairsFailed", limit: float | None) -> bool:
+    """Whether equilibrium was lost on the elastic bed before the last pair failed: there is no such factor."""
+    return bool(pairs.factor and limit and pairs.lost_equilibrium and pairs.factor < _LOST * limit)
 
-    Parameters
-    ----------
-    extra : notices of the kind, before the common ones
-    """
-    analysis, limit, model = found.analysis, found.limit, found.scene.model
-    pairs, searched = found.pairs, found.pairs.factor if found.pairs else None
-    if pairs and searched and limit.factor and pairs.lost_equilibrium and searched < 0.98 * limit.factor:
-        searched = None  # equilibrium was lost on the elastic bed before the last pair failed: no such factor
-    difference, agree = compare(found.comparable, status, closed, design.analysis.agree_within)
-    rest, origin, axes = found.at_rest, made.origin, made.axes
-    of_laws = left_out_of_laws([interface.strength for interface in made.interfaces])
-    highest = analysis.forces_only.factor if analysis.moments_govern else None
-    size = ModelSize(
-        1, model.unknowns, len(found.bounded.pairs), made.refine, found.change, (*made.left_out, *of_laws),
-        limit.steps, limit.change,
-    )  # fmt: skip
-    state = LimitState(
+
+def _limit_state(made: Cut, found: FoundLimit) -> LimitState:
+    limit, model, origin, axes = found.limit, found.scene.model, made.origin, made.axes
+    return LimitState(
         pair_state(found.scene.pairs, model, limit, made.joints, origin, axes),
         arrows(
             made.loads, {f"water {face}": f"water on {name}" for face, name in made.faces.items()}, origin, axes,
             None if limit.pulls is None else limit.pulls * model.force_scale,
         ),
-        failure_mechanism(limit, model, axes), balance(of_one_block(model, analysis)),
+        failure_mechanism(limit, model, axes), balance(of_one_block(model, found.analysis)),
         _openings(found, made.interfaces, origin, axes), _curved(found, made.interfaces),
-    )  # fmt: skip
-    settled = None
-    if rest is not None and rest.stands:
-        moved = rigid_movement(found.bounded.model, rest.displacement, axes)
-        settled = AtFactorOne(moved, rest.failed_pairs, rest.residual)
-    return Result(
-        design=design, words=words, status=status,
-        fos=FactorsOfSafety(
-            limit.factor or None, closed.factor or None, found.bound, searched, found.lowest, highest
-        ),
-        difference=difference, agree=agree, moments_govern=analysis.moments_govern, geometry=made.geometry(),
-        forces=forces, model=size,
-        warnings=(*extra, *block_notices(design, made, found, closed.why_not, words.block)),
-        limit_state=state, displacements=Displacements(settled, pairs, found.series), comparisons=comparisons,
-        timing_s=clock.done(),
     )  # fmt: skip
 
 
 def _curved(found: FoundLimit, interfaces: Sequence[Interface]) -> Mapping[str, Mapping[str, Any]]:
     """Return the line of each curved law at the mean normal traction of its joint; empty where no law is curved."""
-    model, limit, lines = found.scene.model, found.limit, dict[str, Mapping[str, Any]]()
-    if model.lines is None:
-        return lines
-    per_area = model.force_scale / model.area_scale
-    for interface in interfaces:
-        joint = model.interface == interface.key
-        traction = float(limit.normal_force[joint].sum() / model.control_area[joint].sum()) * per_area
-        if interface.strength.law is not None:
-            line = secant_strength(interface.strength, traction)
-            pairs = limit.normal_force[joint] / model.control_area[joint] * per_area
-            lines[interface.name] = {
-                "traction_kpa": max(traction, 0.0), "range_kpa": (float(pairs.min()), float(pairs.max())),
-                "cohesion_kpa": line.cohesion_kpa, "friction_angle_deg": line.friction_angle_deg,
-            }  # fmt: skip
-    return lines
+    model = found.scene.model
+    normal_kn, area_m2 = found.limit.normal_force * model.force_scale, model.control_area * model.area_scale
+    joints = [(interface, model.interface == interface.key) for interface in interfaces if interface.strength.law]
+    return {one.name: secant_at(one.strength, normal_kn[on], area_m2[on]) for one, on in joints}
 
 
 def _openings(
@@ -289,7 +228,7 @@ def block_status(found: FoundLimit, interfaces: Sequence[int]) -> str:
         return "falls" if model.normal_rows[:, model.translations - 1].max() <= 0.0 else "lifted"
     if limit.outcome in (Outcome.NO_STRENGTH, Outcome.NO_REST) and found.analysis.moments_govern:
         return "topples"
-    velocity = limit.full_velocity(model)
+    velocity = limit.velocity.copy()
     if found.factors is not None and found.factors.exact is None:  # joints that open have no dilation
         model = replace(model, tan_dilation=np.zeros_like(model.tan_dilation))
     opens = opening_pairs(limit, model, velocity, by_motion=scene.bedding is not None)
@@ -299,18 +238,24 @@ def block_status(found: FoundLimit, interfaces: Sequence[int]) -> str:
     normal = np.array([[limit.normal_force[joint].sum() for joint in joints]])
     if scene.bedding is not None:  # by the size of the block, not of a mesh on it
         velocity[model.translations :] *= scene.bedding.size_m / model.length_scale
-    return str(motion_statuses(velocity[None], model.translations, partly, wholly, normal)[0])
+    status = str(motion_statuses(velocity[None], model.translations, partly, wholly, normal)[0])
+    turns = float(limit.velocity[3:] @ limit.velocity[3:]) > _TURNS * float(limit.velocity @ limit.velocity)
+    return "rotates" if scene.bedding is None and turns and status.startswith("slides") else status
 
 
-def resultant_forces(made: Cut, found: FoundLimit, water: Mapping[str, float], driven: bool = True) -> Forces:
-    """Weight, normal force on each joint at the limit, water, and if `driven` what drives along the movement."""
+def resultant_forces(made: Cut, found: FoundLimit, status: str) -> Forces:
+    """Weight, normal force on each joint at the limit, water, and what drives and resists along the movement.
+
+    The latter not of a block that turns on a curved surface.
+    """
     normal: dict[str, float | None] = {}
     for interface in made.interfaces:
         on = found.scene.pairs.interface == interface.key
         carried = float(found.limit.normal_force[on].sum() * found.scene.model.force_scale)
         normal[interface.name] = None if found.limit.outcome is Outcome.NOT_CONVERGED else carried
-    along = _driving_and_resisting(found) if driven else (None, None)
-    return Forces(float(-made.loads.parts["weight"][2]), normal, water, *along)
+    turns_on_curve = status == "rotates" and found.scene.bedding is None
+    along = (None, None) if turns_on_curve else _driving_and_resisting(found)
+    return Forces(float(-made.loads.parts["weight"][2]), normal, made.water_kn, *along)
 
 
 def _driving_and_resisting(found: FoundLimit) -> tuple[float | None, float | None]:
@@ -321,9 +266,3 @@ def _driving_and_resisting(found: FoundLimit) -> tuple[float | None, float | Non
     along = alone.velocity[: model.translations]
     driving = float(model.load[: model.translations] @ along) / math.sqrt(float(along @ along)) * model.force_scale
     return driving, driving * alone.factor
-
-
-def water_forces(loads: Loads, names: Mapping[int, str]) -> dict[str, float]:
-    """Size (kN) of the water's push on each face."""
-    pushes = {name: loads.parts.get(f"water {face}", np.zeros(3)) for face, name in names.items()}
-    return {name: math.sqrt(float(push @ push)) for name, push in pushes.items()}

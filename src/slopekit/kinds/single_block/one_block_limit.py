@@ -6,29 +6,24 @@ On flat joints it is the lower of that of the forces alone and that of the block
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, frozen
 from slopekit.core.onlooker import Clock
 from slopekit.design.parts import Strength
-from slopekit.evidence import ReductionStep
 from slopekit.extents import Geometry
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
 from slopekit.geometry.rock.cutting import Block
 from slopekit.kinds.single_block.one_block_states import Bedding, ContactModel
 from slopekit.loads import Hull, Loads
-from slopekit.preie.motion.equilibrium import Equilibrium
 from slopekit.preie.one_block.bed_limits import BedLimits
 from slopekit.preie.one_block.flat_limit import FlatLimit, flat_limit, forces_limit
 from slopekit.preie.one_block.limit import LimitAnalysis, governed
 from slopekit.preie.one_block.polygon_bed import Beds, PointForces
 from slopekit.preie.outcome import Limit, Outcome
 from slopekit.preie.system.model import Model
-
-if TYPE_CHECKING:
-    from slopekit.preie.motion.all_pairs import AllPairsFailed
 
 
 @dataclass(frozen=True)
@@ -73,6 +68,12 @@ class Cut:
         return self.geometry().total_height_m
 
     @property
+    def water_kn(self) -> dict[str, float]:
+        """The size of the water's push on each face, kN."""
+        pushes = {name: self.loads.parts.get(f"water {face}", np.zeros(3)) for face, name in self.faces.items()}
+        return {name: float(np.sqrt(push @ push)) for name, push in pushes.items()}
+
+    @property
     def joints(self) -> tuple[int, ...]:
         """The ids of its joints."""
         return tuple(interface.key for interface in self.interfaces)
@@ -80,7 +81,7 @@ class Cut:
 
 @dataclass(frozen=True)
 class FoundLimit:
-    """The limit of a scene on the node pairs that carry it, and what else PRE-IE was asked of it.
+    """The limit of a scene on the node pairs that carry it.
 
     Attributes
     ----------
@@ -88,8 +89,6 @@ class FoundLimit:
     change : what finer points of the bed would do to the limit, None where it is exact or not known
     factors : of forces and bed, None on a curved surface
     openings : interface -> where the joint is pressed, in local axes; empty where the bed did not settle the limit
-    bound : the static bound; at_rest : the equilibrium at full strength
-    lowest : the limit with other joint stiffness, or soon after it begins to creep, where that is lower
     """
 
     scene: ContactModel
@@ -98,11 +97,6 @@ class FoundLimit:
     change: float | None = None
     factors: FlatLimit | None = None
     openings: dict[int, Mapping[str, Any]] = field(default_factory=dict)
-    bound: float | None = None
-    at_rest: Equilibrium | None = None
-    pairs: "AllPairsFailed | None" = None
-    series: tuple[ReductionStep, ...] = ()
-    lowest: float | None = None
 
     @property
     def limit(self) -> Limit:
@@ -125,17 +119,14 @@ def moment_limit(scene: ContactModel) -> FoundLimit:
     model, bedding = scene.model, scene.bedding
     assert bedding is not None
     factors = flat_limit(model, bedding.polygons, bedding.centroid)
-    forces, bed, state = factors.forces, factors.bed, factors.state
+    forces, bed, by_forces, state = factors.forces, factors.bed, factors.by_forces, factors.state
     if factors.exact is not None:
         exact = factors.exact
-        if model.lines is not None:
-            from slopekit.preie.system.strength_lines import drawn  # only curved laws pay for it
-
-            scene = replace(scene, model=drawn(model, exact.normal_force))
+        scene = replace(scene, model=_drawn(model, exact.normal_force))
         return FoundLimit(
             scene, scene, LimitAnalysis(exact, exact, exact, False, _curved(scene.model)), factors=factors
         )
-    if bed is None or state is None:
+    if bed is None or by_forces is None or state is None:
         return FoundLimit(scene, scene, LimitAnalysis(forces, forces, forces, False), factors=factors)
     bounded = _drawn_at_limit(scene, factors)
     if factors.factor is None:
@@ -143,7 +134,7 @@ def moment_limit(scene: ContactModel) -> FoundLimit:
         return FoundLimit(scene, bounded, LimitAnalysis(limit, forces, limit, True), factors=factors)
     carried = state.carried(bed)
     on_bed, limit = _on_bed_points(bedding, bed, state, carried, model)
-    analysis = governed(on_bed.model, replace(forces_limit(on_bed.model), factor=forces.factor), limit)
+    analysis = governed(forces_limit(on_bed.model, by_forces), limit)
     change = float(state.change[0]) if analysis.moments_govern else None
     analysis = replace(analysis, model=_curved(on_bed.model))
     return FoundLimit(on_bed, bounded, analysis, change, factors, _openings(bed, state, carried, scene))
@@ -166,11 +157,7 @@ def _on_bed_points(
         plus=np.zeros(count, dtype=np.int64),
         minus=np.full(count, BEDROCK),
     )
-    on_points = bedding.model_of(pairs)
-    if on_points.lines is not None:
-        from slopekit.preie.system.strength_lines import drawn
-
-        on_points = drawn(on_points, forces.normal)
+    on_points = _drawn(bedding.model_of(pairs), forces.normal)
     moved = bed.in_units_of(on_points, state.velocity[0])
     limit = Limit(
         outcome=Outcome.SLIDES,
@@ -225,7 +212,14 @@ def _drawn_at_limit(scene: ContactModel, factors: FlatLimit) -> ContactModel:
     model, bed, state = scene.model, factors.bed, factors.state
     if model.lines is None or bed is None or state is None or factors.factor is None:
         return scene
+    normal = model.control_area * (-model.normal_rows @ bed.in_units_of(model, state.displacement[0])).clip(0.0)
+    return replace(scene, model=_drawn(model, normal))
+
+
+def _drawn(model: Model, normal: Floats) -> Model:
+    """Return the model with the lines of curved laws at such normal forces of its node pairs."""
+    if model.lines is None:
+        return model
     from slopekit.preie.system.strength_lines import drawn  # only curved laws pay for it
 
-    normal = model.control_area * (-model.normal_rows @ bed.in_units_of(model, state.displacement[0])).clip(0.0)
-    return replace(scene, model=drawn(model, normal))
+    return drawn(model, normal)

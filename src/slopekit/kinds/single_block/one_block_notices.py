@@ -7,22 +7,21 @@ import numpy as np
 
 from slopekit.core.errors import Notice
 from slopekit.design.common import Design
+from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.single_block.one_block_limit import Cut, FoundLimit
 from slopekit.notices import SQUARE, bolt_notices, common_notices, mesh_notices, undrawn_notice
 from slopekit.preie.outcome import Outcome
 from slopekit.preie.tolerances import LIMIT_SETTLED
+from slopekit.result import Words
 
 _ACROSS, _AGAINST = 0.34, 0.1  # cosines of 70°, and of 84° the other way
 _ALL = 0.999999  # of an interface
 
 
-def notices(design: Design, made: Cut, found: FoundLimit, why_not: str, block: str) -> Iterator[Notice]:
-    """The notices of one analysed block.
-
-    Parameters
-    ----------
-    why_not : why the closed form is not compared; block : what moves
-    """
+def notices(
+    design: Design, made: Cut, found: FoundLimit, closed: ClosedForm, words: Words
+) -> Iterator[Notice]:  # fmt: skip
+    """The notices of one analysed block."""
     strengths = [interface.strength for interface in made.interfaces]
     limit, model = found.limit, found.scene.model
     yield from common_notices(design, strengths)
@@ -34,15 +33,15 @@ def notices(design: Design, made: Cut, found: FoundLimit, why_not: str, block: s
     if limit.factor is not None:
         yield from _shaking(made, found)
         passive = any(bolt.acts == "passive" for bolt in design.bolts)
-        if passive and not (-model.bolt_rows @ limit.full_velocity(model) > SQUARE).any():
+        if passive and not (-model.bolt_rows @ limit.velocity > SQUARE).any():
             yield undrawn_notice()
     held = any(strength.cohesion_kpa or strength.friction_angle_deg for strength in strengths)
     if not held and not len(model.bolt_capacity):
-        yield without_strength(block)
-    if why_not and any(strength.dilation_deg for strength in strengths):
+        yield without_strength(words.block)
+    if closed.why_not and any(strength.dilation_deg for strength in strengths):
         is_without = found.factors is not None and found.factors.exact is None
         without = "; a joint opens or has a curved law: the limit is that without dilation" if is_without else ""
-        yield Notice("W310", why_not + without)
+        yield Notice("W310", closed.why_not + without)
     yield from bolt_notices(design)
     yield from mesh_notices(found.change or 0.0)
 
@@ -65,7 +64,7 @@ def _lost_contact(design: Design, made: Cut, found: FoundLimit) -> Iterator[Noti
 def _shaking(made: Cut, found: FoundLimit) -> Iterator[Notice]:
     """W328: a seismic load that does not drive the movement."""
     seismic, model = made.loads.parts["seismic"], found.scene.model
-    moved = model.moved(found.limit.full_velocity(model))[0]
+    moved = model.moved(found.limit.velocity)[0]
     size = float(np.linalg.norm(seismic) * np.linalg.norm(moved))
     if size:
         yield from shaking(float(seismic @ moved) / size)

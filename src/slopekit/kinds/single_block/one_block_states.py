@@ -78,7 +78,7 @@ def pair_state(
     interfaces : their ids, in the order of the result's joints
     origin : (3,) of the local axes; axes : (3, 3) rows are the local axes in those of the user
     """
-    velocity = limit.full_velocity(model)
+    velocity = limit.velocity
     slip = model.slip(velocity)
     none = limit.normal_force <= CLOSED * max(float(limit.normal_force.max(initial=0.0)), 1e-300)
     opened = (opening_pairs(limit, model, velocity) if velocity.any() else none) | none
@@ -148,7 +148,7 @@ def failure_mechanism(limit: Limit, model: Model, axes: Floats) -> Movement | No
     """The mechanism in true proportions: displacement of the centroid in m, rotation in radians, largest size 1."""
     if limit.outcome in (Outcome.NO_DRIVING_FORCE, Outcome.NOT_CONVERGED) or not limit.velocity.any():
         return None
-    displacement, rotation = model.moved(limit.full_velocity(model))
+    displacement, rotation = model.moved(limit.velocity)
     rotation = rotation / model.length_scale
     size = math.sqrt(float(displacement @ displacement)) or model.length_scale * math.sqrt(float(rotation @ rotation))
     return Movement(frozen(displacement @ axes / size), frozen(rotation @ axes / size))

@@ -6,15 +6,21 @@ on two joints do not depend on its strength: the second round ends it. With pass
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields, replace
+from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
 
+from slopekit.core.arrays import Floats
+from slopekit.core.orientation import Plane
+from slopekit.design.common import Design
 from slopekit.design.parts import Strength
 
+D = TypeVar("D", bound=Design)
 Found = TypeVar("Found")
+_OF_THREE = ("J1", "J2", "basal")  # of a wedge with a basal joint
 _FIRST_KPA = 100.0
 _STEADY = 1e-14
 _MOST_ROUNDS = 60
@@ -23,36 +29,46 @@ _MOST_ROUNDS = 60
 def on_secants(
     strengths: Sequence[Strength],
     closed: Callable[[Sequence[Strength]], Found],
-    tractions: Callable[[Found], Sequence[float]],
+    tractions: Callable[[Found], Sequence[Floats]],
 ) -> Found:
-    """What a closed form says, on the secants of the laws that are curved.
+    """What a closed form says of n designs, on the secants of the laws that are curved.
 
     Parameters
     ----------
     closed : the closed form with these cohesions and friction angles
-    tractions : mean effective normal traction of each plane, kPa, from what it said
+    tractions : mean effective normal traction (n,) of each plane, kPa, from what it said
     """
     if not any(strength.law for strength in strengths):
         return closed(strengths)
-    after = [_FIRST_KPA] * len(strengths)
+    after = [np.array([_FIRST_KPA])] * len(strengths)
     for _ in range(_MOST_ROUNDS):
         answer = closed([secant_strength(*pair) for pair in zip(strengths, after, strict=True)])
-        before, after = after, [max(traction, 0.0) for traction in tractions(answer)]
+        before, after = after, [np.maximum(np.nan_to_num(traction), 0.0) for traction in tractions(answer)]
         changes = zip(strengths, before, after, strict=True)
-        if all(strength.law is None or abs(new - old) <= _STEADY * new for strength, old, new in changes):
+        if all(strength.law is None or (np.abs(new - old) <= _STEADY * new).all() for strength, old, new in changes):
             break
     return answer
 
 
-def secant_strength(strength: Strength, traction_kpa: float) -> Strength:
-    """The strength with the line of a curved law through its strength at a traction, one below 0 taken as 0."""
+def secant_strength(strength: Strength, traction_kpa: Any) -> Strength:
+    """The strength with the lines of a curved law through its strength at tractions, those below 0 taken as 0."""
     if strength.law is None:
         return strength
     from slopekit.strength.protocol import secant
 
-    cohesion, tangent = secant(strength.law, np.array([max(traction_kpa, 0.0)]))
-    angle_deg = math.degrees(math.atan(float(tangent[0])))
-    return replace(strength, cohesion_kpa=float(cohesion[0]), friction_angle_deg=angle_deg)
+    cohesion, tangent = secant(strength.law, np.maximum(traction_kpa, 0.0))
+    held: Any = {"cohesion_kpa": cohesion, "friction_angle_deg": np.degrees(np.arctan(tangent))}
+    return replace(strength, **held)
+
+
+def secant_at(strength: Strength, normal_kn: Floats, area_m2: Floats) -> Mapping[str, Any]:
+    """The line of a curved law at the mean normal traction of node pairs (n,), and the range of their tractions."""
+    traction, tractions = float(normal_kn.sum() / area_m2.sum()), normal_kn / area_m2
+    line = secant_strength(strength, traction)
+    return {
+        "traction_kpa": max(traction, 0.0), "range_kpa": (float(tractions.min()), float(tractions.max())),
+        "cohesion_kpa": line.cohesion_kpa, "friction_angle_deg": line.friction_angle_deg,
+    }  # fmt: skip
 
 
 def left_out_of_laws(strengths: Sequence[Strength]) -> list[str]:
@@ -62,8 +78,37 @@ def left_out_of_laws(strengths: Sequence[Strength]) -> list[str]:
     return ["the range of the factor under other locked-in forces (strength is curved)"]
 
 
+# -- designs with one input a little changed: what SENSITIVITY asks the closed form ------------------------------------
+
+
+def steeper(plane: Plane) -> Plane:
+    """A plane that dips one degree more."""
+    return replace(plane, dip_deg=plane.dip_deg + 1.0)
+
+
+def other_strengths(design: D) -> Iterator[tuple[str, D]]:
+    """Designs with a little more friction and cohesion, or more of each parameter of their laws, by name."""
+    strengths = design.joint_strengths
+    distinct = dict.fromkeys(strengths)
+    for strength in distinct:
+        joints = [joint for joint, own in zip(_OF_THREE, strengths, strict=False) if own == strength]
+        of = f" of {' and '.join(joints)}" if len(distinct) > 1 else ""
+        for name, other in changed_laws(strength):
+            yield name + of, design.each_strength(partial(_exchanged, strength, other))
+    if any(strength.named_law for strength in strengths):
+        return
+    if max(strength.friction_angle_deg for strength in strengths) < 88.0:
+        yield "φ +1°", design.each_strength(lambda one: replace(one, friction_angle_deg=one.friction_angle_deg + 1.0))
+    if any(strength.cohesion_kpa for strength in strengths):
+        yield "c +10 %", design.each_strength(lambda one: replace(one, cohesion_kpa=one.cohesion_kpa * 1.1))
+
+
+def _exchanged(old: Strength, new: Strength, strength: Strength) -> Strength:
+    return new if strength == old else strength
+
+
 def changed_laws(strength: Strength) -> list[tuple[str, Strength]]:
-    """A curved law with each of its parameters a little larger, one at a time: what SENSITIVITY asks of it."""
+    """A curved law with each of its parameters a little larger, one at a time."""
     law = strength.named_law
     if law is None:
         return []

@@ -14,9 +14,10 @@ from typing import Any, TypeAlias, TypeVar
 import numpy as np
 
 from slopekit.core.arrays import Floats, NDArray
-from slopekit.core.errors import DesignError, Fault, GeometryError
+from slopekit.core.errors import DesignError, Fault
 from slopekit.design.ground_water import SlopeDesign
-from slopekit.kinds.single_block.closed_forms import Arguments, OnArrays
+from slopekit.design.parts import Strength
+from slopekit.kinds.single_block.closed_forms import OnArrays
 
 #: Where the lowest factor is: in the range, at its end toward the crest, everywhere, where nothing holds the block,
 #: nowhere, at its end away from the crest. Places without a factor are outside of the range.
@@ -30,34 +31,21 @@ _FLAT = 1e-9
 _FREE = ("lifted", "falls")
 
 D = TypeVar("D", bound=SlopeDesign)
-#: The arguments of some of n designs with the crack of each at places (m, k), m k of those that are not one for all.
-ArgumentsAt: TypeAlias = Callable[[slice, Floats], Arguments]
-
-
-def lowest(factor_at: Callable[[Floats], Floats], reach: float, count: int, rounds: int = 8) -> tuple[float, str]:
-    """The place in (0, reach) with the lowest factor, and where it is: one of `WHERE`.
-
-    Parameters
-    ----------
-    factor_at : factors at places (k,), nan where there is none, -inf where nothing holds the block ("free")
-    count, rounds : see `lowest_of_many`
-
-    >>> place, where = lowest(lambda x: (x - 2.0) ** 2 + 1.0, 10.0, 50)
-    >>> round(place, 6), where
-    (2.0, 'inside')
-    """
-    places, where = lowest_of_many(lambda places: factor_at(places[0])[None], np.array([reach]), count, rounds)
-    return float(places[0]), WHERE[int(where[0])]
+#: Designs whose numbers may be arrays, and the strengths of their joints.
+Cracked: TypeAlias = tuple[SlopeDesign, Sequence[Strength]]
+#: Some of n designs with the crack of each at places (m, k), m k in all.
+CrackedAt: TypeAlias = Callable[[slice, Floats], Cracked]
 
 
 def lowest_of_many(
     factors_at: Callable[[Floats], Floats], reach: Floats, count: int, rounds: int = 8
 ) -> tuple[Floats, NDArray[np.int8]]:
-    """The same of n designs, each in its own (0, reach): places (n,), and indices into `WHERE` (n,).
+    """The places (n,) of n designs with the lowest factor, each in its own (0, reach), and indices into `WHERE` (n,).
 
     Parameters
     ----------
-    factors_at : factors at places (n, k), of each design at its own
+    factors_at : factors at places (n, k), of each design at its own; nan where there is none, -inf where nothing holds
+        the block ("free")
     reach : (n,); count : places of the first sweep; rounds : narrower sweeps, each a fifth of the one before
 
     >>> places, where = lowest_of_many(lambda x: (x - np.array([[2.0], [9.0]])) ** 2, np.array([10.0, 5.0]), 50)
@@ -101,27 +89,28 @@ def lowest_of_many(
     return place, where
 
 
-def worst_of_many(design: SlopeDesign, on_arrays: OnArrays[Any], arguments: ArgumentsAt, reach: Floats) -> Floats:
-    """Where (n,) the crack of each of n designs lowers the closed form most, as `with_worst_crack` finds it one by one.
+def worst_of_many(
+    design: SlopeDesign, on_arrays: OnArrays[Any], cracked: CrackedAt, reach: Floats
+) -> tuple[Floats, NDArray[np.int8]]:
+    """Where (n,) the crack of each of n designs lowers the closed form most, and indices into `WHERE` (n,).
 
     Parameters
     ----------
-    design : of which the n differ in numbers, without passive bolts
+    design : of which the n differ in numbers
     reach : (n,) the longest distances, nan where there is no block
     """
     parts = []
     for at in range(0, len(reach), _AT_ONCE):
         part = slice(at, at + _AT_ONCE)
-        factors = partial(_factors, on_arrays, partial(arguments, part), ())
-        parts.append(lowest_of_many(factors, reach[part], *(_DEAR if design.is_cut_for_loads else _CHEAP))[0])
-    return np.concatenate(parts)
+        factors = partial(_factors, on_arrays, partial(cracked, part))
+        parts.append(lowest_of_many(factors, reach[part], *(_DEAR if design.is_cut_for_loads else _CHEAP)))
+    places, where = zip(*parts, strict=True)
+    return np.concatenate(places), np.concatenate(where)
 
 
-def _factors(
-    on_arrays: OnArrays[D], arguments: Callable[[Floats], Arguments], bolts: Sequence[Sequence[float]], places: Floats
-) -> Floats:
+def _factors(on_arrays: OnArrays[Any], cracked: Callable[[Floats], Cracked], places: Floats) -> Floats:
     """Factors of designs with the crack at places (n, k), nan where there is none, -inf where nothing holds."""
-    forms = on_arrays.closed_forms(arguments(places), bolts)
+    forms = on_arrays.forms(*cracked(places))
     free = np.isin(forms.outcome, [number for number, name in enumerate(forms.names) if name in _FREE])
     factors: Floats = np.where(free, -math.inf, forms.factor)
     return np.broadcast_to(factors, places.size).reshape(places.shape)
@@ -141,34 +130,15 @@ def with_worst_crack(design: D, on_arrays: OnArrays[D], reach: float, place: str
     """
     holder: Any = design
 
-    def at(distance: Any) -> D:
-        cracked: D = replace(holder, crack=replace(holder.crack, distance_m=distance))
-        return cracked
+    def cracked_at(_: slice, places: Floats) -> Cracked:
+        cracked = replace(holder, crack=replace(holder.crack, distance_m=places[0]))
+        return cracked, design.joint_strengths
 
-    together = not any(one.law for one in on_arrays.strengths(design))
-
-    def arguments(distances: Floats) -> Arguments:
-        return on_arrays.arguments(at(distances[0]))
-
-    def one(distance: float) -> float:
-        try:
-            solution = on_arrays.of(at(distance))
-        except GeometryError:
-            return math.nan
-        if solution.status in _FREE:
-            return -math.inf
-        return math.nan if solution.factor is None else solution.factor
-
-    def factors(places: Floats) -> Floats:
-        if not together:
-            return np.array([one(float(place)) for place in places])
-        fos: Floats = _factors(on_arrays, arguments, on_arrays.bolts(design), places[None])[0]
-        return fos
-
-    distance, where = 0.0, "none"
+    where = _NONE_OF
     if reach > 0.0:
-        distance, where = lowest(factors, reach, *(_DEAR if design.is_cut_for_loads or not together else _CHEAP))
-    if where == "none":
+        (distance,), (where,) = worst_of_many(design, on_arrays, cracked_at, np.array([reach]))
+    if where == _NONE_OF:
         message = "no place of the crack behind the crest gives a factor of safety: none is the worst"
         raise DesignError([Fault("E459", message, place, "Give its distance, or leave the crack out.")])
-    return replace(at(distance), crack_searched=where)
+    placed: D = replace(holder, crack=replace(holder.crack, distance_m=float(distance)), crack_searched=WHERE[where])
+    return placed

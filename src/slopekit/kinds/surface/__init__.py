@@ -1,7 +1,7 @@
 """A mass on a curved slip surface."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -13,12 +13,11 @@ from slopekit.closed_form import columns as lem
 from slopekit.closed_form.rotation import rotational_failure
 from slopekit.core.arrays import Floats, Ints, frozen
 from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
-from slopekit.core.onlooker import Clock, say
+from slopekit.core.onlooker import say
 from slopekit.core.orientation import Line, coordinates, millimetre
 from slopekit.core.orientation import number as shown
 from slopekit.core.sheet import Section
 from slopekit.design.parts import MeshFile
-from slopekit.evidence import Comparisons
 from slopekit.extents import SurfaceGeometry
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.geometry.rock.cutting import Block
@@ -33,23 +32,23 @@ from slopekit.geometry.solids.sliding_mass import (
     halvings,
     through,
 )
-from slopekit.kinds.protocol import ClosedForm, Factors, Kind
-from slopekit.kinds.single_block.one_block import block_status, result, resultant_forces, solve
-from slopekit.kinds.single_block.one_block_limit import Cut, FoundLimit, Interface, find_limit
+from slopekit.kinds.protocol import ClosedForm
+from slopekit.kinds.single_block.one_block import SingleBlock
+from slopekit.kinds.single_block.one_block_limit import Cut, FoundLimit, Interface
 from slopekit.kinds.single_block.one_block_states import ContactModel
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
 from slopekit.kinds.surface.design import SurfaceDesign, read_surface
-from slopekit.kinds.words import loads_part, short, size_part, strength_in_words, water_in_words
+from slopekit.kinds.words import sections_of, short, strength_in_words, water_in_words
 from slopekit.loads import Loads, PointForce, block_loads
-from slopekit.notices import those_of_factors
 from slopekit.preie.one_block.pairs_limit import pairs_limit
-from slopekit.preie.one_block.slippage import Slippage, slippable
+from slopekit.preie.one_block.slippage import slippable
 from slopekit.preie.outcome import Outcome
 from slopekit.preie.system.model import build_model
+from slopekit.preie.tolerances import FARTHEST_DEG
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
-    from slopekit.kinds.single_block.ladders import Ladder, Rung
+    from slopekit.kinds.single_block.ladders import Rung
 
 NAME = "slip surface"
 _EDGES = (4.0, 2.0, 1.0, 0.5)  # times the edge of the design; meshes halve
@@ -60,44 +59,19 @@ _NOT_DRIVEN = 1e6  # a factor beyond this is that of level ground
 _OVERHUNG = 1e-6  # of the weight
 
 
-def analyse_surface(design: SurfaceDesign) -> Result:
-    """Cut the mass, find its factor of safety by PRE-IE and by the closed forms there are.
+def cut(design: SurfaceDesign) -> Cut:
+    """Cut the mass, turn the normals so that it can slip, and load it.
 
     Raises
     ------
     GeometryError
         Where slip surface and ground make no mass that can move.
     """
-    return _analysed(design, partial(solve, design))
-
-
-def _analysed(design: SurfaceDesign, find: Callable[[Cut, Clock], FoundLimit]) -> Result:
-    clock = Clock()
-    with clock("cut"):
-        mass, pairs = _cut(design)
-        loads = _loads(design, mass, pairs)
-    with clock("normals"):
-        slip, scene = _scene(design, mass, pairs, loads)
-    with clock("closed_form"):
-        closed, methods, extra = _closed_forms(design, mass)
-    made = _made(design, mass, loads, slip, scene)
-    found = find(made, clock)
-    status = block_status(found, made.joints)
-    turning, velocity = found.limit.velocity[3:], found.limit.velocity
-    if status in ("slides_on_J1", "slides_up") and float(turning @ turning) > 1e-6 * float(velocity @ velocity):
-        status = "rotates"
-    pressed = {NAME: 0.0 if "water" not in loads.parts else float(np.linalg.norm(loads.parts["water"]))}
-    if "pond" in loads.parts:
-        pressed["ground"] = float(np.linalg.norm(loads.parts["pond"]))
-    forces = resultant_forces(made, found, pressed, driven=status != "rotates")
-    moves = found.limit.outcome is not Outcome.NO_DRIVING_FORCE
-    of_cut = _notices(design, mass, slip.misfit_deg if moves else 0.0, slip.left_as_it_was and moves)
-    notes = [*of_cut, *_columns_below(design, found.limit.factor, methods), *extra]
-    comparisons = Comparisons(found.analysis.forces_only.factor, methods)
-    return result(WORDS, design, made, found, status, closed, forces, clock, comparisons, notes)
-
-
-def _made(design: SurfaceDesign, mass: SlidingMass, loads: Loads, slip: Slippage, scene: ContactModel) -> Cut:
+    mass, pairs = _cut(design)
+    loads = _loads(design, mass, pairs)
+    slip = slippable(pairs, mass.centroid, np.concatenate([loads.force, loads.moment]))
+    strength = joint_strength([replace(design.strength, dilation_deg=0.0)])
+    scene = ContactModel(slip.pairs, build_model(slip.pairs, loads, mass.centroid, strength))
     left_out = ["bedrock (no unknowns)", "ground surface (free)", "deformation of the mass"]
     left_out += ["strength at the two ends of the cylinder"] if design.slip.shape == "cylinder" else []
     if mass.pieces:
@@ -112,34 +86,12 @@ def _made(design: SurfaceDesign, mass: SlidingMass, loads: Loads, slip: Slippage
 
     return Cut(
         _block(mass), loads, lambda _: scene, [Interface(SLIP, NAME, design.strength)], geometry, left_out,
-        origin=mass.origin,
+        {SLIP: NAME} | ({} if design.water.pond_m is None else {GROUND: "ground"}), origin=mass.origin,
     )  # fmt: skip
 
 
 def _block(mass: SlidingMass) -> Block:
     return Block({}, {SLIP: mass.area}, mass.volume, mass.centroid)
-
-
-def _factors(design: SurfaceDesign) -> Factors:
-    result = _analysed(design, find_limit)
-    return Factors(
-        result.status, result.fos.limit, None, result.fos.closed_form, result.difference, result.agree,
-        result.moments_govern, notes=those_of_factors(result.warnings),
-    )  # fmt: skip
-
-
-def cut(design: SurfaceDesign) -> Cut:
-    """Cut the mass, turn the normals so that it can slip, and load it. Raises GeometryError as `analyse_surface`."""
-    mass, pairs = _cut(design)
-    loads = _loads(design, mass, pairs)
-    return _made(design, mass, loads, *_scene(design, mass, pairs, loads))
-
-
-def _scene(design: SurfaceDesign, mass: SlidingMass, pairs: NodePairs, loads: Loads) -> tuple[Slippage, ContactModel]:
-    slip = slippable(pairs, mass.centroid, np.concatenate([loads.force, loads.moment]))
-    strength = joint_strength([replace(design.strength, dilation_deg=0.0)])
-    model = build_model(slip.pairs, loads, mass.centroid, strength)
-    return slip, ContactModel(slip.pairs, model)
 
 
 def _cut(design: SurfaceDesign) -> tuple[SlidingMass, NodePairs]:
@@ -221,7 +173,7 @@ def _loads(design: SurfaceDesign, mass: SlidingMass, pairs: NodePairs) -> Loads:
     if design.water.mode == "pressures":
         shares = pairs.control_areas[:, None] * pairs.normals * design.water.pressures_kpa[0]
         couple = np.cross(pairs.points - mass.centroid, shares).sum(axis=0)
-        pushes["water"] = PointForce(shares.sum(axis=0), None, couple)
+        pushes[f"water {SLIP}"] = PointForce(shares.sum(axis=0), None, couple)
     elif design.water.has_table:
         from slopekit.kinds.surface.water import pushes_of
 
@@ -251,13 +203,15 @@ def _falls(design: SurfaceDesign) -> float:
 # -- closed forms -------------------------------------------------------------------------------------
 
 
-def _closed_forms(design: SurfaceDesign, mass: SlidingMass) -> tuple[ClosedForm, dict[str, float | None], list[Notice]]:
+def closed_form(design: SurfaceDesign, made: Cut) -> ClosedForm:
     """The exact answer where there is one (φ = 0, turning about an axis), and the methods of columns."""
     rotation, methods, notes = None, dict[str, float | None](), list[Notice]()
-    why = _why_no_columns(design, mass)
+    geometry = made.geometry()
+    is_whole = isinstance(geometry, SurfaceGeometry) and not geometry.pieces_m3
+    why = _why_no_columns(design, is_whole)
     try:
-        if not (design.forces or design.bolts or design.water.pond_m is not None) and design.strength.law is None:
-            rotation = _rotation(design, mass)
+        if is_whole and not (design.forces or design.bolts or design.water.pond_m is not None):
+            rotation = _rotation(design)
         if not why:
             methods = _columns(design, notes)
     except GeometryError as error:  # ground that turns back over itself has no columns
@@ -265,10 +219,10 @@ def _closed_forms(design: SurfaceDesign, mass: SlidingMass) -> tuple[ClosedForm,
     if why:
         notes.append(Notice("W324", f"the methods of columns are left out: {why}"))
     none = ClosedForm(None, "", "there is no closed form of this surface: the upper bound alone is beside it")
-    return rotation or none, methods, notes
+    return replace(rotation or none, methods=methods, notices=notes)
 
 
-def _why_no_columns(design: SurfaceDesign, mass: SlidingMass) -> str:
+def _why_no_columns(design: SurfaceDesign, is_whole: bool) -> str:
     """Why the methods of columns do not take a design; empty where they do."""
     reasons = {
         "they take one cohesion and friction angle": design.strength.law is not None,
@@ -276,21 +230,16 @@ def _why_no_columns(design: SurfaceDesign, mass: SlidingMass) -> str:
         "they know no forces and bolts": bool(design.forces or design.bolts),
         "they take analytic surfaces below a profile": design.slip.shape == "mesh" or design.profile_m is None,
         "the seismic load has a direction of its own": _sideways(design),
-        "they would count all pieces together": bool(mass.pieces),
+        "they would count all pieces together": not is_whole,
     }
     return next((reason for reason, holds in reasons.items() if holds), "")
 
 
-def _rotation(design: SurfaceDesign, mass: SlidingMass) -> ClosedForm | None:
+def _rotation(design: SurfaceDesign) -> ClosedForm | None:
     """The exact answer of a surface of revolution about the y axis with φ = 0, None for any other."""
     strength, slip, profile = design.strength, design.slip, design.profile_m
     round_ = slip.shape != "mesh" and math.isclose(slip.radii_m[0], slip.radii_m[2], rel_tol=1e-12)
-    if (
-        strength.law is not None
-        or not (profile and round_ and strength.friction_angle_deg == 0.0)
-        or _sideways(design)
-        or mass.pieces
-    ):
+    if strength.law is not None or not (profile and round_ and strength.friction_angle_deg == 0.0) or _sideways(design):
         return None
     rotation = rotational_failure(
         slip.centre_m, slip.radii_m[0], slip.radii_m[1], profile, strength.cohesion_kpa, design.rock.unit_weight_kn_m3,
@@ -339,20 +288,14 @@ def _columns(design: SurfaceDesign, notes: list[Notice]) -> dict[str, float | No
     }
 
 
-def _columns_below(design: SurfaceDesign, limit: float | None, methods: Mapping[str, float | None]) -> Iterator[Notice]:
-    """A rule that the limit meets and a method of columns does not is worth a second look."""
-    for rule in design.rules:
-        below = [f"{name.capitalize()} {value:.3f}" for name, value in methods.items()
-                 if value is not None and name in ("bishop", "janbu", "fellenius") and not rule.met(value)]  # fmt: skip
-        if rule.is_on_factor and rule.met(limit) and below:
-            yield Notice("W324", f"the limit meets {rule}, {', '.join(below)} would not")
-
-
-def _notices(design: SurfaceDesign, mass: SlidingMass, misfit: float, left: bool) -> Iterator[Notice]:
+def _notices(design: SurfaceDesign, made: Cut, found: FoundLimit, closed: ClosedForm) -> Iterator[Notice]:
+    geometry = made.geometry()
+    assert isinstance(geometry, SurfaceGeometry)
+    misfit = 0.0 if found.limit.outcome is Outcome.NO_DRIVING_FORCE else geometry.misfit_deg
     if design.strength.dilation_deg:
         message = "a curved surface cannot dilate evenly: its dilation is not counted"
         yield Notice("W310", message)
-    if left:
+    if misfit > FARTHEST_DEG:
         message = f"no motion follows this surface within {misfit:.1f}°: it must dilate to slip, and the limit says so"
         yield Notice("W325", message)
     elif misfit > 0.5:
@@ -361,63 +304,66 @@ def _notices(design: SurfaceDesign, mass: SlidingMass, misfit: float, left: bool
             "surface itself opens by that"
         )
         yield Notice("W325", message)
+    low, high = geometry.vertices_m.min(axis=0), geometry.vertices_m.max(axis=0)
     if design.profile_m is not None:
         ends = [x for x, _ in design.profile_m]
-        low, high = (float(mass.vertices[:, 0].min()), float(mass.vertices[:, 0].max()))
-        beyond = max(min(ends) - low - float(mass.origin[0]), high + float(mass.origin[0]) - max(ends))
-        if beyond > 1e-6 * (high - low):
+        beyond = float(max(min(ends) - low[0], high[0] - max(ends)))
+        if beyond > 1e-6 * (high[0] - low[0]):
             message = f"the mass reaches {beyond:.4g} m beyond the profile, where the ground is taken as level"
             yield Notice("W322", message)
-    if mass.pieces:
+    if geometry.pieces_m3:
         message = (
-            f"the slip surface cuts {len(mass.pieces) + 1} pieces off: the largest is analysed, "
-            f"{sum(mass.pieces):.4g} m³ are left out"
+            f"the slip surface cuts {len(geometry.pieces_m3) + 1} pieces off: the largest is analysed, "
+            f"{sum(geometry.pieces_m3):.4g} m³ are left out"
         )
         yield Notice("W322", message)
-    lowest = float(mass.vertices[:, 2].min() + mass.origin[2])
-    if design.water.pond_m is not None and design.water.pond_m <= lowest:
+    if design.water.pond_m is not None and design.water.pond_m <= low[2]:
         yield Notice("W419", f"the pond stands at {shown(design.water.pond_m)} m, below the mass: it wets nothing")
+    for rule in design.rules:  # that the limit meets and a method of columns does not is worth a second look
+        below = [f"{name.capitalize()} {value:.3f}" for name, value in closed.methods.items()
+                 if value is not None and name in ("bishop", "janbu", "fellenius") and not rule.met(value)]  # fmt: skip
+        if rule.is_on_factor and rule.met(found.limit.factor) and below:
+            yield Notice("W324", f"the limit meets {rule}, {', '.join(below)} would not")
+    yield from closed.notices
 
 
 # -- what check looks at ----------------------------------------------------------------------------------------------
 
 
-def _ladder(design: SurfaceDesign) -> "Ladder":
-    from slopekit.kinds.single_block.ladders import ladder_of_block
+class OnSurface(SingleBlock[SurfaceDesign]):
+    """The kind of a mass on a curved slip surface, whose node pairs are cut again for each mesh."""
 
-    return ladder_of_block(design, analyse_surface, cut, _meshes)
+    def finer(self, design: SurfaceDesign, result: Result, made: Cut) -> "Iterator[Rung]":
+        """Yield the limit for edges four times as long as the design's, to half as long; a mesh file is what it is.
 
+        What has too many node pairs, and edges too coarse to cut this mass, are left out.
+        """
+        from slopekit.kinds.single_block.ladders import MOST_PAIRS, limit_rung
 
-def _meshes(design: SurfaceDesign, result: Result, _: Cut) -> "Iterator[Rung]":
-    """Edges four times as long as the design's, to half as long; a mesh file is what it is.
-
-    What has too many node pairs, and edges too coarse to cut this mass, are left out.
-    """
-    from slopekit.kinds.single_block.ladders import MOST_PAIRS, limit_rung
-
-    if design.slip.shape == "mesh":
-        return
-    geometry = result.geometry
-    rungs: list[Rung] = []
-    assert isinstance(geometry, SurfaceGeometry)
-    for level, times in enumerate(_EDGES):
-        if result.model.node_pairs / times**2 > MOST_PAIRS:
-            break
-        wanted = times * geometry.edge_m
-        say(f"edges of {wanted:.3g} m", head=True)
-        try:
-            made = cut(replace(design, slip=replace(design.slip, edge_m=_ROOM * wanted)))
-        except (DesignError, GeometryError):
-            continue
-        meshed, scene = made.geometry(), made.scene_at(0)
-        assert isinstance(meshed, SurfaceGeometry)
-        if rungs and len(scene.pairs) == rungs[-1].node_pairs:  # the coarsest mesh there is, once more
-            rungs.pop()
-        rungs.append(replace(limit_rung(scene, pairs_limit, f"edges of {wanted:.3g} m", level), edge_m=meshed.edge_m))
-    yield from rungs
+        if design.slip.shape == "mesh":
+            return
+        geometry = result.geometry
+        rungs: list[Rung] = []
+        assert isinstance(geometry, SurfaceGeometry)
+        for level, times in enumerate(_EDGES):
+            if result.model.node_pairs / times**2 > MOST_PAIRS:
+                break
+            wanted = times * geometry.edge_m
+            say(f"edges of {wanted:.3g} m", head=True)
+            try:
+                made = self.cut(replace(design, slip=replace(design.slip, edge_m=_ROOM * wanted)))
+            except (DesignError, GeometryError):
+                continue
+            meshed, scene = made.geometry(), made.scene_at(0)
+            assert isinstance(meshed, SurfaceGeometry)
+            if rungs and len(scene.pairs) == rungs[-1].node_pairs:  # the coarsest mesh there is, once more
+                rungs.pop()
+            rung = limit_rung(scene, pairs_limit, f"edges of {wanted:.3g} m", level)
+            rungs.append(replace(rung, edge_m=meshed.edge_m))
+        yield from rungs
 
 
-def _slope(design: SurfaceDesign, result: Result) -> tuple[Section, ...]:
+def _slope(design: SurfaceDesign, result: Result) -> list[Section]:
     geometry = result.geometry
     assert isinstance(geometry, SurfaceGeometry)
     area = short(geometry.areas_m2["slip surface"])
@@ -435,12 +381,7 @@ def _slope(design: SurfaceDesign, result: Result) -> tuple[Section, ...]:
         f"{geometry.normals} normals, mesh edges {geometry.edge_m:.3g} m; {rigid} the surface{turned}",
         ground,
     ]
-    wet = design.ground_in_words() if design.water.has_table else water_in_words(result)
-    return (
-        Section("SURFACE", entries),
-        size_part(result, geometry.total_height_m),
-        loads_part(wet, result, x_is_east=True),
-    )
+    return sections_of(result, Section("SURFACE", entries), water_in_words(result))
 
 
 WORDS = Words(
@@ -453,7 +394,4 @@ WORDS = Words(
     no_closed_form="there is none for this surface; judge by bound and columns",
     assumes=" (normal stresses of a rigid mass on an even elastic bed)", turns=False,
 )  # fmt: skip
-KIND = Kind(
-    SurfaceDesign, read_surface, WORDS, analyse_surface, _factors, _ladder,
-    lambda design: [design.strength], _slope, cut,
-)  # fmt: skip
+KIND = OnSurface(SurfaceDesign, read_surface, WORDS, cut, closed_form, _slope, _notices)

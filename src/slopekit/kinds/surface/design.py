@@ -14,7 +14,7 @@ from slopekit.design.parts import MeshFile, Strength, axis_key
 from slopekit.design.reading.named_files import mesh_file
 from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.reader import Reader
-from slopekit.design.reading.structure import Leaf, ListOf
+from slopekit.design.reading.structure import VALUE, Spec
 from slopekit.design.sections import read_common, read_strengths, read_water
 
 Points = tuple[tuple[float, ...], ...]
@@ -121,7 +121,7 @@ class SurfaceDesign(Design):
     profile_m: Points | None = text(
         "slope.profile", default=None, coordinates=2, left_out="one of the two",
         doc="[x, z] from one side to the other; level beyond its ends (W322)",
-        forms=(ListOf(ListOf(Leaf(), 2, 2), 2, example="[[60, 0], [40, 0], [0, 40], [-20, 40]]"),),
+        forms=(Spec(items=Spec(items=VALUE, at_least=2, at_most=2), at_least=2),),
         example="[[60, 0], [40, 0], [0, 40], [-20, 40]]",
     )  # fmt: skip
     ground_mesh: MeshFile | None = text(
@@ -266,10 +266,8 @@ def _centre(reader: Reader, holder: Node, shape: str) -> tuple[float, float, flo
     if node is None:
         reader.fault("E143", "slip.centre is missing", holder, "Give slip.centre.")
         return None
-    given = () if reader.value(node) is None else node.elements
-    parts = [reader.kept(quantity, reader.value(part), "length", "centre", str(part.place)) for part in given]
-    sure = [part for part in parts if part is not None]
-    if not sure or len(sure) < len(parts):
+    sure = reader.field(fields_of(Slip)["centre_m"], node)
+    if reader.value(node) is None or len(sure) < len(node.elements):
         return None
     if len(sure) == 2 and shape == "cylinder":
         return sure[0], 0.0, sure[1]
@@ -285,9 +283,8 @@ def _radii(reader: Reader, holder: Node, shape: str) -> tuple[float, float, floa
         node = holder.get("radii")
         if node is None or reader.value(node) is None:
             return None
-        parts = [reader.number(own["radii_m"], part) for part in node.elements]
-        sure = [part for part in parts if part is not None]
-        return (sure[0], sure[1], sure[2]) if len(sure) == 3 else None
+        radii: tuple[float, float, float] = reader.field(own["radii_m"], node)
+        return radii if len(radii) == 3 else None
     radius = reader.field(own["radius"], holder.get("radius"))
     half = radius if shape == "sphere" else reader.field(own["length"], holder.get("length"))
     if radius is None or half is None:

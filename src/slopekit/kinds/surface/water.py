@@ -44,12 +44,12 @@ def pushes_of(design: SurfaceDesign, mass: SlidingMass) -> dict[str, PointForce]
     volume, moment = volume_moments(mass.vertices, mass.triangles)
     sliver, first = mass.volume - volume, mass.volume * mass.centroid - moment
     lift = np.array([0.0, 0.0, water.unit_weight * wet])
-    loads = {"water": PointForce(
+    loads = {f"water {SLIP}": PointForce(
         force + sliver * lift, None, couple + cross(first - sliver * mass.centroid, lift)
     )}  # fmt: skip
     if water.pond is not None:
         force, couple, _ = _on_facets(Pressure((), water.pond, water.unit_weight), ground, centre)
-        loads["pond"] = PointForce(force, None, couple)
+        loads[f"water {GROUND}"] = PointForce(force, None, couple)
     return loads
 
 

@@ -14,7 +14,7 @@ from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.core.onlooker import Clock
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.sheet import Section
-from slopekit.design.parts import Strength, Water
+from slopekit.design.parts import Strength
 from slopekit.evidence import WithoutBasal
 from slopekit.extents import WedgeGeometry
 from slopekit.geometry.rock.rockmass import FACE, J1, J2, UPPER
@@ -25,20 +25,18 @@ from slopekit.kinds.single_block.closed_forms import (
     ClosedForms,
     OnArrays,
     SizesOfMany,
-    passive_bolts,
     pressures_and_force,
 )
 from slopekit.kinds.single_block.held_bolts import NEARLY_PARALLEL_DEG, Bounds, bounds_of, upward
-from slopekit.kinds.single_block.one_block import DILATES, kind_of_one_block, other_strengths
-from slopekit.kinds.single_block.one_block_limit import find_limit
+from slopekit.kinds.single_block.one_block import DILATES, SingleBlock
+from slopekit.kinds.single_block.one_block_limit import Cut, find_limit
 from slopekit.kinds.wedge import limits
-from slopekit.kinds.wedge.cutting import JOINTS, cut, full_water, height_of, rock_mass, shape_of, size_scale
+from slopekit.kinds.wedge.cutting import cut, full_water, rock_mass, shape_of
 from slopekit.kinds.wedge.design import WedgeDesign, read_wedge
 from slopekit.kinds.words import (
     line_in_words,
-    loads_part,
+    sections_of,
     short,
-    size_part,
     strength_in_words,
     water_in_words,
 )
@@ -49,12 +47,10 @@ _ON = 1e-12  # of the size of a wedge: its crest is on the crack
 _PRESSURES = ("pressure1", "pressure2", "pressure3", "pressure5")
 
 
-def compared(design: WedgeDesign) -> ClosedForm:
+def compared(design: WedgeDesign, made: Cut | None = None) -> ClosedForm:
     """The closed form as PRE-IE is compared with it. Raises GeometryError as `cut`, on two joints without a cut."""
-    if design.basal is None:
-        rock_mass(design)
-    else:
-        shape_of(design)
+    if made is None:
+        (rock_mass if design.basal is None else shape_of)(design)
     return replace(closed_form(design), why_not=DILATES if any(one.dilation_deg for one in design.strengths) else "")
 
 
@@ -68,11 +64,6 @@ def _heights(design: WedgeDesign) -> tuple[Any, Any]:
     fit = limits.fitted(design)
     heights, misfit = np.asarray(design.height_m) * fit.scale, fit.why.astype(np.int64) - 1
     return (heights, misfit) if len(misfit) > 1 else (float(heights[0]), int(misfit[0]))
-
-
-def strengths_of(design: WedgeDesign) -> list[Strength]:
-    """The strengths of its joints."""
-    return list(design.strengths)
 
 
 # -- the closed form ----------------------------------------------------------------------------------
@@ -93,7 +84,7 @@ def arguments(design: WedgeDesign) -> Arguments:
             "basal_height_m": basal.height_m, "pressure3": pressures[2],
         }  # fmt: skip
     return columns | loads | {
-        **_of_strengths(strengths_of(design)),
+        **_of_strengths(design.strengths),
         "unit_weight_kn_m3": design.rock.unit_weight_kn_m3, "fill": design.water.fill if pressures[0] is None else 0.0,
         "water_unit_weight_kn_m3": design.water_unit_weight_kn_m3, "crack_fill": design.water.crack_fill,
         "pressure1": pressures[0], "pressure2": pressures[1], "pressure5": pressures[-1],
@@ -194,7 +185,7 @@ def crack_reach(design: WedgeDesign) -> Floats | None:
     return limits.fitted(design).sizes.upper_trace1_m
 
 
-def _also_of_many(design: WedgeDesign, strengths: Arguments, before: Floats) -> ClosedForms:
+def _also_of_many(design: WedgeDesign, strengths: Sequence[Strength], before: Floats) -> ClosedForms:
     from slopekit.kinds.wedge import basal
 
     return basal.without_basal_of_many(design, strengths, before)
@@ -216,7 +207,7 @@ def _level(ways: Floats) -> Floats:
 
 
 ON_ARRAYS = OnArrays(
-    arguments, passive_bolts, strengths_of, _of_strengths, closed_forms, bounds, _sizes, crack_reach, _also_of_many,
+    arguments, _of_strengths, closed_forms, bounds, _sizes, crack_reach, _also_of_many,
     full_water, _shaken,
 )  # fmt: skip
 
@@ -255,21 +246,6 @@ def with_worst_crack(design: WedgeDesign, place: str) -> WedgeDesign:
     return worst_crack.with_worst_crack(design, ON_ARRAYS, reach, place)
 
 
-def _changes(design: WedgeDesign) -> Iterator[tuple[str, WedgeDesign]]:
-    if design.water.mode == "dry" or (design.water.mode == "full" and design.water.fill < 1.0):
-        yield "full water", replace(design, water=Water("full", 1.0, crack_fill=design.water.crack_fill))
-    yield from other_strengths(design, design.strengths)
-    for k, joint in enumerate(design.joints):
-        if joint.dip_deg <= 89.0:
-            steeper = Plane(joint.dip_deg + 1.0, joint.dip_direction_deg)
-            joints = (steeper, design.joints[1]) if k == 0 else (design.joints[0], steeper)
-            yield f"dip of J{k + 1} +1°", replace(design, joints=joints)
-    if design.basal is not None and design.basal.plane.dip_deg <= 89.0:
-        plane = design.basal.plane
-        under = replace(design.basal, plane=Plane(plane.dip_deg + 1.0, plane.dip_direction_deg))
-        yield "dip of basal +1°", replace(design, basal=under)
-
-
 # -- reading the answer -------------------------------------------------------------------------------
 
 
@@ -284,8 +260,10 @@ def _notices(design: WedgeDesign) -> Iterator[Notice]:
 
         yield from basal.notices(design)
     water, joints, toe = design.water, len(design.strengths), design.origin_m[2]
-    yield from design.ground_notices(toe, toe + height_of(design), design.crack.distance_m if design.crack else None)
-    if (scaled := size_scale(design)) is not None and scaled["by"] is not None:
+    yield from design.ground_notices(
+        toe, toe + limits.height_of(design), design.crack.distance_m if design.crack else None
+    )
+    if (scaled := limits.scaled(design)) is not None and scaled["by"] is not None:
         places = [
             name for name, has_any in (
                 ("points of forces", any(force.at_m is not None for force in design.forces)),
@@ -303,16 +281,8 @@ def _notices(design: WedgeDesign) -> Iterator[Notice]:
         yield Notice("W419", "the crack holds water, the joints below it are dry: full water (Hoek & Bray) fills both")
 
 
-def _notices_in_own_names(design: WedgeDesign) -> Iterator[Notice]:
+def _notices_in_own_names(design: WedgeDesign, *_: object) -> Iterator[Notice]:
     return (replace(notice, message=design.in_own_names(notice.message)) for notice in _notices(design))
-
-
-def _without_basal(design: WedgeDesign) -> WithoutBasal | None:
-    if design.basal is None:
-        return None
-    from slopekit.kinds.wedge import basal
-
-    return basal.without_basal(design)
 
 
 def _parallel_note(design: WedgeDesign, apart: float) -> str:
@@ -345,11 +315,11 @@ def _turned_limit(design: WedgeDesign, turn: float) -> float:
     return 0.0
 
 
-def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
+def _slope(design: WedgeDesign, result: Result) -> list[Section]:
     joints, entries, geometry = [], [], result.geometry
     assert isinstance(geometry, WedgeGeometry)
-    for (_, name), own, plane, strength in zip(
-        JOINTS, design.joint_names, design.joints, strengths_of(design), strict=False
+    for name, own, plane, strength in zip(
+        ("J1", "J2"), design.joint_names, design.joints, design.strengths, strict=False
     ):
         called = name if own == name else f"{name} ({own})"
         area = short(geometry.areas_m2[name])
@@ -376,18 +346,10 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
         length = short(geometry.line_length_m)
         entries.append(f"line of intersection {line_in_words(line)}, daylights at the toe")
         details.append(f"line of intersection {length} m long")
-    yield Section("PLANES", [*joints, *map(design.in_own_names, entries)], details=details)
-    size = size_part(result, float(f"{height_of(design):.6g}"))
-    if design.limits is not None:
-        size = replace(size, entries=[*size.entries, *limits.in_words(design)])
-    yield size
-    wet = [] if design.water.has_table else water_in_words(result, 3.0 if design.basal is None else 1.0)
-    depth = design.water.crack_water_m
-    if depth:
-        highest = f"{depth * design.water_unit_weight_kn_m3:.4g} kPa at its bottom"
-        wet = [f"water {depth:.4g} m deep in the crack, {highest}, on the joints falling to nothing at their other "
-               "edges"]  # fmt: skip
-    yield loads_part([*wet, *design.ground_in_words()], result)
+    made_from = Section("PLANES", [*joints, *map(design.in_own_names, entries)], details=details)
+    mean = 3.0 if design.basal is None else 1.0
+    wet = water_in_words(result, mean, "on the joints falling to nothing at their other edges")
+    return sections_of(result, made_from, wet, [] if design.limits is None else limits.in_words(design))
 
 
 _WORDS = Words(
@@ -404,8 +366,19 @@ _ON_THREE = replace(
     },
 )  # fmt: skip
 
-KIND = kind_of_one_block(
+
+class Wedges(SingleBlock[WedgeDesign]):
+    """The kind of wedges: one above a basal joint is part of a larger one."""
+
+    def without_basal(self, design: WedgeDesign) -> WithoutBasal | None:
+        if design.basal is None:
+            return None
+        from slopekit.kinds.wedge import basal
+
+        return basal.without_basal(design)
+
+
+KIND = Wedges(
     WedgeDesign, read_wedge, replace(_WORDS, variants={"basal": _ON_THREE}),
-    cut, compared, changes=_changes, strengths=strengths_of, slope=_slope, notices=_notices_in_own_names,
-    on_arrays=ON_ARRAYS, without_basal=_without_basal,
+    cut, compared, _slope, _notices_in_own_names, ON_ARRAYS,
 )  # fmt: skip

@@ -1,7 +1,7 @@
 """A wedge with a basal joint: its shape and water, its bounds, and what a reader must know of it."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any
@@ -12,30 +12,26 @@ from slopekit.core.arrays import Floats
 from slopekit.core.errors import GeometryError, Notice
 from slopekit.core.orientation import Line, Plane, number, opposite
 from slopekit.core.sheet import counted
-from slopekit.design.parts import Bolt
+from slopekit.design.parts import Bolt, Strength
 from slopekit.evidence import WithoutBasal
 from slopekit.extents import WedgeGeometry
 from slopekit.geometry.rock.basal import (
-    BASAL,
     J1,
     J2,
     PLANE_NAMES,
-    UPPER,
     BasalRockMass,
     basal_rock_mass,
     cut_basal_wedge,
     trace_behind,
 )
-from slopekit.kinds.single_block.closed_forms import Arguments, ClosedForms
+from slopekit.kinds.single_block.closed_forms import ClosedForms
 from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of, held, pulling, stand_off, upward
-from slopekit.kinds.wedge import arguments, closed_form, closed_forms, crest_of
+from slopekit.kinds.wedge import ON_ARRAYS, closed_form, crest_of
 from slopekit.kinds.wedge import bounds as wedge_bounds
 from slopekit.kinds.wedge.cutting import Shape
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.kinds.words import line_in_words, short
 
-JOINTS = ((J1, "J1"), (J2, "J2"), (BASAL, "basal"))
-_OF_THE_THIRD = ("cohesion3", "friction3")  # how its arguments begin
 _ACROSS = 1e-9  # a cosine: along the strike of the face it dips neither way
 
 
@@ -51,7 +47,7 @@ def shape_of(design: WedgeDesign) -> Shape:
     block = cut_basal_wedge(rock)
     corners = {"toe": np.zeros(3), "basal_J1": rock.basal_at, "crest_J1": rock.crest1, "crest_J2": rock.crest2}
     return Shape(
-        block, JOINTS, PLANE_NAMES, rock.offsets[UPPER], rock.line, _shared_edge(block.faces[J1], block.faces[J2]),
+        block, PLANE_NAMES, rock.line, _shared_edge(block.faces[J1], block.faces[J2]),
         corners, design.face.dip_direction_deg,
         ("the rock below the basal joint (it stays)",),
     )  # fmt: skip
@@ -195,12 +191,12 @@ def _bolts_of_whole(whole: WedgeDesign) -> tuple[Bolt, ...]:
     return tuple(bolt for bolt, own in zip(whole.bolts, holds.tolist(), strict=True) if own)
 
 
-def without_basal_of_many(design: WedgeDesign, strengths: Arguments, before: Floats) -> ClosedForms:
-    """`without_basal` of designs whose numbers may be arrays, without passive bolts; "" where there is none.
+def without_basal_of_many(design: WedgeDesign, strengths: Sequence[Strength], before: Floats) -> ClosedForms:
+    """`without_basal` of designs whose numbers may be arrays; "" where there is none.
 
     Parameters
     ----------
-    strengths : the arguments that hold those of the joints; before : (b,) of the bolts, as `held` has it
+    strengths : of the joints; before : (b,) of the bolts, as `held` has it
     """
     basal = design.basal
     assert basal is not None
@@ -208,12 +204,11 @@ def without_basal_of_many(design: WedgeDesign, strengths: Arguments, before: Flo
     if any(bolt.head_m is not None for bolt in design.bolts):
         holds = held(wedge_bounds(whole), design.bolts, before)[0]
         whole = replace(whole, bolts=tuple(map(pulling, design.bolts, holds)))
-    strengths_on_two = {name: value for name, value in strengths.items() if not name.startswith(_OF_THE_THIRD)}
-    forms = closed_forms(arguments(whole) | strengths_on_two, ())
+    forms = ON_ARRAYS.forms(whole, strengths[:2])
     names, outcome, factor = forms.names, forms.outcome, forms.factor
     no_block = np.array([name.startswith("E") for name in names])
     if design.crack is not None:  # it may lie behind it
-        bare = closed_forms(arguments(_without_crack(whole)) | strengths_on_two, ())
+        bare = ON_ARRAYS.forms(_without_crack(whole), strengths[:2])
         behind = no_block[outcome]
         outcome, factor = np.where(behind, bare.outcome, outcome), np.where(behind, bare.factor, factor)
     low = np.atleast_1d(basal.height_m)

@@ -2,10 +2,10 @@
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -33,6 +33,7 @@ from slopekit.design.reading.nodes import Document, Node, Place, from_python
 from slopekit.design.reading.reader import Reader
 from slopekit.design.reading.structure import check_structure, is_distribution
 from slopekit.design.sections import read_common, read_strength, read_water
+from slopekit.kinds.single_block.secants import other_strengths, steeper
 
 _DEPTH_OF_WATER = declare("water", "length", 0.0, code="E118", label="water in the crack")
 #: The paper's wedge (Sheng et al. 2023, Tables 4 and 5): what is left out of a design takes these values.
@@ -138,6 +139,7 @@ class WedgeDesign(SlopeDesign):
     PAPER_KEYS = ("slope.", "strength.", "rock.density")
     CRACK_FROM = "behind the crest along J1's trace"
     UNSAID = ("basal", "limits")
+    HAS_CLOSED_FORM = True
 
     joints: tuple[Plane, Plane]
     face: Plane = orientation("slope.face", axis="the face", default=None, example="60/180")
@@ -181,6 +183,18 @@ class WedgeDesign(SlopeDesign):
     def in_own_names(self, sentence: str) -> str:
         """A sentence with the names of the two joints in place of J1 and J2."""
         return re.sub(r"\bJ([12])\b", lambda match: self.joint_names[int(match[1]) - 1], sentence)
+
+    def changes(self) -> Iterator[tuple[str, Self]]:
+        """Designs with one input a little changed, by name."""
+        if self.water.mode == "dry" or (self.water.mode == "full" and self.water.fill < 1.0):
+            yield "full water", replace(self, water=Water("full", 1.0, crack_fill=self.water.crack_fill))
+        yield from other_strengths(self)
+        first, second = self.joints
+        for name, joints in (("J1", (steeper(first), second)), ("J2", (first, steeper(second)))):
+            if max(plane.dip_deg for plane in joints) <= 90.0:
+                yield f"dip of {name} +1°", replace(self, joints=joints)
+        if self.basal is not None and self.basal.plane.dip_deg <= 89.0:
+            yield "dip of basal +1°", replace(self, basal=replace(self.basal, plane=steeper(self.basal.plane)))
 
     def plain(self, exact: bool = False) -> dict[str, Any]:
         """The attributes as JSON values, those of the strengths as one list of each."""

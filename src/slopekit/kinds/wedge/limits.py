@@ -43,41 +43,6 @@ class Fitted:
     why: NDArray[np.int8]
 
 
-def scale_within(
-    sizes: WedgeSizes, *, trace_m: Any = (None, None), persistence_m: Any = (None, None),
-    slope_length_m: Any = None, bench_width_m: Any = None, max_volume_m3: Any = None,
-) -> tuple[Floats, NDArray[np.int8]]:  # fmt: skip
-    """By how much limits make wedges smaller, (n,): 1 where none does; and which of `LIMITED_BY` does.
-
-    Parameters
-    ----------
-    trace_m, persistence_m : of J1 and J2; each limit a number, (n,), or None
-
-    >>> sizes = wedge_sizes(45, 135, 45, 225, 90, 180, 0, 180, 10.0)
-    >>> scale, by = scale_within(sizes, bench_width_m=5.0, max_volume_m3=80.0)
-    >>> scale.round(4).tolist(), LIMITED_BY[by[0]]
-    ([0.3536], 'bench width')
-    """
-    whole = (
-        (trace_m[0], np.maximum(sizes.trace1_m, sizes.upper_trace1_m), 1),
-        (trace_m[1], np.maximum(sizes.trace2_m, sizes.upper_trace2_m), 1),
-        (persistence_m[0], sizes.longest1_m, 2), (persistence_m[1], sizes.longest2_m, 2),
-        (slope_length_m, sizes.face_width_m, 3), (bench_width_m, sizes.setback_m, 4),
-        (max_volume_m3, sizes.volume_m3, 5),
-    )  # fmt: skip
-    count = len(sizes.volume_m3)
-    scale, by = np.ones(count), np.zeros(count, dtype=np.int8)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        for limit, own, kind in whole:
-            if limit is None:
-                continue
-            factor = np.asarray(limit, dtype=np.float64) / own
-            factor = np.cbrt(factor) if kind == LIMITED_BY.index("max volume") else factor
-            less = factor < scale * (1.0 - _SAME)
-            scale, by = np.where(less, factor, scale), np.where(less, np.int8(kind), by)
-    return scale, by
-
-
 def fitted(design: Any) -> Fitted:
     """A wedge design, whose numbers may be arrays, within its limits of size."""
     planes = {"joint1": design.joints[0], "joint2": design.joints[1], "face": design.face, "upper": design.upper}
@@ -93,41 +58,68 @@ def fitted(design: Any) -> Fitted:
 
 
 def within(limits: Any, sizes: WedgeSizes) -> Fitted:
-    """Wedges of such sizes, (n,), within limits of size (`SizeLimits`); as they are where there are none."""
+    """Wedges of such sizes, (n,), within limits of size (`SizeLimits`); as they are where there are none.
+
+    Parameters
+    ----------
+    limits : each a number, (n,), or None; of trace length and persistence those of J1 and J2
+
+    >>> from types import SimpleNamespace
+    >>> none = dict.fromkeys(("trace_length_m", "persistence_m", "slope_length_m", "min_volume_m3", "by"))
+    >>> limits = SimpleNamespace(**none, bench_width_m=5.0, max_volume_m3=80.0)
+    >>> fit = within(limits, wedge_sizes(45, 135, 45, 225, 90, 180, 0, 180, 10.0))
+    >>> fit.scale.round(4).tolist(), LIMITED_BY[fit.by[0]]
+    ([0.3536], 'bench width')
+    """
     count = len(sizes.volume_m3)
-    why = np.zeros(count, dtype=np.int8)
+    why, scale, by = np.zeros(count, dtype=np.int8), np.ones(count), np.zeros(count, dtype=np.int8)
     if limits is None:
-        return Fitted(sizes, np.ones(count), np.zeros(count, dtype=np.int8), why)
-    scale, by = scale_within(
-        sizes, trace_m=limits.trace_length_m or (None, None), persistence_m=limits.persistence_m or (None, None),
-        slope_length_m=limits.slope_length_m, bench_width_m=limits.bench_width_m, max_volume_m3=limits.max_volume_m3,
+        return Fitted(sizes, scale, by, why)
+    trace_m, persistence_m = limits.trace_length_m or (None, None), limits.persistence_m or (None, None)
+    whole = (
+        (trace_m[0], np.maximum(sizes.trace1_m, sizes.upper_trace1_m), 1),
+        (trace_m[1], np.maximum(sizes.trace2_m, sizes.upper_trace2_m), 1),
+        (persistence_m[0], sizes.longest1_m, 2), (persistence_m[1], sizes.longest2_m, 2),
+        (limits.slope_length_m, sizes.face_width_m, 3), (limits.bench_width_m, sizes.setback_m, 4),
+        (limits.max_volume_m3, sizes.volume_m3, 5),
     )  # fmt: skip
-    if limits.by == "filter":
-        why[scale < 1.0] = 1
-        scale = np.ones(count)
-    sizes = sizes.scaled(scale)
-    if limits.min_volume_m3 is not None:
-        with np.errstate(invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for limit, own, kind in whole:
+            if limit is None:
+                continue
+            factor = np.asarray(limit, dtype=np.float64) / own
+            factor = np.cbrt(factor) if kind == LIMITED_BY.index("max volume") else factor
+            less = factor < scale * (1.0 - _SAME)
+            scale, by = np.where(less, factor, scale), np.where(less, np.int8(kind), by)
+        if limits.by == "filter":
+            why[scale < 1.0] = 1
+            scale = np.ones(count)
+        sizes = sizes.scaled(scale)
+        if limits.min_volume_m3 is not None:
             why[(why == 0) & (sizes.volume_m3 < limits.min_volume_m3)] = 2
     return Fitted(sizes, scale, by, why)
 
 
-def fitted_height(design: Any) -> float:
-    """The height of one wedge itself, within its limits of size.
+def height_of(design: Any) -> float:
+    """The height of one wedge itself: where limits of size make it smaller, less than the slope's.
 
     Raises
     ------
     GeometryError
         E486 larger than its limits where these filter, E487 smaller than its least volume.
     """
+    if design.limits is None:
+        return float(design.height_m)
     fit = fitted(design)
     if fit.why[0]:
         raise GeometryError([_fault(design, fit)])
     return float(design.height_m * fit.scale[0])
 
 
-def scaled(design: Any) -> dict[str, Any]:
-    """What the limits made of one wedge: the factor of its lengths, and by which of them."""
+def scaled(design: Any) -> dict[str, Any] | None:
+    """What the limits made of one wedge: the factor of its lengths, and by which of them; None without limits."""
+    if design.limits is None:
+        return None
     fit = fitted(design)
     return {"factor": float(fit.scale[0]), "by": LIMITED_BY[fit.by[0]] or None}
 

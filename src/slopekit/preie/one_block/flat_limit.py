@@ -17,17 +17,19 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.preie.one_block.bed_limits import BedLimits, BedStatus, bed_limits
 from slopekit.preie.one_block.bed_path import COARSE, BedPath, lengths
-from slopekit.preie.one_block.limit import forces_only_limit, stands_without_strength
+from slopekit.preie.one_block.forces_limits import ForcesLimits, forces_limits
 from slopekit.preie.one_block.polygon_bed import Beds, BedSprings, elastic_bed
 from slopekit.preie.outcome import Limit, Outcome
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import TINY
+from slopekit.preie.tolerances import NO_FORCE
 from slopekit.strength.mohr_coulomb import line
 
 #: Ratios of tangential to normal stiffness between which that of rock joints lies: the range of a limit on its bed.
 SHEAR_RATIOS = 0.1, 1.0
 #: Part of the limit that another ratio, or an early end of a creeping path, must take off to be told.
 RANGE_MATTERS = 0.01
+#: By `ForcesStatus`.
+_OUTCOMES = (Outcome.SLIDES, Outcome.LIFTED, Outcome.LIFTED, Outcome.NO_DRIVING_FORCE, Outcome.NO_DRIVING_FORCE)
 
 
 @dataclass(frozen=True)
@@ -38,14 +40,14 @@ class FlatLimit:
     ----------
     forces : the limit of the forces alone
     exact : the same slide with its moments balanced, pressed on the whole of each joint; None where there is none
-    bed, slides, state : the elastic bed, the slide that `bed_limits` begins at, and what it found; None where forces
-        alone settle it
+    bed, by_forces, state : the elastic bed, the limit of its forces, which `bed_limits` begins at, and what that found;
+        None where forces alone settle it
     """
 
     forces: Limit
     exact: Limit | None = None
     bed: Beds | None = None
-    slides: Floats | None = None
+    by_forces: ForcesLimits | None = None
     state: BedLimits | None = None
 
     @property
@@ -70,38 +72,46 @@ def flat_limit(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -
         exact = pressed_limit(model)
         if exact is not None:
             return FlatLimit(exact, exact)
-    forces = forces_limit(model)
-    stands = forces.outcome is Outcome.NO_DRIVING_FORCE and stands_without_strength(model)
-    if stands or forces.outcome in (Outcome.LIFTED, Outcome.NOT_CONVERGED) or forces.factor == 0.0:
-        return FlatLimit(forces)
     bed = elastic_bed(model, polygons, centroid)
-    known = forces.full_velocity(model) * (forces.factor is not None)
-    slides = np.append(known, 1.0 / (forces.factor or 1.0))[None]
-    state = bed_limits(bed, slides)
+    found = forces_limits(bed)
+    forces = forces_limit(model, found)
+    if np.isnan(found.slides[0, -1]):
+        return FlatLimit(forces)
+    state = bed_limits(bed, found.slides)
     if state.status[0] == BedStatus.PRESSED and not model.dilates:
-        exact = _pressed_slide(model, forces, bed.in_units_of(model, state.displacement[0]))
+        opening = bed.in_units_of(model, state.displacement[0])
+        normal = np.maximum(-model.control_area * (model.normal_rows @ opening), 0.0)
+        exact = _with_friction(forces, model, normal, np.ones(len(normal)))
         return FlatLimit(exact, exact)
-    return FlatLimit(forces, bed=bed, slides=slides, state=state)
+    return FlatLimit(forces, bed=bed, by_forces=found, state=state)
 
 
-def _pressed_slide(model: Model, forces: Limit, opening: Floats) -> Limit:
-    """Return the slide of the forces alone with its moments balanced by linear pressures, on node pairs."""
-    assert forces.factor is not None
-    normal = np.maximum(-model.control_area * (model.normal_rows @ opening), 0.0)
-    strength = line(model.cohesion, model.tan_friction, normal) / forces.factor
-    velocity = forces.full_velocity(model)
-    slip = model.relative(velocity)[:, 1:]
-    friction = -(strength / np.maximum(model.slip(velocity), TINY))[:, None] * slip
-    return replace(forces, velocity=velocity, normal_force=normal, bond=np.ones(len(normal)), friction=friction)
+def forces_limit(model: Model, found: ForcesLimits) -> Limit:
+    """Return the limit of the forces alone on node pairs; curved laws at the mean traction of each joint.
+
+    Parameters
+    ----------
+    model : on any node pairs of its contacts; found : of its bed
+    """
+    outcome, velocity, factor = _OUTCOMES[found.status[0]], found.slides[0, :-1], float(found.factor[0])
+    joint = np.unique(model.interface, return_inverse=True)[1]
+    normal = found.pushes[0, joint] * model.control_area / np.bincount(joint, model.control_area)[joint]
+    limit = Limit(outcome, None, velocity, normal, (normal > 0.0).astype(np.float64), 0, 0.0)
+    if not factor > 0.0:
+        return replace(limit, factor=0.0) if factor == 0.0 else limit
+    if model.lines is not None:
+        from slopekit.preie.system.strength_lines import drawn  # only curved laws pay for it
+
+        model = drawn(model, normal)
+    return _with_friction(replace(limit, factor=factor, pulls=found.pulls[0]), model, normal, limit.bond)
 
 
-def forces_limit(model: Model) -> Limit:
-    """Return the limit of the forces alone; curved laws at the mean traction of each joint, as closed forms take it."""
-    if model.lines is None:
-        return forces_only_limit(model)
-    from slopekit.preie.system.strength_lines import mean_stress_limit  # only curved laws pay for it
-
-    return mean_stress_limit(model)
+def _with_friction(limit: Limit, model: Model, normal: Floats, bond: Floats) -> Limit:
+    """Return the limit of a slide with its friction under normal forces (n,), where bonds (n,) are left."""
+    assert limit.factor is not None
+    strength = line(bond * model.cohesion, model.tan_friction, normal) / limit.factor
+    friction = -(strength / np.maximum(model.slip(limit.velocity), NO_FORCE))[:, None]
+    return replace(limit, normal_force=normal, bond=bond, friction=friction * model.relative(limit.velocity)[:, 1:])
 
 
 def refined_factor(limit: FlatLimit, split: int) -> float | None:
@@ -109,9 +119,9 @@ def refined_factor(limit: FlatLimit, split: int) -> float | None:
 
     The path is followed on triangles as fine, not on the coarse ones of `flat_limit`.
     """
-    if limit.bed is None or limit.slides is None:
+    if limit.bed is None or limit.by_forces is None:
         return limit.factor
-    return lower(limit.forces.factor, bed_limits(limit.bed, limit.slides, (split,), max(split, COARSE)))
+    return lower(limit.forces.factor, bed_limits(limit.bed, limit.by_forces.slides, (split,), max(split, COARSE)))
 
 
 def lowest_factor(limit: FlatLimit) -> float | None:
@@ -120,15 +130,15 @@ def lowest_factor(limit: FlatLimit) -> float | None:
     `SHEAR_RATIOS` bound the shear stiffness; a path that goes on for more than 30 elastic displacements has all but
     failed there.
     """
-    bed, slides, state = limit.bed, limit.slides, limit.state
-    if bed is None or slides is None or state is None or limit.factor is None:
+    bed, by_forces, state = limit.bed, limit.by_forces, limit.state
+    if bed is None or by_forces is None or state is None or limit.factor is None:
         return None
     early, one = state.early[0], np.zeros(1, dtype=np.int64)
     if np.isnan(early):
         path = BedPath(BedSprings(bed, COARSE))
-        u, reduction = path.start(one, slides[:, -1])
+        u, reduction = path.start(one, by_forces.slides[:, -1])
         early = np.exp(path.follow(one, u, reduction, lengths(u), np.log(state.reduction)).early[0])
-    ratios = [bed_limits(replace(bed, shear_ratio=ratio), slides).factor[0] for ratio in SHEAR_RATIOS]
+    ratios = [bed_limits(replace(bed, shear_ratio=ratio), by_forces.slides).factor[0] for ratio in SHEAR_RATIOS]
     lowest = float(np.nanmin([limit.factor, 1.0 / early, *ratios]))
     return lowest if lowest < limit.factor * (1.0 - RANGE_MATTERS) else None
 

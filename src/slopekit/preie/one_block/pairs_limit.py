@@ -15,8 +15,9 @@ from slopekit.preie.elastic_path.bed_states import Drive
 from slopekit.preie.elastic_path.path import START, follow
 from slopekit.preie.elastic_path.path_limit import PathOutcome
 from slopekit.preie.one_block.intact_limit import intact_limit
-from slopekit.preie.one_block.limit import LimitAnalysis, stands_without_strength
+from slopekit.preie.one_block.limit import LimitAnalysis
 from slopekit.preie.outcome import Limit, Outcome, opens, unit
+from slopekit.preie.solvers.linear import non_negative_least_squares
 from slopekit.preie.solvers.work_limit import SECOND, WorkSpentError, allowed
 from slopekit.preie.system.assembly import one_block
 from slopekit.preie.system.model import Model
@@ -58,7 +59,8 @@ def _bonded_limit(model: Model) -> Limit:
     none, bond = np.zeros(model.unknowns), np.ones(len(model.control_area))
     if float((model.normal_rows @ model.load).min()) > 0.0:  # the load itself moves it off every pair
         return Limit(Outcome.LIFTED, None, none, 0.0 * bond, 0.0 * bond, 0, 0.0)
-    if stands_without_strength(model):
+    _, rest = non_negative_least_squares(model.normal_rows.T, -model.load)
+    if float(np.abs(rest).max()) < NO_FORCE:
         return Limit(Outcome.NO_DRIVING_FORCE, None, none, 0.0 * bond, bond, 0, 0.0)
     displacement = elastic_displacement(model)
     intact = intact_limit(model, displacement)

@@ -13,7 +13,7 @@ slips one way). Where the pressed part grows its shear grows with it: the slopes
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache, cached_property
 from typing import Any
 
@@ -46,7 +46,7 @@ class Beds:
     length : (n,) m, root mean square distance of the corners from the centroid
     shear_ratio : tangential to normal stiffness
     laws : of each contact, None where its strength is a line; empty where all are
-    stress_scale : kPa of a traction of one
+    stress_scale : (m,) kPa of a traction of one on each contact; asked of laws alone
     """
 
     contact: Ints
@@ -62,7 +62,7 @@ class Beds:
     length: Floats
     shear_ratio: float = SHEAR_TO_NORMAL
     laws: "tuple[StrengthLaw | None, ...]" = ()
-    stress_scale: float = 1.0
+    stress_scale: Floats = field(default_factory=lambda: np.ones(0))
 
     @property
     def translations(self) -> int:
@@ -281,8 +281,8 @@ class BedSprings:
         called = beds.shear_ratio * slip / np.maximum(strength, TINY)
         most = np.maximum.reduceat(called, beds.corner[beds.contact[:-1]])[blocks]
         if beds.bolt_capacity.shape[1]:
-            drawn = -(beds.bolt_rows[blocks] @ u[:, :, None])[:, :, 0].max(axis=1)
-            most = np.maximum(most, drawn / (BOLT_GIVE * beds.first[blocks]))
+            drawn = -(beds.bolt_rows[blocks] @ u[:, :, None])[:, :, 0] * (beds.bolt_capacity[blocks] > 0.0)
+            most = np.maximum(most, drawn.max(axis=1) / (BOLT_GIVE * beds.first[blocks]))
         return most
 
     def carried(self, opening: Floats, slip: Floats, reduction: float, running: bool) -> PointForces:
@@ -364,11 +364,12 @@ def strength_and_slope(beds: Beds, k: int, normal: Floats) -> tuple[Floats, Floa
     if law is None:
         return line(beds.line[k, 1], beds.line[k, 2], normal), np.full_like(normal, beds.line[k, 2])
     # a mean traction is one part of the load on all contacts; steeper laws are lines below the least traction
-    stress, least = normal * beds.stress_scale, max(LEAST_KPA, LEAST_TRACTION * beds.stress_scale)
+    scale = float(beds.stress_scale[k])
+    stress, least = normal * scale, max(LEAST_KPA, LEAST_TRACTION * scale)
     above = np.maximum(stress, least)
     none, lowest = law.resistance(np.array([0.0, least]))
     steep = (lowest - none) / least
-    strength = np.where(stress < least, none + steep * stress, law.resistance(above)) / beds.stress_scale
+    strength = np.where(stress < least, none + steep * stress, law.resistance(above)) / scale
     return strength, np.where(stress < least, steep, law.slope(above))
 
 
@@ -423,7 +424,7 @@ def elastic_bed(model: Model, polygons: Mapping[int, Floats], centroid: Floats) 
         bolt_capacity=model.bolt_capacity[None],
         length=np.array([length]),
         laws=laws,
-        stress_scale=model.force_scale / model.area_scale,
+        stress_scale=np.full(len(keys), model.force_scale / model.area_scale),
     )
     bed.line[:, 0] = [model.control_area[model.interface == key].sum() for key in keys] / bed.moments()[:, 0, 0]
     return bed

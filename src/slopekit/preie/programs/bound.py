@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.preie.solvers.linear import bounded_least_squares
+from slopekit.preie.solvers.linear import non_negative_least_squares
 from slopekit.preie.solvers.work_limit import SECOND, WorkSpentError, allowed
 from slopekit.preie.system.model import Model
 from slopekit.preie.tolerances import BOUND_ACCURACY, BOUND_BEYOND, EQUILIBRIUM, PARALLEL, ROUNDING, SAME_LIMIT
@@ -167,7 +167,7 @@ def _balancing(model: Model, v: Floats, reduction: float) -> Floats | None:
     against = np.einsum("nt,ntu->nu", direction, model.rows[:, 1:, :])
     columns = model.normal_rows - (reduction * model.tan_friction)[:, None] * against
     target = -model.load + (reduction * model.cohesion) @ against
-    normal_force, rest = bounded_least_squares(columns.T, target, np.full(len(columns), np.inf))
+    normal_force, rest = non_negative_least_squares(columns.T, target)
     return normal_force if float(np.abs(rest).max()) < EQUILIBRIUM else None
 
 

@@ -22,7 +22,7 @@ from slopekit.core.onlooker import say
 from slopekit.preie.programs.bound import StaticBound
 from slopekit.preie.programs.bound_of_many import bound_in_one_run
 from slopekit.preie.programs.distance import Distance, bound_by_programs
-from slopekit.preie.solvers.linear import bounded_least_squares
+from slopekit.preie.solvers.linear import non_negative_least_squares
 from slopekit.preie.solvers.stiffness import SparseStiffness
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.patterns import ContactPattern
@@ -112,7 +112,7 @@ def held_by_normals(model: AssemblyModel, load: Floats) -> Floats | None:
     least = LIGHTEST * float(np.abs(load).max())
     own = np.maximum(np.abs(load.reshape(model.load.shape)).max(axis=1), least)
     parts = 1.0 / np.repeat(own, model.unknowns)
-    found, left = bounded_least_squares(parts[:, None] * by_normals, -parts * load, np.full(joints, np.inf))
+    found, left = non_negative_least_squares(parts[:, None] * by_normals, -parts * load)
     if float(np.abs(left).max(initial=0.0)) > EQUILIBRIUM:
         return None
     return np.concatenate([found, np.zeros(pairs - joints)])

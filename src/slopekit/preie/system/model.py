@@ -13,7 +13,7 @@ control areas by their sum: a wedge of 1 mm and one of 100 km are the same model
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -115,14 +115,6 @@ class Model:
         tangential = self.relative(displacement)[:, 1:]
         size: Floats = np.sqrt((tangential * tangential).sum(axis=1))
         return size
-
-    def without_rotation(self) -> "Model":
-        """The same model with its one block held from turning: the forces alone, as closed forms see them."""
-        most = self.translations
-        return replace(
-            self, rows=frozen(self.rows[:, :, :most]), load=frozen(self.load[:most]),
-            bolt_rows=frozen(self.bolt_rows[:, :most]),
-        )  # fmt: skip
 
     def moved(self, displacement: Floats) -> tuple[Floats, Floats]:
         """Displacement (u,) as translation (3,) and rotation (3,), zeros where there is no such unknown."""

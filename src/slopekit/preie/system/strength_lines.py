@@ -22,8 +22,7 @@ from slopekit.core.arrays import Floats, Ints, frozen
 from slopekit.preie.elastic_path.path_limit import PathLimit
 from slopekit.preie.many_blocks.blocks import bound_of, load_limit
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit, Proposal
-from slopekit.preie.one_block.limit import forces_only_limit
-from slopekit.preie.outcome import Limit, Outcome
+from slopekit.preie.outcome import Outcome
 from slopekit.preie.programs.bounds import static_bound
 from slopekit.preie.solvers.work_limit import WorkSpentError
 from slopekit.preie.system.assembly import AssemblyModel
@@ -215,42 +214,6 @@ def _mixed(steps: Sequence[tuple[Floats, Floats]]) -> Floats:
     step = _MIX * off - (moves + _MIX * turns) @ parts
     longest = float(np.abs(step).max())
     return at + step * min(1.0, _LONGEST / max(longest, TINY))
-
-
-# -- one block ----------------------------------------------------------------------------------------
-
-
-def averaged(model: Model) -> Model:
-    """The model with one line a joint, through the strength that the joint has as a whole: what the forces alone see.
-
-    A block that may not turn spreads its normal force evenly over a joint, whatever the lines were drawn at.
-    """
-    assert model.lines is not None
-    slopes, normal = model.tan_friction.copy(), np.maximum(model.lines.normal, 0.0)
-    for key, law in enumerate(model.lines.laws):
-        on = model.lines.joint == key
-        if law is not None and on.any():
-            weight = normal[on] if normal[on].any() else model.control_area[on]
-            slopes[on] = float(slopes[on] @ weight) / float(weight.sum())
-    return replace(model, tan_friction=frozen(slopes), lines=None)
-
-
-def mean_stress_limit(model: Model) -> Limit:
-    """The limit of the forces alone with one traction a joint, its mean: what a closed form assumes."""
-    assert model.lines is not None
-    limit = forces_only_limit(model)
-    before = math.inf
-    for _ in range(_MOST_ROUNDS):
-        if not limit.factor or abs(limit.factor / before - 1.0) <= ROUNDING:
-            break
-        before = limit.factor
-        normal = np.zeros(len(model.control_area))
-        for key in np.unique(model.interface):
-            on = model.interface == key
-            normal[on] = limit.normal_force[on].sum() * model.control_area[on] / model.control_area[on].sum()
-        model = drawn(model, normal)
-        limit = forces_only_limit(model)
-    return limit
 
 
 # -- many blocks --------------------------------------------------------------------------------------

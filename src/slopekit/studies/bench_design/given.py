@@ -14,7 +14,7 @@ from slopekit.core.errors import DesignError, Fault, Faults
 from slopekit.core.orientation import Plane, normals, number
 from slopekit.design.joint_lists import JointList, joint_list
 from slopekit.design.parts import Seismic
-from slopekit.design.words import between
+from slopekit.design.words import measured
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.studies.keys import Key
 from slopekit.studies.ranges import parse_values
@@ -231,7 +231,7 @@ def _toward(given: object, where: str) -> float:
         raise DesignError(
             [Fault("E143", f"{where} is missing", where, f"Give the dip direction of the faces: {where} 180.")]
         )
-    return between(given, "angle", (0.0, 360.0), "E102", "the dip direction", f"{where} {given}") % 360.0
+    return measured(given, "angle", "the dip direction", f"{where} {given}", least=0.0, most=360.0, code="E102") % 360.0
 
 
 def _slope(given: Mapping[str, Any], toward: float, option: Callable[[str], str]) -> WedgeDesign:

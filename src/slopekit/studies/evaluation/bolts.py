@@ -3,13 +3,12 @@
 Both methods judge each sample with the same bolts: those that hold its block.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats, NDArray
-from slopekit.core.errors import Notice, SlopekitError
-from slopekit.core.sheet import counted
+from slopekit.core.arrays import Bools, Floats
+from slopekit.core.errors import SlopekitError
 from slopekit.design.common import Design
 from slopekit.design.reading.files import with_values
 from slopekit.kinds import kind_of
@@ -18,9 +17,8 @@ from slopekit.kinds.single_block.held_bolts import D, held, stand_off, with_held
 
 def as_laid_out(design: Design) -> Floats:
     """How far (m) before the face of the design the head of each bolt (b,) stands; 0 of bolts that do not enter it."""
-    if (on_arrays := kind_of(design).on_arrays) is None or not has_heads(design):
-        return np.zeros(len(design.bolts))
-    return stand_off(on_arrays.bounds(design), design.bolts)
+    on_arrays = kind_of(design).on_arrays
+    return np.zeros(len(design.bolts)) if on_arrays is None else stand_off(on_arrays.bounds(design), design.bolts)
 
 
 def has_heads(design: Design) -> bool:
@@ -57,20 +55,3 @@ def holding(design: Design, samples: Sequence[Mapping[str, object]]) -> Bools:
             continue
         holds[:, row] = held(on_arrays.bounds(sample), sample.bolts, before)[0][:, 0]
     return holds
-
-
-def without_force(design: Design, bolts: NDArray[np.int16], forms: Bools) -> Iterator[Notice]:
-    """W311: in how many samples bolts give no force.
-
-    Parameters
-    ----------
-    bolts : (n,) how many do not hold the block of each; forms : (n,) samples that form one
-    """
-    most = sum(bolt.head_m is not None for bolt in design.bolts)
-    if most and bolts.any():
-        lost, of = int((bolts > 0).sum()), counted(int(forms.sum()), "sample")
-        yield Notice(
-            "W311",
-            f"bolts give no force in {lost} of {of} that form a block (up to {int(bolts.max())} of {most}): there they "
-            "miss it, or end within it. Heads stand on each sample's own face",
-        )

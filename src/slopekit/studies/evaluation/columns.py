@@ -21,7 +21,7 @@ from slopekit.design.parts import Strength
 from slopekit.design.reading.files import with_values
 from slopekit.evidence import WithoutBasal
 from slopekit.kinds import kind_of
-from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany, shaken_toward
+from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany, motion_toward
 from slopekit.kinds.single_block.held_bolts import nearly_parallel
 from slopekit.kinds.single_block.one_block_notices import lost_contact, shaking, without_strength
 from slopekit.studies.evaluation.bolts import has_heads
@@ -132,11 +132,8 @@ class ColumnRows(Rows):
         bare = np.all((cohesion == 0.0) & (friction == 0.0), axis=1)
         along = np.full(len(rows), np.nan)
         if shaken.any():
-            velocity = found.velocity[:, :3]
-            size = np.sqrt((velocity * velocity).sum(axis=1))
-            ways = shaken_toward(design, columns.on_arrays, count)[rows]
-            shows = answered & (shaken[:, 0] > 0.0) & (size > 0.0)
-            along[shows] = (ways * velocity).sum(axis=1)[shows] / size[shows]
+            shows = answered & (shaken[:, 0] > 0.0)
+            along[shows] = motion_toward(design, columns.on_arrays, limits)[shows]
         joints, block = design.wet_interfaces, kind_of(design).words.block
         for lost, cosine, nothing in zip(loses, along.tolist(), bare, strict=True):
             yield (

@@ -14,7 +14,6 @@ from slopekit.core.errors import DesignError, Fault
 from slopekit.core.options import Workplace
 from slopekit.design.common import Design
 from slopekit.evidence import WithoutBasal
-from slopekit.kinds import kind_of
 from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany
 from slopekit.studies.evaluation.vectorised import Vectorised
 from slopekit.studies.outcomes import NO_BLOCK, ByMethod, Outcomes, agreement, merged, outcomes_from_points
@@ -106,7 +105,7 @@ class BlockRows(Rows):
 
 def chosen_methods(design: Design, closed_form: bool) -> str:
     """What the document says of the methods: both, or closed-form; E313 where the kind has none to be asked alone."""
-    if closed_form and kind_of(design).closed_form is None:
+    if closed_form and not design.HAS_CLOSED_FORM:
         message = f"a {design.kind} has no closed form that could be asked alone"
         raise DesignError([Fault("E313", message, "", "Leave --closed-form out: PRE-IE answers.")])
     return "closed-form" if closed_form else "both"
@@ -125,7 +124,7 @@ def evaluated(
     given_up = outcomes_from_points([GIVEN_UP], [None], pre_ie).record() if size == 1 else None
     columns = RowArrays([*range(0, len(rows), size), len(rows)])
     tasks = [rows.part(*piece) for piece in columns.pieces]
-    handed_out = 8 if size == 1 and kind_of(rows.design).closed_form is not None else 1
+    handed_out = 8 if size == 1 and rows.design.HAS_CLOSED_FORM else 1
     run, label = [*rows.inputs(), pre_ie], label if size == 1 else f"pieces of {size} {label}"
     map_rows(partial(outcomes_of_part, pre_ie), tasks, columns, crew, desk, study, label, run, handed_out, given_up)
     return Outcomes.joined(columns, pre_ie)

@@ -15,23 +15,25 @@ from slopekit.core.arrays import Bools, Floats
 from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Plane
 from slopekit.design.common import Design
-from slopekit.design.fields import field_at, fields_of, parts_of
+from slopekit.design.fields import fields_of, parts_of
 from slopekit.design.ground_water import SlopeDesign
-from slopekit.design.parts import Strength
+from slopekit.design.parts import Force, Strength
 from slopekit.design.reading.files import with_values
 from slopekit.design.reading.reader import strength_of
 from slopekit.kinds import kind_of
 from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany, limits_on_arrays
-from slopekit.kinds.single_block.closed_forms import Arguments, ClosedForms, OnArrays
+from slopekit.kinds.single_block.closed_forms import ClosedForms, OnArrays, passive_bolts
 from slopekit.kinds.single_block.held_bolts import held, pulling
-from slopekit.kinds.single_block.worst_crack import worst_of_many
-from slopekit.studies.evaluation.bolts import as_laid_out, standing
+from slopekit.kinds.single_block.secants import secant_strength
+from slopekit.kinds.single_block.worst_crack import Cracked, worst_of_many
+from slopekit.studies.evaluation.bolts import as_laid_out, has_heads
 
 #: A design's values at a sample: what `with_values` takes.
 ValuesAt = Callable[[int], Mapping[str, object]]
 _EXACT = 1e-12
 _SMALL = 1e-6  # kPa, kN, m or degrees: below it an argument is nothing but rounding
 _PROBES = 8
+_TRACTION_KPA = 100.0  # at which laws of samples are compared
 _CHUNK = 32768  # samples
 
 
@@ -48,26 +50,20 @@ class Vectorised:
     before: Floats
 
     def __call__(self, values: Floats) -> ClosedForms:
-        """Outcome and factor of every sample; of a design without passive bolts."""
-        return _chunked(lambda chunk: self.on_arrays.closed_forms(self.arguments(chunk), ()), values)
+        """Outcome and factor of every sample."""
+        return _chunked(lambda chunk: self.on_arrays.forms(*self.at(chunk)), values)
 
     def also(self, values: Floats) -> ClosedForms | None:
         """What acceptance of every sample is held against besides; None where there is nothing."""
-        also, strengths_of = self.on_arrays.also, self.on_arrays.of_strengths
+        also = self.on_arrays.also
         if also is None or getattr(self.design, "basal", None) is None:
             return None
-        return _chunked(
-            lambda chunk: also(self._standing(chunk), strengths_of(self._strengths(chunk)), self.before), values
-        )
+        return _chunked(lambda chunk: also(*self.at(chunk), self.before), values)
 
     def takes(self, pre_ie: bool) -> bool:
-        """Whether both methods, or the closed form alone, take all samples at once: no passive bolts, no dilation."""
-        design, on_arrays = self.design, self.on_arrays
-        if any(bolt.acts == "passive" for bolt in design.bolts):
-            return False
-        dilates = any(strength.dilation_deg for strength in on_arrays.strengths(design))
-        dilates |= any(key.endswith(".dilation") for key in self.keys)
-        return not pre_ie or (on_arrays.full is not None and not dilates)
+        """Whether both methods, or the closed form alone, take all samples at once: PRE-IE takes no dilation."""
+        dilates = any(strength.dilation_deg for strength in self.design.joint_strengths)
+        return not (pre_ie and (dilates or any(key.endswith(".dilation") for key in self.keys)))
 
     def limits(self, values: Floats) -> LimitsOfMany:
         """What PRE-IE says of some samples that form blocks by the closed form."""
@@ -91,44 +87,47 @@ class Vectorised:
         return {} if sizes is None else {key: np.where(forms, of, np.nan) for key, of in sizes.columns.items()}
 
     def holds(self, values: Floats) -> Bools:
-        """Which bolts (b, n) hold the block of each sample."""
-        return self._holds(self._scattered(values), len(values))
+        """Which bolts (b, n) hold the block of each sample; (b, 1) where they are the same ones in all."""
+        design = self._scattered(values)
+        return held(self.on_arrays.bounds(design), design.bolts, self.before)[0]
 
-    def _holds(self, design: Design, count: int) -> Bools:
-        holds = held(self.on_arrays.bounds(design), design.bolts, self.before)[0]
-        return np.broadcast_to(holds, (len(design.bolts), count))
-
-    def worst_cracks(self, values: Floats) -> tuple[ClosedForms, Floats] | None:
-        """Of each sample what it is without its crack, and where a crack is worst; None where they are asked alone.
+    def worst_cracks(self, values: Floats) -> tuple[Bools, Floats] | None:
+        """Which samples form a block without their crack, and where that is worst; None where they are asked alone.
 
         Bolts pull as they were laid out: those that a place of the crack frees are found with it.
         """
         on_arrays = self.on_arrays
         design: Any = self._scattered(values)
         reach = None if on_arrays.crack_reach_m is None else on_arrays.crack_reach_m(design)
-        if reach is None or on_arrays.bolts(self.design):
+        if reach is None:
             return None
 
-        def arguments(rows: slice, places: Floats) -> Arguments:
+        def cracked_at(rows: slice, places: Floats) -> Cracked:
             repeated = np.repeat(values[rows], places.shape[1], axis=0)
             cracked: Any = self._scattered(repeated)
             cracked = replace(cracked, crack=replace(cracked.crack, distance_m=places.ravel()))
-            return on_arrays.arguments(cracked) | on_arrays.of_strengths(self._strengths(repeated))
+            return cracked, self._strengths(repeated)
 
-        places = worst_of_many(design, on_arrays, arguments, np.broadcast_to(reach, len(values)))
+        places, _ = worst_of_many(design, on_arrays, cracked_at, np.broadcast_to(reach, len(values)))
         bare = on_arrays.arguments(replace(design, crack=None)) | on_arrays.of_strengths(self._strengths(values))
         bare |= dict.fromkeys(name for name in bare if "crack" in name)
-        return _spread(on_arrays.closed_forms(bare, ()), len(values)), places
+        forms = _spread(on_arrays.closed_forms(bare, ()), len(values))
+        return ~np.char.startswith(forms.names, "E")[forms.outcome], places
 
-    def arguments(self, values: Floats) -> Arguments:
-        """The arguments of all samples: (n,) of those that scatter."""
-        return self.on_arrays.arguments(self._standing(values)) | self.on_arrays.of_strengths(self._strengths(values))
+    def arguments(self, values: Floats) -> dict[str, Any]:
+        """The arguments of all samples: (n,) of those that scatter; of curved strength at one traction."""
+        design, strengths = self.at(values)
+        lines = [secant_strength(strength, _TRACTION_KPA) for strength in strengths]
+        pulls = {
+            f"bolt{k}_{axis}": pull for k, bolt in enumerate(passive_bolts(design)) for axis, pull in enumerate(bolt)
+        }
+        return self.on_arrays.arguments(design) | self.on_arrays.of_strengths(lines) | pulls
 
     def _standing(self, values: Floats) -> Design:
         """The design with arrays for what scatters; bolts that do not hold the block of a sample pull nothing."""
         design = self._scattered(values)
-        if any(bolt.head_m is not None for bolt in design.bolts):
-            design = replace(design, bolts=tuple(map(pulling, design.bolts, self._holds(design, len(values)))))
+        if has_heads(design):
+            design = replace(design, bolts=tuple(map(pulling, design.bolts, self.holds(values))))
         return design
 
     def _scattered(self, values: Floats) -> Design:
@@ -144,15 +143,14 @@ class Vectorised:
 
     def _strengths(self, values: Floats) -> Sequence[Strength]:
         """The strengths of its joints with arrays in place of what scatters."""
-        design, strengths, joints = self.design, self.on_arrays.strengths(self.design), self.design.wet_interfaces
+        design, strengths, joints = self.design, self.design.joint_strengths, self.design.wet_interfaces
         assert design.source is not None
         used = [strength_of(design.source.root, joint) for joint in joints[: len(strengths)]]
-        straight = {field.path for field in fields_of(Strength).values() if field.is_attribute}
         for path, column in zip(self.keys, values.T, strict=True):
             top, *below = path.split(".")
-            if top == "strength" and below[1] in straight:  # no closed form knows the stiffness
+            if top == "strength":
                 strengths = [
-                    _put(strength, below[1:], column, ()) if name == below[0] else strength
+                    _stronger(strength, below[1:], column) if name == below[0] else strength
                     for name, strength in zip(used, strengths, strict=True)
                 ]
         return strengths
@@ -181,24 +179,18 @@ def vectorised(
     values : (n, k) samples; values_at : the values of the design's file at one of them, by its number
     keys : of the columns; None takes those of what scatters
     """
-    kind = kind_of(design)
-    on_arrays = kind.on_arrays
-    if on_arrays is None:
-        return None
-    if any(strength.named_law for strength in kind.strengths(design)):
-        # curved strength asks the closed form again and again, sample by sample; straight laws have keys of their own
+    if (on_arrays := kind_of(design).on_arrays) is None:
         return None
     keys = [key for variable in design.variables for key in variable.columns] if keys is None else keys
     before = as_laid_out(design)
-    sizes = [key for key in keys if (field := field_at(type(design), key)) is not None and field.shape.coordinates]
-    made = Vectorised(on_arrays, with_values(design, dict.fromkeys(sizes, 1.0)), keys, before)  # sizes are multiplied
+    made = Vectorised(on_arrays, design, keys, before)
     rows, read = [], []
     for row in dict.fromkeys([*range(min(_PROBES, len(values))), *values.argmin(axis=0), *values.argmax(axis=0)]):
         try:
             sample = with_values(design, values_at(row))
         except DesignError:
             continue  # a sample that no design can have
-        read.append(_pulled(on_arrays.arguments(standing(sample, before)), design))
+        read.append(replace(made, design=sample, keys=()).arguments(np.zeros((1, 0))))
         rows.append(row)
     try:
         computed = made.arguments(values[rows]) if rows else {}
@@ -208,19 +200,39 @@ def vectorised(
     return made if rows and all(same) else None
 
 
-def _pulled(arguments: Arguments, design: Design) -> Arguments:
-    """The arguments of a sample: active bolts that do not hold it pull with nothing."""
-    pulls = any(bolt.acts == "active" for bolt in design.bolts)
-    return {name: 0.0 if pulls and value is None and name.startswith("force_") else value
-            for name, value in arguments.items()}  # fmt: skip
-
-
-def _same(computed: Any, read: Sequence[float | None]) -> bool:
+def _same(computed: Any, read: Sequence[Any]) -> bool:
     """Whether an argument, one for all or one for each, is what was read."""
-    each, of_all = np.array(read, dtype=np.float64), np.array(computed, dtype=np.float64)  # None is nan
+    each, of_all = np.array(read, dtype=np.float64).ravel(), np.array(computed, dtype=np.float64)  # None is nan
     return np.allclose(
         of_all, each, rtol=_EXACT, atol=_EXACT * np.nan_to_num(np.abs(each)).max(initial=_SMALL), equal_nan=True
     )
+
+
+def _stronger(strength: Strength, parts: Sequence[str], values: Floats) -> Strength:
+    """A strength with values in place of one of its numbers, or of its law's; no closed form knows the stiffness."""
+    straight = {field.path for field in fields_of(Strength).values() if field.is_attribute}
+    law = strength.named_law
+    if law is None or (law_with := _law_with(law, parts[0], values)) is None:
+        changed: Strength = _put(strength, parts, values, ()) if parts[0] in straight else strength
+        return changed
+    if strength.law is not None:
+        return replace(strength, law=law_with, cohesion_kpa=law_with.resistance(np.zeros(1)))
+    line = law_with.straight
+    return replace(
+        strength, cohesion_kpa=line.cohesion_kpa, friction_angle_deg=line.friction_angle_deg, made_of=law_with
+    )
+
+
+def _law_with(law: Any, key: str, values: Floats) -> Any:
+    """A law, or the one that waves lie on, with values in place of its number of a key; None where it has none."""
+    from slopekit.design.strength_laws import fields_of_law  # most designs name no law
+
+    name = next((name for name, field in fields_of_law(type(law)).items() if field.path == key), None)
+    if name is not None:
+        return replace(law, **{name: values})
+    below = getattr(law, "law", None)
+    changed = None if below is None else _law_with(below, key, values)
+    return None if changed is None else replace(law, law=changed)
 
 
 def _place(design: Design, path: str) -> list[str]:
@@ -241,13 +253,14 @@ def _put(record: Any, parts: Sequence[str], values: Floats, names: Sequence[str]
     ValueError
         Where there is no such number.
     """
-    new: dict[str, Any] = {}
-    if isinstance(record, Plane):
-        new[f"{parts[-1]}_deg"] = values
-        return replace(record, **new)
+    if isinstance(record, Plane):  # of a joint, by its name
+        parts = parts[-1:]
+    if isinstance(record, Force) and record.toward is not None and parts[0] != "at":
+        vector, toward = record.toward.vector().T, record.toward
+        size: Any = sum(part * way for part, way in zip(record.components_kn, vector, strict=True))
+        size, toward = (values, toward) if parts[0] == "force" else (size, _put(toward, parts[1:], values, ()))
+        return replace(record, components_kn=tuple(size * part for part in toward.vector().T), toward=toward)
     if isinstance(record, tuple):
-        if not parts:
-            return tuple(values * part for part in record)  # the size of a force
         k = names.index(parts[0]) if parts[0] in names else int(parts[0])
         return (*record[:k], _put(record[k], parts[1:], values, names), *record[k + 1 :])
     if record is None or isinstance(record, float):
@@ -256,11 +269,10 @@ def _put(record: Any, parts: Sequence[str], values: Floats, names: Sequence[str]
         if any(field.path.split(".") == list(parts) for field in fields_of(of).values()):
             return replace(record, **{name: _put(getattr(record, name), parts, values, names)})
     declared = fields_of(type(record))
-    paths = {name: [name] for name in record.__dataclass_fields__}
+    paths = {name: [name.removesuffix("_deg")] for name in record.__dataclass_fields__}
     paths |= {name: field.path.split(".") for name, field in declared.items() if field.is_attribute}
     fitting = [name for name, path in paths.items() if parts and list(parts[: len(path)]) == path]
     if not parts:  # a number that stands for a group: its first
         fitting = [name for name, field in declared.items() if field.is_number][:1]
     name = max(fitting, key=lambda one: len(paths[one]))
-    new[name] = _put(getattr(record, name), parts[len(paths[name]) :], values, names)
-    return replace(record, **new)
+    return replace(record, **{name: _put(getattr(record, name), parts[len(paths[name]) :], values, names)})

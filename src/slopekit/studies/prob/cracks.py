@@ -47,8 +47,7 @@ def placed(search: Vectorised, values: Floats) -> tuple[Floats, Bools]:
     """Samples (n, k) with the worst place of their crack (n, k + 1), and in which (n,) no place gives a factor."""
     worst, distance = search.worst_cracks(values), float(search.design.crack.distance_m)  # type: ignore[attr-defined]
     assert worst is not None
-    forms, found = worst
-    blocks = ~np.array([name.startswith("E") for name in forms.names])[forms.outcome]
+    blocks, found = worst
     known = blocks & np.isfinite(found)
     # without a block any place says the same of it
     return np.column_stack([values, np.where(known, found, distance)]), blocks & ~known

@@ -19,9 +19,9 @@ from slopekit.core.onlooker import Clock
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, counted
 from slopekit.design.common import Design
-from slopekit.kinds import kind_of, likely_slips, peak_only
+from slopekit.kinds import likely_slips, peak_only
 from slopekit.notices import new_notices, not_as_given
-from slopekit.studies.evaluation.bolts import has_heads, without_force
+from slopekit.studies.evaluation.bolts import has_heads
 from slopekit.studies.evaluation.rows import evaluated
 from slopekit.studies.marginals import checked_limits
 from slopekit.studies.outcomes import BothMethods, Outcomes, compared
@@ -47,10 +47,9 @@ from slopekit.studies.protocol import (
 from slopekit.studies.running import checked_crew
 
 By = Literal["closed-form", "pre-ie"]
-#: Samples that are drawn where none are asked for: where all are taken at once, and where they are read one by one.
+#: Samples that are drawn where none are asked for, and where each takes milliseconds or is read by itself.
 MANY, FEW = 20_000, 1_000
 _MOST, _MOST_BY_PRE_IE = 10_000_000, 1_000_000
-_PIECE, _PIECE_OF_CLOSED_FORMS = 2**11, 2**16  # samples of a task
 
 
 @dataclass(frozen=True)
@@ -262,7 +261,7 @@ Accept = Annotated[float | None, Option(
 @study
 def prob(
     design: ADesign,
-    n: Annotated[int | None, Option("Samples [20000; 1000 where each is read by itself].", whole_number, "-n")] = None,
+    n: Annotated[int | None, Option("Samples [20000; 1000 where each takes milliseconds].", whole_number, "-n")] = None,
     *,
     method: Annotated[Method, Option("monte-carlo or latin-hypercube [monte-carlo].")] = "monte-carlo",
     by: Annotated[By, Option("pre-ie, beside the closed form, or closed-form alone [pre-ie].")] = "pre-ie",
@@ -319,14 +318,16 @@ def prob(
     with clock("draw"):
         drawn = samples(design.variables, design.correlation, asked.n, asked.seed, method)
         rows = SampleRows(design, drawn, pre_ie)
-        # where a crack was looked for, every place of it may cut a block for its loads
+        # milliseconds each; where a crack was looked for, every place of it may cut a block for its loads
         is_dear = getattr(design, "crack_searched", "") and getattr(design, "is_cut_for_loads", False)
-        if n is None and rows.is_on_arrays and not is_dear:
+        laws = [strength.law for strength in design.joint_strengths]
+        is_slow = any(laws) or any(bolt.acts == "passive" for bolt in design.bolts)
+        if n is None and rows.is_on_arrays and not (is_dear or is_slow):
             asked = replace(asked, n=MANY)
             rows = SampleRows(design, replace(drawn, count=MANY), pre_ie)
     with clock("factors"):
         outcomes = evaluated(rows, "prob", crew, desk, pre_ie, "samples")
-        has_closed_form = kind_of(design).closed_form is not None
+        has_closed_form = design.HAS_CLOSED_FORM
         whose = " and ".join(["closed form"] * has_closed_form + ["PRE-IE"] * pre_ie)
         evaluator = f"{whose} of every sample{', all at once' if rows.is_on_arrays else ''}"
         judged = with_whole(Judged.by(outcomes.limit, fos, evaluator), outcomes.whole, fos)
@@ -350,9 +351,17 @@ def prob(
 
 def _of_bolts(rows: SampleRows, forms: Bools) -> Iterator[Notice]:
     """W311 where bolts with heads do not hold the block of every sample."""
-    if has_heads(rows.design):
-        bolts = np.concatenate([rows.without_force(*piece).astype(np.int16) for piece in rows.pieces(forms)])
-        yield from without_force(rows.design, bolts, forms)
+    if not has_heads(rows.design):
+        return
+    bolts = np.concatenate([rows.without_force(*piece).astype(np.int16) for piece in rows.pieces(forms)])
+    if bolts.any():
+        most = sum(bolt.head_m is not None for bolt in rows.design.bolts)
+        lost, among = int((bolts > 0).sum()), counted(int(forms.sum()), "sample")
+        yield Notice(
+            "W311",
+            f"bolts give no force in {lost} of {among} that form a block (up to {int(bolts.max())} of {most}): there "
+            "they miss it, or end within it. Heads stand on each sample's own face",
+        )
 
 
 def _asked(
@@ -368,7 +377,7 @@ def _asked(
         faults.append(Fault("E126", f"{method} is not a way to draw samples", "", f"Known: {', '.join(METHODS)}."))
     if by not in ("closed-form", "pre-ie"):
         faults.append(Fault("E126", f"{by} is not a method", "", "Known: closed-form, pre-ie."))
-    if by == "closed-form" and kind_of(design).closed_form is None:
+    if by == "closed-form" and not design.HAS_CLOSED_FORM:
         faults.append(Fault("E126", f"a {design.kind} has no closed form to sample", "", "Take pre-ie."))
     few = FEW_ALONE if getattr(design, "crack_searched", "") else FEW
     n, most = few if n is None else n, _MOST if by == "closed-form" else _MOST_BY_PRE_IE

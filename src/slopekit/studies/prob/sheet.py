@@ -11,7 +11,6 @@ from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted
 from slopekit.design.fields import UNITS
 from slopekit.design.scatter.distributions import Angles, Distribution
 from slopekit.evidence import WithoutBasal
-from slopekit.kinds import kind_of
 from slopekit.result import STATUSES
 from slopekit.studies.marginals import NEVER, tails
 from slopekit.studies.prob.estimates import Share, Summary
@@ -72,7 +71,7 @@ def line_of(study: Probability) -> str:
         parts += [_percent(share.share), _limits(share)]
     if study.by_closed_form is not None:
         parts.append(f"closed form {_percent(study.by_closed_form.share)}")
-    if study.both is not None and kind_of(study.design).closed_form is not None:
+    if study.both is not None and study.design.HAS_CLOSED_FORM:
         parts.append("disagree" if study.methods_disagree else "agree" if study.both.agree else "not compared")
     parts += list(dict.fromkeys(notice.code for notice in study.warnings))
     return "  ".join(parts)
@@ -200,7 +199,7 @@ def _matters(coefficients: Sequence[tuple[str, float]]) -> str:
 def _methods(study: Probability) -> list[str]:
     if study.both is None:
         return ["the closed form alone: it balances no moments"]
-    if kind_of(study.design).closed_form is not None:
+    if study.design.HAS_CLOSED_FORM:
         return study.both.in_words()
     lost = study.both.without_answer
     return [f"there is no closed form to compare with{f'; {lost} WITHOUT ANSWER' if lost else ''}"]

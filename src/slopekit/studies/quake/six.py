@@ -19,7 +19,7 @@ from slopekit.core.orientation import number
 from slopekit.design.common import Design
 from slopekit.design.parts import Strength
 from slopekit.design.reading.files import with_values
-from slopekit.kinds import cut, kind_of
+from slopekit.kinds import cut
 from slopekit.kinds.single_block.one_block_limit import Cut
 from slopekit.kinds.solver_inputs import joint_stiffness
 from slopekit.preie.motion.shaking import Shake, ShakenBlock, Work, inertia_of, shake, shaken_block
@@ -266,7 +266,7 @@ def _blocks_of(static: Design) -> tuple[Cut, Callable[[int], ShakenBlock | None]
     if not isinstance(made, Cut):
         raise _none("several blocks: six degrees of freedom are those of one")
     model = made.scene_at(made.refine).model
-    strengths: Sequence[Strength] = kind_of(static).strengths(static)
+    strengths: Sequence[Strength] = static.joint_strengths
     if model.dilates:
         raise _none("its joints dilate")
     if model.lines is not None:

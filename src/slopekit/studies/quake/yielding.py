@@ -7,8 +7,8 @@ has the inertia of its own motion, and κ is that of the block that goes farthes
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -21,12 +21,12 @@ from slopekit.design.reading.files import with_values
 from slopekit.design.registry import KINDS, record_of
 from slopekit.kinds import analyse, kind_of
 from slopekit.kinds.protocol import Gain
-from slopekit.studies.points import UNSETTLED, Method, Point, factor_at, point_of, status_of
+from slopekit.studies.points import UNSETTLED, Method, factor_at, point_of, status_of
 from slopekit.studies.protocol import Advance
-from slopekit.studies.roots import RootSearch, Sample
-from slopekit.studies.running import Crew
+from slopekit.studies.roots import RootSearch
+from slopekit.studies.running import ALONE, Crew
 from slopekit.studies.solve.by_factor import for_factor
-from slopekit.studies.solve.factor_request import level_sample
+from slopekit.studies.solve.factor_request import FactorRequest
 from slopekit.studies.solve.solutions import NO_CONVERGENCE, Solution
 from slopekit.studies.words import status_words
 
@@ -155,7 +155,9 @@ def yields_of(static: Design, crew: Crew, advance: Advance) -> tuple[Yield, ...]
     reason = solution.pre_ie.reason
     if reason is not None and (solution.is_open or reason.code in ("E318", "E319")):  # not found is not "no k moves it"
         raise (NoConvergenceError if solution.is_open else DesignError)([reason])
-    ours, closed = (_yield_by(static, solution, method, advance) for method in _METHODS)
+    request = FactorRequest(static, solution.key, 0.0, MOST_K, 1.0, ALONE, advance)
+    request = replace(request, columns=request.on_arrays)
+    ours, closed = (_yield_by(request, solution, method) for method in _METHODS)
     if closed is not None and closed.coefficient is None and ours is not None and ours.coefficient is not None:
         at = point_of(static, {KEY: ours.coefficient})
         advance(1)
@@ -164,7 +166,7 @@ def yields_of(static: Design, crew: Crew, advance: Advance) -> tuple[Yield, ...]
     return tuple(one for one in (ours, closed) if one is not None)
 
 
-def _yield_by(static: Design, solution: Solution, method: Method, advance: Advance) -> Yield | None:
+def _yield_by(request: FactorRequest, solution: Solution, method: Method) -> Yield | None:
     """The yield coefficient by one method; None where it says nothing of the design."""
     before, answers = factor_at(solution.before, method), solution.pre_ie
     if before is None or (method == "closed_form" and not solution.before.has_closed_form):
@@ -180,43 +182,32 @@ def _yield_by(static: Design, solution: Solution, method: Method, advance: Advan
         return Yield(method, None, "", None, f"no k up to {MOST_K:g} moves it", before, notes=notes)
     found = Yield(method, first.value, first.status, None, "", before, first.both.agree, notes=first.notes)
     if answers.method != method:  # a closed form that comes with PRE-IE: columns
-        found = replace(found, coefficient=_root(static, method, first.value, (), advance), agree=None, notes=())
+        found = replace(found, coefficient=_root(request, method, first.value), agree=None, notes=())
     elif first not in answers.roots and method == "pre_ie":
         (_, stands), (_, falls) = first.bracket
         why = f"moments open a joint there, the factor of safety jumps from {stands:.3g} to {falls:.3g}"
         return replace(found, why_not=why, notes=())
     if found.coefficient is None:
         return replace(found, why_not=f"no k up to {MOST_K:g} moves it")
-    gain = _gain(static, method, found.coefficient, advance)
+    gain = _gain(request, method, found.coefficient)
     if isinstance(gain, str):
         return replace(found, why_not=gain)
     return replace(found, factor=gain.factor, factor_of=gain.block, alone_at=gain.alone_at, first_factor=gain.first)
 
 
-def _root(
-    static: Design, method: Method, start: float, more: tuple[Force, ...], advance: Advance
-) -> float | None:  # fmt: skip
-    """The yield coefficient by a method near another one, under more forces; None where none is found."""
-
-    def ask(coefficients: Sequence[float]) -> list[Sample[Point]]:
-        advance(len(coefficients))
-        points = [point_of(static, {KEY: k}, method == "pre_ie", pushed) for k in coefficients]
-        return [level_sample(k, point, method, 1.0) for k, point in zip(coefficients, points, strict=True)]
-
-    def pushed(design: Design) -> Design:
-        return replace(design, forces=(*design.forces, *more))
-
-    search = RootSearch(ask, MOST_K, **_CLOSE)
+def _root(request: FactorRequest, method: Method, start: float) -> float | None:
+    """Return the yield coefficient by a method near another one; None where none is found."""
+    search = RootSearch(partial(request.samples, method), MOST_K, **_CLOSE)
     near = (start * by for part in _NEAR for by in (1.0 - part, 1.0 + part))
     search.look_outwards((0.0, *(k for k in near if k <= MOST_K), MOST_K), start)
     return next((crossing.best.at for crossing in search.crossings() if crossing.how == "root"), None)
 
 
-def _gain(static: Design, method: Method, k: float, advance: Advance) -> Gain | str:
+def _gain(request: FactorRequest, method: Method, k: float) -> Gain | str:
     """How fast the block gains on the ground at a yield coefficient, or why that is not known."""
-    kind = kind_of(static)
-    dilates = any(strength.dilation_deg for strength in kind.strengths(static))
-    if kind.seismic_gain is not None:
+    static, advance, kind = request.design, request.advance, kind_of(request.design)
+    dilates = any(strength.dilation_deg for strength in static.joint_strengths)
+    if kind.MOVES_MANY:
         advance(1)
         unit = with_values(static, {KEY: 1.0})
         gain = None if dilates else kind.seismic_gain(static, unit, k, method == "closed_form")
@@ -235,7 +226,8 @@ def _gain(static: Design, method: Method, k: float, advance: Advance) -> Gain | 
     push = max(_PUSH * k, _LEAST_PUSH)
     forces = [Force(tuple(np.asarray(side * push * result.forces.weight * along).tolist())) for side in (-1.0, 1.0)]
     starts = [k + push, k - push if k > push else 0.5 * k]
-    moved = [_root(static, method, start, (force,), advance) for start, force in zip(starts, forces, strict=True)]
+    pushed = [replace(request, forces=(force,)) for force in forces]
+    moved = [_root(one, method, start) for one, start in zip(pushed, starts, strict=True)]
     if moved[0] is None or moved[1] is None or not moved[0] > moved[1]:
         return "another way to move is as near"
     return Gain(2.0 * push / (moved[0] - moved[1]), "")

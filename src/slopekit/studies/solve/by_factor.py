@@ -152,13 +152,11 @@ def end_of_path(asked: FactorRequest) -> float | None:
 
     Wherever that path ends, the value is where the factor, the strength divided last, is the target, or falls past it.
     """
-    at_load = kind_of(asked.design).at_load
-    assert at_load is not None
     without, unit = (
         with_values(asked.design, values_of(asked.design, [asked.key], [value])) for value in (0.0, _UNIT_LOAD)
     )
     with work_limit.allowed(_OF_PATH * work_limit.MOST):
-        last = at_load(without, unit, asked.target)
+        last = kind_of(asked.design).at_load(without, unit, asked.target)
     return None if last is None or not asked.low < last < asked.high else last
 
 

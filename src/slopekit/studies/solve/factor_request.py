@@ -11,11 +11,12 @@ import numpy as np
 
 from slopekit.core.errors import Notice
 from slopekit.design.common import Design
+from slopekit.design.parts import Force
 from slopekit.kinds import kind_of
 from slopekit.studies.evaluation.columns import array_columns, may_be_on_arrays, points_on_arrays
 from slopekit.studies.evaluation.vectorised import Vectorised
 from slopekit.studies.keys import Key, values_of
-from slopekit.studies.points import Method, Point, factor_at, point_of, point_with, status_of
+from slopekit.studies.points import Method, Point, factor_at, point_of, status_of
 from slopekit.studies.protocol import Advance
 from slopekit.studies.roots import RootSearch, Sample, level_at, places
 from slopekit.studies.running import ALONE, Crew, run_all
@@ -52,6 +53,7 @@ class FactorRequest:
     """A number of a design between two values, the factor that is wanted, and what was found at values so far.
 
     `points` are those of designs of their own by both methods; `columns` take values on arrays, None where none do.
+    `forces` act on the design beside those of its file.
     """
 
     design: Design
@@ -63,6 +65,7 @@ class FactorRequest:
     advance: Advance
     points: dict[float, Point] = field(default_factory=dict)
     columns: Vectorised | None = None
+    forces: tuple[Force, ...] = ()
 
     def search(self, method: Method) -> RootSearch[Point]:
         """One by a method, none sampled yet."""
@@ -72,12 +75,12 @@ class FactorRequest:
     @property
     def has_closed_form(self) -> bool:
         """Whether a closed form can be asked alone, in next to no time."""
-        return kind_of(self.design).closed_form is not None
+        return self.design.HAS_CLOSED_FORM
 
     @property
     def drives_blocks(self) -> bool:
         """Whether it is a load on many blocks, which their path may drive."""
-        return _LOAD.fullmatch(self.key.path) is not None and kind_of(self.design).at_load is not None
+        return _LOAD.fullmatch(self.key.path) is not None and kind_of(self.design).MOVES_MANY
 
     @property
     def on_arrays(self) -> Vectorised | None:
@@ -89,13 +92,14 @@ class FactorRequest:
         """What a method says at values: all at once on arrays, else as many at a time as the crew is."""
         pre_ie, found = method == "pre_ie", dict[float, Point]()
         if self.columns is not None:
-            points = points_on_arrays(self.columns, self.design, [self.key], np.array(values)[:, None], pre_ie)
+            columns = replace(self.columns, design=under_forces(self.forces, self.columns.design))
+            points = points_on_arrays(columns, self.design, [self.key], np.array(values)[:, None], pre_ie)
             found = {value: point for value, point in zip(values, points, strict=True) if point is not None}
             self.advance(1)
         rest = [value for value in values if value not in found]
         tasks = [values_of(self.design, [self.key], [value]) for value in rest]
         crew = self.crew if len(tasks) > 1 and pre_ie else ALONE
-        work = partial(point_with, self.design, pre_ie, False)
+        work = partial(point_of, self.design, pre_ie=pre_ie, also=partial(under_forces, self.forces))
         alone = dict(zip(rest, run_all(work, tasks, crew, advance=self.advance, at_once=1), strict=True))
         if pre_ie:
             self.points.update(alone)
@@ -133,6 +137,11 @@ class FactorRequest:
     def grid(self, even: int, close: float) -> list[float]:
         """Values between the two, as `places` has them."""
         return places(self.low, self.high, self.key.value, even=even, close=close)
+
+
+def under_forces(forces: tuple[Force, ...], design: Design) -> Design:
+    """Return a design with more forces than those of its file."""
+    return replace(design, forces=(*design.forces, *forces))
 
 
 def factor_notices(asked: FactorRequest, value: float, there: Point) -> Iterator[Notice]:

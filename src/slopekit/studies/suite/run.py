@@ -9,7 +9,7 @@ import math
 import time
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, TypeAlias
+from typing import Any, ClassVar, TypeAlias, cast
 
 from slopekit._version import __version__
 from slopekit.core.codec import record_of
@@ -240,9 +240,6 @@ def _value(result: Result, reference: Reference) -> float | str | None:
     if quantity == "critical_friction_deg":  # c = 0 and one φ: strength divided by F is friction of tan φ / F
         factor = result.fos.limit
         return None if not factor else math.degrees(math.atan(math.tan(math.radians(of or 0.0)) / factor))
-    figures = kind_of(result.design).figures
-    if quantity in figures:
-        return figures[quantity](result.design, of)
     if quantity in ("failed_pairs", "displacement_x_mm", "displacement_z_mm"):
         step = next((step for step in result.series if step.factor == of), None)
         if step is None:
@@ -251,4 +248,7 @@ def _value(result: Result, reference: Reference) -> float | str | None:
             return float(step.failed_pairs)
         axis = 0 if quantity == "displacement_x_mm" else 2
         return None if step.movement is None else 1e3 * float(step.movement.displacement[axis])
-    return getattr(result.fos, quantity, None)
+    if hasattr(result.fos, quantity):
+        return cast("float | None", getattr(result.fos, quantity))
+    kind = kind_of(result.design)
+    return kind.closed_form(result.design, kind.cut(result.design)).figure(quantity, of)

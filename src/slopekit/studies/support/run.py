@@ -22,7 +22,7 @@ from slopekit.core.errors import Notice
 from slopekit.core.orientation import Line
 from slopekit.design.common import Design
 from slopekit.design.parts import ON_FACTOR, Bolt
-from slopekit.kinds import also_falls_short, dilates, factors_of, kind_of, peak_only, slips_of_size
+from slopekit.kinds import also_falls_short, dilates, factors_of, peak_only, slips_of_size
 from slopekit.notices import common_notices
 from slopekit.studies.points import Method, Point, rules_left_out, said_at
 from slopekit.studies.protocol import DESK, ADesign, Option, Workplace, study
@@ -130,7 +130,7 @@ def support(
 def _said(site: Site, cases: Sequence[BoltCase], target: float) -> Iterator[Notice]:
     """What is to be known of the design, and what runs of it would say, as it stands and with the bolts."""
     design = site.design
-    of_inputs = (*common_notices(design, kind_of(design).strengths(design)), *slips_of_size(design))
+    of_inputs = (*common_notices(design, design.joint_strengths), *slips_of_size(design))
     yield from of_inputs
     yield from peak_only(design, "bolts are for the factor")
     yield from rules_left_out(design, ON_FACTOR)
@@ -150,7 +150,7 @@ class _Search:
         factors = factors_of(site.design)
         self.bare, self.bare_limit = method_answer(factors, "closed_form"), method_answer(factors, "pre_ie")
         self.dilates = dilates(site.design)
-        strengths = kind_of(site.design).strengths(site.design)
+        strengths = site.design.joint_strengths
         self.has_strength = any(one.cohesion_kpa or one.friction_angle_deg for one in strengths)
         self.goal = self.target * (1.0 + _AIM)  # of the forces alone, for a direction and a first guess
         if self.bare.reaches(self.target):  # PRE-IE has not: ask them for as much more as it lacks

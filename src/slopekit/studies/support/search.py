@@ -18,7 +18,7 @@ from slopekit.design.common import Design
 from slopekit.design.parts import Bolt, Force
 from slopekit.kinds import kind_of
 from slopekit.kinds.protocol import Factors
-from slopekit.kinds.single_block.closed_forms import OnArrays
+from slopekit.kinds.single_block.closed_forms import OnArrays, passive_bolts
 from slopekit.loads import Hull
 from slopekit.studies.points import UNSETTLED, Method
 from slopekit.studies.roots import RootSearch, Sample, level_at
@@ -181,7 +181,7 @@ def site_of(design: Design) -> Site:
         Where no block can be formed.
     """
     kind = kind_of(design)
-    if kind.on_arrays is None or kind.closed_form is None:
+    if kind.on_arrays is None:
         message = f"support is for a wedge or a plane, this design is of kind {design.kind}"
         advice = (
             f"A design of kind {design.kind} takes no bolts."
@@ -190,7 +190,7 @@ def site_of(design: Design) -> Site:
             "support.bolts.0.force --fos 1.5"
         )
         raise DesignError([Fault("E288", message, "", advice)])
-    if any(strength.law for strength in kind.strengths(design)):
+    if any(strength.law for strength in design.joint_strengths):
         message = "support takes Mohr-Coulomb strength: the directions it compares have one c and φ a joint"
         advice = "Give the design a bolt, then solve changes it: slopekit solve my.yaml support.bolts.0.force --fos 1.5"
         raise DesignError([Fault("E288", message, "", advice)])
@@ -213,7 +213,7 @@ def least_forces(site: Site, goal: float, directions: Floats) -> Floats:
     """
     arguments = site.on_arrays.arguments(site.design)
     own = np.array([arguments[name] or 0.0 for name in _FORCE])
-    for pull in site.on_arrays.bolts(site.design):
+    for pull in passive_bolts(site.design):
         own += np.array(pull) / goal
 
     def reaches(forces: Floats) -> Any:
