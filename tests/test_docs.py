@@ -31,7 +31,7 @@ import pytest
 from benchmarks.key_reference import PAGE, written
 from slopekit.cli import app, main
 from slopekit.core.explanations import explanations
-from slopekit.design.fields import structure_of
+from slopekit.design.fields import record_spec
 from slopekit.design.registry import KINDS as KINDS_OF_DESIGN
 from slopekit.design.registry import record_of
 from slopekit.design.templates import names, path_of
@@ -335,7 +335,7 @@ def test_every_key_of_a_design_stands_on_its_page() -> None:
     sections = dict(re.findall(r"^## (\w+)\n(.*?)(?=^## |\Z)", page, re.MULTILINE | re.DOTALL))
     shared = page.partition("\n## wedge\n")[0]
     missing = [
-        f"{kind}: {key}" for kind in KINDS_OF_DESIGN for key in _keys_of(structure_of(record_of(kind)))
+        f"{kind}: {key}" for kind in KINDS_OF_DESIGN for key in _keys_of(record_spec(record_of(kind)))
         if not re.search(rf"[`.{{ ]{key}\b", shared + sections[kind] + sections["Distributions"] + page[-4000:])
     ]  # fmt: skip
     assert missing == []

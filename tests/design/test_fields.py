@@ -6,7 +6,7 @@ import pytest
 
 from slopekit.core.errors import DesignError
 from slopekit.core.units import quantity
-from slopekit.design.fields import every_field, field_at, structure_of, words_of
+from slopekit.design.fields import every_field, field_at, record_spec, words_of
 from slopekit.design.reading.document import read_document
 from slopekit.design.reading.files import load
 from slopekit.design.reading.structure import Spec
@@ -205,7 +205,7 @@ def _leaves(spec: Spec, path: str) -> Iterator[str]:
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_number_that_may_scatter_is_a_field(kind) -> None:
     record = record_of(kind)
-    paths = set(_leaves(structure_of(record, record.REQUIRED), ""))
+    paths = set(_leaves(record_spec(record, record.REQUIRED), ""))
     assert len(paths) > 5
     assert {path for path in paths if field_at(record, path) is None} == set()
 

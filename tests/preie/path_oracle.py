@@ -329,6 +329,8 @@ _OPENS = 1e-3  # of the fastest opening or slip
 _SETTLED = 1e-6  # change of λ while the work of the loads grows tenfold
 
 
+_PRESSED = 3e-3  # of the load, spread over all pairs: the force from which cohesion acts
+
 _LEAST_KPA, _APART = 1e-4, 1e-6  # traction below which curves are straight, and how far apart slopes are read off
 
 #: The tangent -dR/du (n, n) and dR/dλ (n,), where they are asked for.
@@ -502,6 +504,22 @@ class CurvedJoints(Joints):
         """How that changes with them, (m,)."""
         at = np.maximum(normal / self._kpa, _LEAST_KPA)
         return (self._shear(at * (1.0 + _APART)) - self._shear(at * (1.0 - _APART))) / (2.0 * _APART * at)
+
+
+class PressedJoints(Joints):
+    """The same whose cohesion acts at pairs that are pressed: all of it from some thousandths of a mean force on."""
+
+    def __init__(self, given: Arrays, stiffness: float) -> None:
+        super().__init__(given, np.zeros_like(given.cohesion), stiffness)
+        self._cohesion, self._full = given.cohesion, _PRESSED * self.scale * given.area / given.area.sum()
+
+    def resists(self, normal: np.ndarray) -> np.ndarray:
+        return super().resists(normal) + self._cohesion * np.tanh(normal / self._full)
+
+    def follows(self, normal: np.ndarray) -> np.ndarray:
+        return (
+            super().follows(normal) + self._cohesion / self._full / np.cosh(np.minimum(normal / self._full, 50.0)) ** 2
+        )
 
 
 def history(

@@ -9,7 +9,12 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
+import slopekit as sk
+from benchmarks import populations
 from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety, toppling_table
+from slopekit.kinds import cut
+from slopekit.kinds.assemblies.many_blocks_scene import scene_loads
+from slopekit.kinds.solver_inputs import joint_strength
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.bed_states import Drive
 from slopekit.preie.elastic_path.flow import relaxed
@@ -17,6 +22,7 @@ from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome, resul
 from slopekit.preie.many_blocks import blocks
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
+from slopekit.preie.many_blocks.ravelling import finer_model, ravel
 from slopekit.preie.outcome import Outcome
 from tests.closed_form.blocks import two_blocks
 from tests.preie import assembly_oracle
@@ -487,3 +493,22 @@ def test_benches_whose_bound_is_hard(name) -> None:
     bound = assembly_oracle.static_bound(model, 1e-5, found.static_bound)
     assert found.factor is None or found.factor <= bound * (1.0 + 1e-4)
     assert found.static_bound == pytest.approx(bound, rel=2e-4 if name == 5 else 2e-5)
+
+
+@pytest.mark.parametrize(("design", "cohesion", "coarse", "apart"), [
+    (populations.section(93), 5.0, 1.722, 1e-6), (populations.bench(21), 5.0, 4.814, 1e-6),
+    pytest.param(populations.bench(30), 0.0, 5.563, 5e-3, marks=pytest.mark.slow),
+], ids=["little cohesion", "in space", "turning without cohesion"])  # fmt: skip
+def test_contacts_that_are_partly_open_are_split_until_all_would_give_the_same(design, cohesion, coarse, apart) -> None:
+    """Three node pairs a contact, or its corners and centroid, put forces and cohesion too far out: unsafe here.
+
+    Without cohesion a last rest is split no further.
+    """
+    strength = {name: values | {"c": cohesion} for name, values in design["strength"].items()}
+    scene = cut(sk.load(design | {"strength": strength}))
+    scenery = scene.assembly, scene_loads(scene), joint_strength(scene.strengths)
+    part = ravel(*scenery, ranged=False).failures[0].parts[0]
+    unsplit, split = (limit_of_blocks(finer_model(*scenery, part, level), ranged=False).factor for level in (0, 3))
+    assert unsplit == pytest.approx(coarse, rel=1e-3)
+    assert part.limit.factor == pytest.approx(split, rel=apart)
+    assert part.limit.factor < 0.98 * unsplit

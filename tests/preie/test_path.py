@@ -27,6 +27,7 @@ from slopekit.preie.one_block.pairs_limit import pairs_limit
 from slopekit.preie.outcome import Outcome
 from slopekit.preie.programs.bounds import held_by_normals, static_bound
 from slopekit.preie.system.assembly import AssemblyModel
+from slopekit.preie.tolerances import FAR
 from tests.preie import load_oracle, path_oracle
 from tests.preie.block_scenes import (
     Scene,
@@ -258,6 +259,50 @@ def test_a_last_rest_of_blocks_that_crept_has_the_factor_near_where_they_set_off
     assert beyond.ended != "rest" or has_crept(bed, beyond)
 
 
+def cohesive_bench(number: int, cohesion: float) -> AssemblyModel:
+    """Bench 3 (one block moves) or 41 (four), all its joints with that cohesion (kPa)."""
+    design = populations.bench(number)
+    design["strength"]["joint"]["c"] = cohesion
+    return model_of(design)
+
+
+@pytest.mark.parametrize("number", [3, 41])
+def test_more_cohesion_never_lowers_a_limit(number) -> None:
+    """At the same node pairs, but for the 1e-4 to which a last rest is known.
+
+    Without cohesion the blocks creep past the strength at which they snap with some; where that snap was their end,
+    1 kPa lowered 0.645 to 0.539 and 5 kPa 1.69 to 1.58.
+    """
+    factors = [limit_of_blocks(cohesive_bench(number, c), ranged=False).factor for c in (0.0, 0.2, 1.0, 5.0, 20.0)]
+    assert all(more > less * (1.0 - 2e-4) for less, more in pairwise(factors))
+
+
+@pytest.mark.parametrize(("number", "cohesion"), [(3, 0.0), (3, 1.0), (41, 0.0), (41, 1.0), (41, 5.0)])
+def test_blocks_that_run_and_rest_once_more_have_the_limit_of_a_history(number, cohesion) -> None:
+    """A history in which slip stays, and cohesion acts at pairs that are pressed, within 3 % (the first mesh).
+
+    At 30 elastic displacements it runs, at less than 0.8 of its limit; its motion then has that limit.
+    """
+    model = cohesive_bench(number, cohesion)
+    found = limit_of_blocks(model, ranged=False)
+    joints = path_oracle.PressedJoints(path_oracle.arrays_of(model), 0.4)
+    ended = path_oracle.history(model, 2.0 / found.static_bound, bed=joints)
+    assert (ended.end, ended.peak < 0.8 * ended.factor) == ("settled", True)
+    assert found.factor == pytest.approx(ended.factor, rel=0.03)
+    assert found.factor < found.static_bound
+
+
+def test_a_rest_beyond_ten_thousand_elastic_displacements_is_none() -> None:
+    """The block of bench 3 creeps on without end as its strength falls: the path ends where it is that far off."""
+    model = cohesive_bench(3, 1.0)
+    bed = Bed(model, Drive(model.load.ravel()))
+    found = follow(bed, 2.0 / static_bound(model).factor)
+    assert found.outcome is PathOutcome.BRACKET
+    assert 0.8 * FAR < bed.worked(found.displacement) <= FAR
+    onward = at_rest_next(bed, found.displacement, found.parameter / 1.01)
+    assert onward.ended == "runs" or bed.worked(onward.at) > FAR
+
+
 @pytest.mark.parametrize("part", [0.01, 0.1])
 def test_the_factor_tends_to_that_without_cohesion_as_cohesion_goes(part) -> None:
     """Section 103, whose motion after a snap has a limit ten times lower: no other motion's limit is its factor."""
@@ -444,7 +489,8 @@ def test_a_flow_that_did_not_settle_is_not_tried_again(monkeypatch) -> None:
     """The bracket gets narrower from the side at rest: what runs is the same flow as before."""
     model = boxes_in_space((2, 1, 2), (2.0, 3.0, 1.0), 25.0, 0.3).model(35.0)
     flows: list[Flow] = []
-    monkeypatch.setattr(path, "_run", lambda _, flow, __: flows.append(flow))
+    monkeypatch.setattr(path, "_NEARLY", (3e-3, 3e-4))
+    monkeypatch.setattr(path, "_eased", lambda _, flow, __: flows.append(flow))
     monkeypatch.setattr(path, "traced", lambda *_: None)
     found = follow(Bed(model, Drive(model.load.ravel())), 2.0 / static_bound(model).factor)
     assert found.outcome is PathOutcome.BRACKET

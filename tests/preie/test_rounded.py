@@ -61,9 +61,13 @@ def test_sharpened_states_are_those_of_the_joints() -> None:
 
 
 def test_a_motion_that_runs_far_below_the_last_rest_has_its_own_limit() -> None:
-    """Bench 50: two blocks rest at 2.13, and run to a limit of 1.79, the only one that their motion can have."""
+    """Bench 50: two blocks rest at 2.13, and run to a limit of 1.79, the only one that their motion can have.
+
+    On finer node pairs only a rest is found, 18.6 % higher: it raises nothing, and is said.
+    """
     found = sk.run(populations.bench(50))
     assert found.fos.limit == pytest.approx(1.7917646, rel=1e-6)
+    assert "by 18.6 %" in {notice.code: notice.message for notice in found.warnings}["W312"]
     assert found.fos.lowest == pytest.approx(found.fos.limit, rel=1e-4)
     assert found.fos.highest == pytest.approx(found.fos.limit, rel=1e-4)
 

@@ -154,4 +154,4 @@ def test_a_motion_that_does_not_settle_has_the_factor_of_one_block_and_says_so()
     ours = found.yields[0]
     assert ours.alone_at == pytest.approx(ours.coefficient, rel=0.1)
     assert 1.0 < ours.factor < 1.5
-    assert [notice.code for notice in found.warnings] == ["W462", "W338"]
+    assert [notice.code for notice in found.warnings] == ["W462", "W317", "W338"]

@@ -107,12 +107,13 @@ LEANING_ROW = {
 
 
 #: Limit of the elastic path, the ends of the range of its mechanism and the static bound, of METHOD-3.md §13. (The
-#: lower end of the bonded columns, 0.009 there, is left out: here it has none, forces may jam them without end.)
+#: lower end of the bonded columns, 0.009 there, is left out: here it has none, forces may jam them without end. The
+#: bonded row is 1.53115 there, its contacts of three node pairs each: cohesion is METHOD-4's, on what is pressed.)
 KNOWN = {
     "two blocks": (TWO_BLOCKS, (0.529555, 0.52049, 0.52955, 0.52956)),
     "rough columns": (ROUGH_COLUMNS, (0.818, 0.669, 0.971, 1.000)),
     "bonded columns": (BONDED_COLUMNS, (0.172230, None, 0.4226, 0.468)),
-    "a bonded row": (BONDED_ROW, (1.531150, 1.5001, 1.5312, 1.53506)),
+    "a bonded row": (BONDED_ROW, (1.532417, None, 1.53242, 1.53506)),
     "shards": (SHARDS, (3.749624, 3.7050, 3.7496, 3.74962)),
     "Goodman & Bray": (GOODMAN_BRAY, (0.999956835, 0.799, 1.111, 1.19089)),
     "a bench of 46 blocks": (BENCH, (2.498175, 2.491, 2.509, 2.634)),
@@ -190,7 +191,7 @@ def test_a_peak_and_its_range_are_divided_with_the_strength() -> None:
 def test_a_motion_that_jams_a_small_block_settles_whatever_the_strength_is_divided_by() -> None:
     """Bench 38: 0.8062 along its motion; at half the strength it once was 0.8224, the last rest before that."""
     found = [changes.run(changes.reduced(populations.bench(38), by)).fos.limit * by for by in (1.0, 0.5, 3.0)]
-    assert found == pytest.approx(3 * [0.806192], abs=2e-6)
+    assert found == pytest.approx(3 * [0.806321], abs=2e-6)
     assert found == pytest.approx(3 * [found[0]], rel=1e-9)
 
 
@@ -236,7 +237,7 @@ def test_a_block_whose_turning_raises_its_factor_has_what_it_has_without() -> No
         c=0.0, phi=design["strength"]["joint"]["phi"], unit_weight=26.0,
     )  # fmt: skip
     assert found.fos.limit == pytest.approx(wedge.fos.closed_form, rel=1e-9)
-    assert found.fos.highest > 1.1 * found.fos.limit  # the elastic path, on which it turns
+    assert found.fos.highest == pytest.approx(5.9268, rel=1e-3)  # the elastic path, on which it turns
     assert "one block slides alone, by forces" in str(found)
     straight = changes.run(populations.bench(171))  # on one plane, and lower than where joints dilate
     assert straight.status == "slides"

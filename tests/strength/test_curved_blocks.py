@@ -128,9 +128,9 @@ def test_one_path_is_enough(monkeypatch) -> None:
     assert part.model.lines.rounds == 2
 
 
-@pytest.mark.parametrize(("number", "apart"), [(3, 1e-9), (8, 0.05)])
+@pytest.mark.parametrize(("number", "apart"), [(3, 1e-9), (35, 0.05)])
 def test_a_ladder_looks_for_the_limit_of_the_law(number, apart) -> None:
-    """Section 3 has one limit on joints of any stiffness, section 8 another where k_t is a tenth of k_n.
+    """Section 3 has one limit on joints of any stiffness, section 35 another where k_t is a tenth of k_n.
 
     On the lines that the limit settled on it was the other way round: 14 % apart, and the same.
     """
@@ -140,7 +140,7 @@ def test_a_ladder_looks_for_the_limit_of_the_law(number, apart) -> None:
     softer, stiffer, same = (rung.factor for rung in found.ladder)
     assert same == pytest.approx(factor, rel=1e-12)
     assert [softer, stiffer] == pytest.approx([factor, factor], rel=apart)
-    assert (abs(softer / factor - 1.0) > 0.03) == (number == 8)
+    assert (abs(softer / factor - 1.0) > 0.03) == (number == 35)
     assert judged["other strengths"].met
     assert judged["stiffness ratio"].met == (number == 3)
 

@@ -9,7 +9,7 @@ import pytest
 from slopekit.core.errors import DesignError
 from slopekit.design.reading.files import load, with_values
 from slopekit.kinds import kind_of
-from slopekit.strength.protocol import laws_of
+from slopekit.strength.protocol import row_laws
 from slopekit.studies.evaluation.bolts import as_laid_out, standing
 from slopekit.studies.evaluation.vectorised import vectorised
 from slopekit.studies.prob.sampling import samples
@@ -98,7 +98,7 @@ def check(values: dict, n: int = 2) -> None:
                 row,
             )
         for strength, alone in zip(strengths, sample.joint_strengths, strict=True):
-            law, at = laws_of(strength.law, n)[row], np.array([3.0, 40.0, 300.0])
+            law, at = row_laws(strength.law, n)[row], np.array([3.0, 40.0, 300.0])
             assert (law is None) == (alone.law is None)
             if law is not None:
                 assert law.resistance(at) == pytest.approx(alone.law.resistance(at), rel=1e-12)

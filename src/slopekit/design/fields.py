@@ -503,7 +503,7 @@ def words_of(record: Any, path: str) -> str:
 
 
 @_remembered
-def structure_of(record: Any, required: tuple[str, ...] = (), without: tuple[str, ...] = ()) -> Spec:
+def record_spec(record: Any, required: tuple[str, ...] = (), without: tuple[str, ...] = ()) -> Spec:
     """Which keys a record may have: what `check_structure` goes by.
 
     Parameters
@@ -549,7 +549,7 @@ def _spec(one: Field) -> Spec:
         spec = Spec("number" if one.scatters else "value")
     elif one.of is None and not shape.forms:
         spec = VALUE
-    own = Spec() if one.of is None else structure_of(one.of, without=shape.without)
+    own = Spec() if one.of is None else record_spec(one.of, without=shape.without)
     spec = either(spec, *forms, own)
     if shape.each:
         spec = replace(spec, names=spec, items=spec, at_least=1)

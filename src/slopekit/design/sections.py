@@ -9,7 +9,7 @@ from slopekit.core.orientation import Line
 from slopekit.core.orientation import number as shown
 from slopekit.design import words
 from slopekit.design.common import BEDROCK, Design
-from slopekit.design.fields import fields_of, structure_of
+from slopekit.design.fields import fields_of, record_spec
 from slopekit.design.parts import (
     Bolt,
     Force,
@@ -278,7 +278,7 @@ def strength_names(reader: Reader, users: Sequence[tuple[str, Node | None, Node]
     users : name of the interface, the node of its `strength` key, the node of the interface itself
     """
     strengths = reader.at("strength")
-    if strengths is None or without_name(strengths, structure_of(Strength)):  # the structure says so
+    if strengths is None or without_name(strengths, record_spec(Strength)):  # the structure says so
         return [None] * len(users)
     named = {wanted.text for _, wanted, _ in users if wanted is not None}
     slips = [name for name, node in strengths.items() if str(node.key_place).startswith("--set") and name not in named]

@@ -79,7 +79,7 @@ def with_all_said(result: Result) -> Result:
         return result
     left = ResidualFactors(factors.status, factors.limit, factors.closed_form, factors.difference, factors.agree)
     held = replace(result, comparisons=replace(result.comparisons, residual=left))
-    return replace(held, warnings=(*held.warnings, *_of_residual(held, left)))
+    return replace(held, warnings=(*held.warnings, *_residual_notices(held, left)))
 
 
 def _at_residual(design: Design) -> "Factors | None":
@@ -89,7 +89,7 @@ def _at_residual(design: Design) -> "Factors | None":
     return kind_of(design).factors(replace(design.at_residual(), rules=()))
 
 
-def _of_residual(result: Result, left: ResidualFactors) -> Iterator[Notice]:
+def _residual_notices(result: Result, left: ResidualFactors) -> Iterator[Notice]:
     """Yield W417 of a result beside its factors on residual strength."""
     peak = result.fos.limit
     if left.limit is not None and peak is not None and left.limit > peak * (1.0 + _SAME):

@@ -27,7 +27,7 @@ from slopekit.kinds.assemblies.many_blocks_design import MOST_BLOCKS, AssemblyDe
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, with_loads
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.sizes import Crest
-from slopekit.kinds.words import BLOCKS_STATUSES, sections_of, short
+from slopekit.kinds.words import BLOCKS_STATUSES, short, slope_sections
 from slopekit.preie.many_blocks.ravelling import Failure
 from slopekit.result import Result, Words
 
@@ -269,7 +269,7 @@ def _slope(design: BenchDesign, result: Result) -> list[Section]:
     )
     wet = [(one.name, one.pressure_kpa) for one in design.sets]
     others = contact_areas({name: area for name, area in areas.items() if name not in design.wet_interfaces})
-    return sections_of(result, Section("SETS", entries), water_of_blocks(wet), others)
+    return slope_sections(result, Section("SETS", entries), water_of_blocks(wet), others)
 
 
 def _regularity(design: BenchDesign, one: JointSetInput) -> str:

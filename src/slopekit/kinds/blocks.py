@@ -41,8 +41,8 @@ from slopekit.kinds.words import (
     BLOCKS_STATUSES,
     first_and_last,
     names_in_runs,
-    sections_of,
     shortened,
+    slope_sections,
     strength_in_words,
 )
 from slopekit.result import Result, Words
@@ -525,7 +525,7 @@ def _slope(design: BlocksDesign, result: Result) -> list[Section]:
         entries.append(f"{name}  {strength_in_words(strength, '.6g')}  {' and '.join(on) or 'on no interface'}")
     made_from = Section("BLOCKS", entries + _own_weights(design))
     wet = [(f"{block}/{other}", pressure) for block, other, pressure in design.pressures_kpa]
-    return sections_of(result, made_from, water_of_blocks(wet), contact_areas(result.geometry.areas_m2))
+    return slope_sections(result, made_from, water_of_blocks(wet), contact_areas(result.geometry.areas_m2))
 
 
 def _own_weights(design: BlocksDesign) -> list[str]:

@@ -22,7 +22,7 @@ from slopekit.kinds.single_block.one_block import DILATES, SingleBlock
 from slopekit.kinds.single_block.one_block_limit import Cut, Interface
 from slopekit.kinds.single_block.secants import on_secants, other_strengths
 from slopekit.kinds.solver_inputs import section_bedding, section_geometry
-from slopekit.kinds.words import sections_of, size_number, strength_in_words
+from slopekit.kinds.words import size_number, slope_sections, strength_in_words
 from slopekit.loads import PointForce, block_loads
 from slopekit.result import Result, Words
 
@@ -227,7 +227,7 @@ def _slope(design: FootingDesign, result: Result) -> list[Section]:
     toe, heel = design.ends_kpa
     wet = [f"uplift {toe:.4g} kPa at the toe, {heel:.4g} kPa at the heel"] if design.uplift_kn else []
     acting = [f"footing {size_number(design.load_kn)} kN, {place}", *wet]
-    return sections_of(result, Section("PLANES", [words]), acting)
+    return slope_sections(result, Section("PLANES", [words]), acting)
 
 
 KIND = SingleBlock(

@@ -43,8 +43,8 @@ from slopekit.kinds.single_block.secants import other_strengths, steeper
 from slopekit.kinds.solver_inputs import bolt_forces, point_force, section_bedding, section_geometry
 from slopekit.kinds.water import LocalSlope, OnFaces, pushes_on, standing_in_crack
 from slopekit.kinds.words import (
-    sections_of,
     short,
+    slope_sections,
     strength_in_words,
     water_in_words,
 )
@@ -444,7 +444,9 @@ def _slope(design: PlaneDesign, result: Result) -> list[Section]:
         off = geometry.crack_distance_m
         where = f"{off:.4g} m behind the crest" if off >= 0.0 else f"{-off:.4g} m in front of the crest"
         entries.append(f"crack vertical, {geometry.crack_depth_m:.4g} m deep, {where}{design.crack_in_words}")
-    return sections_of(result, Section("PLANES", entries), water_in_words(result, 2.0, "falling to nothing at the toe"))
+    return slope_sections(
+        result, Section("PLANES", entries), water_in_words(result, 2.0, "falling to nothing at the toe")
+    )
 
 
 KIND = SingleBlock(

@@ -99,7 +99,7 @@ class Gain:
     first: float | None = None
 
 
-def of_closed_form(_: Design, __: Any, ___: Any, closed: ClosedForm) -> Sequence[Notice]:
+def closed_form_notices(_: Design, __: Any, ___: Any, closed: ClosedForm) -> Sequence[Notice]:
     """Return what a reader must know of the closed form alone."""
     return closed.notices
 
@@ -131,7 +131,7 @@ class Kind(ABC, Generic[D]):
     cut: Callable[[D], Any]
     closed_form: Callable[[D, Any], ClosedForm]
     slope: "Callable[[D, Result], Iterable[Section]]"
-    notices: Callable[[D, Any, Any, ClosedForm], Iterable[Notice]] = of_closed_form
+    notices: Callable[[D, Any, Any, ClosedForm], Iterable[Notice]] = closed_form_notices
     on_arrays: "OnArrays[D] | None" = None
 
     @property
@@ -155,7 +155,7 @@ class Kind(ABC, Generic[D]):
         """Return what a block does that the one analysed is part of, and that may fail before it; None without one."""
         return None
 
-    def beside(self, design: D) -> tuple[Notice, ...]:
+    def reference_notices(self, design: D) -> tuple[Notice, ...]:
         """Return what is known of a factor from elsewhere and takes as long as it: said of one answer alone."""
         return ()
 

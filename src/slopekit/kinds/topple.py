@@ -43,7 +43,7 @@ from slopekit.kinds.assemblies.many_blocks_design import (
 )
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, scene_loads, with_ground, with_loads
 from slopekit.kinds.protocol import ClosedForm, Gain
-from slopekit.kinds.words import BLOCKS_STATUSES, first_and_last, sections_of
+from slopekit.kinds.words import BLOCKS_STATUSES, first_and_last, slope_sections
 from slopekit.result import Result, Words
 
 _BEYOND = 1e-6  # the table is that of columns which just fail
@@ -400,7 +400,7 @@ def _slope(design: ToppleDesign, result: Result) -> list[Section]:
             f"{on}  {named_strength(design, name)}" for on, name in (("bases", design.base), ("sides", design.sides))
         ]
     wet = list(zip(("bases", "sides"), design.pressures_kpa, strict=True))
-    return sections_of(
+    return slope_sections(
         result, Section("COLUMNS", entries), water_of_blocks(wet), contact_areas(result.geometry.areas_m2)
     )
 

@@ -103,7 +103,7 @@ def shortened(items: Sequence[str], most: int) -> list[str]:
 # -- one design ----------------------------------------------------------------------------------------------------
 
 
-def sections_of(
+def slope_sections(
     result: Result, made_from: Section, loads: Sequence[str], size: Sequence[str] = ()
 ) -> list[Section]:  # fmt: skip
     """What was analysed, how large it is, and the loads on it.

@@ -70,8 +70,12 @@ MOBILISED = 5e-2
 #: Twist of a contact in parts of its slip and of all work: a larger one needs finer node pairs.
 TWISTS = 1e-2
 
-#: Work, in parts of the elastic: blocks that have done more run (METHOD-3 §13).
+#: Work, in parts of the elastic: blocks that have done more since their last rest run (METHOD-3 §13).
 RUNS = 30.0
+
+#: Elastic displacements within which blocks that ran may come to rest once more, and to which those that creep are
+#: followed. Of one block one is that in which it rests as a first point slips, of many the elastic work.
+FAR = 1e4
 
 #: Angle (°, root mean square) by which a motion leaves a surface: one of less is let through.
 TANGENT_DEG = 1.0

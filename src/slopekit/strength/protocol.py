@@ -46,15 +46,15 @@ class StrengthLaw(Protocol):
         ...
 
 
-def laws_of(law: Any, count: int) -> NDArray[np.object_]:
+def row_laws(law: Any, count: int) -> NDArray[np.object_]:
     """The laws (n,) of n joints, of one whose numbers may be arrays; Nones of none.
 
     >>> from slopekit.strength.power import PowerCurve
-    >>> [float(law.a) for law in laws_of(PowerCurve(np.array([2.0, 3.0]), 0.5), 2)]
+    >>> [float(law.a) for law in row_laws(PowerCurve(np.array([2.0, 3.0]), 0.5), 2)]
     [2.0, 3.0]
     """
     numbers = {} if law is None else {part.name: getattr(law, part.name) for part in fields(law)}
-    each = {name: laws_of(number, count) for name, number in numbers.items() if hasattr(number, "resistance")}
+    each = {name: row_laws(number, count) for name, number in numbers.items() if hasattr(number, "resistance")}
     each |= {name: number for name, number in numbers.items() if isinstance(number, np.ndarray)}
     laws = np.full(count, law, dtype=object)
     for row in range(count if each else 0):

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from slopekit.core.errors import Fault
 from slopekit.core.synonyms import SYNONYMS, folded, synonym
-from slopekit.design.fields import structure_of
+from slopekit.design.fields import record_spec
 from slopekit.design.reading.nodes import Node, joined
 from slopekit.design.reading.structure import Spec
 from slopekit.design.registry import KINDS, record_of
@@ -48,7 +48,7 @@ def _structure(root: Node) -> Spec | None:
     if kind is None or kind.text is None or kind.text not in KINDS:
         return None
     record = record_of(kind.text)
-    return structure_of(record, record.REQUIRED)
+    return record_spec(record, record.REQUIRED)
 
 
 def _has_synonyms(node: Node) -> bool:

@@ -13,7 +13,7 @@ from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
 from slopekit.core.options import DESIGN
 from slopekit.core.taken import wrong_kind
 from slopekit.design.common import Design
-from slopekit.design.fields import field_in, in_degrees, structure_of
+from slopekit.design.fields import field_in, in_degrees, record_spec
 from slopekit.design.reading.canonical import with_canonical_keys
 from slopekit.design.reading.document import read_document
 from slopekit.design.reading.nodes import Document, Node, document_from
@@ -139,7 +139,7 @@ def design_of(document: Document, other_values: bool = False) -> Design:
     """
     root = document.root
     kind = kind_named(_kind(root))
-    spec = structure_of(kind.record, kind.record.REQUIRED)
+    spec = record_spec(kind.record, kind.record.REQUIRED)
     faults = Faults(check_structure(root, spec, kind.name, partial(_others, kind.name)))
     faults += _version(root)
     analysis = root.get("analysis")
@@ -217,4 +217,4 @@ def _version(root: Node) -> list[Fault]:
 def _others(kind: str) -> dict[str, Spec]:
     """The structures of the other kinds, asked for only where a key does not fit."""
     records = {other: record_of(other) for other in KINDS if other != kind}
-    return {other: structure_of(record, record.REQUIRED) for other, record in records.items()}
+    return {other: record_spec(record, record.REQUIRED) for other, record in records.items()}

@@ -168,7 +168,7 @@ class _Checker:
         elif not _fits(node, spec):
             self.wrong_shape(node, spec)
         elif isinstance(node.value, list):
-            self.list_of(node, spec)
+            self.check_list(node, spec)
         elif node.is_mapping and not (spec.may_scatter() and is_distribution(node)):
             has_keys = spec.keys is not None and any(node.get(key) is not None for key in spec.required)
             if spec.names is not None and not has_keys:
@@ -213,7 +213,7 @@ class _Checker:
             message = f"{node.path} has {_count(len(node.items()))}, at least {spec.at_least} needed"
             self.fault("E109", message, node, _example(node, spec))
 
-    def list_of(self, node: Node, spec: Spec) -> None:
+    def check_list(self, node: Node, spec: Spec) -> None:
         item = spec.items
         if item is None:
             return  # the two angles of an orientation

@@ -10,7 +10,7 @@ from slopekit.design.common import Pair
 from slopekit.design.reading.nodes import Node, fail
 from slopekit.design.reading.structure import ANGLES
 from slopekit.design.scatter.copula import EIGENVALUE_TOLERANCE, smallest_eigenvalue
-from slopekit.design.scatter.distributions import Fisher, Variable, number_of
+from slopekit.design.scatter.distributions import Fisher, Variable, node_number
 
 #: What a name stands for: a coordinate, or a whole orientation.
 Named: TypeAlias = str | Variable
@@ -55,7 +55,7 @@ def check_correlation(node: Node, names: Mapping[str, Named]) -> tuple[tuple[Pai
             message = f"{'/'.join(parts)} is the same pair as {twice}"
             faults.append(Fault("E151", message, where, "Leave one of them out."))
         faults += unknown
-        value = faults.of(number_of, given, "ratio", f"correlation {key}", least=-1.0, most=1.0, code="E167")
+        value = faults.of(node_number, given, "ratio", f"correlation {key}", least=-1.0, most=1.0, code="E167")
         if value is not None and twice is None:
             pairs |= {frozenset(pair): (*pair, value) for pair in coordinates}
             keys |= dict.fromkeys(map(frozenset, coordinates), key)

@@ -187,7 +187,7 @@ def read_distribution(node: Node, kind: str, name: str, period: float | None = N
     for key in sum(PARAMETERS[dist], ()):
         below = node.get(key)
         limits = _SPREAD if key == "sd" else {}
-        value = None if below is None else faults.of(number_of, below, kind, f"{key} of {name}", **limits)
+        value = None if below is None else faults.of(node_number, below, kind, f"{key} of {name}", **limits)
         if value is not None:
             values[key] = value
     values = values if period is None else _across_north(values, period)
@@ -229,7 +229,7 @@ def read_orientation(node: Node, name: str, of: OrientationKind = "plane") -> Fi
     faults = Faults(_wrong_parameters(node, dist, name))
     mean_node, k_node = node.get("mean"), node.get("k")
     mean = None if mean_node is None else faults.of(_orientation, mean_node, f"mean of {name}", of)
-    k = None if k_node is None else faults.of(number_of, k_node, "ratio", f"k of {name}", **_CONCENTRATION)
+    k = None if k_node is None else faults.of(node_number, k_node, "ratio", f"k of {name}", **_CONCENTRATION)
     if faults or mean is None or k is None:
         raise DesignError(faults)
     return Fisher(mean, k)
@@ -264,7 +264,7 @@ def _angle(node: Node | None, name: str, period: float | None) -> Distribution |
     """One angle of an orientation; None where it is missing."""
     if node is None or node.value is None:
         return None
-    return read_distribution(node, "angle", name, period) if is_distribution(node) else number_of(node, "angle", name)
+    return read_distribution(node, "angle", name, period) if is_distribution(node) else node_number(node, "angle", name)
 
 
 def _dist(node: Node, name: str) -> str:
@@ -327,6 +327,6 @@ def _orientation(node: Node, name: str, of: OrientationKind) -> Plane | Line:
     return line_of_words(_value(node), name, "E165", where)
 
 
-def number_of(node: Node, kind: str, name: str, **limits: Any) -> float:
+def node_number(node: Node, kind: str, name: str, **limits: Any) -> float:
     """The number of a node, between limits as `slopekit.design.words.measured` takes them."""
     return measured(_value(node), kind, name, str(node.key_place), **limits)

@@ -140,7 +140,7 @@ class ManyBlocks(Kind[A]):
         notes = those_of_factors(result.warnings)
         return Factors(status, fos.limit, None, fos.closed_form, result.difference, result.agree, False, notes=notes)
 
-    def beside(self, design: A) -> tuple[Notice, ...]:
+    def reference_notices(self, design: A) -> tuple[Notice, ...]:
         if not any(strength.cohesion_kpa for strength in design.joint_strengths):
             return ()
         solution = self._found(design, Clock(), 1, ranged=False)

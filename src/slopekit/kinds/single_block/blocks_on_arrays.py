@@ -19,7 +19,7 @@ from slopekit.kinds.single_block.held_bolts import Bounds
 from slopekit.kinds.water import blocks_within, pushes, slope_of
 from slopekit.loads import PointForce
 from slopekit.preie.batch import BlockLimits, Blocks, limits_of_blocks
-from slopekit.strength.protocol import laws_of
+from slopekit.strength.protocol import row_laws
 
 _NO_BLOCK = "E208"  # a crack cuts it in two
 _ACROSS = 1e-9  # of the strongest: a bolt with less in a section runs along its slope
@@ -77,7 +77,7 @@ def blocks_of(design: SlopeDesign, on_arrays: OnArrays[Any], strengths: Sequence
         counts=counts,
         cohesion=cohesion,
         tan_friction=np.tan(np.radians(friction)),
-        laws=np.stack([laws_of(strength.law, count) for strength in strengths], axis=1),
+        laws=np.stack([row_laws(strength.law, count) for strength in strengths], axis=1),
         load=_loads(design, on_arrays, bounds, solids),
         bolts=_passive_bolts(design, bounds, solids),
     )

@@ -38,7 +38,7 @@ from slopekit.kinds.single_block.one_block_limit import Cut, FoundLimit, Interfa
 from slopekit.kinds.single_block.one_block_states import ContactModel
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
 from slopekit.kinds.surface.design import SurfaceDesign, read_surface
-from slopekit.kinds.words import sections_of, short, strength_in_words, water_in_words
+from slopekit.kinds.words import short, slope_sections, strength_in_words, water_in_words
 from slopekit.loads import Loads, PointForce, block_loads
 from slopekit.preie.one_block.pairs_limit import pairs_limit
 from slopekit.preie.one_block.slippage import slippable
@@ -381,7 +381,7 @@ def _slope(design: SurfaceDesign, result: Result) -> list[Section]:
         f"{geometry.normals} normals, mesh edges {geometry.edge_m:.3g} m; {rigid} the surface{turned}",
         ground,
     ]
-    return sections_of(result, Section("SURFACE", entries), water_in_words(result))
+    return slope_sections(result, Section("SURFACE", entries), water_in_words(result))
 
 
 WORDS = Words(

@@ -35,8 +35,8 @@ from slopekit.kinds.wedge.cutting import cut, full_water, rock_mass, shape_of
 from slopekit.kinds.wedge.design import WedgeDesign, read_wedge
 from slopekit.kinds.words import (
     line_in_words,
-    sections_of,
     short,
+    slope_sections,
     strength_in_words,
     water_in_words,
 )
@@ -261,7 +261,7 @@ def _notices(design: WedgeDesign) -> Iterator[Notice]:
         yield from basal.notices(design)
     water, joints, toe = design.water, len(design.strengths), design.origin_m[2]
     yield from design.ground_notices(
-        toe, toe + limits.height_of(design), design.crack.distance_m if design.crack else None
+        toe, toe + limits.slope_height(design), design.crack.distance_m if design.crack else None
     )
     if (scaled := limits.scaled(design)) is not None and scaled["by"] is not None:
         places = [
@@ -349,7 +349,7 @@ def _slope(design: WedgeDesign, result: Result) -> list[Section]:
     made_from = Section("PLANES", [*joints, *map(design.in_own_names, entries)], details=details)
     mean = 3.0 if design.basal is None else 1.0
     wet = water_in_words(result, mean, "on the joints falling to nothing at their other edges")
-    return sections_of(result, made_from, wet, [] if design.limits is None else limits.in_words(design))
+    return slope_sections(result, made_from, wet, [] if design.limits is None else limits.in_words(design))
 
 
 _WORDS = Words(

@@ -95,7 +95,7 @@ def rock_mass(design: WedgeDesign) -> RockMass:
     joints = np.array([plane.normal() for plane in design.joints])
     crack = design.crack
     return wedge_rock_mass(
-        joints, design.face.normal(), design.upper.normal(), limits.height_of(design),
+        joints, design.face.normal(), design.upper.normal(), limits.slope_height(design),
         crack.plane.normal() if crack else None, crack.distance_m if crack else 0.0,
     )  # fmt: skip
 

@@ -23,7 +23,7 @@ from slopekit.design.fields import (
     number,
     orientation,
     point,
-    structure_of,
+    record_spec,
     text,
 )
 from slopekit.design.ground_water import WORST, SlopeDesign, read_table
@@ -470,7 +470,7 @@ def _check_mappings(
     wrong = Faults(faults)
     wrong += [
         fault
-        for fault in check_structure(root, structure_of(WedgeDesign, ()), "wedge")
+        for fault in check_structure(root, record_spec(WedgeDesign, ()), "wedge")
         if fault.where in places.values()
     ]
     seismic = mappings.get("seismic")

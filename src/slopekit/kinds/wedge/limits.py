@@ -100,7 +100,7 @@ def within(limits: Any, sizes: WedgeSizes) -> Fitted:
     return Fitted(sizes, scale, by, why)
 
 
-def height_of(design: Any) -> float:
+def slope_height(design: Any) -> float:
     """The height of one wedge itself: where limits of size make it smaller, less than the slope's.
 
     Raises

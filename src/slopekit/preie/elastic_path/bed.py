@@ -214,6 +214,10 @@ class Bed:
         """What drives does that work there."""
         return self._at_first[1]
 
+    def worked(self, at: Floats) -> float:
+        """The work of what drives at a displacement (N,), in parts of the elastic."""
+        return abs(float(self.working @ at)) / self.elastic_work
+
     def _working(self) -> Floats:
         """What the work of the path is measured with, (N,): the load that drives.
 

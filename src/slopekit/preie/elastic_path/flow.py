@@ -54,13 +54,11 @@ def relaxed(
 
     Parameters
     ----------
-    runs_at : work in parts of the elastic at which they run, in space from where they are
+    runs_at : work from where they are, in parts of the elastic, at which they run
     patience : factorisations after which it is left for later
     """
-    before, last, fails, least, begun = at, viscosity, 0, THIN, 0.0
-    if bed.tangents > 1:  # slivers that have slid and come to rest again do not run
-        begun = abs(float(bed.working @ at))
-    beyond = begun + runs_at * bed.elastic_work
+    before, last, fails, least = at, viscosity, 0, THIN
+    runs_at += bed.worked(at)
     patience += bed.factorisations
     for _ in range(most):
         if bed.factorisations > patience:
@@ -75,7 +73,7 @@ def relaxed(
         before, at, last, fails = at, step.at, viscosity, 0
         if viscosity == 0.0 or step.forces.balanced(step.forces.residual):
             return Flow(at, step.forces, "rest", before, last)
-        if abs(float(bed.working @ at)) > beyond:
+        if bed.worked(at) > runs_at:
             return Flow(at, step.forces, "runs", before, last)
         least = max(_GENTLY * least, THIN)
         viscosity = max(EASES * viscosity, least)

@@ -9,8 +9,11 @@ then
 
 That limit is the factor. Where C or L do not get there the path starts again nearer to the last state at rest; where
 nothing helps the elastic peak, the factor at which the blocks were last at rest, stands for it, and says so.
-With the load instead of the strength as what changes (`Drive.ramp`) the same gives a load multiplier. There a peak is
-passed where blocks that flow slowly from the last state at rest come to another: a sliver has snapped, nothing failed.
+With the load instead of the strength as what changes (`Drive.ramp`) the same gives a load multiplier.
+
+Blocks that run are let flow on, where their motion has no limit there: if they come to rest once more within `FAR`
+elastic displacements of where they set off, the path goes on from there, in strength and in loads, with cohesion
+and without. Blocks that creep are followed as far, and one block is too.
 """
 
 import math
@@ -27,13 +30,13 @@ from slopekit.preie.elastic_path.path_limit import BORDERED, PathLimit, PathOutc
 from slopekit.preie.elastic_path.traced import traced
 from slopekit.preie.programs.bounds import held_by_normals
 from slopekit.preie.solvers.work_limit import WorkSpentError
-from slopekit.preie.tolerances import FARTHEST, LEAST_STRENGTH, RUNS, SAME_LIMIT, VISCOUS_LEFT
+from slopekit.preie.tolerances import FAR, FARTHEST, LEAST_STRENGTH, RUNS, SAME_LIMIT, VISCOUS_LEFT
 
 START = 2.0  # times the strength of the static bound, or of a known limit, at which a path begins
 _STRIDE = 0.85  # of the strength, a step of stage A
 _BRACKET = 2e-2  # how near A comes to the strength at which they run
 _NEARER = (3e-3, 3e-4, 3e-5, 1e-6)  # and how near when C did not settle
-_COHESIVE = (3e-3, 1e-4)  # and where cohesion acts on what is pressed, whose peaks need no more digits
+_NEARLY = (3e-3, 1e-4)  # in space, and where cohesion acts on what is pressed: such peaks need no more digits
 _PATIENCE = 60  # factorisations in which a step of A should be at rest or run
 ROUGHER = 7  # doublings of the strength to start from
 _LIGHTER = 4  # first loads, each a tenth of the one before
@@ -42,7 +45,6 @@ _OTHER = 0.5
 _FAILS = 7
 _BORDERED_AS_WELL = 600  # unknowns in space up to which stage L is tried before C has settled: its matrix is dense
 _CHEAPLY = 100  # and up to which it is tried with the same modes again
-_SNAPS, _FARTHER, _SLOWLY = 20, 1e3, 4000  # of a path in the load; work at which they run; factorisations
 
 
 def follow(bed: Bed, start: float) -> PathLimit:
@@ -80,19 +82,18 @@ class _Path:
     Attributes
     ----------
     stable : the last parameter at rest, None before the first; state : the flow that came to rest there
-    last_near : the last at rest within so many elastic displacements as a motion that runs has; has_crept : whether
-        blocks rest farther off
+    last_near : the last parameter at rest within `RUNS` elastic displacements
     """
 
     def __init__(self, bed: Bed, start: float) -> None:
         self.bed, self.start = bed, start
         self.is_strength = bed.drive.ramp is None
         self.stable: float | None = None
-        self.last_near, self.has_crept = math.nan, False
+        self.last_near = math.nan
         self.failed: Flow | None = None  # the last flow whose forces did not settle
         cohesion = bed.cells is not None
         self.rounds = self.is_strength and not bed.dilates and not cohesion and bed.tangents > 1
-        self.brackets = (_BRACKET, *(_COHESIVE if cohesion else _NEARER[: None if bed.tangents == 1 else 2]))
+        self.brackets = (_BRACKET, *(_NEARLY if cohesion or bed.tangents > 1 else _NEARER))
         self.tried = 1 if cohesion and bed.tangents > 1 else len(self.brackets)  # brackets with a try at a limit state
 
     def limit(self) -> PathLimit:
@@ -105,7 +106,7 @@ class _Path:
         self.begun = parameter
         self._accept_rest(parameter, flow)
         ended = self._narrowed()
-        return replace(ended, last_near=self.last_near) if self.has_crept else ended
+        return replace(ended, last_near=self.last_near) if has_crept(bed, self.state) else ended
 
     def _narrowed(self) -> PathLimit:
         """Return the limit between a state at rest and ever nearer parameters at which the blocks run."""
@@ -113,46 +114,40 @@ class _Path:
         assert self.stable is not None
         # parameters at which nothing was found at rest, the worst first, and the work of the state they were tried from
         runs: list[tuple[float, Flow, float]] = []
-        ratio, place, snaps = _STRIDE, 0, 0 if self.is_strength else _SNAPS
+        ratio, place = _STRIDE, 0
         while True:
             if runs and 1.0 - bed.drive.gap(runs[-1][0], self.stable) < brackets[place]:
-                unstable, flow, work_before = runs.pop()
-                if self.is_strength and self._work_done() > work_before + bed.elastic_work:  # they have crept on since
-                    nearer = at_rest_next(bed, self.state.at, unstable)
-                    if nearer.ended == "rest":
-                        self._accept_rest(unstable, nearer)
-                        place = 0
-                        continue
-                    flow = nearer
-                if flow.ended != "runs":
+                unstable, flow, tried_work = runs.pop()
+                crept = bed.worked(self.state.at) > tried_work + 1.0
+                if crept:
+                    flow = at_rest_next(bed, self.state.at, unstable)
+                if flow.ended in ("slow", "lost"):
                     flow = relaxed(bed, flow.at, unstable, max(flow.viscosity, THICK), runs_at=RUNS)
-                if flow.ended != "rest":
+                onward = flow
+                if not self._rests(flow):
                     ended = self._running_limit(flow, unstable) if place < self.tried else None
                     if ended is not None:
                         return replace(ended, peak=(self.stable, unstable))
-                    runs.append((unstable, flow, self._work_done()))
-                    place += 1
-                    if place < len(brackets):
-                        continue
-                    slow = flow
-                    if snaps:
-                        slow = relaxed(bed, self.state.at, unstable, THICK, runs_at=_FARTHER, patience=_SLOWLY)
-                    if slow.ended != "rest":
-                        moved, peak = flow.at - flow.before, (self.stable, unstable)
-                        at, forces = self.state.at, self.state.forces
-                        return result_of(bed, PathOutcome.BRACKET, self.stable, peak, at, moved, forces)
-                    flow, snaps, ratio = slow, snaps - 1, _STRIDE  # they only snapped, to another rest
-                    runs.clear()
+                    onward = relaxed(bed, flow.at, unstable, flow.viscosity, runs_at=FAR)
+                if self._rests(onward):
+                    self._accept_rest(unstable, onward)
                     place = 0
-                self._accept_rest(unstable, flow)
+                    continue
+                runs.append((unstable, flow, bed.worked(self.state.at)))
+                place += 1
+                if place == len(brackets):
+                    moved, peak = flow.at - flow.before, (self.stable, unstable)
+                    at, forces = self.state.at, self.state.forces
+                    return result_of(bed, PathOutcome.BRACKET, self.stable, peak, at, moved, forces)
+                continue
             if runs:
                 ratio = math.sqrt(bed.drive.gap(runs[-1][0], self.stable))
             trial = bed.drive.harder(self.stable, ratio)
             say("path, strength divided by" if self.is_strength else "path, load times",
                 1.0 / trial if self.is_strength else trial)  # fmt: skip
             tried = at_rest_next(bed, self.state.at, trial)
-            if tried.ended != "rest":
-                runs.append((trial, tried, self._work_done()))
+            if not self._rests(tried):
+                runs.append((trial, tried, bed.worked(self.state.at)))
                 continue
             self._accept_rest(trial, tried)
             if (trial < LEAST_STRENGTH * self.begun) if self.is_strength else (trial > FARTHEST):
@@ -163,47 +158,45 @@ class _Path:
     def _accept_rest(self, parameter: float, flow: Flow) -> None:
         """Go on from a state at rest."""
         self.stable, self.state = parameter, flow
-        self.has_crept = has_crept(self.bed, flow)
-        if not self.has_crept:
+        if not has_crept(self.bed, flow):
             self.last_near = parameter
 
-    def _work_done(self) -> float:
-        """Return the work of the load that drives, up to the last state at rest."""
-        return abs(float(self.bed.working @ self.state.at))
-
     def _running_limit(self, flow: Flow, unstable: float) -> PathLimit | None:
-        """Return the limit of the motion that runs, None where its forces do not settle.
+        """Return the limit of the motion that runs, None where its forces do not settle, or only beyond where it runs.
 
         Of cohesive contacts that of the cohesion that acts at the last state at rest, where a motion that opens them
         has no limit between that state and itself; and none that lies beyond that state, which would then run before.
         """
         bed = self.bed
         assert self.stable is not None
-        ended = None if flow is self.failed else _run(bed, flow, unstable)
-        self.failed = flow  # the same again ends the same
+        ended = None
+        if flow is not self.failed:  # the same again ends the same
+            self.failed = flow
+            if flow.ended in ("slow", "lost"):
+                flow = relaxed(bed, flow.at, unstable, max(flow.viscosity, THICK), runs_at=RUNS)
+            ended = _eased(bed, flow, unstable)
         if ended is None and self.rounds:
             ended, self.rounds = traced(bed, self.state.at, self.stable), False
-        if bed.cells is None or (ended is not None and self._is_between(ended, unstable)):
-            return self._checked_motion(ended)
+        least, most = bed.drive.gap(unstable, self.stable) * (1.0 - SAME_LIMIT), math.exp(_OTHER)
+        if bed.cells is None:
+            return self._bounded_limit(ended, least, most)
+        while_pressed = self._bounded_limit(ended, least, 1.0 + SAME_LIMIT)
+        if while_pressed is not None:
+            return while_pressed
         bonded = bed.with_cohesion_at(self.state.at, self.stable)
         flow = relaxed(bonded, self.state.at, unstable, THICK, runs_at=RUNS)
-        ended = self._checked_motion(_run(bonded, flow, unstable)) if flow.ended == "runs" else None
-        if ended is None or ended.parameter is None or bed.drive.gap(ended.parameter, self.stable) < 1.0:
-            return None
-        return ended
+        return self._bounded_limit(_eased(bonded, flow, unstable), 1.0, most) if flow.ended == "runs" else None
 
-    def _checked_motion(self, ended: PathLimit | None) -> PathLimit | None:
-        """Return a limit that is that of the motion which ends the last rest; None where it is another's."""
+    def _bounded_limit(self, ended: PathLimit | None, least: float, most: float) -> PathLimit | None:
+        """Return a limit whose λ is so many times that of the last rest, at least and at most; None where it is not."""
         assert self.stable is not None
         if ended is None or ended.parameter is None:
             return None
-        return ended if _STRIDE < self.bed.drive.gap(ended.parameter, self.stable) < math.exp(_OTHER) else None
+        return ended if least < self.bed.drive.gap(ended.parameter, self.stable) < most else None
 
-    def _is_between(self, ended: PathLimit, unstable: float) -> bool:
-        """Return whether a limit lies between the last state at rest and a parameter at which the blocks run."""
-        assert self.stable is not None
-        low, high = sorted((self.stable, unstable))
-        return ended.parameter is not None and low * (1.0 - SAME_LIMIT) <= ended.parameter <= high * (1.0 + SAME_LIMIT)
+    def _rests(self, flow: Flow) -> bool:
+        """Return whether blocks are at rest, and no farther off than those that run."""
+        return flow.ended == "rest" and self.bed.worked(flow.at) <= FAR
 
 
 def at_rest_first(bed: Bed, start: float, rougher: int) -> tuple[float, Flow]:
@@ -235,25 +228,16 @@ def at_rest_first(bed: Bed, start: float, rougher: int) -> tuple[float, Flow]:
 
 
 def has_crept(bed: Bed, flow: Flow) -> bool:
-    """Return whether blocks are farther from where they set off than a motion that runs gets at once."""
-    return abs(float(bed.working @ flow.at)) > RUNS * bed.elastic_work
+    """Return whether blocks are so far from where they set off that they have all but failed."""
+    return bed.worked(flow.at) > RUNS
 
 
 def at_rest_next(bed: Bed, at: Floats, parameter: float) -> Flow:
     """From one state at rest to a worse parameter."""
     flow = relaxed(bed, at, parameter, 0.0, runs_at=RUNS, patience=_PATIENCE)
-    if flow.ended == "rest" and flow.viscosity == 0.0:
-        working = bed.working
-        if abs(float(working @ flow.at)) > 5.0 * max(abs(float(working @ at)), bed.elastic_work):
-            return relaxed(bed, at, parameter, 0.3, runs_at=RUNS, patience=_PATIENCE)  # Newton jumped to a far state
+    if flow.ended == "rest" and flow.viscosity == 0.0 and bed.worked(flow.at) > 5.0 * max(bed.worked(at), 1.0):
+        return relaxed(bed, at, parameter, 0.3, runs_at=RUNS, patience=_PATIENCE)  # Newton jumped to a far state
     return flow
-
-
-def _run(bed: Bed, flow: Flow, parameter: float) -> PathLimit | None:
-    """The limit of the motion that runs; None where its forces do not settle."""
-    if flow.ended != "runs":
-        flow = relaxed(bed, flow.at, parameter, max(flow.viscosity, THICK), runs_at=RUNS)
-    return _eased(bed, flow, parameter)
 
 
 def _eased(bed: Bed, flow: Flow, parameter: float) -> PathLimit | None:

@@ -198,7 +198,7 @@ def _limit(
         if path_end.outcome is PathOutcome.GAVE_UP or unbalanced or (top is not None and factor > top):
             outcome = Outcome.NOT_CONVERGED
     lowest = None if highest is None else factor
-    if factor is not None and path_end.last_near < math.inf and basis is not Basis.LIMIT:  # they crept on from there
+    if factor is not None and lowest is not None and path_end.last_near < math.inf:  # they crept on from there
         lowest = min(factor, 1.0 / path_end.last_near)
     if outcome is not Outcome.SLIDES or factor is None:
         factor, lowest, highest, basis = None, None, None, Basis.NONE

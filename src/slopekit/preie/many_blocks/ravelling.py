@@ -13,7 +13,6 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import takewhile
 from operator import attrgetter, itemgetter
-from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -452,22 +451,25 @@ def _refined(scene: WholeAssembly, there: Bools, parts: list[Part]) -> list[Part
 
 def _split(scene: WholeAssembly, there: Bools, part: Part) -> Part:
     """A part with contacts split where that matters until its factor stays, or its node pairs are too many."""
+    blocks = part.blocks
     for level in range(1, _MOST_SPLIT + 1):
-        coarse = _too_coarse(part)
-        if not coarse.any() or (part.limit.basis is Basis.PEAK and _large(part.model)):
+        coarse, coarser = _too_coarse(part), part.limit
+        if not coarse.any() or (_is_peak(coarser) and _large(part.model)):
             break
         refine = np.zeros(len(scene.assembly.patches), dtype=np.int64) if part.refined is None else part.refined.copy()
         refine[part.patch[coarse[: len(part.patch)]]] = level
-        model_patch = model_of(scene, there, part.blocks, refine)
+        model_patch = model_of(scene, there, blocks, refine)
         if model_patch is None or len(model_patch[0].control_area) > _MOST_PAIRS:
             break
         model = model_patch[0]
-        groups = Groups(scene, there, part.blocks, model, refine) if _large(model) else None
+        groups = Groups(scene, there, blocks, model, refine) if _large(model) else None
         model, limit = component_limit(model, groups)
+        assert coarser.factor is not None  # what twists contacts has one
         if not limit.factor:
             break
-        assert part.limit.factor is not None  # what twists contacts has one
-        change = abs(limit.factor / part.limit.factor - 1.0)
+        change = abs(limit.factor / coarser.factor - 1.0)
+        if _is_peak(limit) and not _is_peak(coarser) and limit.factor > coarser.factor:
+            return replace(part, mesh_change=change)  # a last rest raises no limit of a motion
         part = replace(
             part, model=model, patch=model_patch[1], limit=limit, refined=refine, mesh_change=change, groups=None
         )
@@ -476,34 +478,51 @@ def _split(scene: WholeAssembly, there: Bools, part: Part) -> Part:
     return part
 
 
+def _is_peak(limit: BlocksLimit) -> bool:
+    """Return whether the last state at rest stands for a limit."""
+    return limit.basis is Basis.PEAK
+
+
 def _too_coarse(part: Part) -> Bools:
     """Return the contacts (k,) whose forces depend on where their node pairs lie.
 
-    In space those that slip about a point near them, and cohesive ones that are partly open.
+    Partly open ones with cohesion; in space those without as well, of a motion that has settled, but where blocks slide
+    as one, which have one factor; and in space those that slip about a point near them.
     """
     model, limit = part.model, part.limit
-    if not limit.factor or len(model.plus) == 0:
-        return np.zeros(len(model.plus), dtype=bool)
-    bonds: Any = np.bincount(model.pair_contact, model.cohesion / limit.factor, len(model.plus))
-    carries: Any = np.bincount(model.pair_contact, limit.normal_force, len(model.plus))
-    bonds[len(part.patch) :] = carries[len(part.patch) :] = 0.0  # bolts do not twist
-    area = np.bincount(model.pair_contact, model.control_area, len(model.plus))
-    pressed = np.bincount(model.pair_contact, limit.bond * model.control_area, len(model.plus)) / np.maximum(area, TINY)
-    carries = carries + bonds * pressed  # what is left of cohesion at the limit
-    partly_open = (pressed > 0.0) & (pressed < 1.0 - SAME_LIMIT) & (bonds > TWISTS * float(carries.sum()))
-    too_coarse: Bools = partly_open
+    contacts = len(model.plus)
+    if not limit.factor or contacts == 0:
+        return np.zeros(contacts, dtype=bool)
+
+    def summed(of_pairs: Floats) -> Floats:
+        """Of contacts (k,), without bolts, which neither open in part nor twist."""
+        total = np.bincount(model.pair_contact, of_pairs, contacts).astype(np.float64)
+        total[len(part.patch) :] = 0.0
+        return total
+
+    area, bonds = summed(model.control_area), summed(model.cohesion)
+    touching = summed(model.control_area * (limit.normal_force > 0.0))
+    partly_open: Bools = (touching > 0.0) & (touching < (1.0 - SAME_LIMIT) * area)
+    if model.unknowns == 3 or _is_peak(limit) or _slides_rigidly(limit.velocity):
+        partly_open &= bonds > 0.0
     if model.unknowns == 3:
-        return too_coarse
+        return partly_open
     velocity = np.concatenate([limit.velocity, np.zeros((1, model.unknowns))])
     motion = np.einsum("kij,kj->ki", model.plus_motion, velocity[model.plus])
     motion += np.einsum("kij,kj->ki", model.minus_motion, velocity[model.minus])
-    radius = np.sqrt(area * model.area_scale)
-    twist = np.abs(motion[:, 3]) * radius / model.length_scale / 2.0
-    slip = np.sqrt((motion[:, 1:3] ** 2).sum(axis=1))
-    weighs = carries * twist
-    twisting = (twist > TWISTS * (slip + twist)) & (weighs > TWISTS * float((carries * (slip + twist)).sum()))
-    too_coarse |= twisting
-    return too_coarse
+    carries = summed(limit.normal_force + model.cohesion * limit.bond / limit.factor)
+    twist = np.abs(motion[:, 3]) * np.sqrt(area * model.area_scale) / model.length_scale / 2.0
+    speed = np.sqrt((motion[:, 1:3] ** 2).sum(axis=1)) + twist
+    twists: Bools = (twist > TWISTS * speed) & (carries * twist > TWISTS * float((carries * speed).sum()))
+    return partly_open | twists
+
+
+def _slides_rigidly(velocity: Floats) -> bool:
+    """Return whether the blocks that move in space do so alike and do not turn."""
+    speed = np.abs(velocity).max(axis=1)
+    moving = velocity[speed > MOVES * float(speed.max())]
+    differ = max(float(np.ptp(moving, axis=0).max()), float(np.abs(moving[:, 3:]).max()))
+    return differ < TWISTS * float(speed.max())
 
 
 def _untouched(loads: AssemblyLoads, free: Ints) -> tuple[AssemblyModel, BlocksLimit]:

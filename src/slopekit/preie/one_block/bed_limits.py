@@ -24,7 +24,6 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats, Ints, cross
 from slopekit.preie.one_block.bed_path import (
     COARSE,
-    FAR,
     BedPath,
     PathEnd,
     Paths,
@@ -39,6 +38,7 @@ from slopekit.preie.one_block.bed_path import (
 )
 from slopekit.preie.one_block.polygon_bed import Beds, BedSprings, PointForces
 from slopekit.preie.tolerances import (
+    FAR,
     FINER_PRESSED,
     LEVEL,
     NO_FORCE,

@@ -17,13 +17,10 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.preie.one_block.polygon_bed import BedSprings
-from slopekit.preie.tolerances import FARTHEST, LEVEL, PATH_ENDS, ROUNDING, SETTLED, TINY
+from slopekit.preie.tolerances import FAR, FARTHEST, LEVEL, PATH_ENDS, ROUNDING, SETTLED, TINY
 
 #: Split of the triangles along the path: its turns are found there, and settled on finer ones.
 COARSE = 2
-#: Elastic displacements after which a block runs, and to which one that creeps is followed. One is the size of the
-#: displacement in which a block rests as a first point slips.
-FAR = 10_000
 #: Elastic displacements: a block that comes to rest again within them has not failed.
 SNAP = 10
 #: Elastic displacements, beyond which a path that creeps has all but failed.

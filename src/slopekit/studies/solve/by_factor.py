@@ -207,5 +207,7 @@ def _beside(asked: FactorRequest, solved: SolvedValue) -> Iterator[Notice]:
     if solved.both.factors is None or solved.both.factors.limit is None:
         return
     yield from also_falls_short(solved.both.factors.also, asked.target, f"at {asked.key.shown(solved.value, 4)}")
-    said = kind_of(asked.design).beside(with_values(asked.design, values_of(asked.design, [asked.key], [solved.value])))
+    said = kind_of(asked.design).reference_notices(
+        with_values(asked.design, values_of(asked.design, [asked.key], [solved.value]))
+    )
     yield from factor_notices(asked, solved.value, Point(replace(solved.both.factors, notes=said)))
