@@ -16,7 +16,7 @@ from slopekit.kinds import cut
 from slopekit.kinds.protocol import compare
 from slopekit.kinds.single_block.one_block import block_status
 from slopekit.kinds.single_block.one_block_limit import moment_limit
-from slopekit.kinds.wedge import compared as compared_form
+from slopekit.kinds.wedge import closed_form
 
 COUNT = 1000
 
@@ -77,7 +77,7 @@ def compared(design: dict) -> Compared:
     loaded = sk.load(design)
     try:
         made = cut(loaded)
-        closed = compared_form(loaded)
+        closed = closed_form(loaded)
     except GeometryError as error:
         return Compared(design, error.codes[0], None, False, None)
     found = moment_limit(made.scene_at(0))

@@ -4,15 +4,16 @@
 
 Cuts of 8 to 30 m, faces of 50 to 80°, two joints with c 0 to 60 kPa and φ 20 to 45°, dry to half full, a quarter of
 them with an earthquake, a quarter with a tension crack. More c or φ may not lower the limit, 0.1 % of an input may not
-move it by more than 2 %, and none of these may take it away. Less water or shaking may lower it where their moments
-hold the block. Prints what breaks a rule, the share with the same factor as Hoek & Bray, quantiles of the ratio, times,
-and notices a sheet.
+move it by more than 2 %, and none of these may take it away. Strength divided by k has the limit divided by k, and no
+limit lies above its upper bound. Less water or shaking may lower it where their moments hold the block: how often is
+counted. Prints what breaks a rule, the share with the same factor as Hoek & Bray, quantiles of the ratio, times, and
+notices a sheet.
 """
 
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -30,7 +31,9 @@ from slopekit.studies.prob.sampling import samples
 LEAST_FALL = 1e-6
 #: Part of the limit that a change of one input by 0.1 % may move.
 MOST_MOVE = 0.02
-#: Sheets whose notices are counted.
+#: By so much strength is divided.
+LESS_STRENGTH = 1.3
+#: Sheets whose notices and upper bounds are looked at.
 SHEETS = 500
 
 
@@ -126,17 +129,52 @@ def broken_rules(count: int, seed: int) -> tuple[int, list[tuple[str, float, flo
     return looked_at, broken
 
 
-def notices_of_sheets(count: int, seed: int) -> tuple[Counter[str], int]:
-    """Return on how many sheets of random wedges each notice stands, and how many have none."""
-    rng, codes = np.random.default_rng(seed), list[set[str]]()
-    while len(codes) < count:
+def with_less_load(count: int, seed: int) -> tuple[int, Floats]:
+    """Return how many limits with less water or shaking were looked at, and (m,) after / before of those that fell."""
+    ratios = list[Floats]()
+    for names, values, limits in limits_of_cuts(count, seed):
+        before = limits(values).limit
+        ratios += [limits(changed).limit / before for change, changed in stronger(names, values) if change[0] in "ws"]
+    every = np.concatenate(ratios)
+    return len(every), every[every < 1.0 - LEAST_FALL]
+
+
+def with_strength_divided(count: int, seed: int) -> Floats:
+    """Return (n,) by how much the limit differs, in parts, from that of strength divided, times the divisor."""
+    off = list[Floats]()
+    for names, values, limits in limits_of_cuts(count, seed):
+        divided = values.copy()
+        c, phi = ([name.endswith(key) for name in names] for key in (".c", ".phi"))
+        divided[:, c] /= LESS_STRENGTH
+        divided[:, phi] = np.degrees(np.arctan(np.tan(np.radians(divided[:, phi])) / LESS_STRENGTH))
+        off.append(np.abs(limits(divided).limit * LESS_STRENGTH / limits(values).limit - 1.0))
+    return np.concatenate(off)
+
+
+def sheets_of_cuts(count: int, seed: int) -> Iterator[sk.Result]:
+    """Yield results of random wedges that have a factor of safety."""
+    rng, found = np.random.default_rng(seed), 0
+    while found < count:
         try:
-            found = sk.wedge(**ordinary_cut(rng))
+            result = sk.wedge(**ordinary_cut(rng))
         except sk.GeometryError:
             continue
-        if found.fos.limit:
-            codes.append({notice.code for notice in found.warnings})
+        if result.fos.limit:
+            found += 1
+            yield result
+
+
+def notices_of_sheets(sheets: Iterable[sk.Result]) -> tuple[Counter[str], int]:
+    """Return on how many sheets each notice stands, and how many have none."""
+    codes = [{notice.code for notice in sheet.warnings} for sheet in sheets]
     return Counter(code for sheet in codes for code in sheet), sum(not sheet for sheet in codes)
+
+
+def above_bound(sheets: Iterable[sk.Result]) -> tuple[int, list[float]]:
+    """Return how many sheets have an upper bound, and limit / bound of those whose limit lies above it."""
+    factors = [(sheet.fos.limit, sheet.fos.static_bound) for sheet in sheets]
+    ratios = [limit / bound for limit, bound in factors if limit is not None and bound is not None]
+    return len(ratios), [ratio for ratio in ratios if ratio > 1.0 + 1e-9]
 
 
 def main(count: int = 2000, seed: int = 1) -> None:
@@ -147,6 +185,16 @@ def main(count: int = 2000, seed: int = 1) -> None:
     for change, before, after in broken:
         print(f"{change}: {before:.6g} to {after:.6g}")
     print(f"{looked_at} wedges, {len(broken)} broken rules; {taken:.1f} s of processor")
+    lessened, fell = with_less_load(count, seed)
+    print(
+        f"less water or shaking lowers {len(fell)} of {lessened} limits, at most to {min(fell, default=1.0):.4f} of it"
+    )
+    off = with_strength_divided(count, seed)
+    print(
+        f"strength / {LESS_STRENGTH}: limit times that off by",
+        {q: float(f"{np.nanquantile(off, q):.1e}") for q in (0.5, 0.99, 1.0)},
+        f"; {int(np.isnan(off).sum())} without a limit, {int((off > LEAST_FALL).sum())} beyond 1e-6",
+    )
     every = [limits(values) for _, values, limits in limits_of_cuts(count, seed)]
     ratio = np.concatenate([of.limit / of.forces for of in every])
     ratio = ratio[np.isfinite(ratio)]
@@ -159,7 +207,10 @@ def main(count: int = 2000, seed: int = 1) -> None:
             sk.wedge(**ordinary_cut(rng))
             seconds.append(time.process_time() - began)
     print(f"CPU of an analysis: median {np.median(seconds) * 1e3:.1f} ms, most {max(seconds) * 1e3:.0f} ms")
-    notices, without = notices_of_sheets(SHEETS, seed)
+    sheets = list(sheets_of_cuts(SHEETS, seed))
+    bounds, above = above_bound(sheets)
+    print(f"limits above their upper bound: {len(above)} of {bounds}")
+    notices, without = notices_of_sheets(sheets)
     print(f"of {SHEETS} sheets without a notice: {without / SHEETS:.1%};", dict(notices.most_common()))
 
 

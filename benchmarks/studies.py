@@ -150,7 +150,7 @@ def cluster(workers: int) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]
 def wedge_crew_rows(n: int = 200_000) -> list[str]:
     """Samples by both methods, in pieces that each worker draws itself."""
     design = load(scattering())
-    rows = SampleRows(design, samples(design.variables, design.correlation, n, 1), True)
+    rows = SampleRows(design, samples(design.variables, design.correlation, n, 1))
     ends = [*range(0, n, PIECE), n]
     return crew_rows(partial(outcomes_of_part, True), [rows.part(*piece) for piece in pairwise(ends)], n, 1)
 
@@ -209,7 +209,7 @@ def crew_rows(work: Callable[[Any], Any], tasks: Sequence[Any], count: int, at_o
 
 def memory_rows() -> list[str]:
     """Processor time and most memory of a process for samples of a template and all that is said of them."""
-    rows = ["| by | samples | P(F < 1) | seconds of processor | most memory, MB |", "|---|---|---|---|---|"]
+    rows = ["| by | samples | P(FoS < 1) | seconds of processor | most memory, MB |", "|---|---|---|---|---|"]
     for n, by in ((1_000_000, "closed-form"), (10_000_000, "closed-form"), (100_000, "pre-ie")):
         command = [sys.executable, "-c", _MEASURED, str(n), by]
         share, seconds, most = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
@@ -244,7 +244,7 @@ def prob_rows() -> list[str]:
 def both_rows(n: int = 20_000) -> list[str]:
     """Samples of a template by the closed form alone and by both methods, all at once in one process."""
     design = load(str(path_of("wedge-scatter")))
-    rows = ["| by | samples | P(F < 1) | by the closed form | seconds of processor |", "|---|---|---|---|---|"]
+    rows = ["| by | samples | P(FoS < 1) | by the closed form | seconds of processor |", "|---|---|---|---|---|"]
     for words, by in (("closed form", "closed-form"), ("both methods", "pre-ie")):
         began = _processor()
         study = prob(design, n, by=by)

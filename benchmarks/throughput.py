@@ -19,7 +19,7 @@ from slopekit.closed_form.plane import PlaneArrays, plane_failures
 from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
 from slopekit.core.errors import GeometryError
 from slopekit.core.orientation import Plane
-from slopekit.geometry.rock.rockmass import wedge_rock_mass
+from slopekit.geometry.rock.rockmass import wedge_corners
 from tests.closed_form.scalar_wedge import WedgeWater, hoek_bray_wedge
 
 Arrays = dict[str, np.ndarray]
@@ -78,7 +78,7 @@ def one_by_one(given: Arrays, tests: bool) -> Iterator[tuple[str, float]]:
         try:
             if tests:
                 joints = np.array([one.normal(), two.normal()])
-                wedge_rock_mass(joints, face.normal(), upper.normal(), value["height_m"])
+                wedge_corners(joints, face.normal(), upper.normal(), value["height_m"])
             found = hoek_bray_wedge(
                 (one, two), face, upper, value["height_m"], (value["cohesion1_kpa"], value["cohesion2_kpa"]),
                 (value["friction1_deg"], value["friction2_deg"]), value["unit_weight_kn_m3"],

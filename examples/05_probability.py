@@ -15,7 +15,7 @@ wedge = {
     "rock": {"density": "2600 kg/m3"},
 }  # fmt: skip
 
-print("P(F < 1.4), dry, 20,000 samples each, by the correlation of the two friction angles:")
+print("P(FoS < 1.4), dry, 20,000 samples each, by the correlation of the two friction angles:")
 print(f"{'rank correlation':>18s}{'estimate':>11s}{'95 % limits':>22s}")
 for rank in (0.0, 0.5, 1.0):
     study = sk.prob(sk.load(wedge, set={"correlation": {"J1.phi/J2.phi": rank}}), fos=1.4)

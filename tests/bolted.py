@@ -1,11 +1,20 @@
 """Designs with bolts for several tests."""
 
 import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
+import numpy as np
+
 import slopekit as sk
+from slopekit.core.arrays import Bools, Floats
+from slopekit.core.errors import SlopekitError
+from slopekit.design.reading.files import with_values
 from slopekit.design.templates import path_of
+from slopekit.kinds import kind_of
+from slopekit.kinds.single_block.held_bolts import held, stand_off
 from slopekit.result import Result
 
 #: A head on the face, in the user's coordinates, that passes through the wedge.
@@ -50,3 +59,30 @@ def bolted(name: str) -> Result:
         return sk.run(path_of("bench"), set={"support": {"bolts": bolts}})
     bolts = three() if name == "three" else grid() if name == "pattern" else grid(10, 20)
     return sk.run(WEDGE | {"support": {"bolts": bolts}})
+
+
+def as_laid_out(design: Any) -> Floats:
+    """How far (m) before the face of the design the head of each bolt (b,) stands."""
+    return stand_off(kind_of(design).on_arrays.bounds(design), design.bolts)
+
+
+def standing(design: Any, before: Floats) -> Any:
+    """A sample, read by itself, with the bolts that hold its block, their heads as far before its face as laid out."""
+    holds, moved = held(kind_of(design).on_arrays.bounds(design), design.bolts, before)
+    bolts = [
+        bolt if bolt.head_m is None else replace(bolt, head_m=tuple(np.array(bolt.head_m) + by * bolt.toward.vector()))
+        for bolt, by in zip(design.bolts, moved[:, 0], strict=True)
+    ]
+    return replace(design, bolts=tuple(bolt for bolt, own in zip(bolts, holds[:, 0], strict=True) if own))
+
+
+def holding(design: Any, samples: Sequence[Mapping[str, object]], before: Floats) -> Bools:
+    """Which bolts (b, n) hold the block of each sample, read by itself; all where no design can have its values."""
+    holds = np.ones((len(design.bolts), len(samples)), dtype=bool)
+    for row, values in enumerate(samples):
+        try:
+            sample = with_values(design, values)
+        except SlopekitError:
+            continue
+        holds[:, row] = held(kind_of(design).on_arrays.bounds(sample), sample.bolts, before)[0][:, 0]
+    return holds

@@ -347,7 +347,7 @@ def test_a_name_with_a_gap_is_quoted_to_be_typed(tmp_path) -> None:
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals")
-@pytest.mark.parametrize("library", ["contextlib", "typer", "numpy", "manifold3d"])
+@pytest.mark.parametrize("library", ["contextlib", "typer", "numpy", "shellingham"])
 def test_a_command_that_is_stopped_while_it_loads_ends_quietly(library, tmp_path) -> None:
     """Ctrl-C before the libraries are there: 130 and no traceback, whichever loads just then.
 

@@ -5,17 +5,17 @@ import pytest
 
 import slopekit as sk
 from slopekit.geometry.interfaces import node_pairs
+from slopekit.geometry.polytopes import Block
 from slopekit.geometry.pressure import Pieces, even, pyramid, resultant
-from slopekit.geometry.rock.cutting import Block, cut_wedge
-from slopekit.geometry.rock.rockmass import J1, J2
-from slopekit.kinds.wedge.cutting import rock_mass
+from slopekit.kinds.wedge.cutting import shape_of
 from slopekit.kinds.wedge.design import wedge_design
+from slopekit.kinds.wedge.planes import J1, J2
 from slopekit.loads import Loads, PointForce, block_loads
 
 
 @pytest.fixture(scope="module")
 def block() -> Block:
-    return cut_wedge(rock_mass(wedge_design({"dips": ("45/105", "70/235"), "face": "65/185", "upper": "12/195"})))
+    return shape_of(wedge_design({"dips": ("45/105", "70/235"), "face": "65/185", "upper": "12/195"})).block
 
 
 def moment_of(block: Block, forces=(), active=()) -> np.ndarray:

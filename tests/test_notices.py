@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from benchmarks.ordinary_cuts import notices_of_sheets
+from benchmarks.ordinary_cuts import notices_of_sheets, sheets_of_cuts
 from slopekit.core.errors import SolverError
 from slopekit.core.explanations import explanations
 from slopekit.design.templates import path_of
@@ -201,7 +201,7 @@ def test_there_are_few_codes() -> None:
 
 def test_most_sheets_of_ordinary_cuts_have_no_notice() -> None:
     """30 random cuts; 500 of them: `python -m benchmarks.ordinary_cuts`."""
-    sheets, without = notices_of_sheets(30, 7)
+    sheets, without = notices_of_sheets(sheets_of_cuts(30, 7))
     assert without >= 2 / 3 * 30
     assert max(sheets.values()) <= 30 / 5
 

@@ -196,6 +196,7 @@ class Comparisons:
     Attributes
     ----------
     forces_only : the limit without moments, None of many blocks
+    on_pressed : the same with the part of each joint that is pressed at the limit, None where moments do not govern
     methods : the factors of other closed forms of the kind (columns) by name; None where one has no answer
     governs : changes of the input with the closed form's factor and status then
     without_basal : what the whole wedge does whose toe a basal joint cuts off, None where there is none such
@@ -203,6 +204,7 @@ class Comparisons:
     """
 
     forces_only: float | None = None
+    on_pressed: float | None = field(default=None, kw_only=True)
     methods: Mapping[str, float | None] = field(default_factory=dict)
     governs: tuple[tuple[str, float | None, str], ...] = ()
     without_basal: WithoutBasal | None = None

@@ -4,7 +4,6 @@ Everything that does not depend on the strength becomes one force and one moment
 stay apart: their capacity is strength, and is divided by the strength reduction factor.
 """
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -13,7 +12,7 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, cross, frozen
 from slopekit.core.errors import Fault, MisfitError
-from slopekit.geometry.rock.cutting import Block
+from slopekit.geometry.polytopes import Block
 
 if TYPE_CHECKING:  # one block has no patches between blocks
     from slopekit.geometry.patches import Assembly
@@ -104,70 +103,6 @@ def line_of_action(push: PointForce) -> Floats:
     if push.couple is None or not size > 0.0:
         return np.zeros(3)
     return cross(push.force, push.couple) / size
-
-
-@dataclass(frozen=True)
-class Hull:
-    """The planes of a convex block, made once for all its bolts.
-
-    Attributes
-    ----------
-    outward : (n, 3) unit normals; points : (n, 3) a corner on each plane; size : m
-    is_joint : (n,) rock lies behind it; is_crack : (n,) rock lies behind it, in front of the joints drawn on
-    """
-
-    outward: Floats
-    points: Floats
-    is_joint: Bools
-    is_crack: Bools
-    size: float
-
-    def meets(self, head: Floats, direction: Floats) -> tuple[float | None, bool]:
-        """How far (m) from a head sound rock begins, None where a bolt misses the block; whether it is anchored."""
-        sound, is_anchored = self.passage(head[None, :], direction)
-        return None if math.isnan(sound[0]) else float(sound[0]), bool(is_anchored[0])
-
-    @classmethod
-    def of(cls, block: Block, joints: Sequence[int], crack: int) -> "Hull":
-        """The planes of a block, of which `joints` and the tension crack are named by their ids."""
-        first = np.array([polygon[:3] for polygon in block.faces.values()])
-        outward = cross(first[:, 1] - first[:, 0], first[:, 2] - first[:, 0])
-        outward = outward / np.sqrt((outward**2).sum(axis=1))[:, None]
-        planes = np.array(list(block.faces))
-        size = float(np.ptp(block.corners, axis=0).max())
-        return cls(outward, first[:, 0], np.isin(planes, joints), planes == crack, size)
-
-    def below(self, outward: Floats, point: Floats) -> "Hull":
-        """The planes with those of the ground behind the block: below a plane by its unit normal and a point (3,)."""
-        return Hull(
-            np.append(self.outward, outward[None, :], axis=0),
-            np.append(self.points, point[None, :], axis=0),
-            np.append(self.is_joint, False),
-            np.append(self.is_crack, False),
-            self.size,
-        )
-
-    def passage(self, heads: Floats, direction: Floats) -> tuple[Floats, Bools]:
-        """How bolts with their heads (n, 3) pass through the block along a direction (3,), of any length.
-
-        Returns
-        -------
-        how far (n,) from its head each comes out of the block, drawn on behind a tension crack: nan where it misses the
-        block, inf where it never does; whether (n,) it does so through a joint: sound rock begins there
-        """
-        gap = ((self.points - heads[:, None, :]) * self.outward).sum(axis=2)
-        slope = self.outward @ direction
-        along = np.abs(slope) < 1e-12
-        with np.errstate(divide="ignore", invalid="ignore"):
-            at = gap / slope
-        going_out = np.where(~along & (slope > 0.0), at, math.inf)
-        enters = np.where(~along & (slope < 0.0), at, -math.inf).max(axis=1, initial=-math.inf)
-        meets = going_out.min(axis=1) > np.maximum(enters, 0.0) + 1e-9 * self.size
-        meets &= ~(along & (gap < -1e-9 * self.size)).any(axis=1)
-        # rock behind a tension crack hangs on the same joints: it holds a bolt behind them
-        onward = np.where(self.is_crack, math.inf, going_out)
-        sound, last = onward.min(axis=1), onward.argmin(axis=1)
-        return np.where(meets, sound, math.nan), meets & np.isfinite(sound) & self.is_joint[last]
 
 
 def judge_bolt(name: str, sound: float | None, anchored: bool, length: float | None, where: str) -> None:

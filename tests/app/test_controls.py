@@ -7,7 +7,7 @@ import pytest
 
 from slopekit.app import answers
 from slopekit.app.controls import groups_of, reach, text_at, values_of
-from slopekit.app.session import Session
+from slopekit.app.session import Session, opened_template
 from slopekit.core.errors import DesignError
 from slopekit.design.reading.files import load
 from slopekit.design.templates import names
@@ -27,7 +27,7 @@ def both_ends(session, control):
 @pytest.mark.slow
 @pytest.mark.parametrize("template", [name for name in names() if name not in LIKE_OTHERS])
 def test_every_end_of_every_slider_is_a_design_or_a_fault_with_a_code(template):
-    session = Session.of_template(template)
+    session = Session(opened_template(template))
     tried = 0
     for path, control in controls_of(session.design, session.opened.design).items():
         if control["type"] == "text" or (".polygon." in path and tried % 7):  # of a wall's many corners some
@@ -49,7 +49,7 @@ def test_every_end_of_every_slider_is_a_design_or_a_fault_with_a_code(template):
 @pytest.mark.parametrize("template", LIVE)
 def test_the_same_are_answered_with_a_number_or_a_fault(template):
     """No exception comes through: analysing the ends is what dragging a slider does."""
-    session = Session.of_template(template)
+    session = Session(opened_template(template))
     answered = 0
     for path, control in controls_of(session.design, session.opened.design).items():
         if control["type"] == "text" or path.startswith("analysis."):
@@ -67,7 +67,7 @@ def test_the_same_are_answered_with_a_number_or_a_fault(template):
 
 @pytest.mark.parametrize("template", names())
 def test_every_control_says_what_its_field_says(template):
-    session = Session.of_template(template)
+    session = Session(opened_template(template))
     keys = values_of(session.design)
     for path, control in controls_of(session.design, session.opened.design).items():
         assert control["label"], path
@@ -87,7 +87,7 @@ def test_every_control_says_what_its_field_says(template):
 
 
 def test_groups_come_in_the_order_of_a_file_and_what_is_given_first():
-    design = Session.of_template("wedge").design
+    design = Session(opened_template("wedge")).design
     groups = groups_of(design, design)
     assert [group["name"] for group in groups] == [
         "title", "slope", "joints", "strength", "rock", "water", "loads", "analysis",
@@ -98,7 +98,7 @@ def test_groups_come_in_the_order_of_a_file_and_what_is_given_first():
 
 
 def test_a_default_is_grey_until_it_is_touched_and_marked_then():
-    session = Session.of_template("wedge")
+    session = Session(opened_template("wedge"))
     before = controls_of(session.design, session.opened.design)["rock.gravity"]
     assert (before["given"], before["value"]) == (False, 9.81)
     session.set({"rock.gravity": 9.8}, final=True)
@@ -107,7 +107,7 @@ def test_a_default_is_grey_until_it_is_touched_and_marked_then():
 
 
 def test_words_offer_the_names_that_the_design_has():
-    session = Session.of_template("wedge-scatter")
+    session = Session(opened_template("wedge-scatter"))
     controls = controls_of(session.design, session.opened.design)
     assert controls["joints.J1.strength"]["words"] == ["clay", "rough"]
     assert controls["joints.J1.strength"]["value"] == "clay"
@@ -116,7 +116,7 @@ def test_words_offer_the_names_that_the_design_has():
 
 
 def test_a_number_that_scatters_stands_by_its_mean():
-    session = Session.of_template("wedge-scatter")
+    session = Session(opened_template("wedge-scatter"))
     controls = controls_of(session.design, session.opened.design)
     assert "strength.clay.phi" not in controls
     assert controls["strength.clay.phi.mean"]["scatter"]["sd"] == 2.5
@@ -138,7 +138,7 @@ def test_a_number_that_scatters_stands_by_its_mean():
     ],
 )
 def test_a_number_is_written_in_the_unit_that_stands_there(path, new, text):
-    session = Session.of_template("wedge")
+    session = Session(opened_template("wedge"))
     session.set({path: new}, final=True)
     assert session.now.faults == ()
     assert text_at(session.now.document, path) == text
@@ -180,7 +180,7 @@ def test_the_numbers_of_a_design_are_found_once(monkeypatch) -> None:
     asked = []
     found = controls.keys_of
     monkeypatch.setattr(controls, "keys_of", lambda design: asked.append(design) or found(design))
-    session = Session.of_template("wedge")
+    session = Session(opened_template("wedge"))
     for height in (30.0, 31.0):
         asked.clear()
         session.set({"slope.height": height}, final=True)

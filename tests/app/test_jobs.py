@@ -7,7 +7,7 @@ import pytest
 
 from slopekit.app.desk import jobs_of
 from slopekit.app.jobs import WHAT, Jobs, run_job
-from slopekit.app.session import Session
+from slopekit.app.session import Session, opened_template
 from slopekit.core.errors import DesignError
 from slopekit.design.reading.files import with_values
 from slopekit.design.registry import KINDS
@@ -24,7 +24,7 @@ def silent(done, total, words):
 
 
 def test_a_curve_is_both_methods_at_each_value():
-    moment, told = Session.of_template("wedge").now, []
+    moment, told = Session(opened_template("wedge")).now, []
     found = run_job("curve", moment, {"path": DIP, "low": 10, "high": 50, "points": 5},
                     lambda *said: told.append(said))  # fmt: skip
     assert found["x"] == [10.0, 20.0, 30.0, 40.0, 50.0]
@@ -41,14 +41,14 @@ def test_a_curve_is_both_methods_at_each_value():
 
 
 def test_a_curve_goes_by_default_where_the_slider_goes():
-    found = run_job("curve", Session.of_template("footing").now, {"path": "weak_plane.pairs", "points": 6}, silent)
+    found = run_job("curve", Session(opened_template("footing")).now, {"path": "weak_plane.pairs", "points": 6}, silent)
     assert all(value == int(value) for value in found["x"])  # of what counts whole numbers
-    found = run_job("curve", Session.of_template("wedge").now, {"path": "water.fill", "points": 3}, silent)
+    found = run_job("curve", Session(opened_template("wedge")).now, {"path": "water.fill", "points": 3}, silent)
     assert found["x"] == [0.0, 0.5, 1.0]
 
 
 def test_a_probability_is_that_of_the_study_with_the_scatter_put_in():
-    moment = Session.of_template("wedge").now
+    moment = Session(opened_template("wedge")).now
     scatter = {"strength.weak.phi": {"dist": "normal", "sd": 5}, "strength.weak.c": {"dist": "uniform", "min": 0,
                                                                                     "max": 20}}  # fmt: skip
     found = run_job("probability", moment, {"samples": 500, "seed": 4, "scatter": scatter}, silent)
@@ -67,7 +67,7 @@ def test_a_probability_is_that_of_the_study_with_the_scatter_put_in():
 
 @pytest.mark.slow
 def test_a_scatter_of_the_design_can_be_taken_out():
-    moment = Session.of_template("wedge-scatter").now
+    moment = Session(opened_template("wedge-scatter")).now
     given = dict.fromkeys(("strength.clay.phi.mean", "strength.clay.c"))
     found = run_job("probability", moment, {"samples": 200, "scatter": given}, silent)
     names = [one["label"] for one in found["sensitivity"]]
@@ -80,7 +80,7 @@ def test_a_scatter_of_the_design_can_be_taken_out():
 
 @pytest.mark.slow
 def test_bolts_are_those_of_the_study():
-    moment = Session.of_template("wedge").now
+    moment = Session(opened_template("wedge")).now
     found = run_job("support", moment, {"fos": 1.6}, silent)
     own = support(moment.design, 1.6, acts="active").cases[0]
     assert found["force"] == own.force
@@ -101,7 +101,7 @@ def test_bolts_are_those_of_the_study():
 )  # fmt: skip
 def test_options_that_are_none_are_refused(what, options):
     with pytest.raises(DesignError) as error:
-        run_job(what, Session.of_template("wedge").now, options, silent)
+        run_job(what, Session(opened_template("wedge")).now, options, silent)
     assert error.value.codes == ("E541",)
 
 
@@ -114,7 +114,7 @@ def test_options_that_are_none_are_refused(what, options):
 )  # fmt: skip
 def test_what_studies_refuse_is_said_by_their_codes(what, options, code):
     with pytest.raises(DesignError) as error:
-        run_job(what, Session.of_template("wedge").now, options, silent)
+        run_job(what, Session(opened_template("wedge")).now, options, silent)
     assert code in error.value.codes
 
 
@@ -178,7 +178,7 @@ def test_a_process_that_dies_is_said_and_not_waited_for():
         if event["of"] == "done":
             ended.set()
 
-    jobs.start("curve", Session.of_template("wedge").now, {"path": DIP, "points": 400}, hear)
+    jobs.start("curve", Session(opened_template("wedge")).now, {"path": DIP, "points": 400}, hear)
     jobs.process.kill()
     assert ended.wait(30)
     assert heard[-1]["faults"][0]["code"] == "E544"

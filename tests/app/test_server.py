@@ -320,7 +320,7 @@ def test_what_governs_is_the_difference_that_another_design_makes(desk):
     more = analyse(up).fos.closed_form - result.fos.closed_form
     said = {path: one["text"] for one in answer["governs"] for path in one["paths"]}
     assert said["strength.weak.phi"] == f"φ +1° {more:+.2f}"
-    scattered = Session.of_template("wedge-scatter").now  # 24° and 33°
+    scattered = Session(opened_template("wedge-scatter")).now  # 24° and 33°
     assert (answer["net"]["friction"], net_of(scattered, None)["friction"]) == (20.0, 24.0)
 
 
@@ -336,7 +336,7 @@ SHARED = [("joints.J2.strength", "rough"), BASAL]
 def test_a_link_of_what_governs_leads_to_all_that_it_changes(template, sets):
     """Its sliders moved as it says give the factor that it says: all strengths where it is said of all."""
     design = load(path_of(template), sets)
-    answer, result = analysed(replace(Session.of_template(template).now, document=design.source, design=design))
+    answer, result = analysed(replace(Session(opened_template(template)).now, document=design.source, design=design))
     keys = values_of(design)
     moved = 0
     for told, (name, factor, _) in zip(answer["governs"], result.comparisons.governs, strict=True):
@@ -362,24 +362,24 @@ def test_what_moments_do_stands_on_the_page_as_on_the_sheet():
     """A wedge full of water opens a part of a joint: what that costs, and the lowest estimate beside the limit."""
     planes = [("joints.J1.plane", "45/105"), ("joints.J2.plane", "70/235"), ("slope.face", "65/185")]
     design = load(path_of("wedge"), [*planes, ("slope.upper", "12/195"), ("slope.height", 30), ("water.fill", 1.0)])
-    answer, result = analysed(replace(Session.of_template("wedge").now, document=design.source, design=design))
+    answer, result = analysed(replace(Session(opened_template("wedge")).now, document=design.source, design=design))
     assert result.moments_govern
     (said,) = [one for one in result.sheet.sections if one.label == "MOMENTS"]
     assert answer["moments"] == list(said.entries) != []
     assert answer["fos"]["lowest"] == result.fos.lowest
-    dry, _ = analysed(Session.of_template("wedge").now)
+    dry, _ = analysed(Session(opened_template("wedge")).now)
     assert dry["moments"] == []
 
 
 def test_where_moments_govern_no_change_is_linked_and_the_page_says_why():
     """The changes are the closed form's, which is not the answer there: what the sheet says of them, in its words."""
-    answer, result = analysed(Session.of_template("rough").now)
+    answer, result = analysed(Session(opened_template("rough")).now)
     assert result.moments_govern
     assert result.comparisons.governs  # JSON has them, as what the closed form says
     assert answer["governs"] == []
     (said,) = next(one for one in result.sheet.sections if one.label == "SENSITIVITY").content
     assert answer["why_no_governs"] == said == "not given: it is read from the closed form, which does not govern here"
-    governed, _ = analysed(Session.of_template("wedge").now)
+    governed, _ = analysed(Session(opened_template("wedge")).now)
     assert governed["governs"]
     assert governed["why_no_governs"] == ""
 
@@ -776,7 +776,7 @@ def test_what_is_not_saved_is_kept_when_another_design_is_opened(desk):
 def test_a_kind_on_a_button_is_not_called_old_where_nothing_has_changed(tmp_path):
     desk = desk_of(tmp_path, "bench")
     moment = desk.session.now
-    desk.last, desk.last_moment = analysed(Session.of_template("wedge").now)[0], moment
+    desk.last, desk.last_moment = analysed(Session(opened_template("wedge")).now)[0], moment
 
     async def begun():
         async with Page(desk) as page:

@@ -5,7 +5,7 @@ import random
 import pytest
 
 from slopekit.app.controls import text_at
-from slopekit.app.session import Session, different, opened_text
+from slopekit.app.session import Session, different, opened_template, opened_text
 from slopekit.core.errors import DesignError
 from slopekit.design.reading.files import load
 from slopekit.design.reading.nodes import document_from
@@ -19,7 +19,7 @@ DIP = "joints.J1.plane.dip"
 
 @pytest.fixture
 def wedge():
-    return Session.of_template("wedge")
+    return Session(opened_template("wedge"))
 
 
 def test_every_kind_says_when_it_is_answered():
@@ -112,7 +112,7 @@ def test_values_that_fit_nowhere_change_nothing(wedge):
 
 @pytest.mark.parametrize("template", ["wedge", "rough", "blocks", "goodman-bray", "wedge-scatter", "footing"])
 def test_reset_puts_back_what_was_opened_and_leaves_nothing_else(template):
-    session = Session.of_template(template)
+    session = Session(opened_template(template))
     generator = random.Random(template)
     every = [one for one in controls_of(session.design, session.opened.design).values() if one["type"] != "text"]
     for control in generator.sample(every, 14):
@@ -173,7 +173,7 @@ def test_load_cases_stand_aside():
 
 
 def test_a_plane_typed_for_its_dip_is_the_plane_and_nonsense_can_be_typed_over():
-    session = Session.of_template("wedge")
+    session = Session(opened_template("wedge"))
     session.set({"joints.J1.plane.dip": "46/116"}, final=True)
     first = session.design.joints[0]
     assert (first.dip_deg, first.dip_direction_deg) == (46.0, 116.0)
@@ -185,6 +185,6 @@ def test_a_plane_typed_for_its_dip_is_the_plane_and_nonsense_can_be_typed_over()
 
 
 def test_the_box_of_what_is_no_number_holds_what_was_typed():
-    session = Session.of_template("wedge")
+    session = Session(opened_template("wedge"))
     session.set({"rock.density": "<b>"}, final=True)
     assert session.values_at(["rock.density"])["rock.density"]["text"] == "<b>"

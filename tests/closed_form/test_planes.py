@@ -1,13 +1,11 @@
 """Plane failures over arrays against the scalar functions, one by one: the same outcomes, the same factors to 1e-12.
 
 Independent source: `geometry.sections.section.plane_section`, then `scalar_plane.plane_failure` with the water that
-`kinds.plane` gives it. Cutting the block takes milliseconds, and only the height of its outline goes into the closed
-form: where blocks are many, the points between which each lies stand for it; the cut itself is made for a few.
+`kinds.plane` gives it.
 """
 
 import math
 from collections import Counter
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -16,8 +14,7 @@ import pytest
 import slopekit as sk
 from slopekit.closed_form.plane import OUTCOMES, PlaneArrays, plane_failures
 from slopekit.core.errors import GeometryError
-from slopekit.geometry.sections import section
-from slopekit.geometry.sections.section import LEFT, plane_section
+from slopekit.geometry.sections.section import plane_section
 from slopekit.kinds import plane as analysis
 from slopekit.kinds.plane import PlaneDesign
 from tests.closed_form.scalar_plane import ClosedFormPlane, plane_failure
@@ -131,13 +128,6 @@ CASES: dict[str, dict[str, Any]] = {
 }
 
 
-@pytest.fixture
-def quick(monkeypatch) -> None:
-    """The points between which a block lies, for the block."""
-    monkeypatch.setattr(section, "cut_convex", lambda normals, offsets, span: SimpleNamespace(faces={LEFT: span}))
-
-
-@pytest.mark.usefixtures("quick")
 def test_every_block_is_the_scalar_one() -> None:
     """All but "falls", which no plane can that lies below its face."""
     total = Counter[str]()
@@ -156,7 +146,6 @@ def test_the_cut_itself_changes_nothing(case) -> None:
     assert compare(PlaneArrays(**first)).total() == 6
 
 
-@pytest.mark.usefixtures("quick")
 @pytest.mark.parametrize("seed", range(20))
 def test_what_all_share_may_be_one_number(seed) -> None:
     rng = np.random.default_rng(seed)

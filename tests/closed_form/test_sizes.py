@@ -19,10 +19,9 @@ from slopekit.closed_form.sizes import (
 from slopekit.closed_form.wedge import WedgeArrays, hoek_bray_wedges
 from slopekit.core.errors import GeometryError
 from slopekit.core.orientation import Plane
-from slopekit.geometry.rock.cutting import cut_wedge
-from slopekit.geometry.rock.rockmass import wedge_rock_mass
 from slopekit.geometry.sections.section import plane_section
 from tests.closed_form.extents import block_extents
+from tests.geometry.manifold_wedge import cut_wedge, wedge_rock_mass
 
 CUT = 1e-9  # manifold's predicates round to 1e-12 of the body; a thin wedge loses three digits
 

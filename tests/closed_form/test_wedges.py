@@ -1,6 +1,6 @@
 """Wedges over arrays against the scalar functions, one by one: the same outcomes, the same factors to 1e-12.
 
-Independent source: `geometry.rock.rockmass.wedge_rock_mass` and `scalar_wedge.hoek_bray_wedge`, which share no line
+Independent source: `geometry.rock.rockmass.wedge_corners` and `scalar_wedge.hoek_bray_wedge`, which share no line
 with the arrays.
 """
 
@@ -17,8 +17,8 @@ from slopekit.closed_form.given import columns_of, of_chunk
 from slopekit.closed_form.wedge import CHUNK, OUTCOMES, ClosedFormWedges, WedgeArrays, hoek_bray_wedges
 from slopekit.core.errors import GeometryError
 from slopekit.core.orientation import Plane, line_of, normals
-from slopekit.geometry.rock.rockmass import RockMass, wedge_rock_mass
 from tests.closed_form.scalar_wedge import ClosedFormWedge, WedgeWater, hoek_bray_wedge
+from tests.geometry.manifold_wedge import RockMass, wedge_rock_mass
 
 PLANES = ("joint1", "joint2", "face", "upper")
 REL = 1e-12

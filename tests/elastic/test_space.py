@@ -151,9 +151,9 @@ def test_a_bench_says_what_it_took(bench, monkeypatch: pytest.MonkeyPatch) -> No
     assert found.elastic.limit == found.fos.limit  # no cohesion to lose
     assert found.elastic.mesh.residual < 1e-8
     assert 0.0 < found.elastic.opened_share < 0.5
-    assert found.fos.highest > 1.01 * found.fos.lowest
+    assert found.fos.highest is None  # its mechanism holds at whatever strength
     (said,) = [str(notice) for notice in found.warnings if notice.code == "W455"]
-    assert f"{found.fos.lowest:.3f} .. {found.fos.highest:.3f}" in said
+    assert f"{found.fos.lowest:.3f} .. far above it" in said
     scene = scene_of_many(design, cut(design), found)
     monkeypatch.setattr("slopekit.elastic.condensed._MOST_BYTES", 1e3)
     with pytest.raises(DesignError) as caught:

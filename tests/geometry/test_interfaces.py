@@ -5,13 +5,9 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from slopekit.core.errors import GeometryError
 from slopekit.core.orientation import Plane
 from slopekit.geometry import interfaces
 from slopekit.geometry.interfaces import node_pairs
-from slopekit.geometry.rock import cutting
-from slopekit.geometry.rock.cutting import cut_wedge
-from slopekit.geometry.rock.rockmass import J1, J2, UPPER, RockMass, wedge_rock_mass
 from slopekit.preie.system.patch_pairs import fan_rule
 from slopekit.views.charts.stereonet import cells
 
@@ -102,75 +98,42 @@ def test_pairs_that_are_remembered_are_those_of_their_corners() -> None:
         assert not values.flags.writeable
 
 
-def rock_mass(height: float, dip: float = 45.0):
-    joints = np.array([Plane(dip, 105).normal(), Plane(70, 235).normal()])
-    return wedge_rock_mass(joints, Plane(65, 185).normal(), Plane(12, 195).normal(), height)
+def bytes_of(polygons, pairs_on) -> list[bytes]:
+    """Every number of the node pairs on faces."""
+    pairs = pairs_on(polygons)
+    return [array.tobytes() for array in (pairs.points, pairs.normals, pairs.control_areas, pairs.interface)]
 
 
-def test_a_wedge_that_is_remembered_is_that_of_its_planes() -> None:
-    """Half as high it has an eighth of the volume, again and again; a wedge that is none fails every time."""
-    for _ in range(2):
-        whole, half, other = (cut_wedge(rock) for rock in (rock_mass(30.0), rock_mass(15.0), rock_mass(30.0, 45.5)))
-        assert whole.volume == pytest.approx(8.0 * half.volume, rel=1e-12)
-        assert abs(other.volume / whole.volume - 1.0) > 1e-3
-        assert not whole.centroid.flags.writeable
-        assert not any(face.flags.writeable for face in whole.faces.values())
-        rock = rock_mass(30.0)
-        shut = RockMass(rock.normals, rock.offsets - [0.0, 0.0, 0.0, 99.0], *rock.corners)
-        with pytest.raises(GeometryError, match="E208"):
-            cut_wedge(shut)
-
-
-def all_of(rock: RockMass, cut, pairs_on) -> list[object]:
-    """Every number of a wedge and of its node pairs, by its bytes."""
-    try:
-        block = cut(rock)
-    except GeometryError as error:
-        return [str(error)]
-    pairs = pairs_on({face: block.faces[face] for face in (J1, J2)})
-    arrays = [*block.faces.values(), block.centroid, pairs.points, pairs.normals, pairs.control_areas, pairs.interface]
-    return [list(block.faces), list(block.areas.items()), block.volume, *(array.tobytes() for array in arrays)]
-
-
-def as_new(rock: RockMass):
-    return cutting._wedge_of.__wrapped__(rock.normals.tobytes(), rock.offsets.tobytes(), rock.corners.tobytes())
-
-
-def pairs_as_new(polygons):
+def as_new(polygons):
     return interfaces._pairs_on.__wrapped__(tuple((key, face.tobytes()) for key, face in polygons.items()), 0)
 
 
-def nearly(rock: RockMass, change: str) -> RockMass:
-    """The same wedge but for the least that could be told apart, or not even that."""
-    normals, offsets, corners = rock.normals.copy(), rock.offsets.copy(), [*rock.corners]
-    if change == "normal":
-        normals[J2, 1] += 1e-12
+def nearly(polygons, change: str):
+    """The same faces but for the least that could be told apart, or not even that."""
+    one, two = (face.copy() for face in polygons.values())
+    if change == "a picometre":
+        one[1, 0] += 1e-12
     elif change == "last digit":
-        normals[J1, 2] = np.nextafter(normals[J1, 2], 2.0)
-    elif change == "offset":
-        offsets[UPPER] += 1e-12
+        two[0, 1] = np.nextafter(two[0, 1], 2.0)
     elif change == "zeros":
-        normals, offsets = np.where(normals == 0.0, -normals, normals), np.where(offsets == 0.0, -0.0, offsets)
-    elif change == "corner":
-        corners[1] = corners[1] * (1.0 + 1e-12)
+        one = np.where(one == 0.0, -0.0, one)
     else:
-        normals[[J1, J2]], corners[2:] = normals[[J2, J1]], corners[:1:-1]
-    return RockMass(normals, offsets, *corners)
+        one, two = two, one
+    return {0: one, 1: two}
 
 
-@pytest.mark.parametrize("change", ["normal", "last digit", "offset", "zeros", "corner", "joints swapped"])
-def test_wedges_that_are_nearly_equal_are_never_taken_for_each_other(change) -> None:
+@pytest.mark.parametrize("change", ["a picometre", "last digit", "zeros", "faces swapped"])
+def test_faces_that_are_nearly_equal_are_never_taken_for_each_other(change) -> None:
     """Each to the last bit as without memory, one after the other and by several threads at once."""
     rng = np.random.default_rng(7)
-    rocks = [rock_mass(rng.uniform(5.0, 60.0), rng.uniform(40.0, 50.0)) for _ in range(6)]
-    asked = [rock for one in rocks for rock in (one, nearly(one, change))] * 2
-    new = [all_of(rock, as_new, pairs_as_new) for rock in asked]
-    assert [all_of(rock, cut_wedge, node_pairs) for rock in asked] == new
-    others = sum(one != other for one, other in zip(new[:12:2], new[1:12:2], strict=True))
-    # the corners say where to look, not what is there; a last digit may be rounded away
-    assert others == 6 or change in ("zeros", "corner") or (change == "last digit" and others >= 4)
+    turns = [Plane(dip, direction) for dip, direction in rng.uniform([5.0, 0.0], [85.0, 360.0], (6, 2))]
+    faces = [{0: lifted(SQUARE, turn)[0], 1: lifted(PENTAGON, turn)[0]} for turn in turns]
+    asked = [polygons for one in faces for polygons in (one, nearly(one, change))] * 2
+    new = [bytes_of(polygons, as_new) for polygons in asked]
+    assert [bytes_of(polygons, node_pairs) for polygons in asked] == new
+    assert change == "zeros" or all(one != other for one, other in zip(new[:12:2], new[1:12:2], strict=True))
     with ThreadPoolExecutor(4) as threads:
-        assert list(threads.map(lambda rock: all_of(rock, cut_wedge, node_pairs), asked[::-1])) == new[::-1]
+        assert list(threads.map(lambda polygons: bytes_of(polygons, node_pairs), asked[::-1])) == new[::-1]
 
 
 def test_no_array_that_is_remembered_can_be_written() -> None:

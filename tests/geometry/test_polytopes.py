@@ -6,8 +6,7 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection
 
 from slopekit.core.orientation import Plane
 from slopekit.geometry.polytopes import Polytopes, polytopes
-from slopekit.geometry.rock.cutting import cut_wedge
-from slopekit.geometry.rock.rockmass import wedge_rock_mass
+from tests.geometry.manifold_wedge import cut_wedge, wedge_rock_mass
 
 CUBE = np.concatenate([np.eye(3), -np.eye(3)])
 WEDGES = [
@@ -106,9 +105,9 @@ def test_wedges_as_manifold_cuts_them(wedge: tuple, at: tuple[float, float, floa
     assert solid.volume[0] == pytest.approx(cut.volume, rel=within)
     assert solid.centroid[0] - at == pytest.approx(cut.centroid, abs=within * height)
     assert solid.counts[0].tolist() == [3] * 4
-    sides = [np.cross(polygon[1] - polygon[0], polygon[2] - polygon[0]) for polygon in cut.faces.values()]
-    own = np.sort(areas(block(*planes_of(*wedge))))
-    assert own == pytest.approx(np.sort([0.5 * np.linalg.norm(side) for side in sides]), rel=1e-9)
+    own = block(*planes_of(*wedge))
+    assert np.sort(areas(own)) == pytest.approx(np.sort(list(cut.areas.values())), rel=1e-9)
+    assert own.block().areas == pytest.approx(dict(enumerate(areas(own))), rel=1e-12)
 
 
 @pytest.mark.parametrize("thin", [1e-3, 1e-6])

@@ -13,7 +13,6 @@ import slopekit as sk
 from benchmarks.basal import Compared, compared_until
 from slopekit.closed_form.basal import OUTCOMES, BasalWedgeArrays, basal_wedges
 from slopekit.core.errors import DesignError, GeometryError
-from slopekit.core.orientation import parse_plane
 from slopekit.design.templates import path_of
 from slopekit.kinds import words_named
 from slopekit.kinds.wedge import closed_form
@@ -358,8 +357,7 @@ def test_the_worst_crack_of_a_block_whose_sides_do_not_daylight(crack) -> None:
 @pytest.mark.parametrize("dip", ["85/180", "80/170", "70/195"])
 def test_how_far_a_crack_still_cuts_the_block(dip) -> None:
     """A little before the reach it is one of its faces, a little behind it nothing is cut off."""
-    whole = sk.load(SOCKET)
-    reach = crack_reach(whole, parse_plane(dip, "crack"))
+    (reach,) = crack_reach(sk.load(put(SOCKET, crack={"plane": dip, "distance": 1})))
     crack = {"plane": dip, "distance": 0.999 * reach}
     assert sk.run(put(SOCKET, crack=crack)).geometry.areas_m2["crack"] > 0.0
     with pytest.raises(GeometryError):

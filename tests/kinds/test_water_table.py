@@ -212,6 +212,20 @@ def test_no_place_of_a_dense_sweep_is_worse(more) -> None:
         assert lowest == pytest.approx(min(factors), rel=5e-3)
 
 
+@pytest.mark.parametrize(
+    ("design", "crack"), [(PLANE, {}), (WEDGE, {"plane": "80/185"})], ids=["plane", "wedge"]
+)  # fmt: skip
+def test_a_table_that_fits_the_block_with_its_crack_alone(design, crack) -> None:
+    """Far behind the crest the table lies above the ground: there the crack cuts the block off."""
+    wet = {**design, "water": {"mode": "table", "points": [[0, 0], [6, 6], [9, 8], [14, 14], [40, 45]]}}
+    with pytest.raises(GeometryError, match="E456"):
+        sk.run(wet)
+    found = sk.load(wet | {"crack": {**crack, "distance": "worst"}})
+    assert found.crack_searched == "back"
+    own = {**crack, "distance": found.crack.distance_m}
+    assert sk.run(wet | {"crack": own}).fos.closed_form < kind_named(design["kind"]).closed_form(sk.load(design)).factor
+
+
 #: Cracks that are worst where their range ends, without a factor at the last place and with one, and where it begins.
 _SHAKEN = {"loads": {"seismic": {"k": 0.1, "toward": 180}}}
 ENDS = {

@@ -101,6 +101,7 @@ def dams(eccentricities: list[float]) -> Blocks:
         counts=counts,
         cohesion=150.0 * one,
         tan_friction=math.tan(math.radians(40.0)) * one,
+        tan_dilation=np.zeros(counts.shape),
         load=load,
         bolts=np.zeros((len(eccentricities), 0, 6)),
         laws=np.full(counts.shape, None),

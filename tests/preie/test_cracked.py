@@ -10,10 +10,10 @@ import slopekit as sk
 from benchmarks.moments import beside, has_passive_bolts, lower_of_both
 from benchmarks.wedge_paths import as_assembly
 from slopekit.geometry.interfaces import BEDROCK, NodePairs, node_pairs
-from slopekit.geometry.rock.rockmass import J1, J2
 from slopekit.kinds import cut, factors_of, wedge
 from slopekit.kinds.single_block.one_block_limit import FoundLimit, moment_limit
 from slopekit.kinds.wedge.design import wedge_design
+from slopekit.kinds.wedge.planes import J1, J2
 from slopekit.loads import Loads
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
 from slopekit.preie.one_block import bed_path
@@ -342,13 +342,30 @@ def test_the_limit_is_the_lower_of_forces_and_bed_and_below_the_static_bound(ana
         assert result.limit_state.balance.pull == 0.0
 
 
+def test_what_moments_take_and_what_lost_cohesion_takes_are_two_shares() -> None:
+    """Hoek & Bray with the cohesion of what is pressed lies between the forces on whole joints and the limit."""
+    inputs = {
+        "dips": ["55.0/148.5", "53.9/233.0"], "face": "70/180", "upper": "5.3/180", "height": 14.3,
+        "phi": [41, 39], "unit_weight": 26, "crack": "80/180@2.5m", "water": "55%",
+    }  # fmt: skip
+    result = sk.wedge(**inputs, c=[53.9, 46])
+    pressed = [opening["pressed_share"] for opening in result.to_dict()["openings"].values()]
+    weaker = sk.wedge(**inputs, c=[53.9 * pressed[0], 46 * pressed[1]])
+    assert result.comparisons.on_pressed == pytest.approx(weaker.fos.closed_form, rel=1e-9)
+    forces, between, limit = result.fos.highest, weaker.fos.closed_form, result.fos.limit
+    moments, lost = (f"{share / forces * 100:.2g} %" for share in (between - limit, forces - between))
+    line = " ".join(result.sheet.full.split("MOMENTS")[1].split("MODEL")[0].split())
+    assert f"(forces only 1.450; moments alone take {moments}, cohesion lost {lost})" in line
+
+
 def test_the_sheet_and_the_json_say_what_opens() -> None:
     result = sk.wedge(**turning_on_two_edges())
     found = result.to_dict()["openings"]
     assert found["J1"]["pressed_share"] == pytest.approx(0.930, abs=2e-3)
     assert found["J2"]["opens_at_m"] is None
     line = " ".join(result.sheet.full.split("MOMENTS")[1].split("MODEL")[0].split())
-    assert line.startswith("6.99 % of J1 opens at failure and carries no cohesion: FoS 3.764 (forces only 4.604)")
+    shares = "forces only 4.604; moments alone take 13 %, cohesion lost 4.8 %"
+    assert line.startswith(f"6.99 % of J1 opens at failure and carries no cohesion: FoS 3.764 ({shares})")
     model = " ".join(result.sheet.full.split("MODEL")[1].split("MOVES")[0].split())
     points = len(result.limit_state.node_pairs.points_m)
     assert points > result.model.node_pairs

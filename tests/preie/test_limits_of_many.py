@@ -11,7 +11,6 @@ from benchmarks.benches import bench
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.bed_states import Drive
 from slopekit.preie.elastic_path.path import follow
-from slopekit.preie.elastic_path.path_limit import PathOutcome
 from slopekit.preie.many_blocks.blocks_limit import Basis
 from slopekit.preie.programs.bounds import static_bound
 from slopekit.preie.system.assembly import AssemblyModel
@@ -26,7 +25,7 @@ def bed_of(model: AssemblyModel) -> Bed:
 def limit_of(model: AssemblyModel) -> float:
     """F of the path, which has to have settled."""
     found = follow(bed_of(model), 2.0 / static_bound(model).factor)
-    assert found.outcome is PathOutcome.SETTLED
+    assert found.found
     return 1.0 / found.parameter
 
 

@@ -292,9 +292,34 @@ def test_blocks_that_run_and_rest_once_more_have_the_limit_of_a_history(number, 
     assert found.factor < found.static_bound
 
 
+@pytest.mark.parametrize(("number", "peak"), [(41, 0.365), (50, 2.13), (79, 0.714), (85, 2.54), (94, 0.992)])
+def test_a_motion_is_followed_until_its_forces_settle(number, peak) -> None:
+    """A history in which slip stays has its peak elsewhere and the same limit, to 1e-6 (the first mesh, no cohesion).
+
+    Bench 50 rests at 2.13, and its motion has a limit of 1.79, some million elastic displacements on.
+    """
+    model = cohesive_bench(number, 0.0)
+    found = limit_of_blocks(model, ranged=False)
+    joints = path_oracle.PressedJoints(path_oracle.arrays_of(model), 0.4)
+    ended = path_oracle.history(model, 2.0 / found.static_bound, bed=joints)
+    assert ended.end == "settled"
+    assert ended.peak == pytest.approx(peak, rel=5e-3)
+    assert found.basis in (Basis.LIMIT, Basis.SETTLED)
+    assert found.factor == pytest.approx(ended.factor, rel=1e-6)
+
+
+def test_a_last_rest_on_finer_pairs_raises_no_limit_of_a_motion() -> None:
+    """Bench 50: on finer node pairs only a rest is found, 18.6 % higher than the limit of the motion; it is said."""
+    found = sk.run(populations.bench(50))
+    assert found.fos.limit == pytest.approx(1.7917646, rel=1e-6)
+    assert "by 18.6 %" in {notice.code: notice.message for notice in found.warnings}["W312"]
+    assert found.fos.lowest == pytest.approx(found.fos.limit, rel=5e-4)
+    assert found.fos.highest == pytest.approx(found.fos.limit, rel=5e-4)
+
+
 def test_a_rest_beyond_ten_thousand_elastic_displacements_is_none() -> None:
-    """The block of bench 3 creeps on without end as its strength falls: the path ends where it is that far off."""
-    model = cohesive_bench(3, 1.0)
+    """The block of bench 28 creeps on without end as its strength falls: the path ends where it is that far off."""
+    model = cohesive_bench(28, 1.0)
     bed = Bed(model, Drive(model.load.ravel()))
     found = follow(bed, 2.0 / static_bound(model).factor)
     assert found.outcome is PathOutcome.BRACKET
@@ -491,7 +516,6 @@ def test_a_flow_that_did_not_settle_is_not_tried_again(monkeypatch) -> None:
     flows: list[Flow] = []
     monkeypatch.setattr(path, "_NEARLY", (3e-3, 3e-4))
     monkeypatch.setattr(path, "_eased", lambda _, flow, __: flows.append(flow))
-    monkeypatch.setattr(path, "traced", lambda *_: None)
     found = follow(Bed(model, Drive(model.load.ravel())), 2.0 / static_bound(model).factor)
     assert found.outcome is PathOutcome.BRACKET
     assert len(flows) == len({id(flow) for flow in flows}) == 2
@@ -525,11 +549,11 @@ def test_a_limit_state_is_not_looked_for_with_the_same_modes_in_space(monkeypatc
 
 
 def test_a_limit_state_of_many_modes_is_looked_for_where_the_path_has_settled(monkeypatch) -> None:
-    model = boxes_in_space((3, 1, 3), (2.0, 3.0, 1.0), 25.0, 0.3).model(35.0)
+    model = boxes_in_space((4, 1, 2), (2.0, 3.0, 1.0), 25.0, 0.3).model(35.0)
     often, found = modes_tried(monkeypatch, model)
     monkeypatch.setattr(path, "_BORDERED_AS_WELL", model.load.size - 1)
     once, again = modes_tried(monkeypatch, model)
-    assert (len(often), len(once)) == (3, 1)
+    assert (len(often), len(once)) == (4, 1)
     assert again.factor == pytest.approx(found.factor, rel=1e-9)
     assert again.basis is found.basis is Basis.LIMIT
 

@@ -171,12 +171,12 @@ def test_a_block_that_leans_out_of_the_row_topples_in_four_writings(change, time
 def test_a_peak_is_a_last_rest_and_its_range_that_of_the_mechanism(design, low, high, has_range) -> None:
     """Paths of other steps (strides of 0.5 to 0.97) have their last rests between these.
 
-    Where the blocks run is said beside the factor; a mechanism that has no range of its own has none.
+    Where the blocks fail is said beside the factor; a mechanism that has no range of its own has none.
     """
     one = changes.run(design)
     assert "W317" in {notice.code for notice in one.warnings}
     assert low < one.fos.limit < high
-    assert "the blocks run at" in " ".join(str(one).split())
+    assert "fails at" in " ".join(str(one).split())
     ends = one.fos.lowest, one.fos.highest
     assert has_range == (None not in ends)
     assert ends == (None, None) or ends[0] <= one.fos.limit < ends[1] <= one.fos.static_bound

@@ -8,7 +8,14 @@ from typing import Any
 import pytest
 
 import slopekit as sk
-from benchmarks.ordinary_cuts import broken_rules
+from benchmarks.ordinary_cuts import (
+    LEAST_FALL,
+    above_bound,
+    broken_rules,
+    sheets_of_cuts,
+    with_less_load,
+    with_strength_divided,
+)
 
 CASES = json.loads((Path(__file__).parents[1] / "preie" / "moments.json").read_text(encoding="utf-8"))["cases"]
 
@@ -99,6 +106,27 @@ def test_more_strength_hardly_ever_lowers_the_limit_of_ordinary_cuts() -> None:
     assert len(lower) <= 0.01 * looked_at
     assert [said for said in lower if not said[2] > 0.99 * said[1]] == []
     assert len(broken) <= 0.02 * looked_at
+
+
+def test_strength_divided_by_a_number_has_the_limit_divided_by_it() -> None:
+    """Some 200 random cuts, c and tan φ over 1.3; one of 2,001 is off, by 2e-4 (`benchmarks.ordinary_cuts`)."""
+    off = with_strength_divided(200, 7)
+    assert len(off) > 150
+    assert float(off.max()) < LEAST_FALL
+
+
+def test_less_water_or_shaking_hardly_ever_lowers_the_limit() -> None:
+    """Some 200 random cuts: where the moments of water hold the block, as of 10 of 4,507 (docs/method.md)."""
+    count, fell = with_less_load(200, 7)
+    assert count > 300
+    assert len(fell) <= 0.01 * count
+
+
+@pytest.mark.slow
+def test_no_limit_lies_above_its_upper_bound() -> None:
+    count, above = above_bound(sheets_of_cuts(60, 7))
+    assert count > 50
+    assert above == []
 
 
 def test_a_block_that_does_not_stick_starts_from_the_rest_that_it_flows_to() -> None:

@@ -31,6 +31,27 @@ def shown(name: str) -> Shown:
     return result_of(name)
 
 
+BOLTED: dict[str, Any] = {
+    "slopekit": 1, "kind": "wedge", "slope": {"face": "65/180", "upper": "10/180", "height": 18},
+    "joints": {"J1": {"plane": "45/120", "strength": "clay"}, "J2": {"plane": "60/245", "strength": "rough"}},
+    "strength": {"clay": {"c": 10, "phi": 28}, "rough": {"c": 5, "phi": 32}}, "rock": {"unit_weight": 26},
+    "water": {"fill": "50 %"}, "loads": {"seismic": 0.05}, "acceptance": {"rules": ["fos >= 1.5"]},
+    "support": {"bolts": [
+        {"force": 200, "head": [x, y, z], "toward": "000/-10", "length": 26, "acts": acts}
+        for x, y, z, acts in ((0, -2, 5, "active"), (2, -3, 7, "active"), (-1, -4, 9, "passive"))
+    ]},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("study", "most"), [
+    (lambda: result_of("topple"), 407), (lambda: result_of("bench"), 455), (lambda: sk.run(BOLTED), 282),
+    (lambda: sk.prob(path_of("wedge-scatter"), n=500), 270),
+], ids=["topple", "bench", "bolted", "prob"])  # fmt: skip
+def test_a_sheet_has_half_the_words_that_it_had(study, most) -> None:
+    """815, 911, 564 and 541 words once; a wedge's 120 are counted with the command (`tests/test_cli.py`)."""
+    assert 100 < len(str(study().sheet).split()) <= most
+
+
 def tables(name: str) -> list[Table]:
     sheet = shown(name).sheet
     return [one for section in sheet.sections for one in section.content if isinstance(one, Table)]

@@ -18,8 +18,6 @@ import slopekit as sk
 from slopekit.core.errors import DesignError, GeometryError
 from slopekit.core.orientation import Plane
 from slopekit.design.joint_lists import joint_list
-from slopekit.geometry.rock.cutting import cut_wedge
-from slopekit.geometry.rock.rockmass import wedge_rock_mass
 from slopekit.kinds import factors_of
 from slopekit.studies import joint_wedges
 from slopekit.studies.bench_design import limits
@@ -35,6 +33,7 @@ from slopekit.views.pages.report import report_of
 from slopekit.views.plots import draw
 from tests.closed_form.scalar_wedge import hoek_bray_wedge
 from tests.commands import slopekit
+from tests.geometry.manifold_wedge import cut_wedge, wedge_rock_mass
 
 HEIGHT, FACE, TOWARD = 12.0, 75.0, 180.0
 COHESION, FRICTION, UNIT_WEIGHT = 4.0, 32.0, 26.0

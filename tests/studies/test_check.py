@@ -188,7 +188,7 @@ def test_a_limit_that_hangs_on_the_stiffness_of_the_joints_is_not_consistent() -
     assert [other.name for other in found.findings if other.met is False] == ["stiffness ratio"]
     assert found.consistent is False
     assert found.exit_code == 4
-    assert "hangs on the stiffness of the joints" in found.line
+    assert "depends on the stiffness of the joints" in found.line
 
 
 def test_a_limit_that_is_the_same_on_all_joints_is_consistent() -> None:

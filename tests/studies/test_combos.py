@@ -15,13 +15,13 @@ import pytest
 import slopekit as sk
 from slopekit.core.errors import DesignError, GeometryError
 from slopekit.core.orientation import Plane, line_of
-from slopekit.geometry.rock.rockmass import wedge_rock_mass
 from slopekit.studies.combos import Combos, combos
 from slopekit.studies.combos import pairs as room
 from slopekit.studies.combos.pairs import NOT_REMOVABLE, PAIR_OUTCOMES
 from slopekit.studies.protocol import Workplace
 from tests.closed_form.scalar_wedge import WedgeWater, hoek_bray_wedge
 from tests.commands import slopekit
+from tests.geometry.manifold_wedge import wedge_rock_mass
 
 LIST = str(Path(__file__).parents[2] / "examples" / "joints.csv")
 #: Moments govern: the limit is 1.578, the closed form 1.677.

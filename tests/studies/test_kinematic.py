@@ -10,7 +10,6 @@ import pytest
 import slopekit as sk
 from slopekit.core.errors import DesignError, GeometryError
 from slopekit.core.orientation import Plane
-from slopekit.geometry.rock.rockmass import wedge_rock_mass
 from slopekit.studies.kinematic import Kinematic, kinematic
 from slopekit.studies.kinematic.criteria import (
     DIRECT,
@@ -28,6 +27,7 @@ from slopekit.studies.kinematic.criteria import (
 from tests.closed_form.scalar_plane import plane_failure
 from tests.closed_form.scalar_wedge import hoek_bray_wedge
 from tests.commands import slopekit
+from tests.geometry.manifold_wedge import wedge_rock_mass
 
 LIST = str(Path(__file__).parents[2] / "examples" / "joints.csv")
 FACE = Plane(65, 180)
@@ -153,7 +153,7 @@ def test_planes_parallel_to_the_face_daylight_where_the_closed_form_has_a_block(
 @pytest.mark.slow
 @pytest.mark.parametrize("face", [Plane(65, 180), Plane(85, 140)], ids=str)
 def test_wedges_against_the_rock_mass_and_the_closed_form(face) -> None:
-    """Flat ground: a line daylights where `wedge_rock_mass` cuts a wedge. c = 0, dry, two friction angles:
+    """Flat ground: a line daylights where `wedge_corners` finds a wedge. c = 0, dry, two friction angles:
 
     F <= 1 is exactly `by_friction`; every such wedge is flagged, primary or secondary. A primary line on both joints
     may well have F > 1 (the joints pinch the wedge), on one alone or a secondary it has F <= 1 where that joint dips

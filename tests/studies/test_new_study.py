@@ -27,7 +27,8 @@ def test_a_script_calls_it() -> None:
     assert [one.dip_deg for one in found.turned] == [43.0, 47.0, 43.0, 47.0]
     turned = sk.run(WEDGE, set={"joints.J1.plane.dip": 47})
     assert found.turned[1].point.factors.limit == turned.fos.limit
-    assert repr(found) == f"<Flip: least {turned.fos.limit:.3f} at joints.J1.plane.dip 47°>"
+    least = [f"<Flip: least {turned.fos.limit:.3f} at joints.{joint}.plane.dip 47°>" for joint in ("J1", "J2")]
+    assert repr(found) in least  # the joints mirror each other: rounding says which of the two is lower
     assert f"{turned.fos.limit:.3f}" in str(found).splitlines()[3]
     assert f"<td>{turned.fos.limit:.3f}</td>" in found._repr_html_()
     assert found.tables()["flip"].records()[1]["pre_ie"] == turned.fos.limit

@@ -10,10 +10,10 @@ from slopekit.core.errors import GeometryError
 from slopekit.design.reading.files import load, with_values
 from slopekit.kinds import cut, kind_of
 from slopekit.kinds.single_block.held_bolts import held
-from slopekit.studies.evaluation.bolts import as_laid_out, holding, standing
 from slopekit.studies.evaluation.vectorised import vectorised
 from slopekit.studies.prob import prob
 from slopekit.studies.prob.sampling import samples
+from tests.bolted import as_laid_out, holding, standing
 
 
 def scatter(mean: float, sd: float) -> dict:
@@ -110,7 +110,7 @@ def test_both_methods_judge_the_same_bolts(values, acts) -> None:
     assert (study.both.disagree, study.both.not_compared, study.both.without_answer) == (0, 0, 0)
     assert study.both.agree == study.forming.of == int(study.judged.forms.sum())
     (lost,) = (notice.message for notice in study.warnings if notice.code == "W311")
-    holds = holding(study.design, [study.samples.settings(row) for row in range(count)])
+    holds = holding(study.design, [study.samples.settings(row) for row in range(count)], as_laid_out(study.design))
     forms = study.judged.forms
     said = f"bolts give no force in {int((~holds.all(axis=0) & forms).sum())} of {int(forms.sum())} samples"
     assert lost.startswith(said)
@@ -138,7 +138,7 @@ def test_samples_one_by_one_are_held_as_all_at_once(given) -> None:
     design = load(given)
     drawn = samples(design.variables, design.correlation, 40, 1)
     fast = vectorised(design, drawn.values, drawn.settings)
-    found = holding(design, [drawn.settings(row) for row in range(40)])
+    found = holding(design, [drawn.settings(row) for row in range(40)], as_laid_out(design))
     assert (found == fast.holds(drawn.values)).all()
     assert 0 < found.sum() < found.size
 

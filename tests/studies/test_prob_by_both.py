@@ -9,9 +9,9 @@ import pytest
 
 import slopekit as sk
 from slopekit.design.common import Design
-from slopekit.studies.evaluation.bolts import as_laid_out, standing
 from slopekit.studies.points import point_of
 from slopekit.studies.prob.run import Probability
+from tests.bolted import as_laid_out, standing
 from tests.studies.test_prob_cracks import CASES as WORST
 from tests.studies.test_probability import SHELF, WILD
 

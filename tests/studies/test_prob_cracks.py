@@ -1,7 +1,6 @@
 """The worst crack of all samples at once: against the search of each design by itself, and Hoek & Bray's formula."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,12 +10,12 @@ from slopekit.core.errors import GeometryError
 from slopekit.design.common import Design
 from slopekit.design.reading.files import with_values
 from slopekit.kinds import kind_of
-from slopekit.studies.evaluation.bolts import as_laid_out, standing
 from slopekit.studies.points import point_of
 from slopekit.studies.prob.cracks import PLACE
 from slopekit.studies.prob.rows import SampleRows
 from slopekit.studies.prob.run import _asked
 from slopekit.studies.prob.sampling import samples
+from tests.bolted import as_laid_out, standing
 
 SCATTER = {"c": {"dist": "uniform", "min": 20, "max": 60}, "phi": {"dist": "normal", "mean": 25, "sd": 3}}
 WEDGE = {
@@ -34,14 +33,25 @@ BOLT = {"force": 200, "head": [0, -3, 8], "toward": "000/-05", "length": 9, "act
 CASES = {
     "wedge": WEDGE, "plane": PLANE, "wet wedge": {**WEDGE, "water": "full"},
     "bolted wedge": {**WEDGE, "support": {"bolts": [BOLT]}},
+    "above a basal joint": {**WEDGE, "basal": {"plane": "15/180", "height": 3}, "water": {"fill": 0.3}},
     "no block": {**WEDGE, "slope": {"face": "30/180", "upper": "10/180", "height": 30}},
+    "basal joint": {
+        **WEDGE, "slope": {"face": "70/180", "upper": "5/180", "height": 20},
+        "basal": {"plane": {"dip": {"dist": "uniform", "min": 20, "max": 40}, "dip_direction": 180}, "height": 3,
+                  "strength": "s"},
+        "joints": {"J1": {"plane": "80/100"}, "J2": {"plane": "75/262"}},
+    },
+    "table above the ground behind": {
+        **PLANE, "crack": {"distance": "worst"}, "joints": {"J1": {"plane": "35/180"}},
+        "water": {"mode": "table", "points": [[0, 0], [6, 6], [9, 8], [14, 14], [40, 30]]},
+    },
     "dry plane": {**PLANE, "crack": {"distance": "worst"}, "loads": {"seismic": {"k": 0.1}}},
 }  # fmt: skip
 
 
 def rows_of(design: Design, count: int, seed: int) -> SampleRows:
     """Samples of a design, with the places of their cracks."""
-    return SampleRows(design, samples(design.variables, (), count, seed), True)
+    return SampleRows(design, samples(design.variables, (), count, seed))
 
 
 @pytest.mark.slow
@@ -101,14 +111,21 @@ def test_pre_ie_is_asked_with_the_crack_at_the_place_found() -> None:
     assert (found.both.agree, found.both.disagree, found.both.not_compared) == (6, 0, 0)
 
 
-def test_what_is_looked_for_alone_still_is() -> None:
-    """Passive bolts are searched sample by sample; a crack with a place is not looked for."""
-    bolted = sk.load(CASES["bolted wedge"])
-    passive = replace(bolted, bolts=tuple(replace(bolt, acts="passive") for bolt in bolted.bolts))
-    assert rows_of(bolted, 3, 1).search is not None
-    assert rows_of(passive, 3, 1).search is None
+def test_a_crack_with_a_place_is_not_looked_for() -> None:
     fixed = sk.load({**WEDGE, "crack": {"plane": "80/180", "distance": 3}})
     assert rows_of(fixed, 3, 1).search is None
+
+
+@pytest.mark.slow
+def test_with_passive_bolts_it_is_looked_for_in_all_at_once() -> None:
+    """A place takes as long as 100 without them: one sample."""
+    bolt = {"force": 150, "toward": "000/5", "acts": "passive"}
+    design = sk.load({**PLANE, "support": {"bolts": [bolt]}})
+    found = sk.prob(design, n=1)
+    assert "all at once" in found.judged.evaluator
+    alone = point_of(design, found.samples.settings(0)).factors
+    assert found.judged.factor[0] == pytest.approx(alone.limit, rel=1e-8)
+    assert found.outcomes.closed_form.factor[0] == pytest.approx(alone.closed_form, rel=1e-9)
 
 
 IN_METRES = {"plane": "80/180", "distance": "worst", "water": "1 m"}

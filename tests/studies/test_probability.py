@@ -40,8 +40,12 @@ def default_wedge(correlation: float | None = None) -> dict:
     return wedge | ({} if correlation is None else {"correlation": {"J1.phi/J2.phi": correlation}})
 
 
-#: Samples of it are read one by one.
 DILATING = default_wedge() | {"strength": {"a": {"c": 50, "phi": PHI, "dilation": 2}, "b": {"c": 50, "phi": PHI}}}
+#: Samples of it are read one by one.
+FOOTING = {
+    "slopekit": 1, "kind": "footing", "footing": {"load": 2000, "at": 2.5},
+    "weak_plane": {"dip": 40, "length": 8, "strength": "seam"}, "strength": {"seam": {"c": 120, "phi": PHI}},
+}  # fmt: skip
 
 
 def by_quadrature(target: float, rank: float) -> float:
@@ -183,9 +187,9 @@ def test_all_at_once_is_one_at_a_time(values, met) -> None:
     assert study.forming.share > study.all_samples.share
 
 
-def test_joints_that_dilate_go_one_at_a_time_bolts_and_directions_at_once() -> None:
+def test_joints_that_dilate_bolts_and_directions_go_all_at_once() -> None:
     study = prob(load(DILATING), 5, fos=1.6)
-    assert study.judged.evaluator == "closed form and PRE-IE of every sample"
+    assert study.judged.evaluator == "closed form and PRE-IE of every sample, all at once"
     assert (study.both.agree, study.both.not_compared) == (0, 5)
     bolts = {"bolts": [{"force": 2e5, "toward": "000/10", "acts": "passive"}]}
     turning = {"force": 500, "toward": {"dist": "fisher", "mean": "180/10", "k": 200}}
@@ -248,7 +252,7 @@ def test_where_moments_govern_pre_ie_counts_and_the_closed_form_is_said_beside_i
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("values", [WILD, DILATING], ids=["all at once", "one by one"])
+@pytest.mark.parametrize("values", [WILD, FOOTING], ids=["all at once", "one by one"])
 def test_the_same_numbers_whoever_works(values, monkeypatch) -> None:
     monkeypatch.setattr("slopekit.studies.evaluation.rows.PIECE", 3)  # several tasks
     design = load(values)
@@ -260,7 +264,7 @@ def test_the_same_numbers_whoever_works(values, monkeypatch) -> None:
     assert not set(other.judged.factor.tolist()) & set(alone.judged.factor.tolist())
 
 
-@pytest.mark.parametrize("values", [default_wedge(), DILATING], ids=["all at once", "one by one"])
+@pytest.mark.parametrize("values", [default_wedge(), FOOTING], ids=["all at once", "one by one"])
 @pytest.mark.parametrize("by", ["pre-ie", "closed-form"])
 def test_an_interrupted_study_goes_on(values, by, tmp_path, monkeypatch) -> None:
     """What was done is read back as it was, also where its columns stand on disk."""
@@ -329,7 +333,7 @@ def test_too_many_of_them_are_refused_and_small_friction_is_no_radian() -> None:
 
 def test_nothing_that_speaks_against_it_is_accepted(monkeypatch) -> None:
     monkeypatch.setattr(SampleRows, "point", lambda *_: Point(None, "E212", "bolt 1 is too short"))
-    by_pre_ie = prob(load(DILATING), 6, fos=1.7, accept=0.99)
+    by_pre_ie = prob(load(FOOTING), 6, fos=1.7, accept=0.99)
     assert by_pre_ie.counts == {"E212": 6}
     assert (by_pre_ie.judged.unjudged.sum(), by_pre_ie.all_samples.count, by_pre_ie.all_samples.of) == (6, 0, 0)
     assert by_pre_ie.accepted is False
@@ -383,7 +387,7 @@ def test_samples_without_an_answer_and_too_few_failures_are_said(monkeypatch) ->
     stands = Point(Factors("slides_on_both", 1.2, "slides_on_both", 1.2, 0.0, True, False))
     points = [broken, wild, *[stands] * 18]
     monkeypatch.setattr(SampleRows, "point", lambda _, row, pre_ie: points[row])
-    study = prob(load(DILATING), 20)
+    study = prob(load(FOOTING), 20)
     assert study.counts == {"slides_on_both": 18, "E599": 1, "not_converged": 1}
     assert (study.all_samples.count, study.all_samples.of) == (2, 20)  # without an answer: counted as failures
     assert {"W350"} <= {notice.code for notice in study.warnings}
@@ -449,7 +453,7 @@ def test_the_command(tmp_path) -> None:
     assert found["methods"]["agree"] == 500
     sheet = (tmp_path / "out" / "prob.txt").read_text()
     assert all(len(line) <= 100 for line in sheet.splitlines())
-    assert "P(F < 1.5)" in sheet
+    assert "P(FoS < 1.5)" in sheet
     assert "of 500" in sheet
     wrong = slopekit("prob", str(file), "-n", "many")
     assert wrong.returncode == 2

@@ -43,8 +43,6 @@ FEATURES: dict[str, dict[str, Any]] = {
 REFUSED = {("support", "barton-bandis"): "E288", ("support", "power"): "E288"}
 #: Designs that fail as they are: there is no yield acceleration.
 FALLEN = ("crack half full", "water table", "pond")
-#: Features that samples are read one by one for.
-ONE_BY_ONE = ("dilation",)
 KEY, NOW = "rock.unit_weight", 25.0
 
 
@@ -70,7 +68,7 @@ def test_a_feature_in_every_study(name: str) -> None:
     assert judged.factor == pytest.approx(run.fos.limit, rel=1e-8)
     assert study.outcomes.closed_form.factor == pytest.approx(run.fos.closed_form, rel=1e-8)
     assert {judged.names[number] for number in judged.outcome} == {run.status}
-    assert ("all at once" in judged.evaluator) == (name not in ONE_BY_ONE)
+    assert "all at once" in judged.evaluator
     if name in FALLEN:
         with pytest.raises(DesignError) as caught:
             sk.quake(design, "sine:0.5g,2Hz")
@@ -101,10 +99,10 @@ def test_a_feature_under_support(name: str) -> None:
             assert built.fos.limit >= target * (1.0 - 1e-9)
 
 
-def test_the_page_names_what_is_refused_and_what_is_read_one_by_one() -> None:
+def test_the_page_names_what_is_refused() -> None:
     page = Path("docs/howto/prob.md").read_text(encoding="utf-8")
     rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in page.splitlines()]
     for name in FEATURES:
         _, samples, support = next(cells for cells in rows if cells[0] == name)
-        assert samples == ("one by one" if name in ONE_BY_ONE else "all at once")
+        assert samples == "all at once"
         assert support == REFUSED.get(("support", name), "run's limit")

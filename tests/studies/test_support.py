@@ -19,13 +19,12 @@ from slopekit.core.errors import DesignError, Notice
 from slopekit.core.orientation import Line, line_of
 from slopekit.design.parts import Bolt
 from slopekit.design.templates import path_of
-from slopekit.geometry.rock.cutting import cut_wedge
-from slopekit.geometry.rock.rockmass import CRACK, J1, J2, wedge_rock_mass
 from slopekit.kinds import cut, factors_of
-from slopekit.kinds.wedge import closed_form
+from slopekit.kinds.single_block.held_bolts import through
+from slopekit.kinds.wedge import bounds, closed_form
 from slopekit.kinds.wedge.design import wedge_design
-from slopekit.kinds.words import size_number
-from slopekit.loads import Hull, judge_bolt
+from slopekit.kinds.words import short
+from slopekit.loads import judge_bolt
 from slopekit.studies import points
 from slopekit.studies.support import run as module
 from slopekit.studies.support.search import Answer, best_direction, least_force, least_forces, site_of
@@ -270,7 +269,7 @@ def test_moments_govern_and_the_larger_number_is_the_one_to_use(turning) -> None
         assert case.force == case.pre_ie.force
         assert case.pre_ie.answer.moments_govern
         assert case.pre_ie.answer.factor == pytest.approx(1.8, abs=1e-6)
-        assert f"to use: {size_number(case.force)}" in " ".join(str(turning).split())
+        assert f"to use: {short(case.force)}" in " ".join(str(turning).split())
     sheet = str(turning)
     assert "moments govern: the closed form knows none" in sheet
     assert max(map(len, sheet.splitlines())) <= 100
@@ -303,16 +302,15 @@ def test_heads_lie_on_the_face_and_bolts_reach_behind_the_joint(turning) -> None
 
 def test_the_loads_own_check_passes_every_bolt_and_refuses_shorter_ones(turning) -> None:
     """The check that `run` makes of each bolt: E212 where it ends before the joint."""
-    rock = wedge_rock_mass(
-        np.array([upward_normal((45.0, 160.0)), upward_normal((80.0, 240.0))]), upward_normal((65.0, 180.0)),
-        upward_normal((0.0, 180.0)), 10.0,
-    )  # fmt: skip
-    hull = Hull.of(cut_wedge(rock), (J1, J2), CRACK)
+    planes = bounds(wedge_design({"dips": ("45/160", "80/240"), "face": "65/180", "upper": "0/180", "height": 10.0}))
     case = turning.cases[0]
-    for head, length in zip(case.layout.heads_m, case.layout.sound_m + 2.5, strict=True):
-        judge_bolt("bolt", *hull.meets(head, case.toward.vector()), length, "")
+    sound, is_anchored = through(planes, case.layout.heads_m, case.toward.vector())
+    assert is_anchored.all()
+    assert sound == pytest.approx(case.layout.sound_m, abs=1e-9)
+    for reach, length in zip(sound.tolist(), case.layout.sound_m + 2.5, strict=True):
+        judge_bolt("bolt", reach, True, length, "")
         with pytest.raises(sk.GeometryError) as caught:
-            judge_bolt("bolt", *hull.meets(head, case.toward.vector()), length - 2.5001, "")
+            judge_bolt("bolt", reach, True, length - 2.5001, "")
         assert caught.value.codes == ("E212",)
 
 
@@ -515,7 +513,7 @@ def test_rows_and_columns_are_even_over_the_face() -> None:
     assert laid.left_out == 0
     places = laid.rows * laid.columns
     assert places > len(laid)
-    said = f"{laid.across_m:g} m apart ({places - len(laid)} of the {places} places of that grid hold none)"
+    said = f"{laid.across_m:g} m apart (the other {places - len(laid)} places of that grid stay empty)"
     assert said in " ".join(str(found).split())
 
 

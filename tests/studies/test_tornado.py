@@ -140,7 +140,7 @@ def test_sheet_json_and_line(study) -> None:
     sheet = str(study)
     assert max(map(len, sheet.splitlines())) <= 100
     assert "angles ±2°" in sheet
-    assert "changes nothing: " in sheet
+    assert "NO EFFECT " in sheet
     assert study.line.startswith("water.fill 0.5514")
     document = study.to_dict()
     assert json.loads(json.dumps(document, allow_nan=False)) == document

@@ -10,9 +10,9 @@ from slopekit.core.errors import DesignError
 from slopekit.design.reading.files import load, with_values
 from slopekit.kinds import kind_of
 from slopekit.strength.protocol import row_laws
-from slopekit.studies.evaluation.bolts import as_laid_out, standing
 from slopekit.studies.evaluation.vectorised import vectorised
 from slopekit.studies.prob.sampling import samples
+from tests.bolted import as_laid_out, standing
 
 
 def plane(dip: float, direction: float) -> dict:

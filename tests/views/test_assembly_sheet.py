@@ -153,8 +153,8 @@ def test_the_range_of_the_mechanism_stands_below_the_limit(lowest, highest, said
 @pytest.mark.parametrize(("basis", "change", "said"), [
     ("limit", 0.0, "1.250 limit of the elastic path (k_t/k_n 0.4) none closed form"),
     ("settled", 0.0, "1.250 limit of the elastic path (k_t/k_n 0.4), settled none closed form"),
-    ("peak", 0.004, "1.250 peak of the elastic path (k_t/k_n 0.4): last state at rest; the blocks run at 1.255, 0.4"),
-    ("peak", 0.0, "1.250 peak of the elastic path (k_t/k_n 0.4): last state at rest none closed form"),
+    ("peak", 0.004, "1.250 last stable state of the elastic path (k_t/k_n 0.4); fails at 1.255, 0.4 %"),
+    ("peak", 0.0, "1.250 last stable state of the elastic path (k_t/k_n 0.4) none closed form"),
 ])  # fmt: skip
 def test_the_headline_says_what_it_rests_on(basis, change, said) -> None:
     one = mechanism("slides", 1.25, motions(["B1", "B2"], "slides"), change=change, basis=basis)

@@ -1,4 +1,4 @@
-"""What a reader sees first is what counts: the factor acceptance hangs on, inputs nobody gave, the user's own names."""
+"""What a reader sees first is what counts: the factor of ACCEPT, inputs nobody gave, the user's own names."""
 
 import re
 from dataclasses import replace
@@ -63,7 +63,7 @@ def test_all_pairs_lead_where_a_rule_judges_by_them() -> None:
     assert pairs < limit
     assert result.leading == ("all_pairs_failed", pairs)
     assert f"  all-pairs {pairs:.3f}, limit {limit:.3f}  agree  met" in result.line
-    assert first_factor(result) == f"{pairs:.3f}  all pairs failed: the factor that ACCEPT hangs on"
+    assert first_factor(result) == f"{pairs:.3f}  all pairs failed: the factor that ACCEPT is held against"
     unruled = sk.wedge(DIPS, criterion="all-pairs")
     assert unruled.leading is None
     assert f"  limit {limit:.3f}, all-pairs {pairs:.3f}  agree" in unruled.line

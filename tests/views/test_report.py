@@ -136,7 +136,7 @@ def test_moments_that_govern_are_said_with_the_number_to_use() -> None:
     wet = wet_wedge()
     fos = replace(wet.fos, highest=1.9876)
     found = replace(
-        wet, fos=fos, moments_govern=True, comparisons=replace(wet.comparisons, forces_only=1.9876)
+        wet, fos=fos, moments_govern=True, comparisons=replace(wet.comparisons, forces_only=1.9876, on_pressed=None)
     ).to_dict()
     seen = words(report_of(found, with_pictures=False).html)
     assert "moments govern" in seen

@@ -60,7 +60,7 @@ def test_what_a_limit_of_many_blocks_is() -> None:
     seen = words(report_of(found, with_pictures=False).html)
     assert f"{factor_text(found['fos']['limit'])} limit of the elastic path (k_t/k_n 0.4)" in seen
     first = found["mechanisms"][0] | {"basis": "peak", "change": 0.01, "fos": 1.0}
-    assert limit_of(found | {"mechanisms": [first]}).endswith("last state at rest; the blocks run at 1.010, 1 % higher")
+    assert limit_of(found | {"mechanisms": [first]}).endswith("(k_t/k_n 0.4); fails at 1.010, 1 % higher")
     assert limit_of(document("wet")) == "PRE-IE"
 
 

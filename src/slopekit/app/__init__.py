@@ -1,1 +1,1 @@
-"""The design under your hands: a server on this machine alone, and the page that it gives (`slopekit app`)."""
+"""Interactive app: a server on this machine alone, and the page that it gives (`slopekit app`)."""

@@ -1,7 +1,7 @@
 """What stands on the page of a design: its numbers with status, check and what governs, its net, its scene, its faults.
 
->>> from slopekit.app.session import Session
->>> answer, result = analysed(Session.of_template("wedge").now)
+>>> from slopekit.app.session import Session, opened_template
+>>> answer, result = analysed(Session(opened_template("wedge")).now)
 >>> answer["lead"], answer["status_words"], answer["agree"], answer["net"]["line"]["trend"]
 ('1.557', 'slides on both planes', True, 180.0)
 >>> answer["governs"][1]["text"], answer["governs"][1]["label"], answer["governs"][1]["paths"]

@@ -1,7 +1,7 @@
 """What is handed over: the page, DXF, JSON, the design, and the command line that gives the same numbers.
 
->>> from slopekit.app.session import Session
->>> session = Session.of_template("wedge")
+>>> from slopekit.app.session import Session, opened_template
+>>> session = Session(opened_template("wedge"))
 >>> session.set({"strength.weak.phi": 25, "water.fill": 0.5}, final=True)
 >>> command_of(session).split(" --set ", 1)[1]
 'strength.weak.phi=25 --set water.mode=null --set water.fill=0.5'

@@ -3,7 +3,7 @@
 A change makes a new tree of the design (a tenth of a millisecond: no text is read again) and reads it; what it was
 before is kept for undo. Nothing here is analysed.
 
->>> session = Session.of_template("wedge")
+>>> session = Session(opened_template("wedge"))
 >>> session.set({"joints.J1.plane.dip": 50}, final=True)
 >>> session.design.joints[0].dip_deg, session.changed, session.can_undo
 (50.0, ['joints.J1.plane.dip'], True)
@@ -113,11 +113,6 @@ class Session:
     def __init__(self, opened: Opened) -> None:
         self.rev = 0
         self.open(opened)
-
-    @classmethod
-    def of_template(cls, name: str) -> "Session":
-        """A session that begins with a template. Raises DesignError E197 for a name that is none."""
-        return cls(opened_template(name))
 
     def open(self, opened: Opened) -> None:
         """Take another design; there is nothing to undo then."""

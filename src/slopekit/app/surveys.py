@@ -1,8 +1,8 @@
 """A survey that was dropped on the page: its planes, its sets, every pair as a wedge in the design's own slope.
 
->>> from slopekit.app.session import Session
+>>> from slopekit.app.session import Session, opened_template
 >>> text = "name,dip,dip_direction\\nA,45,115\\nB,45,245\\nC,80,350\\n"
->>> found = dropped(Session.of_template("wedge").design, "joints.csv", text)
+>>> found = dropped(Session(opened_template("wedge")).design, "joints.csv", text)
 >>> [(pair["names"], round(pair["fos"], 4)) for pair in found.said["pairs"]]
 [(['A', 'B'], 1.5574)]
 >>> print(found.design_of_pair(found.said["pairs"][0]["n"]).partition("joints:")[2].partition("rock")[0], end="")

@@ -88,7 +88,7 @@ def app(
     port: Annotated[int, typer.Option(help="Port to listen on; 0: any that is free.")] = 0,
     no_browser: Annotated[bool, typer.Option("--no-browser", help="Print the address and open nothing.")] = False,
 ) -> None:
-    """The design under your hands, in the browser; this machine alone (extra: app)."""
+    """Interactive app in the browser, on this machine alone (extra: app)."""
     if not 0 <= port <= 65535:
         raise DesignError([Fault("E106", f"--port is {port}, a port lies between 0 and 65535", f"--port {port}")])
     missing = [name for name in ("starlette", "uvicorn", "websockets", "jinja2") if not _is_there(name)]

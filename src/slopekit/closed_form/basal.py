@@ -99,7 +99,7 @@ def basal_wedges(wedges: BasalWedgeArrays) -> ClosedFormWedges:
 
     Formula: with R the resultant and nᵢ the normals into the block, the block moves along the s of s = R + Σ Nᵢ nᵢ for
     which Nᵢ >= 0, s·nᵢ >= 0 and Nᵢ (s·nᵢ) = 0; F = Σ (cᵢAᵢ + Nᵢ tan φᵢ) / |s| over the planes in contact. Codes are
-    those of `rock.basal`.
+    those of `kinds.wedge.basal`.
 
     >>> wedges = BasalWedgeArrays(
     ...     joint1_dip_deg=75.0, joint1_dip_direction_deg=100.0, joint2_dip_deg=75.0, joint2_dip_direction_deg=260.0,
@@ -206,7 +206,7 @@ def _block(columns: Columns, count: int) -> _ConvexBlock:
 
 
 def _leaves(inward: Vector, none: Bools) -> Bools:
-    """Whether a movement that the joints allow leads out of a free face that a block has, (m,), as in `rock.basal`."""
+    """Whether a movement that the joints allow leads out of a free face that a block has, (m,)."""
     leaves = np.zeros(none.shape[1], dtype=np.bool_)
     for one, other, third in ((_J1, _J2, _BASAL), (_J1, _BASAL, _J2), (_J2, _BASAL, _J1)):
         line = cross(rows(inward, one), rows(inward, other))

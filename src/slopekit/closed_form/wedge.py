@@ -154,7 +154,7 @@ def hoek_bray_wedges(wedges: WedgeArrays, *, forces: bool = True) -> ClosedFormW
         The arrays do not fit together.
 
     Formula: F = (c₁A₁ + c₂A₂ + N₁ tan φ₁ + N₂ tan φ₂) / |R·l| on both planes; on plane i alone
-    F = (cᵢAᵢ + Nᵢ tan φᵢ) / |R - (R·nᵢ) nᵢ|. Codes are those of `geometry.rock.rockmass.wedge_rock_mass`.
+    F = (cᵢAᵢ + Nᵢ tan φᵢ) / |R - (R·nᵢ) nᵢ|. Codes are those of `geometry.rock.rockmass.wedge_corners`.
 
     >>> wedges = WedgeArrays(
     ...     joint1_dip_deg=[45.0, 45.0, 80.0], joint1_dip_direction_deg=115.0,

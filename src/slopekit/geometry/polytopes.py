@@ -4,14 +4,40 @@ A corner is where three planes meet and no other plane cuts it off; a face is th
 their angles about the middle of them.
 """
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
-from slopekit.core.arrays import Floats, Ints, cross
+from slopekit.core.arrays import Floats, Ints, cross, frozen
 
 _ON = 1e-10  # of the size of a block: so far beyond a plane a corner still lies on it
+_SAME = 1e-12  # of the farthest corner: two corners no farther apart are one
+
+
+@dataclass(frozen=True)
+class Block:
+    """A block: its faces as polygons by the plane that made them.
+
+    Attributes
+    ----------
+    faces : plane id -> (k, 3) corners in m, anticlockwise seen from outside
+    areas : plane id -> area in m²
+    volume : m³
+    centroid : (3,) m
+    """
+
+    faces: Mapping[int, Floats]
+    areas: Mapping[int, float]
+    volume: float
+    centroid: Floats
+
+    @property
+    def corners(self) -> Floats:
+        """All corners of all faces, (n, 3), repeated where faces share them."""
+        return np.concatenate(list(self.faces.values()))
 
 
 @dataclass(frozen=True)
@@ -38,6 +64,21 @@ class Polytopes:
         """Return the corners of the blocks, (n, p c, 3) m, face by face; nan without a face."""
         corners = np.where((self.counts > 0)[:, :, None, None], self.faces, np.nan)
         return corners.reshape(len(corners), -1, 3)
+
+    def block(self) -> Block:
+        """Return the first of the blocks.
+
+        Corners in which more than three planes meet are one; each face begins at its lowest corner.
+        """
+        used = np.arange(self.faces.shape[2]) < self.counts[0][:, None]
+        points, on = self.faces[0][used], np.nonzero(used)[0]
+        count = len(points)
+        is_one = np.abs(points[:, None] - points).max(axis=2) <= _SAME * np.abs(points).max(initial=0.0)
+        same = np.where(is_one, np.arange(count), count).min(axis=1, initial=count)  # the first of those that are one
+        corners = {plane: list(dict.fromkeys(same[on == plane].tolist())) for plane in np.unique(on).tolist()}
+        faces = {plane: _from_lowest(points[numbers]) for plane, numbers in corners.items() if len(numbers) > 2}
+        areas = {plane: _area(polygon) for plane, polygon in faces.items()}
+        return Block(faces, areas, float(self.volume[0]), frozen(self.centroid[0]))
 
 
 def polytopes(outward: Floats, offsets: Floats, size: Floats) -> Polytopes:
@@ -84,6 +125,16 @@ def polytopes(outward: Floats, offsets: Floats, size: Floats) -> Polytopes:
     counts = np.where(counts > 2, counts, 0)
     volume, centroid = _volumes(outward, offsets, faces, counts)
     return Polytopes(outward, offsets, faces, counts, volume, centroid)
+
+
+def _from_lowest(polygon: Floats) -> Floats:
+    return frozen(np.roll(polygon, -int(polygon[:, 2].argmin()), axis=0))
+
+
+def _area(polygon: Floats) -> float:
+    arms = polygon[1:] - polygon[0]
+    turns: Floats = cross(arms[:-1], arms[1:]).sum(axis=0)
+    return math.sqrt(float(turns @ turns)) / 2.0
 
 
 def _across(normals: Floats) -> Floats:

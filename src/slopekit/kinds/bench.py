@@ -53,7 +53,7 @@ class JointSetInput:
     name: str
     plane: Plane = orientation("plane", example="45/170")
     spacing_m: float = number(
-        "spacing", "length", above=0.0, code="E116", example="2 m", doc="mean distance of its planes, square to them"
+        "spacing", "length", above=0.0, code="E116", example="2 m", doc="mean distance of its planes, normal to them"
     )
     strength: str = text("strength", default="", left_out="the only one", doc="a name under strength")
     offset_m: float = number(

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
@@ -24,7 +23,6 @@ from slopekit.design.reading.reader import Reader
 from slopekit.design.sections import read_common, read_water
 from slopekit.extents import SectionGeometry
 from slopekit.geometry.pressure import even
-from slopekit.geometry.rock.cutting import Block
 from slopekit.geometry.sections.section import CRACK, FACE, J1, UPPER, PlaneSection, line_pairs, plane_section
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.single_block import worst_crack
@@ -40,15 +38,14 @@ from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of, upward
 from slopekit.kinds.single_block.one_block import DILATES, SingleBlock, left_out_of_slope
 from slopekit.kinds.single_block.one_block_limit import Cut, Interface
 from slopekit.kinds.single_block.secants import other_strengths, steeper
-from slopekit.kinds.solver_inputs import bolt_forces, point_force, section_bedding, section_geometry
-from slopekit.kinds.water import LocalSlope, OnFaces, pushes_on, standing_in_crack
+from slopekit.kinds.solver_inputs import loads_in_slope, section_bedding, section_geometry
+from slopekit.kinds.water import LocalSlope, OnFaces, standing_in_crack
 from slopekit.kinds.words import (
     short,
     slope_sections,
     strength_in_words,
     water_in_words,
 )
-from slopekit.loads import Hull, Loads, block_loads
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
@@ -56,7 +53,6 @@ if TYPE_CHECKING:
 
 WIDEST_DEG = 20.0  # degrees between the strikes of plane and face (Hoek & Bray 1981, ch. 7)
 _OUTCOMES = (*("slides_on_J1" if name == "slides" else name for name in OUTCOMES), "E213")
-_OUT = 1e-9
 
 
 @dataclass(frozen=True)
@@ -155,15 +151,9 @@ def read_plane(reader: Reader) -> PlaneDesign:
         PlaneDesign, own, common, joint=joints[0].plane if joints else None, joint_name=names[0], crack=crack,
         strength=strengths[0] if strengths else None, water=water,
     )  # fmt: skip
-    return _with_worst_crack(design, str(node.place)) if searched and node is not None else design
-
-
-def _with_worst_crack(design: PlaneDesign, place: str) -> PlaneDesign:
-    try:
-        whole = section_of(replace(design, crack=None))
-    except GeometryError:
-        return replace(design, crack=None)  # which says the same where it is cut
-    return worst_crack.with_worst_crack(design, ON_ARRAYS, -float(whole.bottom[0]) + _crest_x(design), place)
+    if node is None or not searched:
+        return design
+    return worst_crack.with_worst_crack(design, ON_ARRAYS, str(node.place))
 
 
 def _water_of_plane(reader: Reader, names: Sequence[str], crack: Node | None) -> Water:
@@ -197,7 +187,9 @@ def cut(design: PlaneDesign) -> Cut:
         Where the plane forms no block that can slide out; E213 where it strikes across the slope.
     """
     section = section_of(design)
-    acting, name, axes = _loads(design, section), design.joint_name, _axes(design.face)
+    name, axes, around = design.joint_name, _axes(design.face), bounds(design)
+    flat = axes * [[1.0], [0.0], [1.0]]  # where along the slope says nothing
+    acting = loads_in_slope(design, section.block, around, _full_water, axes[0], flat)
     bed = section_bedding(section, acting, design.strength)
     is_cracked = section.crack_depth is not None
     left_out = ["the ends of the slope (per metre)", "deformation of the rock"]
@@ -206,25 +198,13 @@ def cut(design: PlaneDesign) -> Cut:
         [Interface(J1, name, design.strength)], lambda: section_geometry(section, name, axes, _crest_x(design)),
         left_out_of_slope(left_out, is_cracked, [design.strength]),
         {J1: name} | ({CRACK: "crack"} if is_cracked else {}) | design.ponded(FACE, UPPER), FACE,
-        lambda: hull_of(design, section.block), design.refine, axes=axes,
+        around, design.refine, axes=axes,
     )  # fmt: skip
 
 
 def _crest_x(design: PlaneDesign) -> float:
     """Where the crest is, out of the slope from the toe."""
     return -design.height_m / math.tan(math.radians(design.face.dip_deg)) if design.face.dip_deg < 90.0 else 0.0
-
-
-def _crest_point(design: PlaneDesign) -> Floats:
-    """The crest, (3,) in the axes of the section."""
-    return np.array([_crest_x(design), 0.0, design.height_m])
-
-
-def compared(design: PlaneDesign, made: Cut | None = None) -> ClosedForm:
-    """The closed form as PRE-IE is compared with it. Raises GeometryError as `cut`, without loading the section."""
-    if made is None:
-        section_of(design)
-    return replace(closed_form(design), why_not=DILATES if design.strength.dilation_deg else "")
 
 
 def _signed_dip(plane: Plane, face: Plane) -> Any:
@@ -266,29 +246,6 @@ def _full_water(slope: LocalSlope, unit_weight: Any) -> list[OnFaces]:
     if slope.crack is not None:
         return standing_in_crack(slope, unit_weight)
     return [(slope.joints, even(slope.faces[list(slope.joints)], unit_weight * slope.extents[:, 2] / 4.0))]
-
-
-def _loads(design: PlaneDesign, section: PlaneSection) -> Loads:
-    axes, origin = _axes(design.face) * [[1.0], [0.0], [1.0]], np.zeros(3)  # where along the slope says nothing
-    hull = cache(lambda: hull_of(design, section.block))  # which a block without bolts does not need
-    active, passive = bolt_forces(design, origin, lambda head, way: hull().meets(head, way), axes)
-    k = design.seismic.coefficient * design.section_share
-    strongest = max((bolt.force_kn for bolt in design.bolts), default=0.0)
-    return block_loads(
-        section.block, design.rock.unit_weight_kn_m3, np.array([k, 0.0, 0.0]),
-        [point_force(force, origin, axes) for force in design.forces], active,
-        [bolt for bolt in passive if float(np.abs(bolt.force).max()) > _OUT * strongest],
-        pushes_on(design, bounds(design), _full_water, axes) if design.is_wet or design.is_cut_for_loads else {},
-    )  # fmt: skip
-
-
-def hull_of(design: PlaneDesign, block: Block) -> Hull:
-    """The planes that bolts through the block meet; behind a crack in the face the ground is that behind the crest."""
-    hull = Hull.of(block, (J1,), CRACK)
-    if UPPER in block.faces:
-        return hull
-    dip = math.radians(float(_signed_dip(design.upper, design.face)))
-    return hull.below(np.array([math.sin(dip), 0.0, math.cos(dip)]), _crest_point(design))
 
 
 # -- the closed form ----------------------------------------------------------------------------------
@@ -350,13 +307,11 @@ def bounds(design: PlaneDesign) -> Bounds:
     """The planes that bound the block, all along the slope as the section has them; signs as `section_of`."""
     out = upward(90.0, design.face.dip_direction_deg) * [1.0, 1.0, 0.0]
     dips = [np.atleast_1d(_signed_dip(plane, design.face)) for plane in (design.joint, design.face, design.upper)]
-    normals = [upward(dip, design.face.dip_direction_deg) for dip in dips]
+    joint, *free = (upward(dip, design.face.dip_direction_deg) for dip in dips)
     slide, face, upper = (np.tan(np.radians(dip)) for dip in dips)
     height = np.atleast_1d(design.height_m)
     crest = -height / face  # out of the slope; the ground behind it falls with `upper`
-    offsets = [0.0, 0.0, (height + upper * crest) * np.cos(np.radians(dips[2]))]
-    upright = np.array([0.0, 0.0, 1.0])
-    within = 0.5e-3 * crest[:, None] * out - 0.25e-3 * (crest * (slide + face))[:, None] * upright
+    normals, offsets = [-joint, *free], [0.0, 0.0, (height + upper * crest) * np.cos(np.radians(dips[2]))]
     crack = design.crack
     if crack is not None:
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -365,9 +320,9 @@ def bounds(design: PlaneDesign) -> Bounds:
                 if crack.depth_m is None
                 else (height + crest * slide - crack.depth_m) / (slide - upper)
             )
-        normals.append(out)
-        offsets.append(crest - behind)
-    bounded = bounds_of(normals, offsets, within, np.zeros(3), (0,), (1, 2), height)
+        normals.append(-out)
+        offsets.append(behind - crest)
+    bounded = bounds_of(normals, offsets, np.zeros(3), (0,), (1, 2), height)
     return replace(bounded, along=cross(np.array([0.0, 0.0, 1.0]), out))
 
 
@@ -401,15 +356,17 @@ ON_ARRAYS = OnArrays(
 )  # fmt: skip
 
 
-def closed_form(design: PlaneDesign) -> ClosedForm:
-    """The design by Hoek & Bray's plane failure.
+def closed_form(design: PlaneDesign, made: Cut | None = None) -> ClosedForm:
+    """The design by Hoek & Bray's plane failure, as PRE-IE is compared with it.
 
     Raises
     ------
     GeometryError
-        Where the plane forms no block that can slide out.
+        Where the plane forms no block that can slide out; as `cut`, without loading the section.
     """
-    return ON_ARRAYS.of(design)
+    if made is None:
+        section_of(design)
+    return replace(ON_ARRAYS.of(design), why_not=DILATES if design.strength.dilation_deg else "")
 
 
 def _notices(design: PlaneDesign, *_: object) -> Iterator[Notice]:
@@ -456,5 +413,5 @@ KIND = SingleBlock(
         "Hoek & Bray: forces only",
         {"slides_on_J1": "slides on its plane", "lifted": "contact lost on its plane (uplift)"},
     ),
-    cut, compared, _slope, _notices, ON_ARRAYS,
+    cut, closed_form, _slope, _notices, ON_ARRAYS,
 )  # fmt: skip

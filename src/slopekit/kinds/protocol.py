@@ -88,14 +88,11 @@ class Gain:
     ----------
     factor : acceleration of a block's centroid in parts of (a - k_y g)
     block : the name of that block, the one that moves farthest
-    alone_at : where the motion of all did not settle, the k_y of that block alone with all others held, whose factor
-        it is; None otherwise
     first : the factor right at k_y, where contacts change just above it and the factor is another; None otherwise
     """
 
     factor: float
     block: str
-    alone_at: float | None = None
     first: float | None = None
 
 

@@ -1,24 +1,30 @@
 """What designs give the solver, as arrays: strengths, stiffness, bolts, forces, a block in its section."""
 
+import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, frozen
-from slopekit.core.orientation import coordinates
+from slopekit.core.orientation import Line, coordinates
 from slopekit.design.common import Design
+from slopekit.design.ground_water import SlopeDesign
 from slopekit.design.parts import Force, Strength
 from slopekit.extents import SectionGeometry
+from slopekit.geometry.polytopes import Block
+from slopekit.kinds.single_block.held_bolts import Bounds, through
 from slopekit.kinds.single_block.one_block_states import Bedding
 from slopekit.kinds.sizes import sizes_of_section
-from slopekit.loads import Loads, PointForce, judge_bolt
+from slopekit.loads import Loads, PointForce, block_loads, judge_bolt
 from slopekit.preie.system.contact import CloughDuncan, JointStiffness
 from slopekit.preie.system.model import JointStrength, build_model
 
 if TYPE_CHECKING:
     from slopekit.geometry.sections.section import PlaneSection
+    from slopekit.kinds.water import FullWater
 
+_ACROSS = 1e-9  # of the strongest bolt: one with less in a section runs along its slope
 #: How far (m) from a head (3,) along a direction (3,) sound rock begins, None: the block is missed; whether it does so.
 Meets = Callable[[Floats, Floats], tuple[float | None, bool]]
 
@@ -69,6 +75,37 @@ def bolt_forces(
             judge_bolt(f"bolt {k}", *meets(head, direction), bolt.length_m, where)
         (active if bolt.acts == "active" else passive).append(PointForce(bolt.force_kn * direction, head))
     return active, passive
+
+
+def loads_in_slope(
+    design: SlopeDesign, block: Block, bounds: Bounds, full: "FullWater", shaken: Floats, axes: Floats
+) -> Loads:
+    """The loads on a block in a slope, in local axes about the origin of its planes.
+
+    Parameters
+    ----------
+    full : the pressures of full water; shaken : (3,) level unit vector that an earthquake without a trend acts along
+    axes : (3, 3) rows are the local axes in east, north, up; of zeros for one along which no load says anything
+    """
+    trend = design.seismic.trend_deg
+    way = shaken if trend is None else Line(trend, 0.0).vector()
+
+    def meets(head: Floats, way: Floats) -> tuple[float | None, bool]:
+        (sound,), (is_anchored,) = through(bounds, head[None] @ axes, way @ axes)
+        return None if math.isnan(sound) else float(sound), bool(is_anchored)
+
+    active, passive = bolt_forces(design, bounds.origin, meets, axes)
+    strongest = max((bolt.force_kn for bolt in design.bolts), default=0.0)
+    pushes: dict[str, PointForce] = {}
+    if design.is_wet or design.is_cut_for_loads:  # plain designs do not pay
+        from slopekit.kinds.water import pushes_on
+
+        pushes = pushes_on(design, bounds, full, axes)
+    return block_loads(
+        block, design.rock.unit_weight_kn_m3, design.seismic.coefficient * (axes @ way),
+        [point_force(force, bounds.origin, axes) for force in design.forces], active,
+        [bolt for bolt in passive if float(np.abs(bolt.force).max()) > _ACROSS * strongest], pushes,
+    )  # fmt: skip
 
 
 def point_force(force: Force, origin: Floats, turn: Floats | None = None) -> PointForce:

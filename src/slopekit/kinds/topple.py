@@ -80,7 +80,7 @@ class ToppleDesign(NamedDesign):
 
     dip_deg: float = number(
         "columns.dip", "angle", above=0.0, below=90.0, code="E101", example="60", label="dip of the columns",
-        advice="Columns dip into the slope; their base falls out of it, square to them.",
+        advice="Columns dip into the slope; their base falls out of it, normal to them.",
     )  # fmt: skip
     width_m: float = number(
         "columns.width", "length", above=0.0, code="E240", example="10 m", doc="of every column, along the base"
@@ -88,12 +88,12 @@ class ToppleDesign(NamedDesign):
     heights_m: tuple[float, ...] = number(
         "columns.heights", "length", default=(), above=0.0, code="E240", many="list", at_least=1,
         example="[4, 10, 16]", label="height of C{k}", left_out="those of the slope",
-        doc="from the toe upward, square to the base",
+        doc="from the toe upward, normal to the base",
     )  # fmt: skip
     base_step_m: float = number(
         "columns.base_step", "length", default=0.0, least=0.0, code="E240",
         says="it lies from 0 to less than the lowest column",
-        doc="how much each base lies above that of the column below, square to it",
+        doc="how much each base lies above that of the column below, normal to it",
     )  # fmt: skip
     base_angle_deg: float | None = number(
         "columns.base_angle", "angle", default=None, above=0.0, below=90.0, code="E101", example="36",

@@ -19,10 +19,10 @@ from slopekit.core.errors import Fault, MisfitError
 from slopekit.core.orientation import coordinates
 from slopekit.design.common import Design
 from slopekit.design.ground_water import SlopeDesign
-from slopekit.geometry.polytopes import Polytopes, polytopes
+from slopekit.geometry.polytopes import Polytopes
 from slopekit.geometry.pressure import Height, Pieces, Pressure, even, in_strips, plane_table, resultant, under_planes
 from slopekit.kinds.single_block.closed_forms import MISFITS
-from slopekit.kinds.single_block.held_bolts import Bounds
+from slopekit.kinds.single_block.held_bolts import Bounds, blocks_within
 from slopekit.loads import PointForce
 
 _ABOVE = 1e-6  # of the height: a table that lies no more above the ground is on it
@@ -42,7 +42,7 @@ FullWater: TypeAlias = 'Callable[["LocalSlope", Any], list[OnFaces]]'
 
 @dataclass(frozen=True)
 class LocalSlope:
-    """Blocks in their slopes, n of them, in local axes with the toe at the origin and z up.
+    """Blocks in their slopes, n of them, in east, north and up from the toe.
 
     Attributes
     ----------
@@ -53,8 +53,7 @@ class LocalSlope:
     free : the face and the upper slope, that one last
     normals, offsets : of these two, (2, n, 3) and (2, n), `normal · x = offset`, outward
     into : (n, 3) level unit vectors into the slope; along : (n, 3) along it where nothing changes that way, else None
-    full : of the kind; axes : (3, 3) rows are the local axes in east, north, up
-    level : elevation of the toe, m
+    full : of the kind; level : elevation of the toe, m
     """
 
     faces: Floats
@@ -67,7 +66,6 @@ class LocalSlope:
     into: Floats
     along: Floats | None
     full: FullWater
-    axes: Floats
     level: float
 
     @property
@@ -91,15 +89,15 @@ class LocalSlope:
 
 
 def pressure_below(
-    design: Design, axes: Floats, into: Floats, level: float, at_depth: Callable[[Any], tuple[Height, ...]],
+    design: Design, into: Floats, level: float, at_depth: Callable[[Any], tuple[Height, ...]],
     along: Floats | None = None,
 ) -> Pressure:  # fmt: skip
     """The pressure below the table and the pond of a design.
 
     Parameters
     ----------
-    axes : (3, 3) rows are the local axes in east, north, up; level : elevation of the origin, m
     into : (3,) or (n, 3) level unit vector that the places of points count along
+    level : elevation of the origin, m
     at_depth : the table so many metres below the ground; along : as of `LocalSlope`
     """
     water, heights = design.water, tuple[Height, ...]()
@@ -110,23 +108,22 @@ def pressure_below(
         heights = in_strips(into, places, [one - level for one in levels])
     elif water.table_plane is not None:
         plane = water.table_plane
-        heights = plane_table(axes @ plane.plane.normal(), plane.level_m - level, along)
+        heights = plane_table(plane.plane.normal(), plane.level_m - level, along)
     return Pressure(heights, None if water.pond_m is None else water.pond_m - level, design.water_unit_weight_kn_m3)
 
 
-def above_ground(design: Design, water: Pressure, free: Floats, height: Any, axes: Floats) -> list[Misfit]:
+def above_ground(design: Design, water: Pressure, free: Floats, height: Any) -> list[Misfit]:
     """E456 where the table stands above the ground and no pond does; a depth below it is behind a vertical face.
 
     Parameters
     ----------
     free : polygons (f, n, k, 3) of the ground of n; height : (n,) or m, of what it is the ground of
-    axes : as of `pressure_below`
     """
     if design.water.table_depth_m is not None:
         return []
     over, place = water.above(free)
     face, row = np.unravel_index(int((over / height).argmax()), over.shape)
-    corner = coordinates(place[face, row] @ axes)
+    corner = coordinates(place[face, row])
     message = f"the water table lies {over[face, row]:.4g} m above the ground at {corner}"
     advice = "Give a table at or below the ground; open water at the toe is a pond."
     return [((over > _ABOVE * height).any(axis=0), Fault("E456", message, "", advice))]
@@ -209,14 +206,14 @@ def _stacked(numbers: Sequence[Any]) -> Floats:
 def _below_table(design: SlopeDesign, slope: LocalSlope) -> tuple[list[OnFaces], list[Misfit]]:
     """The pressures of a table on joints and crack, and of a pond on the ground too."""
     water = pressure_below(
-        design, slope.axes, slope.into, slope.level,
+        design, slope.into, slope.level,
         lambda depth: under_planes(slope.normals, slope.offsets, depth), slope.along,
     )  # fmt: skip
     ground = slope.faces[list(slope.free)]
     pressures: list[OnFaces] = [(slope.interfaces, water.pieces(slope.faces[slope.interfaces]))]
     if water.pond is not None:
         pressures.append((slope.free, replace(water, heights=()).pieces(ground)))
-    return pressures, above_ground(design, water, ground, slope.extents[:, 2], slope.axes)
+    return pressures, above_ground(design, water, ground, slope.extents[:, 2])
 
 
 # -- water that stands in the tension crack --------------------------------------------------------------------------
@@ -314,19 +311,6 @@ def _lies_on(slope: LocalSlope, faces: Any, *planes: int) -> Bools:
 # -- blocks by their planes ------------------------------------------------------------------------------------------
 
 
-def blocks_within(bounds: Bounds, count: int) -> Polytopes:
-    """Return the blocks of n designs; of a slope that goes on alike along itself a metre, with the ends last."""
-    outward, offsets = list(bounds.outward), list(bounds.offsets)
-    if bounds.along is not None:
-        outward += [bounds.along, -bounds.along]
-        offsets += [np.full(1, 0.5)] * 2
-    return polytopes(
-        np.stack([np.broadcast_to(normals, (count, 3)) for normals in outward], axis=1),
-        np.stack([np.broadcast_to(offset, count) for offset in offsets], axis=1),
-        np.broadcast_to(bounds.size, count),
-    )
-
-
 def slope_of(bounds: Bounds, solids: Polytopes, full: FullWater) -> LocalSlope:
     """Return the blocks in their slopes, in east, north and up from the toe."""
     face, upper = bounds.free
@@ -336,7 +320,7 @@ def slope_of(bounds: Bounds, solids: Polytopes, full: FullWater) -> LocalSlope:
         solids.faces.swapaxes(0, 1), solids.corners(), bounds.joints, cracks[0] if cracks else None, (face, upper),
         solids.outward[:, (face, upper)].swapaxes(0, 1),
         solids.offsets[:, (face, upper)].T, -out / np.sqrt((out * out).sum(axis=1))[:, None], bounds.along, full,
-        np.eye(3), float(bounds.origin[2]),
+        float(bounds.origin[2]),
     )  # fmt: skip
 
 

@@ -12,8 +12,9 @@ from typing import TypeVar
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, NDArray, cross
-from slopekit.preie.one_block.bed_limits import SPLITS, BedLimits, follow_paths, running_limits
+from slopekit.preie.one_block.bed_limits import SPLITS, BedLimits, BedStatus, follow_paths, running_limits
 from slopekit.preie.one_block.bed_path import lengths
+from slopekit.preie.one_block.dilating import dilating_slides
 from slopekit.preie.one_block.forces_limits import ForcesLimits, forces_limits
 from slopekit.preie.one_block.polygon_bed import Beds, contact_rows, cross_2d
 from slopekit.preie.system.model import local_axes
@@ -35,7 +36,7 @@ class Blocks:
     ----------
     corners : (n, k, c, 3) m from the centroid of each block, anticlockwise as seen from outside the block
     counts : (n, k) corners of each contact; 0: a block has fewer contacts, but one at least
-    cohesion : (n, k) kPa; tan_friction : (n, k)
+    cohesion : (n, k) kPa; tan_friction, tan_dilation : (n, k)
     laws : (n, k) curved laws, None where strength is that line
     load : (n, 6) kN and kN m about the centroid; bolts : (n, b, 6) passive ones at full capacity likewise
     """
@@ -44,6 +45,7 @@ class Blocks:
     counts: Ints
     cohesion: Floats
     tan_friction: Floats
+    tan_dilation: Floats
     laws: NDArray[np.object_]
     load: Floats
     bolts: Floats
@@ -92,6 +94,7 @@ class Blocks:
             length=length,
             laws=tuple(laws) if any(laws) else (),
             stress_scale=np.repeat(force / whole, contacts.sum(axis=1)),
+            tan_dilation=self.tan_dilation[contacts],
         )
 
 
@@ -104,11 +107,11 @@ class BlockLimits:
     factor : (n,) the lower of both limits, not a number where there is none, 0 without strength
     forces : (n,) factor of safety of the forces alone; forces_status : (n,) `ForcesStatus`
     bed : (n,) that on the elastic bed; bed_status : (n,) `BedStatus`, -1 where forces settled it
-    early : (n,) the largest factor reached within 30 elastic displacements, where a path was followed
     pressed : (n, k) share of each contact that is pressed at the limit on the bed
     velocity : (n, 6) unit motion of the limit that governs, turns times the distance of the corners; 0 without one
     opens_partly, opens_wholly : (n, k) contacts of which this motion opens a part, and all of it
     normal : (n, k) kN that the contacts carry in that limit, not a number where a block rests at no strength
+    dilates : (n,) whether that is a slide with the dilation of its contacts, all of them pressed
     """
 
     factor: Floats
@@ -116,12 +119,12 @@ class BlockLimits:
     forces_status: Ints
     bed: Floats
     bed_status: Ints
-    early: Floats
     pressed: Floats
     velocity: Floats
     opens_partly: Bools
     opens_wholly: Bools
     normal: Floats
+    dilates: Bools
 
     @property
     def moments_govern(self) -> Bools:
@@ -152,6 +155,14 @@ def limits_of_blocks(blocks: Blocks) -> BlockLimits:
         onward = _limits(chunk, beds, begun, found)
         for name in _names(BlockLimits):
             getattr(limits, name)[rows] = getattr(onward, name)
+    dilates = np.flatnonzero((blocks.tan_dilation > 0.0).any(axis=1) & ~blocks.laws.astype(bool).any(axis=1))
+    for rows in np.split(dilates, range(CHUNK, len(dilates), CHUNK)) if len(dilates) else ():
+        chunk = blocks.of(rows)
+        tilted, by_forces, found = dilating_slides(chunk.beds())
+        pressed, onward = found.status == BedStatus.PRESSED, _limits(chunk, tilted, by_forces, found)
+        for name in _names(BlockLimits):
+            getattr(limits, name)[rows[pressed]] = getattr(onward, name)[pressed]
+        limits.dilates[rows[pressed]] = True
     return limits
 
 
@@ -188,12 +199,12 @@ def _limits(blocks: Blocks, beds: Beds, by_forces: ForcesLimits, found: BedLimit
         forces_status=by_forces.status,
         bed=bed,
         bed_status=np.where(has_bed, found.status, -1),
-        early=1.0 / found.early,
         pressed=pressed,
         velocity=motion,
         opens_partly=opens_partly,
         opens_wholly=opens_wholly,
         normal=normal * force[:, None],
+        dilates=np.zeros(len(bed), dtype=bool),
     )
 
 

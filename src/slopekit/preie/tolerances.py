@@ -129,9 +129,6 @@ ADMISSIBLE = 1e-7
 #: it. At one factor Newton's method aims at a thousandth of it.
 EQUILIBRIUM = 1e-9
 
-#: Angle (rad) between friction and slip on the curve of rounded joints.
-ALIGNED = 1e-3
-
 # -- Searches: where one ends -----------------------------------------------------------------------------------------
 
 #: Tolerance of a cone program, and complementarity of a proposal; distance of admissible forces from those of a
@@ -153,9 +150,6 @@ CLOSE = 3e-7
 #: Viscous force, in parts of the load, below which the limit state of the modes is tried; in space their directions of
 #: slip have to have settled too. From 0.015 to 0.7 in sections, from 1e-4 to 0.01 in space, 23 designs move by 1e-13.
 VISCOUS_LEFT = 1e-2
-
-#: Rounding of joints that is none, in parts of a mean load times its elastic displacement.
-SHARP = 1e-10
 
 #: Rounding of the joints of thousands of blocks at rest, in parts of their elastic energy: 0.05 % beyond the limits of
 #: three benches it is twice that, five times of more blocks, and grows.
@@ -202,9 +196,6 @@ BOUND_ROUGHLY = 1e-3
 
 #: Where all blocks rest this near to the factor of a group, the last state at rest is an answer.
 RESTS_NEAR = 5e-2
-
-#: λ in one step far along a motion: more is another motion.
-OTHER_MOTION = 0.1
 
 # -- Limits of what is a number ---------------------------------------------------------------------------------------
 

@@ -264,25 +264,31 @@ def one_after_the_other(methods: Sequence[ByMethod]) -> ByMethod:
 
 
 def agreement(
-    limit: ByMethod, forces: Floats, closed: ByMethod, within: float, whole: ByMethod | None = None
+    limit: ByMethod,
+    forces: Floats,
+    closed: ByMethod,
+    within: float,
+    whole: ByMethod | None = None,
+    compared: Bools | bool = True,
 ) -> Outcomes:
     """Return what both methods say of designs, held against each other as `kinds.protocol.compare` has it.
 
     Parameters
     ----------
     forces : (n,) PRE-IE's factors of the forces alone; whole : as `Outcomes` has it
+    compared : (n,) which of them rest on the same assumptions
     """
     status, other = (np.array(method.names)[method.outcome] for method in (limit, closed))
     has_one, has_other = forces > 0.0, closed.factor > 0.0
     with np.errstate(invalid="ignore", divide="ignore"):
-        difference = np.where(has_one & has_other, np.abs(forces / closed.factor - 1.0), np.nan)
+        difference = np.where(has_one & has_other & compared, np.abs(forces / closed.factor - 1.0), np.nan)
     alike = (status == other) | (status == "topples") | ((other == STANDS) & (status == "rotates"))
     agree = np.where(has_one & has_other, difference <= within, ~has_one & ~has_other & alike)
     judged = limit.forms & ~limit.unjudged
     moves = np.isfinite(limit.factor) | (status == "topples")
     with np.errstate(invalid="ignore"):
         governs = judged & moves & ~(limit.factor >= forces * (1.0 - SAME_LIMIT))
-    return Outcomes(limit, closed, difference, np.where(judged, agree, -1).astype(np.int8), governs, whole)
+    return Outcomes(limit, closed, difference, np.where(judged & compared, agree, -1).astype(np.int8), governs, whole)
 
 
 @dataclass(frozen=True)

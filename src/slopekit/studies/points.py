@@ -25,7 +25,7 @@ Method = Literal["closed_form", "pre_ie"]
 _BUG = "E599"
 _BAD_INPUT = ("E211", "E212", "E250", "E252", "E253")  # of bolts and forces: blocks there are
 _OF_BOLTS = ("E211", "E212")  # a bolt misses the block, or ends within it
-_WITHOUT_FORCE = "bolts that miss the block, or end within it, give no force there"
+WITHOUT_FORCE = Notice("W311", "bolts that miss the block, or end within it, give no force there")
 _BROKEN = (ArithmeticError, ValueError, IndexError, np.linalg.LinAlgError)
 _OF_FACTORS = tuple(field.name for field in fields(Factors) if field.name not in ("notes", "also"))
 SAME_FACTOR = 1e-9  # of a target: a factor this near below it reaches it
@@ -157,8 +157,7 @@ def point_with(design: Design, pre_ie: bool, keeps_bolts: bool, values: Mapping[
     if keeps_bolts and values and point.code in _OF_BOLTS:
         point = point_of(design, values, pre_ie, holding_bolts)
         if point.factors is not None:
-            notes = (Notice("W311", _WITHOUT_FORCE), *point.factors.notes)
-            point = replace(point, factors=replace(point.factors, notes=notes))
+            point = replace(point, factors=replace(point.factors, notes=(WITHOUT_FORCE, *point.factors.notes)))
     return point
 
 

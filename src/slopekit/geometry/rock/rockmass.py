@@ -1,4 +1,4 @@
-"""The rock mass that a wedge is cut from: its planes in the local frame, toe at the origin.
+"""The corners of the largest wedge that planes can form, or why they form none, in the local frame, toe at the origin.
 
 All planes are `normal · x = offset`. The joints and the face pass through the toe; the upper slope passes through
 the point where the trace of joint 1 meets the crest, `height` above the toe (Hoek & Bray's H1).
@@ -6,54 +6,23 @@ the point where the trace of joint 1 meets the crest, `height` above the toe (Ho
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.core.arrays import Floats, cross, frozen
+from slopekit.core.arrays import Floats, cross
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.orientation import downward, line_of, opposite
 from slopekit.geometry.tolerances import NEARLY_PARALLEL, SAME_DIRECTION
 
-J1, J2, FACE, UPPER, CRACK = range(5)
 _COULD_OVERHANG = 70.0  # dip from which a face written by its other side is an overhang, not a slip of 180°
-PLANE_NAMES = ("J1", "J2", "face", "upper slope", "crack")
 
 
-@dataclass(frozen=True)
-class RockMass:
-    """The planes that bound the rock mass and cut it, and the corners of the largest wedge they can form.
-
-    Attributes
-    ----------
-    normals : (k, 3) unit normals in the order J1, J2, face, upper slope[, crack]; upward
-    offsets : (k,) m
-    toe, back, crest1, crest2 : (3,) m; the line of intersection runs from `back` down to `toe`
-    """
-
-    normals: Floats
-    offsets: Floats
-    toe: Floats
-    back: Floats
-    crest1: Floats
-    crest2: Floats
-
-    @property
-    def corners(self) -> Floats:
-        """The four corners, shape (4, 3)."""
-        return np.array([self.toe, self.back, self.crest1, self.crest2])
-
-    @property
-    def line_of_intersection(self) -> Floats:
-        """Unit vector down the line of intersection, shape (3,)."""
-        down = self.toe - self.back
-        return down / math.sqrt(float(down @ down))
-
-
-def wedge_rock_mass(
+def wedge_corners(
     joints: Floats, face: Floats, upper: Floats, height: float, crack: Floats | None = None, distance: float = 0.0
-) -> RockMass:
-    """The rock mass of a wedge between two joints, the face and the upper slope, and maybe a tension crack.
+) -> tuple[Floats, Floats, Floats]:
+    """The back of a wedge without its crack, and where the traces of J1 and J2 on the face meet the crest, (3,) each.
+
+    The line of intersection runs from the back down to the toe.
 
     Parameters
     ----------
@@ -70,11 +39,9 @@ def wedge_rock_mass(
     line, crest1, crest2, offset = traces_of(joints, face, upper, height, daylights=True)
     into_rock = _into(line, face)
     back = into_rock * (offset / float(upper @ into_rock))
-    planes, offsets = [*joints, face, upper], [0.0, 0.0, 0.0, offset]
     if crack is not None:
-        offsets.append(_crack_offset(crack, distance, back, crest1, (*joints, upper)))
-        planes.append(crack)
-    return RockMass(frozen(planes), frozen(offsets), frozen(np.zeros(3)), frozen(back), frozen(crest1), frozen(crest2))
+        _refuse_crack(crack, distance, back, crest1, (*joints, upper))
+    return back, crest1, crest2
 
 
 def traces_of(
@@ -195,8 +162,8 @@ def _parallel(code: str, which: str, consequence: str, sine: float) -> Fault:
     return Fault(code, f"{which} are parallel (to {degrees:.2g}°): {consequence}")
 
 
-def _crack_offset(crack: Floats, distance: float, back: Floats, crest1: Floats, planes: Sequence[Floats]) -> float:
-    """Offset of the crack plane, refused where the crack does not cross the wedge."""
+def _refuse_crack(crack: Floats, distance: float, back: Floats, crest1: Floats, planes: Sequence[Floats]) -> None:
+    """Refuse a crack that does not cross the wedge."""
     for plane, name in zip(planes, ("J1", "J2", "the upper slope"), strict=True):
         across = cross(crack, plane)
         if math.sqrt(float(across @ across)) < SAME_DIRECTION:
@@ -206,13 +173,11 @@ def _crack_offset(crack: Floats, distance: float, back: Floats, crest1: Floats, 
     if distance >= length:
         message = f"the crack lies {distance:.6g} m behind the crest, the wedge ends at {length:.6g} m"
         raise GeometryError([Fault("E207", message, "", "The wedge has no tension crack there: leave the crack out.")])
-    offset = float(crack @ (crest1 + trace * (distance / length)))
     crossing = float(crack @ back)
     if abs(crossing) < SAME_DIRECTION * math.sqrt(float(back @ back)):
         raise GeometryError([Fault("E207", "the crack is parallel to the line of intersection: it never crosses it")])
-    share = offset / crossing
+    share = float(crack @ (crest1 + trace * (distance / length))) / crossing
     if not 1e-9 < share < 1.0 - 1e-9:
         message = "the crack does not cross the line of intersection inside the wedge"
         advice = "It would cut off the toe." if share <= 0.0 else "It passes behind the wedge."
         raise GeometryError([Fault("E207", message, "", advice)])
-    return offset

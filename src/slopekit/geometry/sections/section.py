@@ -12,7 +12,7 @@ import numpy as np
 from slopekit.core.arrays import Floats, frozen
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
-from slopekit.geometry.rock.cutting import Block, cut_convex
+from slopekit.geometry.polytopes import Block, polytopes
 from slopekit.geometry.tolerances import PARALLEL_DEG
 
 J1, FACE, UPPER, CRACK, LEFT, RIGHT = range(6)
@@ -25,17 +25,29 @@ class PlaneSection:
     Attributes
     ----------
     block : faces J1, FACE, UPPER, CRACK where it has them, and its two sides
-    bottom : (3,) where the plane ends at the back; length : m of the plane
-    crack_depth, crack_distance : m, None without a crack; the distance counts back from the crest
-    outline : (k, 2) x and z, anticlockwise from the toe
+    outline : (k, 2) x and z, anticlockwise from the toe: the last corner is where the plane ends at the back
+    crack_distance : m, None without a crack; it counts back from the crest
     """
 
     block: Block
-    bottom: Floats
-    length: float
-    crack_depth: float | None
-    crack_distance: float | None
     outline: Floats
+    crack_distance: float | None
+
+    @property
+    def bottom(self) -> Floats:
+        """Where the plane ends at the back, (3,)."""
+        x, z = self.outline[-1]
+        return np.array([x, 0.0, z])
+
+    @property
+    def length(self) -> float:
+        """Of the plane, m."""
+        return math.hypot(*self.outline[-1])
+
+    @property
+    def crack_depth(self) -> float | None:
+        """Of the crack, m; None without one."""
+        return None if self.crack_distance is None else float(np.ptp(self.block.faces[CRACK][:, 2]))
 
 
 @lru_cache(maxsize=8)  # one design asks for its section several times: cut, closed form, support
@@ -71,38 +83,21 @@ def plane_section(
     crest = np.array([-height / math.tan(face) if face_dip < 90.0 else 0.0, 0.0, height])
     normals = [_normal(plane), _normal(face), _normal(upper)]
     offset = float(normals[UPPER] @ crest)
-    back = None
+    reach = math.inf  # horizontal, from the toe to where the plane meets the upper slope
     if plane_dip > upper_dip + PARALLEL_DEG:
         along = np.array([-math.cos(plane), 0.0, math.sin(plane)])
-        back = along * (offset / float(normals[UPPER] @ along))
-    distance = _crack_place(plane, face, upper, crest, back, crack_depth, crack_distance)
-    if distance is None and back is None:
+        reach = offset / float(normals[UPPER] @ along) * math.cos(plane)
+    distance = _crack_place(plane, upper, crest, reach, crack_depth, crack_distance)
+    if distance is None and math.isinf(reach):
         message = f"the plane dips {plane_dip:.4g}°, flatter than the upper slope ({upper_dip:.4g}°): they never meet"
         raise GeometryError([Fault("E205", message, "", "Give a tension crack that ends the block.")])
-    below = [-normals[J1], normals[FACE], normals[UPPER]]
-    offsets = [0.0, 0.0, offset]
-    depth = None
-    if distance is not None:
-        at = float(crest[0]) - distance
-        below.append(np.array([-1.0, 0.0, 0.0]))
-        offsets.append(-at)
-        bottom = np.array([at, 0.0, -at * math.tan(plane)])
-        depth = _surface(at, crest, face, upper) - float(bottom[2])
-    else:
-        assert back is not None
-        below.append(np.array([-1.0, 0.0, 0.0]))  # far behind: bounds nothing
-        offsets.append(-float(back[0]) * 2.0)
-        bottom = back
-    below += [np.array([0.0, -1.0, 0.0]), np.array([0.0, 1.0, 0.0])]
-    offsets += [0.5, 0.5]
-    span = np.array([[0.0, -0.5, 0.0], [bottom[0], 0.5, height], crest, bottom])
-    top = _surface(float(bottom[0]), crest, face, upper)
-    span = np.concatenate([span, [[bottom[0], 0.0, top]]])
-    block = cut_convex(np.array(below), np.array(offsets), span)
+    end = 2.0 * reach if distance is None else distance - float(crest[0])  # far behind it bounds nothing
+    across = np.array([0.0, 1.0, 0.0])
+    below = np.array([-normals[J1], normals[FACE], normals[UPPER], [-1.0, 0.0, 0.0], -across, across])
+    block = polytopes(below[None], np.array([[0.0, 0.0, offset, end, 0.5, 0.5]]), np.array([height])).block()
     outline = block.faces[LEFT][:, [0, 2]]
     start = int(np.argmin(np.abs(outline).sum(axis=1)))
-    length = math.hypot(float(bottom[0]), float(bottom[2]))
-    return PlaneSection(block, frozen(bottom), length, depth, distance, frozen(np.roll(outline, -start, axis=0)))
+    return PlaneSection(block, frozen(np.roll(outline, -start, axis=0)), distance)
 
 
 def footing_section(dip: float, length: float) -> PlaneSection:
@@ -139,16 +134,8 @@ def _normal(dip: float) -> Floats:
     return np.array([math.sin(dip), 0.0, math.cos(dip)])
 
 
-def _surface(x: float, crest: Floats, face: float, upper: float) -> float:
-    """Height of the ground surface at x <= 0."""
-    if x > float(crest[0]):
-        return -x * math.tan(face)
-    return float(crest[2]) + (float(crest[0]) - x) * math.tan(upper)
-
-
 def _crack_place(
-    plane: float, face: float, upper: float, crest: Floats, back: Floats | None,
-    depth: float | None, distance: float | None,
+    plane: float, upper: float, crest: Floats, farthest: float, depth: float | None, distance: float | None
 ) -> float | None:  # fmt: skip
     """Distance of the crack behind the crest (in front of it: negative), None without one."""
     if depth is None and distance is None:
@@ -157,8 +144,7 @@ def _crack_place(
     if depth is not None:
         less = math.tan(plane) - math.tan(upper)
         behind = (at_crest - depth) / less if abs(less) > 1e-12 else math.inf
-        places = [behind] if 0.0 <= behind < math.inf and depth > 0.0 else []
-        if not places:
+        if not 0.0 <= behind < math.inf or depth <= 0.0:
             one = "every one has" if abs(less) <= 1e-12 else f"the {'deepest' if less > 0.0 else 'shallowest'} has"
             message = f"no vertical crack behind the crest is {depth:.6g} m deep: {one} {at_crest:.6g} m"
             raise GeometryError([Fault("E207", message, "", "For a crack in the face give its distance, negative.")])
@@ -167,7 +153,7 @@ def _crack_place(
             raise GeometryError([Fault("E207", message, "", "Give depth or distance.")])
         distance = behind
     assert distance is not None
-    reach = -float(back[0]) + float(crest[0]) if back is not None else math.inf
+    reach = farthest + float(crest[0])
     if distance >= reach * (1.0 - 1e-9):
         message = f"the crack lies {distance:.6g} m behind the crest, the block ends at {reach:.6g} m"
         raise GeometryError([Fault("E207", message, "", "The block has no tension crack there: leave the crack out.")])

@@ -181,7 +181,7 @@ class ManyBlocks(Kind[A]):
             gain = seismic_gain(failure.parts[0], multiplier, loads.weights, gyration(scene))
         if gain is None:
             return None
-        return Gain(gain.factor, scene.names[gain.block], gain.multiplier if gain.alone else None, gain.first)
+        return Gain(gain.factor, scene.names[gain.block], gain.first)
 
     def solved(self, design: A) -> SolvedAssembly:
         """The result of a design with its blocks, loads and mechanisms.

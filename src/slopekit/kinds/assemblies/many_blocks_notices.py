@@ -26,7 +26,7 @@ from slopekit.preie.tolerances import LIMIT_SETTLED, SAME_LIMIT, TINY
 def notices_of(
     design: AssemblyDesign, scene: AssemblyScene, ravelling: Ravelling, mechanisms: Sequence[Mechanism]
 ) -> Iterator[Notice]:
-    """What a reader must know of the design, of how its first mechanism was found, and of what it hangs on."""
+    """What a reader must know of the design, of how its first mechanism was found, and of what it depends on."""
     yield from scene.notices
     yield from common_notices(design, scene.strengths)
     if not mechanisms:
@@ -39,9 +39,8 @@ def notices_of(
         yield Notice("W308", "the joints have no strength: nothing holds the blocks, there is no factor of safety")
     yield from mesh_notices(max((part.mesh_change or 0.0 for part in ravelling.failures[0].parts), default=0.0))
     if limit.basis is Basis.PEAK and first.fos:
-        yield Notice("W317", "the motion did not settle into a limit state: the factor is that of the last state at "
-                     "rest of the elastic path; where limits of random sections were found they lay up to 4 % below "
-                     "such a rest, which bounds none")  # fmt: skip
+        yield Notice("W317", "the motion did not settle into a limit state: the factor is that of the last stable "
+                     "state of the elastic path; the limit may lie lower (up to 4 % in random sections)")  # fmt: skip
     if first.fos and limit.change > LIMIT_SETTLED and any(strength.law for strength in scene.strengths):
         yield Notice("W317", "strength at the tractions of one limit state leads to another, and back: the lowest "
                      f"factor is printed, others lie up to {limit.change * 100:.2g} % above it")  # fmt: skip

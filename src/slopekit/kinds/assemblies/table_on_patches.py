@@ -47,14 +47,14 @@ def with_water(
         return scene
     level, assembly = float(scene.origin[2]), scene.assembly
     water = pressure_below(
-        design, np.eye(3), into, level,
+        design, into, level,
         lambda depth: () if outside is None else under_planes(outside.normals[:2], outside.offsets[:2], depth),
         np.array([0.0, 1.0, 0.0]) if assembly.in_section else None,
     )  # fmt: skip
     if outside is not None:
         faces = outside.corners[[0, 1, 5, 4]], outside.corners[[1, 2, 6, 5]]
         height = max(float(np.ptp(face[:, 2])) for face in faces)
-        refuse(above_ground(design, water, np.stack(faces)[:, None], height, np.eye(3)))
+        refuse(above_ground(design, water, np.stack(faces)[:, None], height))
     elif water.heights:
         _refuse_over_highest(replace(water, pond=None), scene)
     means, points = _on_patches(water, assembly, np.ones(len(assembly.patches), dtype=bool))

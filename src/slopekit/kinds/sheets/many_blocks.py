@@ -26,13 +26,16 @@ _WHOLE = 1e-6  # shares that add up to one but for this
 _FIRST_MECHANISMS, _LAST_MECHANISMS = 8, 2
 #: What is checked, in words about its figure.
 _CHECKS: Mapping[str, str] = {
-    "volume_error": "the blocks' volumes add up to the rock's but for {} of it",
-    "area_error": "the two sides of the joints differ by {} of their area",
-    "plane_error_m": "corners at most {} m off their planes",
-    "largest_unbalanced_force": "largest unbalanced force {} of the load",
+    "volume_error": "the blocks' volumes add up to the rock's but for {error} of it",
+    "area_error": "the two sides of the joints differ by {error} of their area",
+    "plane_error_m": "corners at most {error} m off their planes",
+    "largest_unbalanced_force": "largest unbalanced force {error} of the load",
+    "joint_area_m2": "joint area {size} m²",
+    "contact_length_m": "contact length {size} m",
+    "contact_area_m2": "contact area {size} m²",
+    "contact_tolerance_m": "contact tolerance {size} m",
+    "corner_rounding_m": "corner rounding {size} m",
 }
-_MEASURED = 1e-2  # what is as large is no rounding error
-_UNITS = {"m3": "m³", "m2": "m²", "m": "m", "kn": "kN", "kpa": "kPa", "deg": "°", "s": "s", "mb": "MB"}
 _MOST_ROWS, _FIRST_ROWS, _LAST_ROWS = 40, 20, 10
 
 
@@ -241,20 +244,11 @@ def _checks(result: Result, findings: Findings, first: Mechanism | None) -> list
         entries.append(f"the limit {settled} after {steps}")
     balanced = result.fos.limit is not None or result.status == "no_driving_force"  # else there were none to balance
     entries += [
-        _check(name, value) for name, value in findings.checks.items() if balanced or name != "largest_unbalanced_force"
+        _CHECKS.get(name, f"{name.replace('_', ' ')} {{size}}").format(error=f"{value:.2g}", size=short(value))
+        for name, value in findings.checks.items()
+        if balanced or name != "largest_unbalanced_force"
     ]
     return ["; ".join(entries)] if entries else []
-
-
-def _check(name: str, value: float) -> str:
-    """A check in words; one that has none is named by its key, the unit at its end."""
-    if name in _CHECKS:
-        return _CHECKS[name].format(f"{value:.2g}")
-    shown = short(value) if abs(value) >= _MEASURED or not value else f"{value:.2g}"
-    words, _, unit = name.rpartition("_")
-    if unit in _UNITS and words:
-        return f"{words.replace('_', ' ')} {shown} {_UNITS[unit]}"
-    return f"{name.replace('_', ' ')} {shown}"
 
 
 def _percent(part: float) -> str:
@@ -272,7 +266,7 @@ def path_in_words(basis: str, ratio: float | None, fos: float | None = None, cha
     >>> path_in_words("limit", 0.4)
     'limit of the elastic path (k_t/k_n 0.4)'
     >>> path_in_words("peak", 0.4, 1.6, 0.005)
-    'peak of the elastic path (k_t/k_n 0.4): last state at rest; the blocks run at 1.608, 0.5 % higher'
+    'last stable state of the elastic path (k_t/k_n 0.4); fails at 1.608, 0.5 % higher'
     """
     if basis == "alone":
         return "limit: one block slides alone, by forces (no credit for turning)"
@@ -281,8 +275,8 @@ def path_in_words(basis: str, ratio: float | None, fos: float | None = None, cha
         return f"limit of {path}" + (", settled" if basis == "settled" else "")
     runs = ""
     if fos is not None and change > 0.0:
-        runs = f"; the blocks run at {factor_text(fos * (1.0 + change)).strip()}, {_percent(change)} % higher"
-    return f"peak of {path}: last state at rest{runs}"
+        runs = f"; fails at {factor_text(fos * (1.0 + change)).strip()}, {_percent(change)} % higher"
+    return f"last stable state of {path}{runs}"
 
 
 def toppling_rows(result: Result, table: Sequence[Mapping[str, Any]]) -> list[Entry]:

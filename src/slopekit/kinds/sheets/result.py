@@ -17,6 +17,7 @@ from slopekit.notices import INVENTED
 from slopekit.result import Result
 
 _WHOLE = 5e-4  # of a joint: so little of it that opens is rounding
+_MATTERS = 5e-3  # of a factor
 
 
 def sheet_of(result: Result) -> Sheet:
@@ -139,12 +140,24 @@ def moments(result: Result) -> list[str]:
     if opened:
         verbs = "open at failure and carry" if len(opened) > 1 else "opens at failure and carries"
         change = f"{' and '.join(opened)} {verbs} no cohesion: FoS"
-    limit, alone = factor_text(fos.limit), "" if forces is None else f" (forces only {factor_text(forces)})"
+    alone = "" if forces is None else f" (forces only {factor_text(forces)}{_shares(fos.limit, result)})"
+    limit = factor_text(fos.limit)
     lines = [f"{change} {limit}{alone}" if opened else f"moments {change} to {limit}{alone}"]
     closed, bound = factor_text(fos.closed_form), factor_text(fos.static_bound)
     if fos.static_bound is not None and fos.closed_form is not None and float(bound) < float(closed):
         lines.append(f"no distribution of forces can balance at the closed form's {closed} (upper bound {bound})")
     return lines
+
+
+def _shares(limit: float, result: Result) -> str:
+    """Return what of the forces' factor moments take, and what the cohesion of open parts, where both matter."""
+    forces, on_pressed = result.comparisons.forces_only, result.comparisons.on_pressed
+    if not forces or on_pressed is None:
+        return ""
+    lost, moments = 1.0 - on_pressed / forces, (on_pressed - limit) / forces
+    if not min(lost, moments) > _MATTERS:
+        return ""
+    return f"; moments alone take {moments * 100:.2g} %, cohesion lost {lost * 100:.2g} %"
 
 
 def _model(result: Result) -> str:
@@ -191,7 +204,7 @@ def _size_m(result: Result) -> float:
 def _not_given(result: Result) -> list[str]:
     """Return the inputs that took an example value, or one by a rule of the program."""
     invented = ["φ" if name == "phi" else name for name in result.design.invented]
-    called = {"seismic.trend": "seismic trend (taken as under LOADS)"}
+    called = {"seismic.trend": "seismic trend (LOADS says which is used)"}
     ruled = [called.get(name, name) for name in result.design.reading.defaults if name not in result.design.invented]
     entries = [f"example values used: {', '.join(invented)}"] if invented else []
     return ["; ".join([*entries, *([", ".join(ruled)] if ruled else [])])] if invented or ruled else []

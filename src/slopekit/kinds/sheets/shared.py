@@ -85,7 +85,7 @@ def leading(result: Result) -> list[Factor]:
         return []
     name, value = result.leading
     estimate = "lowest estimate" if name == "lowest" else JUDGED[name]
-    return [Factor(value, f"{estimate}: the factor that ACCEPT hangs on")]
+    return [Factor(value, f"{estimate}: the factor that ACCEPT is held against")]
 
 
 def factors_table(result: Result, rows: Iterable[Factor]) -> Table[Factor]:

@@ -15,8 +15,8 @@ from slopekit.design.parts import Bolt, Strength
 from slopekit.geometry.polytopes import Polytopes
 from slopekit.kinds.single_block.batch_states import block_statuses
 from slopekit.kinds.single_block.closed_forms import OnArrays
-from slopekit.kinds.single_block.held_bolts import Bounds
-from slopekit.kinds.water import blocks_within, pushes, slope_of
+from slopekit.kinds.single_block.held_bolts import Bounds, blocks_within
+from slopekit.kinds.water import pushes, slope_of
 from slopekit.loads import PointForce
 from slopekit.preie.batch import BlockLimits, Blocks, limits_of_blocks
 from slopekit.strength.protocol import row_laws
@@ -65,9 +65,9 @@ def blocks_of(design: SlopeDesign, on_arrays: OnArrays[Any], strengths: Sequence
     bounds = on_arrays.bounds(design)
     solids = blocks_within(bounds, count)
     joints = list(bounds.joints)
-    cohesion, friction = (
+    cohesion, friction, dilation = (
         np.stack([_each(getattr(strength, name), count) for strength in strengths], axis=1)
-        for name in ("cohesion_kpa", "friction_angle_deg")
+        for name in ("cohesion_kpa", "friction_angle_deg", "dilation_deg")
     )
     corners, counts = solids.faces[:, joints] - solids.centroid[:, None, None], solids.counts[:, joints]
     if bounds.along is not None:
@@ -77,6 +77,7 @@ def blocks_of(design: SlopeDesign, on_arrays: OnArrays[Any], strengths: Sequence
         counts=counts,
         cohesion=cohesion,
         tan_friction=np.tan(np.radians(friction)),
+        tan_dilation=np.tan(np.radians(dilation)),
         laws=np.stack([row_laws(strength.law, count) for strength in strengths], axis=1),
         load=_loads(design, on_arrays, bounds, solids),
         bolts=_passive_bolts(design, bounds, solids),
@@ -99,7 +100,6 @@ def motion_toward(design: SlopeDesign, on_arrays: OnArrays[Any], limits: LimitsO
 def shaken_toward(design: SlopeDesign, on_arrays: OnArrays[Any], count: int) -> Floats:
     """Return the level unit vectors (n, 3) that an earthquake acts along."""
     if design.seismic.trend_deg is None:
-        assert on_arrays.shaken is not None
         return np.broadcast_to(on_arrays.shaken(design), (count, 3))
     trend = np.radians(_each(design.seismic.trend_deg, count))
     return np.stack([np.sin(trend), np.cos(trend), np.zeros(count)], axis=1)
@@ -124,7 +124,6 @@ def _loads(design: SlopeDesign, on_arrays: OnArrays[Any], bounds: Bounds, solids
     loads += [PointForce(_vectors(force.components_kn), _place(force.at_m, bounds)) for force in design.forces]
     loads += [_pull(bolt, bounds, count) for bolt in design.bolts if bolt.acts == "active"]
     if design.is_wet or design.is_cut_for_loads:
-        assert on_arrays.full is not None
         with np.errstate(divide="ignore", invalid="ignore"):
             loads += pushes(design, slope_of(bounds, solids, on_arrays.full))[0].values()
     return np.asarray(np.sum([_on_block(load, bounds, solids) for load in loads], axis=0))

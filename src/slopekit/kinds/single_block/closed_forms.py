@@ -105,13 +105,13 @@ class OnArrays(Generic[D]):
     closed_forms : designs by their arguments and the bolts that they share; each of the arguments is one number for all
         of them or an array
     bounds : the planes that bound the blocks of a design, whose numbers may be arrays
-    sizes : of the blocks of a design, whose numbers may be arrays; None where it has none, or they are not known
+    sizes : of the blocks of a design, whose numbers may be arrays; None where they are not known
     also : of a design whose numbers may be arrays, the strengths of its joints, and how far before the face its bolts
         were laid out: what its acceptance is held against besides, with the outcome "" where there is no such
         block; None where designs have none
-    crack_reach_m : how far the place of a crack may lie, of a design whose numbers may be arrays; not a number where
-        the planes make no block; None where a design is asked one by one
-    full : the pressures of full water; None where designs have none
+    crack_reach_m : how far the place of a crack may lie (n,), of a design whose numbers may be arrays; not a number
+        where the planes make no block
+    full : the pressures of full water
     shaken : of such a design, the level unit vector (n, 3) that an earthquake without a trend acts along
     """
 
@@ -119,11 +119,11 @@ class OnArrays(Generic[D]):
     of_strengths: Callable[[Sequence[Strength]], Arguments]
     closed_forms: Callable[[Mapping[str, Any], Sequence[Sequence[Any]]], ClosedForms]
     bounds: Callable[[D], Bounds]
-    sizes: Callable[[D], SizesOfMany | None] | None = None
-    crack_reach_m: Callable[[D], Floats | None] | None = None
-    also: Callable[[D, Sequence[Strength], Floats], ClosedForms] | None = None
-    full: "FullWater | None" = None
-    shaken: Callable[[D], Floats] | None = None
+    sizes: Callable[[D], SizesOfMany | None]
+    crack_reach_m: Callable[[D], Floats]
+    also: Callable[[D, Sequence[Strength], Floats | None], ClosedForms] | None
+    full: "FullWater"
+    shaken: Callable[[D], Floats]
 
     def of(self, design: D) -> ClosedForm:
         """One design.

@@ -1,21 +1,21 @@
 """Which bolts still hold a block when its planes move: the same ones for the closed form and for PRE-IE.
 
-A bolt stays on its line, and its head on the free face that the line meets: it was laid out there. It gives no force
-where the line does not pass from a free face through a joint, or where the bolt ends within the block.
+A bolt stays on its line. In samples of a slope its head stands on the free face that the line meets, as it was laid
+out: it gives no force where the line does not pass from a free face through a joint, or where it ends within the block.
+In other designs its head stays where it is, as in a run, which refuses a bolt that gives no force.
 """
 
 import math
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass, replace
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats
-from slopekit.design.common import Design
 from slopekit.design.parts import Bolt
+from slopekit.geometry.polytopes import Polytopes, polytopes
 
-D = TypeVar("D", bound=Design)
 #: Between the planes of J1 and J2: where they are nearer to each other W301 says so.
 NEARLY_PARALLEL_DEG = 5.0
 _CLEAR = 1e-9  # of the size of the block: a line that only touches it does not pass
@@ -53,41 +53,85 @@ def nearly_parallel(bounds: Bounds, count: int) -> Bools:
     return np.broadcast_to(cosine > math.cos(math.radians(NEARLY_PARALLEL_DEG)), count).copy()
 
 
+def has_heads(bolts: Sequence[Bolt]) -> bool:
+    """Whether any bolt has its place."""
+    return any(bolt.head_m is not None for bolt in bolts)
+
+
 def stand_off(bounds: Bounds, bolts: Sequence[Bolt]) -> Floats:
     """How far (m) before its free face the head of each bolt (b,) was laid out; 0 where it does not enter by one."""
     return held(bounds, bolts, np.zeros(len(bolts)))[1][:, 0]
 
 
-def held(bounds: Bounds, bolts: Sequence[Bolt], before: Floats) -> tuple[Bools, Floats]:
+def held(bounds: Bounds, bolts: Sequence[Bolt], before: Floats | None) -> tuple[Bools, Floats]:
     """Which bolts (b, n) give their force in n blocks, and how far (b, n) their heads move along them, m.
 
     Those without a head always do.
 
     Parameters
     ----------
-    before : (b,) as `stand_off` has it
+    before : (b,) as `stand_off` has it; None where heads stay where they are
     """
     # lengths and directions that scatter are arrays, planes that do not are one for all
     reaches: list[Any] = [np.inf if bolt.length_m is None else bolt.length_m for bolt in bolts]
-    numbers = [(bounds.offsets[0], reach, *astuple(bolt.toward)) for reach, bolt in zip(reaches, bolts, strict=True)]
+    numbers = [
+        (bounds.offsets[0], reach, *astuple(bolt.toward), *(bolt.head_m or ()))
+        for reach, bolt in zip(reaches, bolts, strict=True)
+    ]
     count = max((np.broadcast(*each).size for each in numbers), default=bounds.offsets.shape[1])
     holds, moved = np.ones((len(bolts), count), dtype=bool), np.zeros((len(bolts), count))
     for k, bolt in enumerate(bolts):
         if bolt.head_m is not None:
-            enters, leaves, passes = _passage(bounds, bolt)
-            moved[k] = np.where(passes, enters - before[k], 0.0)
-            holds[k] = passes & (leaves - moved[k] < reaches[k])
+            head = np.stack(np.broadcast_arrays(*bolt.head_m), axis=-1) - bounds.origin
+            line = _line_through(bounds, head, bolt.toward.vector(), before is None)
+            holds[k] = line.is_anchored
+            if before is not None:
+                holds[k] &= line.is_from_face
+                moved[k] = np.where(holds[k], line.enters - before[k], 0.0)
+            holds[k] &= line.sound - moved[k] < reaches[k]
     return holds, moved
 
 
-def _passage(bounds: Bounds, bolt: Any) -> tuple[Floats, Floats, Bools]:
-    """How far (m) from its head a bolt enters each block and reaches sound rock, and whether it holds it, (n,).
+def through(bounds: Bounds, heads: Floats, direction: Floats) -> tuple[Floats, Bools]:
+    """How bolts with their heads (m, 3) from the origin pass through one block along a direction (3,), of any length.
 
-    It does where its line goes in through a free face and out through a joint, drawn on behind a tension crack.
+    Returns
+    -------
+    how far (m,) from its head each comes out of the block, drawn on behind a tension crack: nan where it misses the
+    block, inf where it never does; whether (m,) it does so through a joint: sound rock begins there
     """
-    head = np.stack(np.broadcast_arrays(*bolt.head_m), axis=-1) - bounds.origin
-    gap = bounds.offsets - (bounds.outward * head).sum(axis=2)  # (planes, n)
-    slope = (bounds.outward * bolt.toward.vector()).sum(axis=2)
+    line = _line_through(bounds, heads, direction, True)
+    return np.where(line.meets, line.sound, math.nan), line.is_anchored
+
+
+@dataclass(frozen=True)
+class _Line:
+    """Lines (n,) through blocks, in m from a point of each.
+
+    Attributes
+    ----------
+    enters : where it goes into the block; is_from_face : whether through a free face
+    sound : where it goes out, drawn on behind a tension crack; is_anchored : whether it meets the block and goes out
+        through a joint
+    meets : whether a part of it lies within the block
+    """
+
+    enters: Floats
+    is_from_face: Bools
+    sound: Floats
+    is_anchored: Bools
+    meets: Bools
+
+
+def _line_through(bounds: Bounds, points: Floats, direction: Floats, from_points: bool) -> _Line:
+    """Return lines along a direction (3,) or (n, 3) through points (n, 3), from the origin of the blocks.
+
+    Parameters
+    ----------
+    from_points : only what lies ahead of the points meets a block
+    """
+    gap = bounds.offsets - (bounds.outward * points).sum(axis=2)  # (planes, n)
+    slope = (bounds.outward * direction).sum(axis=2)
     with np.errstate(divide="ignore", invalid="ignore"):
         at = gap / slope
     along = np.abs(slope) < 1e-12
@@ -95,33 +139,19 @@ def _passage(bounds: Bounds, bolt: Any) -> tuple[Floats, Floats, Bools]:
     going_out = np.where((slope > 0.0) & ~along, at, np.inf)
     planes = np.arange(len(bounds.offsets))
     is_free, is_joint = np.isin(planes, bounds.free), np.isin(planes, bounds.joints)
+    # rock behind a tension crack hangs on the same joints: it holds a bolt behind them
     onward = np.where((is_free | is_joint)[:, None], going_out, np.inf)
     enters, sound = going_in.max(axis=0), onward.min(axis=0)
+    begins = np.maximum(enters, 0.0) if from_points else enters
     beside = (along & (gap < -_CLEAR * bounds.size)).any(axis=0)
-    passes = (
-        ~beside & (going_out.min(axis=0) - enters > _CLEAR * bounds.size) & np.isfinite(enters) & np.isfinite(sound)
-    )
-    passes &= is_free[going_in.argmax(axis=0)] & is_joint[onward.argmin(axis=0)]
-    return enters, sound, passes
+    meets = ~beside & (going_out.min(axis=0) - begins > _CLEAR * bounds.size)
+    is_anchored = meets & np.isfinite(sound) & is_joint[onward.argmin(axis=0)]
+    return _Line(enters, is_free[going_in.argmax(axis=0)], sound, is_anchored, meets)
 
 
 def pulling(bolt: Bolt, holds: Any) -> Bolt:
     """A bolt that gives its force in those of n blocks that it holds (n,)."""
     return replace(bolt, force_kn=bolt.force_kn * holds)
-
-
-def with_held(design: D, bounds: Bounds, before: Floats) -> D:
-    """One design with the bolts that hold its block, their heads on its face."""
-    holding, along = held(bounds, design.bolts, before)
-    bolts = []
-    for bolt, holds, moved in zip(design.bolts, holding[:, 0], along[:, 0], strict=True):
-        if not holds:
-            continue
-        if bolt.head_m is not None:
-            east, north, up = (np.array(bolt.head_m) + moved * bolt.toward.vector()).tolist()
-            bolt = replace(bolt, head_m=(east, north, up))
-        bolts.append(bolt)
-    return replace(design, bolts=tuple(bolts))
 
 
 # -- bounds from planes ------------------------------------------------------------------------------------------------
@@ -134,21 +164,29 @@ def upward(dip_deg: Any, direction_deg: Any) -> Floats:
 
 
 def bounds_of(
-    normals: Sequence[Floats], offsets: Sequence[Any], within: Floats | None, origin: Floats, joints: tuple[int, ...],
-    free: tuple[int, ...], size: Any,
+    normals: Sequence[Floats], offsets: Sequence[Any], origin: Floats, joints: tuple[int, ...], free: tuple[int, ...],
+    size: Any,
 ) -> Bounds:  # fmt: skip
-    """Bounds from planes `normal · x = offset` about a local origin.
+    """Bounds from planes `normal · x <= offset` about a local origin.
 
     Parameters
     ----------
-    normals : of each plane (1, 3) or (n, 3); offsets : of each, a number or (n,)
-    within : (1, 3) or (n, 3) a point of each block, which says on which side of the planes it lies; None where all
-        normals point out of it
+    normals : of each plane (1, 3) or (n, 3), out of the block; offsets : of each, a number or (n,)
     """
-    count = max(len(np.atleast_1d(one)) for one in (*normals, *offsets, size, () if within is None else within))
+    count = max(len(np.atleast_1d(one)) for one in (*normals, *offsets, size))
     outward = np.stack([np.broadcast_to(normal, (count, 3)) for normal in normals])
     at = np.stack([np.broadcast_to(np.asarray(offset, dtype=np.float64), count) for offset in offsets])
-    if within is not None:
-        side = np.where((outward * within).sum(axis=-1) > at, -1.0, 1.0)
-        outward, at = outward * side[..., None], at * side
     return Bounds(outward, at, origin, joints, free, np.broadcast_to(size, count))
+
+
+def blocks_within(bounds: Bounds, count: int) -> Polytopes:
+    """Return the blocks of n designs; of a slope that goes on alike along itself a metre, with the ends last."""
+    outward, offsets = list(bounds.outward), list(bounds.offsets)
+    if bounds.along is not None:
+        outward += [bounds.along, -bounds.along]
+        offsets += [np.full(1, 0.5)] * 2
+    return polytopes(
+        np.stack([np.broadcast_to(normals, (count, 3)) for normals in outward], axis=1),
+        np.stack([np.broadcast_to(offset, count) for offset in offsets], axis=1),
+        np.broadcast_to(bounds.size, count),
+    )

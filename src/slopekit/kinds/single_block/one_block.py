@@ -94,7 +94,10 @@ class SingleBlock(Kind[D]):
             moments_govern=analysis.moments_govern, geometry=made.geometry(),
             forces=resultant_forces(made, found, status), model=size, warnings=said,
             limit_state=_limit_state(made, found), displacements=moved,
-            comparisons=Comparisons(analysis.forces_only.factor, closed.methods, governs, self.without_basal(design)),
+            comparisons=Comparisons(
+                analysis.forces_only.factor, closed.methods, governs, self.without_basal(design),
+                on_pressed=found.on_pressed,
+            ),
             timing_s=clock.done(),
         )  # fmt: skip
 

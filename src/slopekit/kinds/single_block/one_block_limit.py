@@ -15,11 +15,12 @@ from slopekit.core.onlooker import Clock
 from slopekit.design.parts import Strength
 from slopekit.extents import Geometry
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
-from slopekit.geometry.rock.cutting import Block
+from slopekit.geometry.polytopes import Block
+from slopekit.kinds.single_block.held_bolts import Bounds
 from slopekit.kinds.single_block.one_block_states import Bedding, ContactModel
-from slopekit.loads import Hull, Loads
+from slopekit.loads import Loads
 from slopekit.preie.one_block.bed_limits import BedLimits
-from slopekit.preie.one_block.flat_limit import FlatLimit, flat_limit, forces_limit
+from slopekit.preie.one_block.flat_limit import FlatLimit, factor_on_pressed, flat_limit, forces_limit
 from slopekit.preie.one_block.limit import LimitAnalysis, governed
 from slopekit.preie.one_block.polygon_bed import Beds, PointForces
 from slopekit.preie.outcome import Limit, Outcome
@@ -44,7 +45,7 @@ class Cut:
     scene_at : its node pairs and their model, by how often the parts of the joints are split; `refine` times here
     interfaces : its joints; faces : names of those that water can press on
     geometry : made where a result asks for it; left_out : what is not modelled
-    face : the free face that bolts go into, None where support is not looked for; hull : the planes that they meet
+    face : the free face that bolts go into, None where support is not looked for; bounds : the planes that they meet
     origin : (3,) what takes local coordinates back to the user's
     axes : (3, 3) rows are the local axes in those of the user
     """
@@ -57,7 +58,7 @@ class Cut:
     left_out: Sequence[str]
     faces: Mapping[int, str] = field(default_factory=dict)
     face: int | None = None
-    hull: Callable[[], Hull] | None = None
+    bounds: Bounds | None = None
     refine: int = 0
     origin: Floats = field(default_factory=lambda: np.zeros(3))
     axes: Floats = field(default_factory=lambda: np.eye(3))
@@ -89,6 +90,7 @@ class FoundLimit:
     change : what finer points of the bed would do to the limit, None where it is exact or not known
     factors : of forces and bed, None on a curved surface
     openings : interface -> where the joint is pressed, in local axes; empty where the bed did not settle the limit
+    on_pressed : the factor of the forces alone with the pressed part of each joint, None where that is not asked
     """
 
     scene: ContactModel
@@ -97,6 +99,7 @@ class FoundLimit:
     change: float | None = None
     factors: FlatLimit | None = None
     openings: dict[int, Mapping[str, Any]] = field(default_factory=dict)
+    on_pressed: float | None = None
 
     @property
     def limit(self) -> Limit:
@@ -137,7 +140,10 @@ def moment_limit(scene: ContactModel) -> FoundLimit:
     analysis = governed(forces_limit(on_bed.model, by_forces), limit)
     change = float(state.change[0]) if analysis.moments_govern else None
     analysis = replace(analysis, model=_curved(on_bed.model))
-    return FoundLimit(on_bed, bounded, analysis, change, factors, _openings(bed, state, carried, scene))
+    openings, on_pressed = _openings(bed, state, carried, scene), None
+    if analysis.moments_govern:
+        on_pressed = factor_on_pressed(bed, np.array([opening["pressed_share"] for opening in openings.values()]))
+    return FoundLimit(on_bed, bounded, analysis, change, factors, openings, on_pressed)
 
 
 def _curved(model: Model) -> Model | None:

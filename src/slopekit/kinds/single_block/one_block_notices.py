@@ -39,9 +39,7 @@ def notices(
     if not held and not len(model.bolt_capacity):
         yield without_strength(words.block)
     if closed.why_not and any(strength.dilation_deg for strength in strengths):
-        is_without = found.factors is not None and found.factors.exact is None
-        without = "; a joint opens or has a curved law: the limit is that without dilation" if is_without else ""
-        yield Notice("W310", closed.why_not + without)
+        yield dilating(closed.why_not, found.factors is None or found.factors.exact is not None)
     yield from bolt_notices(design)
     yield from mesh_notices(found.change or 0.0)
 
@@ -73,6 +71,12 @@ def _shaking(made: Cut, found: FoundLimit) -> Iterator[Notice]:
 def without_strength(block: str) -> Notice:
     """W308: nothing holds what moves."""
     return Notice("W308", f"the joints have no strength: nothing holds the {block}, there is no factor of safety")
+
+
+def dilating(why_not: str, dilates: bool) -> Notice:
+    """W310: joints that dilate, which the closed form does not know; whether the limit is one with dilation."""
+    without = "" if dilates else "; a joint opens or has a curved law: the limit is that without dilation"
+    return Notice("W310", why_not + without)
 
 
 def lost_contact(joint: str, lost: float = 1.0) -> Notice:

@@ -9,15 +9,15 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeVar, cast
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, NDArray
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault, GeometryError
 from slopekit.design.ground_water import SlopeDesign
-from slopekit.design.parts import Strength
-from slopekit.kinds.single_block.closed_forms import OnArrays
+from slopekit.design.parts import Strength, Water
+from slopekit.kinds.single_block.closed_forms import ClosedForms, OnArrays
 
 #: Where the lowest factor is: in the range, at its end toward the crest, everywhere, where nothing holds the block,
 #: nowhere, at its end away from the crest. Places without a factor are outside of the range.
@@ -29,6 +29,8 @@ _NARROWER = 11
 _ENDS = 1e-6  # of the range: nearer to its ends there is no crack
 _FLAT = 1e-9
 _FREE = ("lifted", "falls")
+ENDLESS = "E443"
+"""The code of a block that goes on without end where no crack closes it."""
 
 D = TypeVar("D", bound=SlopeDesign)
 #: Designs whose numbers may be arrays, and the strengths of their joints.
@@ -116,12 +118,29 @@ def _factors(on_arrays: OnArrays[Any], cracked: Callable[[Floats], Cracked], pla
     return np.broadcast_to(factors, places.size).reshape(places.shape)
 
 
-def with_worst_crack(design: D, on_arrays: OnArrays[D], reach: float, place: str) -> D:
-    """The design with its crack where the closed form is lowest.
+def reach_of_many(
+    design: SlopeDesign, on_arrays: OnArrays[Any], strengths: Sequence[Strength]
+) -> tuple[ClosedForms, Floats]:
+    """What the closed form says of dry designs without their cracks, and how far the cracks may lie, (n,) m.
+
+    What acts on the ground behind a crack may not fit the block without it: a water table that lies above the ground.
 
     Parameters
     ----------
-    design : with a crack; reach : its longest distance, m; place : in the file, for messages
+    design : whose numbers may be arrays; strengths : of its joints, likewise
+    """
+    dry: dict[str, Any] = {"crack": None, "water": Water(), "surcharge_kpa": 0.0}
+    arguments = on_arrays.arguments(replace(design, **dry)) | on_arrays.of_strengths(strengths)
+    arguments |= dict.fromkeys(name for name in arguments if "crack" in name)
+    return on_arrays.closed_forms(arguments, ()), on_arrays.crack_reach_m(design)
+
+
+def with_worst_crack(design: D, on_arrays: OnArrays[D], place: str) -> D:
+    """The design with its crack where the closed form is lowest; without it where planes form no block.
+
+    Parameters
+    ----------
+    design : with a crack; place : in the file, for messages
 
     Raises
     ------
@@ -129,16 +148,22 @@ def with_worst_crack(design: D, on_arrays: OnArrays[D], reach: float, place: str
         E459 no place gives a factor.
     """
     holder: Any = design
+    without, reach = reach_of_many(design, on_arrays, design.joint_strengths)
+    try:
+        without.of()
+    except GeometryError as error:
+        if ENDLESS in error.codes:  # a crack would close the block, however far it is
+            message = "without the crack the block goes on without end: the worst place has no farthest"
+            raise DesignError([Fault("E459", message, place, "Give its distance.")]) from None
+        return cast("D", replace(holder, crack=None))  # which says the same where it is cut
 
     def cracked_at(_: slice, places: Floats) -> Cracked:
         cracked = replace(holder, crack=replace(holder.crack, distance_m=places[0]))
         return cracked, design.joint_strengths
 
-    where = _NONE_OF
-    if reach > 0.0:
-        (distance,), (where,) = worst_of_many(design, on_arrays, cracked_at, np.array([reach]))
+    (distance,), (where,) = worst_of_many(design, on_arrays, cracked_at, reach)
     if where == _NONE_OF:
         message = "no place of the crack behind the crest gives a factor of safety: none is the worst"
         raise DesignError([Fault("E459", message, place, "Give its distance, or leave the crack out.")])
-    placed: D = replace(holder, crack=replace(holder.crack, distance_m=float(distance)), crack_searched=WHERE[where])
-    return placed
+    crack = replace(holder.crack, distance_m=float(distance))
+    return cast("D", replace(holder, crack=crack, crack_searched=WHERE[where]))

@@ -20,7 +20,7 @@ from slopekit.core.sheet import Section
 from slopekit.design.parts import MeshFile
 from slopekit.extents import SurfaceGeometry
 from slopekit.geometry.interfaces import NodePairs
-from slopekit.geometry.rock.cutting import Block
+from slopekit.geometry.polytopes import Block
 from slopekit.geometry.solids.meshes import outward, read_mesh
 from slopekit.geometry.solids.shapes import GROUND, SLIP, Cutter, Cylinder, Ellipsoid, profile_prism, sheet_solid
 from slopekit.geometry.solids.sliding_mass import (

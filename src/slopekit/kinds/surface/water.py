@@ -25,7 +25,7 @@ def water_of(design: SurfaceDesign) -> Pressure:
         places, levels = zip(*along_x(design.profile_m or ()), strict=True)
         return in_strips(_ALONG, places, [level - depth for level in levels])
 
-    return pressure_below(design, np.eye(3), _ALONG, 0.0, at_depth)
+    return pressure_below(design, _ALONG, 0.0, at_depth)
 
 
 def pushes_of(design: SurfaceDesign, mass: SlidingMass) -> dict[str, PointForce]:
@@ -38,7 +38,7 @@ def pushes_of(design: SurfaceDesign, mass: SlidingMass) -> dict[str, PointForce]
     """
     water, vertices = water_of(design), mass.vertices + mass.origin
     ground, slip = (vertices[mass.triangles[mass.on == face]] for face in (GROUND, SLIP))
-    refuse(above_ground(design, water, ground[None], float(np.ptp(vertices[:, 2])), np.eye(3)))
+    refuse(above_ground(design, water, ground[None], float(np.ptp(vertices[:, 2]))))
     centre = mass.centroid + mass.origin
     force, couple, wet = _on_facets(water, slip, centre)
     volume, moment = volume_moments(mass.vertices, mass.triangles)

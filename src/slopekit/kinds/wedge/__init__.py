@@ -9,15 +9,14 @@ from typing import Any
 import numpy as np
 
 from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
-from slopekit.core.arrays import Floats, cross
-from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
+from slopekit.core.arrays import Floats
+from slopekit.core.errors import GeometryError, Notice
 from slopekit.core.onlooker import Clock
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.sheet import Section
 from slopekit.design.parts import Strength
 from slopekit.evidence import WithoutBasal
 from slopekit.extents import WedgeGeometry
-from slopekit.geometry.rock.rockmass import FACE, J1, J2, UPPER
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.single_block.closed_forms import (
     MISFITS,
@@ -27,12 +26,13 @@ from slopekit.kinds.single_block.closed_forms import (
     SizesOfMany,
     pressures_and_force,
 )
-from slopekit.kinds.single_block.held_bolts import NEARLY_PARALLEL_DEG, Bounds, bounds_of, upward
+from slopekit.kinds.single_block.held_bolts import NEARLY_PARALLEL_DEG
 from slopekit.kinds.single_block.one_block import DILATES, SingleBlock
 from slopekit.kinds.single_block.one_block_limit import Cut, find_limit
 from slopekit.kinds.wedge import limits
-from slopekit.kinds.wedge.cutting import cut, full_water, rock_mass, shape_of
+from slopekit.kinds.wedge.cutting import corners_of, cut, full_water, shaken, shape_of
 from slopekit.kinds.wedge.design import WedgeDesign, read_wedge
+from slopekit.kinds.wedge.planes import bounds, heights
 from slopekit.kinds.words import (
     line_in_words,
     short,
@@ -43,27 +43,7 @@ from slopekit.kinds.words import (
 from slopekit.result import Result, Words
 
 _TURN_DEG = 0.1  # of a nearly parallel joint: as well as a compass and a survey know it
-_ON = 1e-12  # of the size of a wedge: its crest is on the crack
 _PRESSURES = ("pressure1", "pressure2", "pressure3", "pressure5")
-
-
-def compared(design: WedgeDesign, made: Cut | None = None) -> ClosedForm:
-    """The closed form as PRE-IE is compared with it. Raises GeometryError as `cut`, on two joints without a cut."""
-    if made is None:
-        (rock_mass if design.basal is None else shape_of)(design)
-    return replace(closed_form(design), why_not=DILATES if any(one.dilation_deg for one in design.strengths) else "")
-
-
-def _heights(design: WedgeDesign) -> tuple[Any, Any]:
-    """Return the height (m) of a wedge whose numbers may be arrays, and which of `limits.CODES` refuses its size.
-
-    The latter is below 0 where none does, and None where nothing limits the size.
-    """
-    if design.limits is None:
-        return design.height_m, None
-    fit = limits.fitted(design)
-    heights, misfit = np.asarray(design.height_m) * fit.scale, fit.why.astype(np.int64) - 1
-    return (heights, misfit) if len(misfit) > 1 else (float(heights[0]), int(misfit[0]))
 
 
 # -- the closed form ----------------------------------------------------------------------------------
@@ -71,7 +51,7 @@ def _heights(design: WedgeDesign) -> tuple[Any, Any]:
 
 def arguments(design: WedgeDesign) -> Arguments:
     """What Hoek & Bray's wedge is given of a design, but for its passive bolts."""
-    height, size_misfit = _heights(design)
+    height, size_misfit = heights(design)
     columns: Arguments = {"height_m": height, "size_misfit": size_misfit}
     planes = {"joint1": design.joints[0], "joint2": design.joints[1], "face": design.face, "upper": design.upper}
     for name, plane in planes.items():
@@ -126,44 +106,6 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]])
     return forms.refused(size, limits.CODES).refused(misfit, MISFITS)
 
 
-def crest_of(design: WedgeDesign) -> tuple[list[Floats], list[Floats], Floats, Floats]:
-    """Of the wedges of a design whose numbers may be arrays: upward normals of J1, J2, face and upper slope (n, 3).
-
-    Then the traces of the joints on the face, where that of J1 meets the crest (n, 3), the upper slope's offset (n,).
-    """
-    planes = (*design.joints, design.face, design.upper)
-    normals = [upward(plane.dip_deg, plane.dip_direction_deg) for plane in planes]
-    traces = [np.cross(joint, normals[2]) for joint in normals[:2]]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        crest = traces[0] * (np.atleast_1d(_heights(design)[0]) / traces[0][:, 2])[:, None]
-    return normals, traces, crest, (normals[3] * crest).sum(axis=-1)
-
-
-def bounds(design: WedgeDesign) -> Bounds:
-    """The planes that bound the wedge; of planes that cut none they are not numbers, or mean nothing."""
-    if design.basal is not None:
-        from slopekit.kinds.wedge import basal
-
-        return basal.bounds(design)
-    normals, traces, crest1, offset = crest_of(design)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        line = np.cross(normals[0], normals[1])
-        crest2, back = (way * (offset / (normals[3] * way).sum(axis=-1))[:, None] for way in (traces[1], line))
-        within, offsets = (crest1 + crest2 + back) / 4.0, [0.0, 0.0, 0.0, offset]
-        if design.crack is not None:
-            crack = upward(design.crack.plane.dip_deg, design.crack.plane.dip_direction_deg)
-            trace = back - crest1
-            length = np.sqrt((trace * trace).sum(axis=-1))
-            at = crest1 + trace * (np.atleast_1d(design.crack.distance_m) / length)[:, None]
-            offset_m = (crack * at).sum(axis=-1)
-            behind = [(crack * crest).sum(axis=-1) / offset_m > 1.0 + _ON for crest in (crest1, crest2)]
-            # it must not cut the crest off: both parts would be free to leave the rock (E208)
-            normals, offsets = [*normals, crack], [*offsets, np.where(behind[0] | behind[1], np.nan, offset_m)]
-            within = within * 1e-6  # before any crack that leaves a wedge
-    size = np.sqrt((back * back).sum(axis=-1))
-    return bounds_of(normals, offsets, within, np.array(design.origin_m), (J1, J2), (FACE, UPPER), size)
-
-
 def _sizes(design: WedgeDesign) -> SizesOfMany | None:
     """Of the wedges of a design whose numbers may be arrays; with a basal joint or a crack they are not known."""
     if design.basal is not None or design.crack is not None:
@@ -175,75 +117,42 @@ def _sizes(design: WedgeDesign) -> SizesOfMany | None:
     return SizesOfMany(columns, limits.LIMITED_BY, fit.by, fit.why)
 
 
-def crack_reach(design: WedgeDesign) -> Floats | None:
+def crack_reach(design: WedgeDesign) -> Floats:
     """How long J1's trace on the upper slope is (n,), of one design or of one whose numbers are arrays.
 
-    Of a wedge with a basal joint it is asked one by one.
+    Of a wedge with a basal joint how far along it a crack cuts the block.
     """
     if design.basal is not None:
-        return None
+        from slopekit.kinds.wedge import basal
+
+        return basal.crack_reach(design)
     return limits.fitted(design).sizes.upper_trace1_m
 
 
-def _also_of_many(design: WedgeDesign, strengths: Sequence[Strength], before: Floats) -> ClosedForms:
+def _also_of_many(design: WedgeDesign, strengths: Sequence[Strength], before: Floats | None) -> ClosedForms:
     from slopekit.kinds.wedge import basal
 
     return basal.without_basal_of_many(design, strengths, before)
 
 
-def _shaken(design: WedgeDesign) -> Floats:
-    """Which way an earthquake without a trend acts on wedges: down the line of intersection, or out of the face."""
-    if design.basal is not None:
-        return _level(upward(90.0, design.face.dip_direction_deg))
-    first, second = (upward(plane.dip_deg, plane.dip_direction_deg) for plane in design.joints)
-    line = cross(first, second)
-    return _level(np.where(line[:, 2:] > 0.0, -line, line))
-
-
-def _level(ways: Floats) -> Floats:
-    """Level unit vectors (n, 3) along others."""
-    level = ways * [1.0, 1.0, 0.0]
-    return np.asarray(level / np.sqrt((level * level).sum(axis=1))[:, None])
-
-
 ON_ARRAYS = OnArrays(
     arguments, _of_strengths, closed_forms, bounds, _sizes, crack_reach, _also_of_many,
-    full_water, _shaken,
+    full_water, shaken,
 )  # fmt: skip
 
 
-def closed_form(design: WedgeDesign) -> ClosedForm:
-    """The design by Hoek & Bray's wedge.
+def closed_form(design: WedgeDesign, made: Cut | None = None) -> ClosedForm:
+    """The design by Hoek & Bray's wedge, as PRE-IE is compared with it.
 
     Raises
     ------
     GeometryError
-        Where the planes cut no wedge.
+        Where the planes cut no wedge; as `cut`, on two joints without a cut.
     """
-    return ON_ARRAYS.of(design)
-
-
-def with_worst_crack(design: WedgeDesign, place: str) -> WedgeDesign:
-    """The wedge with its crack where the closed form is lowest; `place` in the file, for messages."""
-    assert design.crack is not None
-    whole = replace(design, crack=None)
-    try:
-        if design.basal is not None:
-            from slopekit.kinds.wedge import basal
-
-            reach = basal.crack_reach(whole, design.crack.plane)
-        else:
-            rock = rock_mass(whole)
-            trace = rock.back - rock.crest1
-            reach = math.sqrt(float(trace @ trace))
-    except GeometryError as error:
-        if "E443" in error.codes:  # a crack would close the block, however far it is
-            message = "without the crack the block goes on without end: the worst place has no farthest"
-            raise DesignError([Fault("E459", message, place, "Give its distance.")]) from None
-        return whole  # which says the same where it is cut
-    from slopekit.kinds.single_block import worst_crack
-
-    return worst_crack.with_worst_crack(design, ON_ARRAYS, reach, place)
+    if made is None:
+        (corners_of if design.basal is None else shape_of)(design)
+    dilates = any(strength.dilation_deg for strength in design.strengths)
+    return replace(ON_ARRAYS.of(design), why_not=DILATES if dilates else "")
 
 
 # -- reading the answer -------------------------------------------------------------------------------
@@ -380,5 +289,5 @@ class Wedges(SingleBlock[WedgeDesign]):
 
 KIND = Wedges(
     WedgeDesign, read_wedge, replace(_WORDS, variants={"basal": _ON_THREE}),
-    cut, compared, _slope, _notices_in_own_names, ON_ARRAYS,
+    cut, closed_form, _slope, _notices_in_own_names, ON_ARRAYS,
 )  # fmt: skip

@@ -1,38 +1,52 @@
-"""A wedge with a basal joint: its shape and water, its bounds, and what a reader must know of it."""
+"""A wedge with a basal joint: its shape, why there is none, and what a reader must know of it."""
 
 import math
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
-from slopekit.core.arrays import Floats
-from slopekit.core.errors import GeometryError, Notice
+from slopekit.core.arrays import Floats, cross
+from slopekit.core.errors import Fault, GeometryError, Notice
 from slopekit.core.orientation import Line, Plane, number, opposite
 from slopekit.core.sheet import counted
-from slopekit.design.parts import Bolt, Strength
+from slopekit.design.parts import Strength, Water
 from slopekit.evidence import WithoutBasal
 from slopekit.extents import WedgeGeometry
-from slopekit.geometry.rock.basal import (
-    J1,
-    J2,
-    PLANE_NAMES,
-    BasalRockMass,
-    basal_rock_mass,
-    cut_basal_wedge,
-    trace_behind,
-)
+from slopekit.geometry.polytopes import Block
+from slopekit.geometry.rock.rockmass import traces_of
+from slopekit.geometry.tolerances import SAME_DIRECTION
 from slopekit.kinds.single_block.closed_forms import ClosedForms
-from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of, held, pulling, stand_off, upward
-from slopekit.kinds.wedge import ON_ARRAYS, closed_form, crest_of
-from slopekit.kinds.wedge import bounds as wedge_bounds
+from slopekit.kinds.single_block.held_bolts import blocks_within, held, pulling, upward
+from slopekit.kinds.sizes import on_plane
+from slopekit.kinds.wedge import ON_ARRAYS
 from slopekit.kinds.wedge.cutting import Shape
 from slopekit.kinds.wedge.design import WedgeDesign
+from slopekit.kinds.wedge.planes import BASAL, J1, J2, basal_at, bounds, crest_of, dots, names_of, trace_behind
 from slopekit.kinds.words import line_in_words, short
 
 _ACROSS = 1e-9  # a cosine: along the strike of the face it dips neither way
+
+
+#: Why planes cut no block above a basal joint, by the codes of the closed form: the message, and what to do.
+_WHY = {
+    "E441": (
+        "between J1 and J2 no rock lies above the basal joint and below the ground",
+        "It passes over the crest: give it a lower height.",
+    ),
+    "E443": (
+        "J1, J2 and the basal joint close no block: between them the rock goes on without end",
+        "A basal joint that rises into the slope more steeply than the upper slope, or a crack, closes it.",
+    ),
+    "E442": (
+        "the block above the basal joint has no part of the face: the basal joint does not daylight there",
+        "Give it a flatter dip, or another height.",
+    ),
+    "E207": (
+        "the crack does not bound the block above the basal joint",
+        "It passes behind the block, or in front of it: leave it out or move it.",
+    ),
+}
 
 
 def shape_of(design: WedgeDesign) -> Shape:
@@ -41,77 +55,77 @@ def shape_of(design: WedgeDesign) -> Shape:
     Raises
     ------
     GeometryError
-        Where the planes cut no such wedge, see `rock.basal`.
+        E206, E209 as for two joints, E434 J1 and J2 are parallel, E441 nothing lies above the basal joint, E443 no
+        closed block, E442 the block has no part of the face, E440 the basal joint does not bound it, E440 J1 or J2 does
+        not, E207 the crack does not, E232 the block cannot leave.
     """
-    rock = _rock_mass(design)
-    block = cut_basal_wedge(rock)
-    corners = {"toe": np.zeros(3), "basal_J1": rock.basal_at, "crest_J1": rock.crest1, "crest_J2": rock.crest2}
-    return Shape(
-        block, PLANE_NAMES, rock.line, _shared_edge(block.faces[J1], block.faces[J2]),
-        corners, design.face.dip_direction_deg,
-        ("the rock below the basal joint (it stays)",),
-    )  # fmt: skip
+    line, crest1, crest2 = _traces(design)
+    around = bounds(design)
+    block = blocks_within(around, 1).block()
+    for joint in (J1, J2):
+        sine = cross(around.outward[joint, 0], around.outward[BASAL, 0])
+        if math.sqrt(float(sine @ sine)) < SAME_DIRECTION:
+            message = f"{names_of(design)[joint]} is parallel to the basal joint: they cannot both bound a block"
+            raise GeometryError([Fault("E440", message, "", "Give the basal joint another orientation.")])
+    dry = replace(design, water=Water(), surcharge_kpa=0.0)  # which may not fit the block for another reason
+    forms = ON_ARRAYS.forms(dry, [Strength(0.0, 0.0)] * 3)
+    if (code := forms.names[forms.outcome[0]]).startswith("E"):
+        raise GeometryError([_fault(design, code, block)])
+    corners = {"toe": np.zeros(3), "basal_J1": basal_at(design)[1][0], "crest_J1": crest1, "crest_J2": crest2}
+    down = line if line[2] < 0.0 else -line
+    return Shape(around, block, down, on_plane(block.faces[J1], around.outward[J2, 0], np.zeros(3)), corners)
 
 
-def crack_reach(design: WedgeDesign, crack: Plane) -> float:
-    """How far from the crest along J1's trace a crack still cuts the block of a design without one, m.
+def _traces(design: WedgeDesign) -> tuple[Floats, Floats, Floats]:
+    """The line of intersection of J1 and J2, and where their traces on the face meet the crest."""
+    joints = np.array([plane.normal() for plane in design.joints])
+    across = cross(joints[0], joints[1])
+    if (sine := math.sqrt(float(across @ across))) < SAME_DIRECTION:
+        degrees = math.degrees(math.asin(min(1.0, sine)))
+        message = (
+            f"J1 and J2 are parallel (to {degrees:.2g}°): they meet the face in no common point, over which the basal "
+            "joint has its height"
+        )
+        advice = "Two joints of one set with a base between them: kind: plane on the base, per metre, or kind: bench."
+        raise GeometryError([Fault("E434", message, "", advice)])
+    face, upper = design.face.normal(), design.upper.normal()
+    return traces_of(joints, face, upper, design.height_m, daylights=False)[:3]
 
-    Raises
-    ------
-    GeometryError
-        As `cut`.
+
+def _fault(design: WedgeDesign, code: str, block: Block) -> Fault:
+    """Why the closed form finds no block, or none that can leave."""
+    if code in _WHY:
+        message, advice = _WHY[code]
+    elif code == "E232":
+        assert design.basal is not None
+        message = "the block cannot leave the slope: its joints let it move into the rock behind the crack alone"
+        height = design.basal.height_m
+        shown, meant = (number(float(f"{size:.6g}")) for size in (height, -height))
+        advice = f"It lies under J1 and J2, as the height of the basal joint is {shown} m: was {meant} m meant?"
+    elif BASAL not in block.faces:
+        message = "the basal joint misses the wedge: J1 and J2 alone bound it"
+        advice = "Leave the basal joint out, or give it another height."
+    else:
+        name = "J1" if J1 not in block.faces else "J2"
+        message = f"{name} does not bound the block above the basal joint: it is cut off before"
+        advice = "Give the basal joint another dip direction or height."
+    return Fault(code, message, "", advice)
+
+
+def crack_reach(design: WedgeDesign) -> Floats:
+    """How far from the crest along J1's trace a crack still cuts the block, (n,) m; not a number where it never does.
+
+    Of one design or of one whose numbers are arrays.
     """
-    rock = _rock_mass(design)
-    corners = cut_basal_wedge(rock).corners
-    trace, normal = trace_behind(rock), crack.normal()
-    along = float(normal @ trace)
-    return float(((corners - rock.crest1) @ normal / along).max()) if abs(along) > _ACROSS else 0.0
-
-
-def _rock_mass(design: WedgeDesign) -> BasalRockMass:
-    basal, crack = design.basal, design.crack
-    assert basal is not None
-    return basal_rock_mass(
-        np.array([plane.normal() for plane in design.joints]), design.face.normal(), design.upper.normal(),
-        design.height_m, basal.plane.normal(), basal.height_m,
-        crack.plane.normal() if crack else None, crack.distance_m if crack else 0.0,
-    )  # fmt: skip
-
-
-def bounds(design: WedgeDesign) -> Bounds:
-    """The planes that bound the block, of one design or of one whose numbers are arrays; see `rock.basal`."""
-    basal, crack = design.basal, design.crack
-    assert basal is not None
-    (first, second, face, upper), traces, crest1, offset = crest_of(design)
-    under = upward(basal.plane.dip_deg, basal.plane.dip_direction_deg)
-    height, low = np.atleast_1d(design.height_m), np.atleast_1d(basal.height_m)
+    assert design.crack is not None
+    around, ((first, _, face, upper), _, crest1, _) = bounds(replace(design, crack=None)), crest_of(design)
+    corners = blocks_within(around, around.offsets.shape[1]).corners()
+    crack = upward(design.crack.plane.dip_deg, design.crack.plane.dip_direction_deg)
+    along = dots(crack, trace_behind(first, face, upper))
     with np.errstate(divide="ignore", invalid="ignore"):
-        crest2 = traces[1] * (offset / _dots(upper, traces[1]))[:, None]
-        below = np.where(low < 0.0, -1.0, 1.0)
-        sides = [np.copysign(1.0, _dots(first, crest2)) * below, np.copysign(1.0, _dots(second, crest1)) * below]
-        outward = [-sides[0][:, None] * first, -sides[1][:, None] * second, -under, face, upper]
-        offsets: list[Any] = [0.0, 0.0, -_dots(under, crest1 * (low / height)[:, None]), 0.0, offset]
-        if crack is not None:
-            trace = np.cross(first, upper)
-            trace /= (np.copysign(np.sqrt(_dots(trace, trace)), -_dots(face, trace)))[:, None]
-            normal = upward(crack.plane.dip_deg, crack.plane.dip_direction_deg)
-            ahead = _dots(normal, trace) * crack.distance_m
-            sign = np.where(ahead > 0.0, 1.0, -1.0)
-            outward.append(sign[:, None] * normal)
-            offsets.append(sign * (_dots(normal, crest1) + ahead))
-    size = np.sqrt(np.maximum(_dots(crest1, crest1), _dots(crest2, crest2)))
-    return bounds_of(outward, offsets, None, np.array(design.origin_m), (0, 1, 2), (3, 4), size)
-
-
-def _dots(one: Floats, other: Floats) -> Floats:
-    products: Floats = (one * other).sum(axis=-1)
-    return products
-
-
-def _shared_edge(one: Floats, other: Floats) -> float:
-    """Length of the edge that two faces of a block share: their corners are the same numbers."""
-    both = [np.array(corner) for corner in set(map(tuple, one.tolist())) & set(map(tuple, other.tolist()))]
-    return math.sqrt(float(((both[0] - both[1]) ** 2).sum())) if len(both) == 2 else 0.0
+        ahead = dots(crack[:, None], corners - crest1[:, None]) / along[:, None]
+    reach = np.fmax.reduce(ahead, axis=1)
+    return np.where((np.abs(along) > _ACROSS) & (reach > 0.0), reach, np.nan)
 
 
 # -- words ----------------------------------------------------------------------------------------------------------
@@ -145,7 +159,7 @@ def notices(design: WedgeDesign) -> Iterator[Notice]:
                      f"{meant} m meant?)")  # fmt: skip
     elif (whole := without_basal(design)) is not None:
         too = "; acceptance is held against it too" if any(rule.is_least for rule in design.rules) else ""
-        lost = len(design.bolts) - len(_bolts_of_whole(replace(design, basal=None)))
+        lost = int((~held(bounds(_whole(design)), design.bolts, None)[0]).sum())
         within = f" and {lost} of {counted(len(design.bolts), 'bolt')} (that end within it, or miss it)" if lost else ""
         yield Notice(
             "W410",
@@ -170,29 +184,14 @@ def without_basal(design: WedgeDesign) -> WithoutBasal | None:
     The rock below the basal joint is part of it, and no part of the block that is analysed. None where J1 and J2 make
     no wedge that daylights, or the basal joint leaves its toe.
     """
-    basal = design.basal
-    if basal is None or basal.height_m < 0.0 or float(basal.plane.normal() @ _rock_mass(design).basal_at) <= 0.0:
-        return None
-    whole = _whole(design)
-    whole = replace(whole, bolts=_bolts_of_whole(whole))
-    for wedge in (whole, _without_crack(whole)) if whole.crack else (whole,):  # the crack may lie behind it
-        with suppress(GeometryError):
-            solution = closed_form(wedge)
-            return WithoutBasal(solution.status, solution.factor)
-    return None
+    found = without_basal_of_many(design, design.joint_strengths, None).of()
+    return WithoutBasal(found.status, found.factor) if found.status else None
 
 
-def _bolts_of_whole(whole: WedgeDesign) -> tuple[Bolt, ...]:
-    """The bolts that hold the whole wedge: what ends within it, below the basal joint, moves with it."""
-    if not any(bolt.head_m is not None for bolt in whole.bolts):
-        return whole.bolts
-    around = wedge_bounds(whole)
-    holds = held(around, whole.bolts, stand_off(around, whole.bolts))[0][:, 0]
-    return tuple(bolt for bolt, own in zip(whole.bolts, holds.tolist(), strict=True) if own)
-
-
-def without_basal_of_many(design: WedgeDesign, strengths: Sequence[Strength], before: Floats) -> ClosedForms:
+def without_basal_of_many(design: WedgeDesign, strengths: Sequence[Strength], before: Floats | None) -> ClosedForms:
     """`without_basal` of designs whose numbers may be arrays; "" where there is none.
+
+    What ends within the whole wedge, below the basal joint, moves with it: such bolts do not hold it.
 
     Parameters
     ----------
@@ -202,7 +201,7 @@ def without_basal_of_many(design: WedgeDesign, strengths: Sequence[Strength], be
     assert basal is not None
     whole = _whole(design)
     if any(bolt.head_m is not None for bolt in design.bolts):
-        holds = held(wedge_bounds(whole), design.bolts, before)[0]
+        holds = held(bounds(whole), design.bolts, before)[0]
         whole = replace(whole, bolts=tuple(map(pulling, design.bolts, holds)))
     forms = ON_ARRAYS.forms(whole, strengths[:2])
     names, outcome, factor = forms.names, forms.outcome, forms.factor
@@ -211,11 +210,8 @@ def without_basal_of_many(design: WedgeDesign, strengths: Sequence[Strength], be
         bare = ON_ARRAYS.forms(_without_crack(whole), strengths[:2])
         behind = no_block[outcome]
         outcome, factor = np.where(behind, bare.outcome, outcome), np.where(behind, bare.factor, factor)
-    low = np.atleast_1d(basal.height_m)
     with np.errstate(invalid="ignore"):
-        crest1 = crest_of(design)[2] * (low / np.atleast_1d(design.height_m))[:, None]
-        under = upward(basal.plane.dip_deg, basal.plane.dip_direction_deg)
-        cuts_toe = (low >= 0.0) & (_dots(under, crest1) > 0.0)
+        cuts_toe = (np.atleast_1d(basal.height_m) >= 0.0) & (dots(*basal_at(design)) > 0.0)
     is_there = ~no_block[outcome] & cuts_toe
     outcome = np.where(is_there, outcome, len(names)).astype(np.int8)
     return ClosedForms((*names, ""), outcome, np.where(is_there, factor, np.nan))

@@ -1,27 +1,28 @@
-"""One wedge on two joints cut out of its planes, and what acts on it."""
+"""One wedge cut out of its planes, and what acts on it."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, cross, frozen
-from slopekit.core.orientation import Line, line_of
+from slopekit.core.errors import Fault, GeometryError
+from slopekit.core.orientation import line_of
 from slopekit.extents import WedgeGeometry
 from slopekit.geometry.interfaces import node_pairs
-from slopekit.geometry.rock.cutting import Block, cut_wedge
-from slopekit.geometry.rock.rockmass import CRACK, J1, J2, PLANE_NAMES, RockMass, wedge_rock_mass
+from slopekit.geometry.polytopes import Block
+from slopekit.geometry.rock.rockmass import wedge_corners
+from slopekit.kinds.single_block.held_bolts import Bounds, blocks_within, upward
 from slopekit.kinds.single_block.one_block import left_out_of_slope
 from slopekit.kinds.single_block.one_block_limit import Cut, Interface
 from slopekit.kinds.single_block.one_block_states import Bedding
 from slopekit.kinds.sizes import Crest, sizes_of_faces
-from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
+from slopekit.kinds.solver_inputs import joint_strength, loads_in_slope
 from slopekit.kinds.wedge import limits
 from slopekit.kinds.wedge.design import WedgeDesign
-from slopekit.loads import Hull, Loads, PointForce, block_loads
+from slopekit.kinds.wedge.planes import J1, J2, bounds, names_of
 from slopekit.preie.system.model import build_model
 
 if TYPE_CHECKING:
@@ -34,19 +35,16 @@ class Shape:
 
     Attributes
     ----------
-    block : its faces by plane id; planes : names by id: the joints, face, upper slope, crack
+    bounds : its planes; block : its faces, by the numbers of these
     line : (3,) unit vector down the intersection of J1 and J2; line_length_m : of it that bounds the block
     corners_m : (3,) each by name
-    trend_deg : that an earthquake without a trend acts toward; stays : in words, what is left out of it alone
     """
 
+    bounds: Bounds
     block: Block
-    planes: tuple[str, ...]
     line: Floats
     line_length_m: float
     corners_m: Mapping[str, Floats]
-    trend_deg: float
-    stays: tuple[str, ...] = ()
 
 
 def shape_of(design: WedgeDesign) -> Shape:
@@ -55,64 +53,50 @@ def shape_of(design: WedgeDesign) -> Shape:
         from slopekit.kinds.wedge import basal
 
         return basal.shape_of(design)
-    rock = rock_mass(design)
-    block, line = cut_wedge(rock), rock.line_of_intersection
-    back = rock.back
-    if CRACK in block.faces:
-        back = rock.back * float(rock.offsets[CRACK] / (rock.normals[CRACK] @ rock.back))
-    corners = {"toe": rock.toe, "back": back, "crest_J1": rock.crest1, "crest_J2": rock.crest2}
-    return Shape(
-        block, PLANE_NAMES, line, math.sqrt(float(back @ back)), corners, line_of(line).trend_deg,
-    )  # fmt: skip
+    (back, crest1, crest2), around = corners_of(design), bounds(design)
+    if np.isnan(around.offsets).any():
+        message = "the crack cuts the wedge in two below its crest: both parts are free to leave the rock"
+        raise GeometryError([Fault("E208", message)])
+    block, names = blocks_within(around, 1).block(), names_of(design)
+    missing = [names[plane] for plane in range(len(around.outward)) if plane not in block.faces]
+    if {"J1", "J2", "face"} & set(missing):
+        raise GeometryError([Fault("E208", "joints and face bound no wedge: one of them does not reach it")])
+    if "crack" in missing:
+        raise GeometryError([Fault("E207", "the crack does not bound the wedge between the toe and its back")])
+    line = -back / math.sqrt(float(back @ back))
+    if design.crack is not None:
+        back = back * float(around.offsets[-1, 0] / (around.outward[-1, 0] @ back))
+    corners = {"toe": np.zeros(3), "back": back, "crest_J1": crest1, "crest_J2": crest2}
+    return Shape(around, block, line, math.sqrt(float(back @ back)), corners)
 
 
 def cut(design: WedgeDesign) -> Cut:
     """Cut the wedge and load it. Raises GeometryError where the planes cut no such wedge."""
     shape = shape_of(design)
-    block, joints = shape.block, range(len(design.strengths))
+    block, joints, names = shape.block, range(len(design.strengths)), names_of(design)
     face, upper, crack = range(joints.stop, joints.stop + 3)
-
-    @cache  # which a block without bolts does not need
-    def hull() -> Hull:
-        return Hull.of(block, joints, crack)
-
-    acting = _loads(design, shape, hull)
+    acting = loads_in_slope(design, block, shape.bounds, full_water, shaken(design)[0], np.eye(3))
     polygons = {joint: block.faces[joint] for joint in joints}
     strength = joint_strength(design.strengths)
     bedding = Bedding(polygons, block.centroid, lambda pairs: build_model(pairs, acting, block.centroid, strength))
-    interfaces = {plane: shape.planes[plane] for plane in block.faces if plane not in (face, upper)}
-    left_out = ["deformation of the rock", *shape.stays]
+    interfaces = {plane: names[plane] for plane in block.faces if plane not in (face, upper)}
+    stays = [] if design.basal is None else ["the rock below the basal joint (it stays)"]
     return Cut(
         block, acting, lambda refine: bedding.scene(node_pairs(polygons, refine)),
         [Interface(joint, interfaces[joint], own) for joint, own in zip(joints, design.strengths, strict=True)],
         lambda: _geometry(design, shape, interfaces),
-        left_out_of_slope(left_out, crack in interfaces, design.strengths),
-        interfaces | design.ponded(face, upper), face, hull, design.refine, origin=np.array(design.origin_m),
+        left_out_of_slope(["deformation of the rock", *stays], crack in interfaces, design.strengths),
+        interfaces | design.ponded(face, upper), face, shape.bounds, design.refine, origin=np.array(design.origin_m),
     )  # fmt: skip
 
 
-def rock_mass(design: WedgeDesign) -> RockMass:
+def corners_of(design: WedgeDesign) -> tuple[Floats, Floats, Floats]:
+    """`wedge_corners` of a wedge on two joints. Raises GeometryError where there is none, or one beyond its limits."""
     joints = np.array([plane.normal() for plane in design.joints])
     crack = design.crack
-    return wedge_rock_mass(
+    return wedge_corners(
         joints, design.face.normal(), design.upper.normal(), limits.slope_height(design),
         crack.plane.normal() if crack else None, crack.distance_m if crack else 0.0,
-    )  # fmt: skip
-
-
-def _loads(design: WedgeDesign, shape: Shape, hull: Callable[[], Hull]) -> Loads:
-    block, origin = shape.block, np.array(design.origin_m)
-    trend = shape.trend_deg if design.seismic.trend_deg is None else design.seismic.trend_deg
-    active, passive = bolt_forces(design, origin, lambda head, way: hull().meets(head, way))
-    pushes: dict[str, PointForce] = {}
-    if design.is_wet or design.is_cut_for_loads:  # plain wedges do not pay
-        from slopekit.kinds.water import pushes_on
-        from slopekit.kinds.wedge import bounds
-
-        pushes = pushes_on(design, bounds(design), full_water, np.eye(3))
-    return block_loads(
-        block, design.rock.unit_weight_kn_m3, design.seismic.coefficient * Line(trend, 0.0).vector(),
-        [point_force(force, origin) for force in design.forces], active, passive, pushes,
     )  # fmt: skip
 
 
@@ -140,10 +124,25 @@ def full_water(slope: "LocalSlope", unit_weight: Any) -> "list[OnFaces]":
     return [(planes, even(faces, mean) if len(slope.joints) > 2 else pyramid(faces, mean, apex))]
 
 
+def shaken(design: WedgeDesign) -> Floats:
+    """Which way an earthquake without a trend acts on wedges: down the line of intersection, or out of the face."""
+    if design.basal is not None:
+        return _level(upward(90.0, design.face.dip_direction_deg))
+    first, second = (upward(plane.dip_deg, plane.dip_direction_deg) for plane in design.joints)
+    line = cross(first, second)
+    return _level(np.where(line[:, 2:] > 0.0, -line, line))
+
+
+def _level(ways: Floats) -> Floats:
+    """Level unit vectors (n, 3) along others."""
+    level = ways * [1.0, 1.0, 0.0]
+    return np.asarray(level / np.sqrt((level * level).sum(axis=1))[:, None])
+
+
 def _geometry(design: WedgeDesign, shape: Shape, interfaces: Mapping[int, str]) -> WedgeGeometry:
     block, line, origin = shape.block, line_of(shape.line), np.array(design.origin_m)
-    areas = {name: block.areas[plane] for plane, name in interfaces.items()}
-    faces = {shape.planes[plane]: polygon for plane, polygon in block.faces.items()}
+    names, areas = names_of(design), {name: block.areas[plane] for plane, name in interfaces.items()}
+    faces = {names[plane]: polygon for plane, polygon in block.faces.items()}
     crest = Crest(shape.corners_m["crest_J1"], design.face.normal(), design.upper.normal())
     return WedgeGeometry(
         block.volume, float(np.ptp(block.corners[:, 2])), areas, line.trend_deg, line.plunge_deg, shape.line_length_m,

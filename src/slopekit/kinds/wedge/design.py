@@ -108,7 +108,7 @@ class SizeLimits:
     )  # fmt: skip
     bench_width_m: float | None = number(
         "bench_width", "length", default=None, above=0.0, code="E116", label="bench width", left_out="no limit",
-        axis="bench width", doc="how far behind the crest the wedge reaches, horizontally and square to it",
+        axis="bench width", doc="how far behind the crest the wedge reaches, horizontally and normal to it",
     )  # fmt: skip
     max_volume_m3: float | None = number(
         "max_volume", "volume", default=None, above=0.0, code="E116", label="max volume", left_out="no limit",
@@ -241,9 +241,10 @@ def read_wedge(reader: Reader) -> WedgeDesign:
     )  # fmt: skip
     if crack is None or crack_node is None or not math.isinf(crack.distance_m):
         return design
-    from slopekit.kinds.wedge import with_worst_crack  # which judges designs, and is made of them
+    from slopekit.kinds.single_block.worst_crack import with_worst_crack
+    from slopekit.kinds.wedge import ON_ARRAYS  # which judges designs, and is made of them
 
-    return with_worst_crack(design, str(crack_node.place))
+    return with_worst_crack(design, ON_ARRAYS, str(crack_node.place))
 
 
 def _basal(reader: Reader, node: Node | None, names: Sequence[str]) -> tuple[Basal | None, list[GivenJoint]]:

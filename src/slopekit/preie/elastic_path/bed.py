@@ -421,21 +421,6 @@ class Bed:
         """How strength grows with an even closing of what touches, (g,)."""
         return self.strengths.followed(follows, np.where(there.touching, self.area, 0.0))
 
-    def mixed(self, springs: Floats, tangent: Floats, by_strength: Floats, follows: Floats) -> Floats:
-        """Stiffness (k, u, u) of contacts with given springs.
-
-        Parameters
-        ----------
-        springs : (m,) of the pairs; tangent : (g, t, t) how friction changes with slip
-        by_strength : (g, t) how it changes with what it may carry; follows : how that follows the normal forces, as
-            `JointStrengths.slopes` says
-        """
-        touching = springs / self.area
-        pressing = self._pressing * touching[:, None]
-        dragged = np.matmul(self._transposed, by_strength[:, :, None])[:, :, 0]
-        coupled = self._by_contact(dragged[:, :, None] * self.strengths.rows(follows, pressing)[:, None, :])
-        return self._local(touching, -tangent) + coupled
-
     def by_parameter(self, there: BedForces, parameter: float) -> Floats:
         """How the unbalanced force changes with the parameter, (N,)."""
         if self.drive.ramp is not None:

@@ -27,7 +27,6 @@ from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.bed_states import BedForces
 from slopekit.preie.elastic_path.flow import EASES, THICK, Flow, relaxed, stepped
 from slopekit.preie.elastic_path.path_limit import BORDERED, PathLimit, PathOutcome, limit_state, result_of
-from slopekit.preie.elastic_path.traced import traced
 from slopekit.preie.programs.bounds import held_by_normals
 from slopekit.preie.solvers.work_limit import WorkSpentError
 from slopekit.preie.tolerances import FAR, FARTHEST, LEAST_STRENGTH, RUNS, SAME_LIMIT, VISCOUS_LEFT
@@ -92,7 +91,6 @@ class _Path:
         self.last_near = math.nan
         self.failed: Flow | None = None  # the last flow whose forces did not settle
         cohesion = bed.cells is not None
-        self.rounds = self.is_strength and not bed.dilates and not cohesion and bed.tangents > 1
         self.brackets = (_BRACKET, *(_NEARLY if cohesion or bed.tangents > 1 else _NEARER))
         self.tried = 1 if cohesion and bed.tangents > 1 else len(self.brackets)  # brackets with a try at a limit state
 
@@ -128,7 +126,8 @@ class _Path:
                     ended = self._running_limit(flow, unstable) if place < self.tried else None
                     if ended is not None:
                         return replace(ended, peak=(self.stable, unstable))
-                    onward = relaxed(bed, flow.at, unstable, flow.viscosity, runs_at=FAR)
+                    if flow.ended == "runs":
+                        onward = relaxed(bed, flow.at, unstable, flow.viscosity, runs_at=FAR)
                 if self._rests(onward):
                     self._accept_rest(unstable, onward)
                     place = 0
@@ -172,11 +171,7 @@ class _Path:
         ended = None
         if flow is not self.failed:  # the same again ends the same
             self.failed = flow
-            if flow.ended in ("slow", "lost"):
-                flow = relaxed(bed, flow.at, unstable, max(flow.viscosity, THICK), runs_at=RUNS)
             ended = _eased(bed, flow, unstable)
-        if ended is None and self.rounds:
-            ended, self.rounds = traced(bed, self.state.at, self.stable), False
         least, most = bed.drive.gap(unstable, self.stable) * (1.0 - SAME_LIMIT), math.exp(_OTHER)
         if bed.cells is None:
             return self._bounded_limit(ended, least, most)
@@ -249,19 +244,23 @@ def _eased(bed: Bed, flow: Flow, parameter: float) -> PathLimit | None:
     if gained == 0.0 or work == 0.0:
         return None
     eases, grows, steps, fails = EASES, 1.5, 0, 0
+    ahead = moved / gained
     failed: BedForces | None = None  # the modes that stage L was tried with last
     while steps < 60 and fails < _FAILS:
         more = work * (grows - 1.0)
         thinner = eases * viscosity * gained / more
-        step = stepped(bed, at + moved * (more / gained), at, parameter, thinner, work + more)
+        step = stepped(bed, at + more * ahead, at, parameter, thinner, work + more)
         if not step.settled or not 0.3 < step.parameter / parameter < 3.0:
             eases, grows, fails = min(math.sqrt(eases), 0.98), max(grows**0.6, 1.003), fails + 1
+            ahead = moved / gained
             continue
         steps, fails = steps + 1, 0
         same, changed = step.forces.same_modes(forces), abs(step.parameter / parameter - 1.0)
         moved, gained, viscosity = step.at - at, more, thinner
         at, parameter, forces, work = step.at, step.parameter, step.forces, work + more
         viscous = forces.residual / bed.load_size
+        tangent = bed.onward(step) if viscous < SAME_LIMIT else None
+        ahead = moved / gained if tangent is None else tangent
         if step.taken <= 4:
             grows, eases = min(grows**1.5, 10.0), max(0.3 * eases, 1e-3)
         far = work > 1e3 * bed.elastic_work
@@ -278,6 +277,6 @@ def _eased(bed: Bed, flow: Flow, parameter: float) -> PathLimit | None:
             failed = forces
         if settled:
             return result_of(bed, PathOutcome.SETTLED, parameter, None, at, moved, forces)
-        if work > FARTHEST * bed.elastic_work:
+        if work > FARTHEST**2 * bed.elastic_work:
             break
     return None

@@ -157,7 +157,8 @@ def _of_modes(
         if abs(float(motion[-1])) < NO_MOTION * abs(parameter) and _moves(bed, here, motion[:-1], parameter, NO_MOTION):
             return w, parameter, here, motion[:-1], True
         if bed.tangents > 1 and abs(float(motion[-1])) < SAME_LIMIT * abs(parameter):
-            return w, parameter, here, motion[:-1], False
+            several = _moves(bed, here, v, parameter, NO_MOTION)  # and the flow is one of them
+            return w, parameter, here, v if several else motion[:-1], several
     agrees = _moves(bed, here, v, parameter, 1e-4)  # there are several: the flow itself
     return (w, parameter, here, v, True) if agrees else None
 

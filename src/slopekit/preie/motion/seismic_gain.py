@@ -30,7 +30,6 @@ from slopekit.strength.mohr_coulomb import line
 _SAME = 10.0  # times what is no motion: the null vector of the modes is the mechanism
 _ABOVE, _LEAST_LOAD = 0.01, 0.1  # of the load, or of that much of it: a little above
 _ANOTHER = 0.01  # of a gain: more is another one
-_NEAR = 0.1  # of the load: a block alone that moves at another one is not what moves first
 
 
 @dataclass(frozen=True)
@@ -42,14 +41,10 @@ class SeismicGain:
     factor : acceleration of the centroid of the block that moves farthest, in parts of gravity, per unit of the load
     block : that block, an index in the assembly
     first : that of the modes at the limit, where they change just above it and the gain is another; None otherwise
-    alone : whether it is that of this block with all others held, since the motion of all did not settle
-    multiplier : of the load, at which it moves so
     """
 
     factor: float
     block: int
-    alone: bool
-    multiplier: float
     first: float | None = None
 
 
@@ -61,8 +56,7 @@ def seismic_gain(part: Part, multiplier: float, weights: Floats, gyration: Float
     part : with the load that grows as the live one of its model
     weights : (b,) kN of the blocks of the assembly; gyration : (b, 3, 3) m², inertia about the centroid per mass
 
-    Where the motion did not settle, that of the blocks that flow is tried as it is, with all others held; then the
-    block that the load drives most by itself: its gain stands where it moves at nearly the same load.
+    Where the motion did not settle, that of the blocks that flow is tried as it is, with all others held.
     """
     model, limit = part.model, part.limit
     if limit.factor is None:
@@ -74,19 +68,9 @@ def seismic_gain(part: Part, multiplier: float, weights: Floats, gyration: Float
         block = int(model.moving[gain[1]])
         above = _just_above(model, mass, limit, multiplier, gain) if settled else None
         if above is None or abs(above / gain[0] - 1.0) < _ANOTHER:
-            return SeismicGain(gain[0], block, False, multiplier)
-        return SeismicGain(above, block, False, multiplier, gain[0])
-    if settled:
-        return None
-    driven = (limit.velocity * model.live).sum(axis=1)
-    one = np.array([int(np.argmax(driven))])
-    few, *_ = model.among(one)
-    path_end, alone = load_limit(few, few.live, 1.0 / limit.factor)
-    at = path_end.parameter if path_end.found else None
-    if at is None or abs(at / multiplier - 1.0) > _NEAR:
-        return None
-    gain = _of_all(few, mass[one], alone)
-    return None if gain is None else SeismicGain(gain[0], int(few.moving[0]), True, at)
+            return SeismicGain(gain[0], block)
+        return SeismicGain(above, block, gain[0])
+    return None
 
 
 def _just_above(

@@ -66,24 +66,34 @@ def flat_limit(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -
     model : of the block, from node pairs on the polygons
     polygons : interface -> (k, 3) corners in m, or (2, 3) ends of a line in a section; centroid : (3,) m
     """
-    if model.dilates:
-        from slopekit.preie.one_block.pairs_limit import pressed_limit  # only joints that dilate pay for the path
-
-        exact = pressed_limit(model)
-        if exact is not None:
-            return FlatLimit(exact, exact)
     bed = elastic_bed(model, polygons, centroid)
+    if model.dilates and not bed.laws:
+        from slopekit.preie.one_block.dilating import dilating_slides  # only joints that dilate pay for it
+
+        _, found, state = dilating_slides(bed)
+        if state.status[0] == BedStatus.PRESSED:
+            return _pressed(forces_limit(model, found), model, bed.in_units_of(model, state.displacement[0]))
     found = forces_limits(bed)
     forces = forces_limit(model, found)
     if np.isnan(found.slides[0, -1]):
         return FlatLimit(forces)
     state = bed_limits(bed, found.slides)
     if state.status[0] == BedStatus.PRESSED and not model.dilates:
-        opening = bed.in_units_of(model, state.displacement[0])
-        normal = np.maximum(-model.control_area * (model.normal_rows @ opening), 0.0)
-        exact = _with_friction(forces, model, normal, np.ones(len(normal)))
-        return FlatLimit(exact, exact)
+        return _pressed(forces, model, bed.in_units_of(model, state.displacement[0]))
     return FlatLimit(forces, bed=bed, by_forces=found, state=state)
+
+
+def _pressed(forces: Limit, model: Model, displacement: Floats) -> FlatLimit:
+    """Return the limit of the forces with moments balanced by an elastic displacement (u,), every node pair pressed."""
+    assert forces.factor is not None
+    slips, moved = model.relative(forces.velocity)[:, 1:], model.relative(displacement)
+    dilation = np.minimum(model.tan_dilation, model.tan_friction / forces.factor) / np.maximum(
+        model.slip(forces.velocity), NO_FORCE
+    )
+    opening = moved[:, 0] - dilation * (slips * moved[:, 1:]).sum(axis=1)
+    normal = np.maximum(-model.control_area * opening, 0.0)
+    exact = _with_friction(forces, model, normal, np.ones(len(normal)))
+    return FlatLimit(exact, exact)
 
 
 def forces_limit(model: Model, found: ForcesLimits) -> Limit:
@@ -122,6 +132,16 @@ def refined_factor(limit: FlatLimit, split: int) -> float | None:
     if limit.bed is None or limit.by_forces is None:
         return limit.factor
     return lower(limit.forces.factor, bed_limits(limit.bed, limit.by_forces.slides, (split,), max(split, COARSE)))
+
+
+def factor_on_pressed(bed: Beds, pressed_share: Floats) -> float:
+    """Return the factor of the forces alone with joints no larger than their pressed parts (m,); not a number without.
+
+    What it lies below the factor on whole joints is what the cohesion of open parts is worth; the rest of what a bed
+    takes is due to moments.
+    """
+    area = bed.line[:, 0] * np.maximum(pressed_share, NO_FORCE)
+    return float(forces_limits(replace(bed, line=np.column_stack([area, bed.line[:, 1:]]))).factor[0])
 
 
 def lowest_factor(limit: FlatLimit) -> float | None:

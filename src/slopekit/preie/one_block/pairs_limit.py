@@ -1,7 +1,6 @@
 """The limit of one block on its node pairs: an assembly of one block, on the elastic path of all assemblies.
 
-On a curved surface, where without turning nothing may slide, it is the answer; on flat joints that dilate it is where
-all of them stay pressed.
+On a curved surface, where without turning nothing may slide, it is the answer.
 """
 
 import math
@@ -26,15 +25,6 @@ from slopekit.strength.mohr_coulomb import line
 
 _MOST_PARTED = 2  # with 1 some factors move by 20 %
 _WORK = 60.0 * SECOND  # of one path: of 9,000 node pairs one takes 5 s
-
-
-def pressed_limit(model: Model) -> Limit | None:
-    """Return the limit on node pairs where all of them stay pressed, with the dilation given; None where some open."""
-    if model.lines is not None:  # the path knows no friction angle of a law that dilation could be held to
-        return None
-    limit = _elastic_path_limit(model, model.cohesion, elastic_displacement(model))
-    is_pressed = limit.factor is not None and bool((limit.normal_force > 0.0).all())
-    return limit if is_pressed and not (_parted(model, limit) & (model.cohesion > 0.0)).any() else None
 
 
 def pairs_limit(model: Model) -> LimitAnalysis:

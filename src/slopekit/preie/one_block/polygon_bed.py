@@ -47,6 +47,7 @@ class Beds:
     shear_ratio : tangential to normal stiffness
     laws : of each contact, None where its strength is a line; empty where all are
     stress_scale : (m,) kPa of a traction of one on each contact; asked of laws alone
+    tan_dilation : (m,) of the contacts; asked of joints that dilate alone
     """
 
     contact: Ints
@@ -63,6 +64,7 @@ class Beds:
     shear_ratio: float = SHEAR_TO_NORMAL
     laws: "tuple[StrengthLaw | None, ...]" = ()
     stress_scale: Floats = field(default_factory=lambda: np.ones(0))
+    tan_dilation: Floats = field(default_factory=lambda: np.zeros(0))
 
     @property
     def translations(self) -> int:
@@ -425,6 +427,7 @@ def elastic_bed(model: Model, polygons: Mapping[int, Floats], centroid: Floats) 
         length=np.array([length]),
         laws=laws,
         stress_scale=np.full(len(keys), model.force_scale / model.area_scale),
+        tan_dilation=model.tan_dilation[first],
     )
     bed.line[:, 0] = [model.control_area[model.interface == key].sum() for key in keys] / bed.moments()[:, 0, 0]
     return bed

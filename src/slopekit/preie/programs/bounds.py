@@ -30,24 +30,25 @@ from slopekit.preie.tolerances import (
     BOUND_ACCURACY,
     BOUND_ROUGHLY,
     CARRIES,
-    EACH_BALANCED,
     EQUILIBRIUM,
     LIGHTEST,
+    LIMIT_BALANCED,
     MOVES,
     NEAR,
     NO_FORCE,
     NO_MOTION,
     PARALLEL,
-    SOLVED,
     TINY,
     WIDEST_RANGE,
 )
 from slopekit.strength.mohr_coulomb import line
 
-_FEW = 10  # moving blocks in space up to which programs at one λ each take no longer than one run
+_FEW, _FEW_PAIRS = 10, 100  # moving blocks in space, and their pairs, for which programs at one λ take no longer
 _MOST_PROGRAMS = 600  # and from which they take minutes
 _CLEANED = 1500  # unknowns up to which a motion is cleaned onto its exact kinematics
 _RELEASES, _ROUGH = 40, 1e6  # rounds of letting go; springs of contacts in parts of the inertia
+_OUTSIDE = 1e-7  # of a block's own load: forces so far from a mechanism are not its; programs end within some 1e-9
+_BESIDE = 0.1  # of the bracket of an end, where Newton's method came out inside
 _HELD = 120  # unknowns up to which normal forces that hold all blocks are looked for: a dense problem
 
 
@@ -55,7 +56,7 @@ def static_bound(model: AssemblyModel) -> StaticBound:
     """The static bound of all blocks of a model."""
     say("static bound")
     found: StaticBound | None = None
-    if model.unknowns == 6 and len(model.load) > _FEW:
+    if model.unknowns == 6 and (len(model.load) > _FEW or len(model.control_area) > _FEW_PAIRS):
         found = bound_in_one_run(model, BOUND_ACCURACY if len(model.load) <= _MOST_PROGRAMS else BOUND_ROUGHLY)
     found = found or bound_by_programs(model)
     if found is not None and not found.lifted:
@@ -142,7 +143,7 @@ def mechanism_range(
     """
     say("range of the mechanism")
     away = Distance(model, _cleaned(model, velocity, forces, factor), bond, 1.0 / factor)
-    if away.at(1.0 / factor).distance > EACH_BALANCED:
+    if away.at(1.0 / factor).distance > LIMIT_BALANCED:
         return None
     high = _end(away, 1.0 / factor, 1.0, math.inf)  # λ up: the lowest factor
     low = _end(away, 1.0 / factor, -1.0, 0.0 if top is None else 1.0 / top)
@@ -155,7 +156,7 @@ def _end(away: Distance, inside: float, way: float, last: float) -> float | None
     while True:
         outside *= stride**way
         far = away.at(outside)
-        if far.distance > SOLVED:
+        if far.distance > _OUTSIDE:
             break
         inside = outside
         if (inside - last) * way > 0.0:
@@ -163,16 +164,16 @@ def _end(away: Distance, inside: float, way: float, last: float) -> float | None
         if not 1.0 / WIDEST_RANGE < outside * stride**way / inside < WIDEST_RANGE or stride > WIDEST_RANGE:
             return None
         stride = stride * stride
-    margin = 0.5 * NEAR
+    beside = _BESIDE
     while True:
         trial = outside - far.distance / far.slope if far.slope * way > 0.0 else inside
         if min(abs(trial / outside - 1.0), abs(outside / inside - 1.0)) < NEAR:
             return trial if inside * way < trial * way < outside * way else inside
         if not min(inside, outside) < trial < max(inside, outside):  # Newton came out just inside: look beside it
-            trial, margin = inside * min(1.0 + margin, math.sqrt((outside / inside) ** way)) ** way, 16 * margin
+            trial, beside = inside + beside * (outside - inside), min(4.0 * beside, 0.5)
         there = away.at(trial)
-        if there.distance > SOLVED:
-            outside, far, margin = trial, there, 0.5 * NEAR
+        if there.distance > _OUTSIDE:
+            outside, far, beside = trial, there, _BESIDE
         else:
             inside = trial
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from slopekit.core.arrays import Floats
+from slopekit.core.arrays import Floats, Ints
 from slopekit.preie.programs.bound import StaticBound, is_proved
 from slopekit.preie.solvers.work_limit import PROGRAM, factorisation, spend
 from slopekit.preie.tolerances import (
@@ -93,48 +93,58 @@ class Distance:
         self.parts = 1.0 / np.repeat(np.maximum(own, lightest), model.unknowns)
         lighter = np.minimum(own[model.plus], np.where(model.minus < 0, np.inf, own[model.minus]))
         weight = np.maximum(lighter[model.group_contact], lightest)
-        statics = model.statics.tocoo()
-        balance = self.parts[statics.row] * statics.data
-        sheared = statics.col >= pairs
+        statics, sticks = model.statics.tocoo(), np.flatnonzero(~slips)
+        balance, sheared = self.parts[statics.row] * statics.data, statics.col >= pairs
         component = statics.col[sheared] - pairs
         along = balance[sheared] * direction.ravel()[component]
         carried = sparse.csc_matrix((along, (statics.row[sheared], component // tangents)), (len(self.parts), groups))
         pair_entries = carried[:, model.group_of_pair].tocoo()
         friction_of_pair = model.tan_friction[model.group_of_pair]
-        # rows: balance; N = 0 where it opens; N and s from below; and the cones (room, T), friction by friction
-        shut, width, every = int(opens.sum()), groups * tangents, np.arange(pairs)
-        lower = len(self.parts) + shut
-        head_rows = lower + pairs + 1 + np.arange(groups) * (1 + tangents)
-        tail_rows = (head_rows[:, None] + np.arange(1, 1 + tangents)).ravel()
-        room = (~slips[model.group_of_pair]) * friction_of_pair
+        # columns: N, T of what sticks, s; rows: N = 0 where it opens; N and s from below; and the cones: (s, balance),
+        # block by block, of what moves, else balance before all others, and (room, T), friction by friction
+        shut, every, width = int(opens.sum()), np.arange(pairs), len(sticks) * tangents
+        moving = model.load.shape[0] if slips.any() else 0
+        exact = 0 if moving else len(self.parts)
+        lower, last = exact + shut, pairs + width
+        blocks, self.balance = _cones(lower + pairs + 1, moving, model.unknowns)
+        self.balance = self.balance if moving else np.arange(exact)
+        heads, tails = _cones(lower + pairs + 1 + moving * (1 + model.unknowns), len(sticks), tangents)
+        head_of, column_of = np.zeros(groups, dtype=np.int64), np.full(pairs + groups * tangents, -1)
+        head_of[sticks] = heads
+        column_of[:pairs] = every
+        column_of[(pairs + sticks[:, None] * tangents + np.arange(tangents)).ravel()] = pairs + np.arange(width)
+        kept, rough = column_of[statics.col] >= 0, np.flatnonzero(~slips[model.group_of_pair])
         entries = [
-            (statics.row, statics.col, balance + 0j),
-            (pair_entries.row, pair_entries.col, -1j * (pair_entries.data * friction_of_pair[pair_entries.col])),
-            (len(self.parts) + np.arange(shut), np.flatnonzero(opens), np.full(shut, 1.0 + 0j)),
+            (self.balance[statics.row[kept]], column_of[statics.col[kept]], balance[kept] + 0j),
+            (
+                self.balance[pair_entries.row],
+                pair_entries.col,
+                -1j * (pair_entries.data * friction_of_pair[pair_entries.col]),
+            ),
+            (exact + np.arange(shut), np.flatnonzero(opens), np.full(shut, 1.0 + 0j)),
             (lower + every, every, np.full(pairs, -1.0 + 0j)),
-            ([lower + pairs], [pairs + width], [-1.0 + 0j]),
-            (head_rows, np.full(groups, pairs + width), -weight + 0j),
-            (head_rows[model.group_of_pair], every, -1j * room),
-            (tail_rows, pairs + np.arange(width), np.full(width, -1.0 + 0j)),
+            ([lower + pairs], [last], [-1.0 + 0j]),
+            (blocks, np.full(moving, last), np.full(moving, -1.0 + 0j)),
+            (heads, np.full(len(sticks), last), -weight[sticks] + 0j),
+            (head_of[model.group_of_pair[rough]], rough, -1j * friction_of_pair[rough]),
+            (tails, pairs + np.arange(width), np.full(width, -1.0 + 0j)),
         ]
         rows, columns, values = (np.concatenate(parts) for parts in zip(*entries, strict=True))
         # entries of what stays and, imaginary, of what grows with λ: summed for a λ without SciPy's sparse sums
-        both = sparse.csc_matrix(
-            (values, (rows, columns)), (lower + pairs + 1 + len(head_rows) * (1 + tangents), pairs + width + 1)
-        )
+        count = lower + pairs + 1 + moving * (1 + model.unknowns) + len(sticks) * (1 + tangents)
+        both = sparse.csc_matrix((values, (rows, columns)), (count, last + 1))
         both.eliminate_zeros()
         self.matrix, self.grows = both.real, both.imag
         self.of_still, self.of_grows = both.data.real.copy(), both.data.imag.copy()
         self.cost = sparse.csc_matrix((both.shape[1], both.shape[1]))
-        heads = np.zeros((groups, 1 + tangents))
-        heads[:, 0] = ~slips * cohesion
-        middle = carried @ cohesion - self.parts * model.mean_pulls
-        load, at_zero = self.parts * model.load.ravel(), np.zeros(shut + pairs)
-        self.right = np.concatenate([-load, at_zero, [-least], np.zeros(heads.size)])
-        self.right_grows = np.concatenate([middle, at_zero, [0.0], heads.ravel()])
+        self.right, self.right_grows = np.zeros((2, count))
+        self.right[self.balance], self.right[lower + pairs] = -self.parts * model.load.ravel(), -least
+        self.right_grows[self.balance] = carried @ cohesion - self.parts * model.mean_pulls
+        self.right_grows[heads] = cohesion[sticks]
         self.cones = [
-            clarabel.ZeroConeT(len(self.parts) + shut), clarabel.NonnegativeConeT(pairs + 1),
-            *[clarabel.SecondOrderConeT(1 + tangents)] * groups,
+            clarabel.ZeroConeT(exact + shut), clarabel.NonnegativeConeT(pairs + 1),
+            *[clarabel.SecondOrderConeT(1 + model.unknowns)] * moving,
+            *[clarabel.SecondOrderConeT(1 + tangents)] * len(sticks),
         ]  # fmt: skip
         self.pairs = pairs
 
@@ -154,11 +164,17 @@ class Distance:
         right = self.right + reduction * self.right_grows
         solution = clarabel.DefaultSolver(self.cost, cost, self.matrix, right, self.cones, settings).solve()
         x, dual = np.array(solution.x), np.array(solution.z)
-        motion = self.parts * dual[: len(self.parts)]
+        motion = self.parts * dual[self.balance]
         normal = np.maximum(x[: self.pairs], 0.0)
         if not str(solution.status).startswith(("Solved", "AlmostSolved")):
             return DistanceAt(math.inf, 0.0, normal, motion, str(solution.status) == "PrimalInfeasible")
         return DistanceAt(float(x[-1]), float(dual @ (self.grows @ x - self.right_grows)), normal, motion)
+
+
+def _cones(first: int, count: int, size: int) -> tuple[Ints, Ints]:
+    """Return the rows of the heads (n,) of cones from a row on, and those of their other numbers (n size,)."""
+    heads = first + np.arange(count) * (1 + size)
+    return heads, (heads[:, None] + np.arange(1, 1 + size)).ravel()
 
 
 def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0) -> StaticBound | None:

@@ -96,8 +96,8 @@ def _cohesion(benches: Sequence[OfBench]) -> Iterator[Notice]:
     of_formed = 100.0 * (bench.modes["any"]["fails_if_formed"].share or 0.0)
     yield Notice(
         "W422",
-        f"the answer hangs on cohesion in {len(hanging)} of {len(benches)} benches: at {number(bench.height_m)} m and "
-        f"{number(bench.face_dip_deg)}° {of_formed:.3g} % of the blocks that form fail, with c = 0 "
+        f"the answer depends on cohesion in {len(hanging)} of {len(benches)} benches: at {number(bench.height_m)} m "
+        f"and {number(bench.face_dip_deg)}° {of_formed:.3g} % of the blocks that form fail, with c = 0 "
         f"{100.0 * (bare['fails_if_formed']['any'] or 0.0):.3g} %; the berm needed is {bench.berm_needed_m:.3g} m or "
         f"{bare['berm_needed_m']:.3g} m",
     )

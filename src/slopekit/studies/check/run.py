@@ -202,7 +202,7 @@ def _findings(result: Result, ladder: tuple[Rung, ...], evidence: Ladder) -> Ite
         yield Finding("factor of safety", None, None, met, f"none, by its status: {result.status_text}")
         return
     yield _convergence(result, ladder, evidence.unrefined)
-    width = "how far above the last state at rest the blocks run (0: a limit, no peak)"
+    width = "how far above the last stable state the blocks fail (0: an exact limit state)"
     yield Finding("bracket", result.model.residual, LIMIT_SETTLED, result.model.residual <= LIMIT_SETTLED, width)
     yield from _balance(result, evidence.rest, fos.limit)
     if others:
@@ -286,7 +286,7 @@ def _neighbours(limit: float, near: Sequence[float | None], within: float) -> Fi
 
 
 def _stiffness(result: Result, limit: float, rungs: Sequence[Rung]) -> Iterator[Finding]:
-    """Whether the limit of many blocks hangs on the stiffness ratio of their joints, which nobody measures."""
+    """Whether the limit of many blocks depends on the stiffness ratio of their joints, which nobody measures."""
     if not rungs:
         return
     name, shown = "stiffness ratio", ", ".join(
@@ -297,14 +297,14 @@ def _stiffness(result: Result, limit: float, rungs: Sequence[Rung]) -> Iterator[
     if off > _STIFFNESS:
         low, high = ("none" if end is None else f"{end:.4g}" for end in (result.fos.lowest, result.fos.highest))
         ranged = "" if high == "none" else f", judge by the range of its mechanism, {low} .. {high}"
-        words = f"{shown}: the limit hangs on the stiffness of the joints{ranged} (W364)"
+        words = f"{shown}: the limit depends on the stiffness of the joints{ranged} (W364)"
         yield Finding(name, off, _STIFFNESS, False, words, "W364")
     elif all(rung.factor for rung in rungs):
         within = "the same limit" if off <= _ALIKE else "the limit moves by no more"
         yield Finding(name, off, _STIFFNESS, True, f"{within} on joints of k_t/k_n "
                       + " and ".join(f"{rung.setting_value:g}" for rung in rungs))  # fmt: skip
     else:
-        yield Finding(name, None, None, None, f"{shown}: whether the limit hangs on it is not known", "W364")
+        yield Finding(name, None, None, None, f"{shown}: whether the limit depends on it is not known", "W364")
 
 
 def _debonding(result: Result) -> Iterator[Finding]:

@@ -105,7 +105,7 @@ def _verdict(checked: Check) -> str:
     if failed:
         counted = f"{', '.join(failed)} ({len(failed)} of {len(judged)})"
         if all(finding.code == "W364" for finding in judged if not finding.met):
-            return f"NOT CONSISTENT: {counted}{left}. The factor hangs on the stiffness of the joints (W364)"
+            return f"NOT CONSISTENT: {counted}{left}. The factor depends on the stiffness of the joints (W364)"
         return f"NOT CONSISTENT: {counted}{left}. Do not use the factor before the reason is known"
     if checked.consistent is False:
         return f"NOT CONSISTENT: the methods disagree, or no convergence{left}"

@@ -16,23 +16,21 @@ from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.errors import DesignError, Notice
 from slopekit.design.common import Design
 from slopekit.design.fields import field_in
-from slopekit.design.ground_water import SlopeDesign
-from slopekit.design.parts import Strength
 from slopekit.design.reading.files import with_values
 from slopekit.evidence import WithoutBasal
 from slopekit.kinds import kind_of
 from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany, motion_toward
 from slopekit.kinds.single_block.held_bolts import nearly_parallel
-from slopekit.kinds.single_block.one_block_notices import lost_contact, shaking, without_strength
-from slopekit.studies.evaluation.bolts import has_heads
+from slopekit.kinds.single_block.one_block import DILATES
+from slopekit.kinds.single_block.one_block_notices import dilating, lost_contact, shaking, without_strength
 from slopekit.studies.evaluation.rows import Rows, outcomes_on_arrays
 from slopekit.studies.evaluation.vectorised import Vectorised, vectorised
 from slopekit.studies.keys import Key, values_of
 from slopekit.studies.outcomes import NO_BLOCK, ByMethod, Outcomes
-from slopekit.studies.points import UNSETTLED, Point, status_of
+from slopekit.studies.points import UNSETTLED, WITHOUT_FORCE, Point, status_of
 
 #: What a run says because of its answer; all else that it says follows from the inputs.
-_OF_ANSWERS = ("W307", "W308", "W328")
+_OF_ANSWERS = ("W307", "W308", "W310", "W328")
 _WHOLE = "{whole}"  # stands in a notice for what acceptance is held against too
 _SAME = 1e-6  # of a factor: what arrays and a run make of the same design
 _FEW = 9
@@ -84,16 +82,20 @@ class ColumnRows(Rows):
         few = np.linspace(0, len(places) - 1, _FEW).astype(np.int64)
         probes = sorted({int(row) for row in (*few, *places.argmin(axis=0), *places.argmax(axis=0))})
         self.points.update((row, self.point(row, pre_ie)) for row in probes)
-        columns = array_columns(design, keys, places, pre_ie)
+        columns = array_columns(design, keys, places)
         of_inputs = {
-            tuple(note for note in _renamed(point.notes, point.also, _WHOLE) if note.code not in _OF_ANSWERS)
+            tuple(
+                note
+                for note in _renamed(point.notes, point.also, _WHOLE)
+                if note.code not in _OF_ANSWERS and note != WITHOUT_FORCE
+            )
             for point in self.points.values()
             if point.factors is not None
         }
         if columns is None or len(of_inputs) != 1:
             return
         self.notices = of_inputs.pop()
-        single = single_rows(columns, design, keys, places)
+        single = single_rows(columns, design, keys, places, self.keeps_bolts)
         compared = [row for row in self.points if not single[row]]
         if compared:
             outcomes = self._outcomes(columns, places[compared], pre_ie)
@@ -106,17 +108,16 @@ class ColumnRows(Rows):
         outcomes, limits, forming = outcomes_on_arrays(columns, places, closed_forms_of(columns, places), pre_ie)
         notes: list[tuple[Notice, ...]] = [()] * len(places)
         if limits is not None:
-            of_answers = self._notes(columns, *columns.at(places[forming]), limits)
+            of_answers = self._notes(columns, places[forming], limits)
             for row in forming[limits.rows].tolist():
                 notes[row] = (*self.notices, *next(of_answers))
             wholes = outcomes.wholes()
             notes = [_renamed(notes[row], _WHOLE, wholes[row]) for row in range(len(places))]
         return replace(outcomes, notes=notes)
 
-    def _notes(
-        self, columns: Vectorised, design: SlopeDesign, strengths: Sequence[Strength], limits: LimitsOfMany
-    ) -> Iterator[tuple[Notice, ...]]:
-        """Yield what a run says of each answer."""
+    def _notes(self, columns: Vectorised, places: Floats, limits: LimitsOfMany) -> Iterator[tuple[Notice, ...]]:
+        """Yield what a run says of each answer at places."""
+        design, strengths = columns.at(places)
         found, rows, count = limits.found, limits.rows, len(limits.status)
         if found is None:
             return
@@ -135,21 +136,26 @@ class ColumnRows(Rows):
             shows = answered & (shaken[:, 0] > 0.0)
             along[shows] = motion_toward(design, columns.on_arrays, limits)[shows]
         joints, block = design.wet_interfaces, kind_of(design).words.block
-        for lost, cosine, nothing in zip(loses, along.tolist(), bare, strict=True):
+        hold = np.broadcast_to(columns.holds(places).all(axis=0), count)[rows]
+        dilates = columns.dilation(places)[0][rows]
+        for lost, cosine, nothing, holds, is_dilating, is_pressed in zip(
+            loses, along.tolist(), bare, hold, dilates, found.dilates, strict=True
+        ):
             yield (
+                *(() if holds else (WITHOUT_FORCE,)),
                 *(lost_contact(joints[k]) for k in np.flatnonzero(lost)),
                 *(() if np.isnan(cosine) else shaking(cosine)),
                 *([without_strength(block)] if nothing else ()),
+                *([dilating(DILATES, is_pressed)] if is_dilating else ()),
             )
 
 
 def may_be_on_arrays(design: Design) -> bool:
-    """Whether rows of a design may be taken on arrays: none whose bolts stay, or whose crack is looked for, are."""
-    is_searched = bool(getattr(design, "crack_searched", ""))
-    return kind_of(design).on_arrays is not None and not has_heads(design) and not is_searched
+    """Whether rows of a design may be taken on arrays: none whose crack is looked for are."""
+    return kind_of(design).on_arrays is not None and not getattr(design, "crack_searched", "")
 
 
-def array_columns(design: Design, keys: Sequence[Key], places: Floats, pre_ie: bool) -> Vectorised | None:
+def array_columns(design: Design, keys: Sequence[Key], places: Floats) -> Vectorised | None:
     """The columns of a design on arrays, None where its kind, or one of these values, does not take them.
 
     Parameters
@@ -160,18 +166,26 @@ def array_columns(design: Design, keys: Sequence[Key], places: Floats, pre_ie: b
     def settings_at(row: int) -> Mapping[str, object]:
         return values_of(design, keys, places[row].tolist())
 
-    try:  # with whatever has to be written first
-        fullest = with_values(design, settings_at(int(places[:, 0].argmax())))
-    except DesignError:
-        return None
-    columns = vectorised(fullest, places, settings_at, [key.path for key in keys])
-    return columns if columns is not None and columns.takes(pre_ie) else None
+    for row in np.argsort(-places[:, 0])[:: -(-len(places) // _FEW)].tolist():
+        try:  # with whatever has to be written first
+            fullest = with_values(design, settings_at(row))
+        except DesignError:
+            continue
+        return vectorised(fullest, places, settings_at, [key.path for key in keys])
+    return None
 
 
-def single_rows(columns: Vectorised, design: Design, keys: Sequence[Key], places: Floats) -> Bools:
-    """Which rows (n,) are designs of their own: nearly parallel joints, values that the reader of files refuses."""
+def single_rows(
+    columns: Vectorised, design: Design, keys: Sequence[Key], places: Floats, keeps_bolts: bool = False
+) -> Bools:
+    """Which rows (n,) are designs of their own: nearly parallel joints, values that the reader of files refuses.
+
+    So are those with a bolt that does not hold the block, but where that gives no force there.
+    """
     with np.errstate(divide="ignore", invalid="ignore"):  # at places whose planes cut no block
         single = nearly_parallel(columns.on_arrays.bounds(columns.at(places)[0]), len(places))
+        single |= not keeps_bolts and ~columns.holds(places).all(axis=0)
+    single |= columns.dilation(places)[1]
     for key, values in zip(keys, places.T, strict=True):
         refused = [value for value in np.unique(values).tolist() if _is_refused(design, key, value)]
         single |= np.isin(values, refused)

@@ -164,5 +164,5 @@ def outcomes_on_arrays(
     if limits is not None:
         words[forming], factor[forming], forces[forming] = limits.status, limits.limit, limits.forces
     limit = ByMethod.of(words.tolist(), factor)
-    within = columns.design.analysis.agree_within
-    return agreement(limit, forces, closed.refused(words), within, whole), limits, forming
+    within, compared = columns.design.analysis.agree_within, ~columns.dilation(values)[0]
+    return agreement(limit, forces, closed.refused(words), within, whole, compared), limits, forming

@@ -23,10 +23,9 @@ from slopekit.design.reading.reader import strength_of
 from slopekit.kinds import kind_of
 from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany, limits_on_arrays
 from slopekit.kinds.single_block.closed_forms import ClosedForms, OnArrays, passive_bolts
-from slopekit.kinds.single_block.held_bolts import held, pulling
+from slopekit.kinds.single_block.held_bolts import has_heads, held, pulling, stand_off
 from slopekit.kinds.single_block.secants import secant_strength
-from slopekit.kinds.single_block.worst_crack import Cracked, worst_of_many
-from slopekit.studies.evaluation.bolts import as_laid_out, has_heads
+from slopekit.kinds.single_block.worst_crack import ENDLESS, Cracked, reach_of_many, worst_of_many
 
 #: A design's values at a sample: what `with_values` takes.
 ValuesAt = Callable[[int], Mapping[str, object]]
@@ -41,13 +40,13 @@ _CHUNK = 32768  # samples
 class Vectorised:
     """A closed form over samples (n, k), whose columns are numbers of a design by their keys.
 
-    `before` (b,) is how far before the face the heads of its bolts were laid out.
+    `before` (b,) is how far before the face the heads of its bolts were laid out; None where they stay where they are.
     """
 
     on_arrays: OnArrays[Any]
     design: Design
     keys: Sequence[str]
-    before: Floats
+    before: Floats | None = None
 
     def __call__(self, values: Floats) -> ClosedForms:
         """Outcome and factor of every sample."""
@@ -60,10 +59,13 @@ class Vectorised:
             return None
         return _chunked(lambda chunk: also(*self.at(chunk), self.before), values)
 
-    def takes(self, pre_ie: bool) -> bool:
-        """Whether both methods, or the closed form alone, take all samples at once: PRE-IE takes no dilation."""
-        dilates = any(strength.dilation_deg for strength in self.design.joint_strengths)
-        return not (pre_ie and (dilates or any(key.endswith(".dilation") for key in self.keys)))
+    def dilation(self, values: Floats) -> tuple[Bools, Bools]:
+        """In which samples (n,) a joint dilates, and in which by more than its friction angle, which no design may."""
+        strengths = self._strengths(values)
+        each = [np.broadcast_to(strength.dilation_deg, len(values)) for strength in strengths]
+        most = [np.inf if strength.law else strength.friction_angle_deg for strength in strengths]
+        beyond = [dilation > greatest for dilation, greatest in zip(each, most, strict=True)]
+        return np.asarray(np.max(each, axis=0) > 0.0), np.asarray(np.any(beyond, axis=0))
 
     def limits(self, values: Floats) -> LimitsOfMany:
         """What PRE-IE says of some samples that form blocks by the closed form."""
@@ -72,8 +74,10 @@ class Vectorised:
 
     def at(self, values: Floats) -> tuple[SlopeDesign, Sequence[Strength]]:
         """The design and the strengths of its joints with arrays in place of what scatters."""
-        design = self._standing(values)
+        design = self._scattered(values)
         assert isinstance(design, SlopeDesign)
+        if has_heads(design.bolts):  # bolts that do not hold the block of a sample pull nothing
+            design = replace(design, bolts=tuple(map(pulling, design.bolts, self.holds(values))))
         return design, self._strengths(values)
 
     def sizes(self, values: Floats, forms: Bools) -> dict[str, Floats]:
@@ -83,7 +87,7 @@ class Vectorised:
         ----------
         forms : (n,) which samples form a block
         """
-        sizes = None if self.on_arrays.sizes is None else self.on_arrays.sizes(self._scattered(values))
+        sizes = self.on_arrays.sizes(self._scattered(values))
         return {} if sizes is None else {key: np.where(forms, of, np.nan) for key, of in sizes.columns.items()}
 
     def holds(self, values: Floats) -> Bools:
@@ -91,16 +95,17 @@ class Vectorised:
         design = self._scattered(values)
         return held(self.on_arrays.bounds(design), design.bolts, self.before)[0]
 
-    def worst_cracks(self, values: Floats) -> tuple[Bools, Floats] | None:
-        """Which samples form a block without their crack, and where that is worst; None where they are asked alone.
+    def worst_cracks(self, values: Floats) -> tuple[Bools, Floats]:
+        """Which samples form a block without their crack, and where that is worst: not a number where nowhere is.
 
         Bolts pull as they were laid out: those that a place of the crack frees are found with it.
         """
         on_arrays = self.on_arrays
         design: Any = self._scattered(values)
-        reach = None if on_arrays.crack_reach_m is None else on_arrays.crack_reach_m(design)
-        if reach is None:
-            return None
+        without, reach = reach_of_many(design, on_arrays, self._strengths(values))
+        words = np.broadcast_to(np.array(without.names)[without.outcome], len(values))
+        endless = words == ENDLESS
+        reach = np.where(endless, np.nan, reach)
 
         def cracked_at(rows: slice, places: Floats) -> Cracked:
             repeated = np.repeat(values[rows], places.shape[1], axis=0)
@@ -108,11 +113,7 @@ class Vectorised:
             cracked = replace(cracked, crack=replace(cracked.crack, distance_m=places.ravel()))
             return cracked, self._strengths(repeated)
 
-        places, _ = worst_of_many(design, on_arrays, cracked_at, np.broadcast_to(reach, len(values)))
-        bare = on_arrays.arguments(replace(design, crack=None)) | on_arrays.of_strengths(self._strengths(values))
-        bare |= dict.fromkeys(name for name in bare if "crack" in name)
-        forms = _spread(on_arrays.closed_forms(bare, ()), len(values))
-        return ~np.char.startswith(forms.names, "E")[forms.outcome], places
+        return ~np.char.startswith(words, "E") | endless, worst_of_many(design, on_arrays, cracked_at, reach)[0]
 
     def arguments(self, values: Floats) -> dict[str, Any]:
         """The arguments of all samples: (n,) of those that scatter; of curved strength at one traction."""
@@ -122,13 +123,6 @@ class Vectorised:
             f"bolt{k}_{axis}": pull for k, bolt in enumerate(passive_bolts(design)) for axis, pull in enumerate(bolt)
         }
         return self.on_arrays.arguments(design) | self.on_arrays.of_strengths(lines) | pulls
-
-    def _standing(self, values: Floats) -> Design:
-        """The design with arrays for what scatters; bolts that do not hold the block of a sample pull nothing."""
-        design = self._scattered(values)
-        if has_heads(design):
-            design = replace(design, bolts=tuple(map(pulling, design.bolts, self.holds(values))))
-        return design
 
     def _scattered(self, values: Floats) -> Design:
         """The design with arrays in place of what scatters, but for its strengths."""
@@ -177,12 +171,12 @@ def vectorised(
     Parameters
     ----------
     values : (n, k) samples; values_at : the values of the design's file at one of them, by its number
-    keys : of the columns; None takes those of what scatters
+    keys : of the columns; None takes those of what scatters, and then heads of bolts stand on the face of each sample
     """
     if (on_arrays := kind_of(design).on_arrays) is None:
         return None
+    before = None if keys is not None else stand_off(on_arrays.bounds(design), design.bolts)
     keys = [key for variable in design.variables for key in variable.columns] if keys is None else keys
-    before = as_laid_out(design)
     made = Vectorised(on_arrays, design, keys, before)
     rows, read = [], []
     for row in dict.fromkeys([*range(min(_PROBES, len(values))), *values.argmin(axis=0), *values.argmax(axis=0)]):

@@ -23,21 +23,21 @@ FEW_ALONE = 200  # samples that are drawn where each takes a second or more
 def crack_search(design: Design, values: Floats) -> tuple[Design, Vectorised] | None:
     """The design with its crack at a place, one more number that scatters, and its closed form over arrays of samples.
 
-    None where no crack is looked for, or in each sample alone.
+    None where no crack is looked for, or where the place that is found is no number of the file.
 
     Parameters
     ----------
     values : (n, k) some samples
     """
     searched, crack = getattr(design, "crack_searched", ""), getattr(design, "crack", None)
-    if not searched or crack is None or any(bolt.acts == "passive" for bolt in design.bolts):
+    if not searched or crack is None:
         return None
     try:
         fixed = with_values(design, {PLACE: float(crack.distance_m)})
     except DesignError:
         return None  # written in one word, 80/180@worst
     fast = vectorised(fixed, values, lambda row: settings_of(design.variables, values[row]))
-    if fast is None or fast.worst_cracks(values) is None:
+    if fast is None:
         return None
     variable = Variable(PLACE, Distribution("uniform", {"min": 0.0, "max": float(crack.distance_m)}, "length"))
     return replace(fixed, variables=(*fixed.variables, variable)), fast
@@ -45,9 +45,7 @@ def crack_search(design: Design, values: Floats) -> tuple[Design, Vectorised] | 
 
 def placed(search: Vectorised, values: Floats) -> tuple[Floats, Bools]:
     """Samples (n, k) with the worst place of their crack (n, k + 1), and in which (n,) no place gives a factor."""
-    worst, distance = search.worst_cracks(values), float(search.design.crack.distance_m)  # type: ignore[attr-defined]
-    assert worst is not None
-    blocks, found = worst
+    (blocks, found), crack = search.worst_cracks(values), search.design.crack  # type: ignore[attr-defined]
     known = blocks & np.isfinite(found)
     # without a block any place says the same of it
-    return np.column_stack([values, np.where(known, found, distance)]), blocks & ~known
+    return np.column_stack([values, np.where(known, found, float(crack.distance_m))]), blocks & ~known

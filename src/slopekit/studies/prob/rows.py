@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,11 +13,10 @@ from slopekit.design.fields import field_in
 from slopekit.design.reading.files import with_values
 from slopekit.evidence import WithoutBasal
 from slopekit.kinds import kind_of
-from slopekit.studies.evaluation.bolts import as_laid_out, holding, standing
 from slopekit.studies.evaluation.rows import Rows, outcomes_on_arrays
 from slopekit.studies.evaluation.vectorised import Vectorised, vectorised
 from slopekit.studies.outcomes import UNJUDGED, ByMethod, Outcomes
-from slopekit.studies.points import Point, point_of
+from slopekit.studies.points import Point
 from slopekit.studies.prob.cracks import crack_search, placed
 from slopekit.studies.prob.judged import IMPOSSIBLE
 from slopekit.studies.prob.sampling import Samples, settings_of
@@ -32,7 +30,7 @@ class SampleRows(Rows):
 
     Parameters
     ----------
-    samples : as drawn; pre_ie : whether PRE-IE is asked, or the closed form alone
+    samples : as drawn
 
     Attributes
     ----------
@@ -40,18 +38,17 @@ class SampleRows(Rows):
     fast : takes all samples at once, None where each is a design of its own
     """
 
-    def __init__(self, design: Design, samples: Samples, pre_ie: bool) -> None:
+    def __init__(self, design: Design, samples: Samples) -> None:
         ends = [piece[[*piece.argmin(axis=0), *piece.argmax(axis=0)]] for piece in samples.pieces()]
-        values = np.concatenate([samples.rows(0, min(_FIRST, samples.count)), *ends])
-        super().__init__(design, ())
+        values = np.unique(np.concatenate([samples.rows(0, min(_FIRST, samples.count)), *ends]), axis=0)
+        super().__init__(design, (), True)
         self.samples, self.search = samples, None
         search = crack_search(design, values)
         if search is not None:
             self.design, self.search = search
             values = placed(self.search, values)[0]
-        self.before = as_laid_out(self.design)
         self.fast = vectorised(self.design, values, lambda row: settings_of(self.design.variables, values[row]))
-        self.is_on_arrays = self.fast is not None and self.fast.takes(pre_ie)
+        self.is_on_arrays = self.fast is not None
 
     def __len__(self) -> int:
         return self.samples.count
@@ -65,15 +62,14 @@ class SampleRows(Rows):
         return self, start, stop  # each worker draws its own samples
 
     def at_once(self, start: int, stop: int, pre_ie: bool) -> tuple[Ints, Outcomes | None]:
-        if not self.is_on_arrays or self.fast is None:
+        if self.fast is None:
             return np.arange(0), None
         values, nowhere = self.placed(start, stop)
         closed = self._closed_form(self.fast, values, nowhere)
         return np.arange(stop - start), outcomes_on_arrays(self.fast, values, closed, pre_ie)[0]
 
     def point(self, row: int, pre_ie: bool) -> Point:
-        # with the bolts that hold the block; without notes, which are said of the means once
-        point = point_of(self.design, self.settings_at(row), pre_ie, partial(standing, before=self.before))
+        point = super().point(row, pre_ie)  # without notes, which are said of the means once
         return point if point.factors is None else replace(point, factors=replace(point.factors, notes=()))
 
     def whole(self, row: int, point: Point) -> WithoutBasal | None:
@@ -81,7 +77,7 @@ class SampleRows(Rows):
             return point.also
         try:
             sample = with_values(self.design, self.settings_at(row))
-            return kind_of(sample).without_basal(standing(sample, self.before))
+            return kind_of(sample).without_basal(sample)
         except SlopekitError:
             return None
 
@@ -106,12 +102,10 @@ class SampleRows(Rows):
         return {} if self.fast is None else self.fast.sizes(self.values(rows.start, rows.stop), forms)
 
     def without_force(self, rows: slice, forms: Bools) -> Any:
-        """How many bolts do not hold the block of some samples (m,), 0 where none forms."""
+        """How many bolts do not hold the block of some samples (m,), 0 where none forms or it is not known."""
         if self.fast is None:
-            holds = holding(self.design, [self.settings_at(row) for row in range(rows.start, rows.stop)])
-        else:
-            holds = self.fast.holds(self.values(rows.start, rows.stop))
-        return (~holds & forms).sum(axis=0)
+            return np.zeros(len(forms), dtype=np.int64)
+        return (~self.fast.holds(self.values(rows.start, rows.stop)) & forms).sum(axis=0)
 
     def _closed_form(self, fast: Vectorised, values: Floats, nowhere: Bools) -> ByMethod:
         """Return what the closed form says of samples (n, k), also of values that no design can have."""
@@ -123,6 +117,7 @@ class SampleRows(Rows):
             if field is not None and not field.limits.turns:
                 impossible = (drawn < field.limits.least) | (drawn > field.limits.most)
                 outcome[impossible] = len(names) - 2
+        outcome[fast.dilation(values)[1]] = len(names) - 2
         outcome[nowhere] = len(names) - 1
         factor[(outcome >= len(names) - 2) | (factor == 0.0)] = np.nan  # no strength at all: a status, no number
         return ByMethod(names, outcome, factor)

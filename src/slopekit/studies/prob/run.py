@@ -20,8 +20,8 @@ from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, counted
 from slopekit.design.common import Design
 from slopekit.kinds import likely_slips, peak_only
+from slopekit.kinds.single_block.held_bolts import has_heads
 from slopekit.notices import new_notices, not_as_given
-from slopekit.studies.evaluation.bolts import has_heads
 from slopekit.studies.evaluation.rows import evaluated
 from slopekit.studies.marginals import checked_limits
 from slopekit.studies.outcomes import BothMethods, Outcomes, compared
@@ -317,14 +317,14 @@ def prob(
     pre_ie = asked.by == "pre-ie"
     with clock("draw"):
         drawn = samples(design.variables, design.correlation, asked.n, asked.seed, method)
-        rows = SampleRows(design, drawn, pre_ie)
+        rows = SampleRows(design, drawn)
         # milliseconds each; where a crack was looked for, every place of it may cut a block for its loads
         is_dear = getattr(design, "crack_searched", "") and getattr(design, "is_cut_for_loads", False)
         laws = [strength.law for strength in design.joint_strengths]
         is_slow = any(laws) or any(bolt.acts == "passive" for bolt in design.bolts)
         if n is None and rows.is_on_arrays and not (is_dear or is_slow):
             asked = replace(asked, n=MANY)
-            rows = SampleRows(design, replace(drawn, count=MANY), pre_ie)
+            rows = SampleRows(design, replace(drawn, count=MANY))
     with clock("factors"):
         outcomes = evaluated(rows, "prob", crew, desk, pre_ie, "samples")
         has_closed_form = design.HAS_CLOSED_FORM
@@ -351,7 +351,7 @@ def prob(
 
 def _of_bolts(rows: SampleRows, forms: Bools) -> Iterator[Notice]:
     """W311 where bolts with heads do not hold the block of every sample."""
-    if not has_heads(rows.design):
+    if not has_heads(rows.design.bolts):
         return
     bolts = np.concatenate([rows.without_force(*piece).astype(np.int16) for piece in rows.pieces(forms)])
     if bolts.any():

@@ -11,6 +11,7 @@ from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted
 from slopekit.design.fields import UNITS
 from slopekit.design.scatter.distributions import Angles, Distribution
 from slopekit.evidence import WithoutBasal
+from slopekit.kinds.words import short
 from slopekit.result import STATUSES
 from slopekit.studies.marginals import NEVER, tails
 from slopekit.studies.prob.estimates import Share, Summary
@@ -48,7 +49,7 @@ def sheet_of(study: Probability) -> Sheet:
         ]),
         Section("SAMPLES", [samples]),
         Section("OUTCOMES", [_outcomes(study)]),
-        Section(f"P(F < {asked.target:g})", [_probabilities(study)]),
+        Section(f"P(FoS < {asked.target:g})", [_probabilities(study)]),
         Section("FoS", [] if summary is None else [_mean(summary, asked.target)]),
         Section("SENSITIVITY", [_matters(study.sensitivities[:_FEW])]),
         Section("SIZE", [f"limits of size: {counted(scaled, 'sample')} made smaller"] if scaled else []),
@@ -62,7 +63,7 @@ def sheet_of(study: Probability) -> Sheet:
 def line_of(study: Probability) -> str:
     """The estimate on one line, with its limits."""
     share = study.all_samples
-    parts = [f"P(F < {study.asked.target:g})"]
+    parts = [f"P(FoS < {study.asked.target:g})"]
     if study.accepted is not None:  # the upper limit is what acceptance hangs on: it leads
         doubt = " (in doubt)" if not study.accepted and share.high <= (study.asked.accept or 0.0) else ""
         parts.append(f"at most {_percent(share.high)}, accepted {_percent(study.asked.accept)}")
@@ -115,7 +116,7 @@ class _Lines(Sequence[tuple[Any, ...]]):
 def _inputs(study: Probability) -> list[Entry]:
     columns: list[Column[Any]] = [Column("as drawn", itemgetter("path"), "path", width=-38)]
     for name, width in (("mean", 12), ("sd", 12), ("min", 0), ("max", 0)):
-        columns.append(Column(name, itemgetter(name), name, show=".5g", width=width))
+        columns.append(Column(name, itemgetter(name), name, show=short, width=width))
     units = {
         name: UNITS[getattr(variable.distribution, "kind", "angle")]
         for variable in study.samples.variables
@@ -193,7 +194,7 @@ def _mean(summary: Summary, target: float) -> str:
 def _matters(coefficients: Sequence[tuple[str, float]]) -> str:
     if not coefficients:
         return "fewer than three samples have a factor"
-    return " | ".join(f"{name} {value:+.2f}" for name, value in coefficients) + " (rank correlation with F)"
+    return " | ".join(f"{name} {value:+.2f}" for name, value in coefficients) + " (rank correlation with FoS)"
 
 
 def _methods(study: Probability) -> list[str]:

@@ -401,7 +401,7 @@ def _of_six(six: InSix | None) -> list[Notice]:
     in_six = () if six is None else six.shaken
     hangs = [] if six is None or (six.change or 0.0) <= SETTLED else [
         Notice("W312", f"the last refinement of the node pairs, to {six.pairs}, still moved what slides by "
-               f"{six.percent} %: where joints open it hangs on them")
+               f"{six.percent} %: where joints open it depends on them")
     ]  # fmt: skip
     said = {"refused": "a step did not settle however short, nothing of it was taken", "moves": "it still moves"}
     return hangs + [
@@ -417,9 +417,6 @@ def _notices(static: Design, yields: Sequence[Yield], shaken: Sequence[Shaken], 
     if ours.coefficient is not None and ours.factor is None:
         notes.append(Notice("W462", f"no factor: {ours.why_not}; displacements are plain Newmark's, with 1, and may be "
                             "too small"))  # fmt: skip
-    if ours.alone_at is not None:
-        notes.append(Notice("W462", f"the factor is that of {ours.factor_of} with all other blocks held, which moves "
-                            f"at {shown_k(ours.alone_at)}: the motion of all of them did not settle"))  # fmt: skip
     if ours.first_factor is not None:
         notes.append(Notice("W462", f"contacts change just above k_y: the factor is {ours.first_factor:.4g} right at "
                             f"it and {ours.factor:.4g} a hundredth above, which is taken; further up more blocks may "

@@ -157,9 +157,9 @@ def _six(quake: Quake) -> Table[Any]:
         Column("way", of("way"), "way", width=-11),
         Column("slid cm", of("slid_m"), "slid_m", "m", _centimetres, 8),
         Column("one way cm", itemgetter(1), "one_way_m", "m", _centimetres, 11),
-        Column("turned °", of("rotation_deg"), "rotation_deg", "°", ".3f", 9),
-        part("slips %", "slipped", 8), part("open %", "opened", 7), part("loose %", "debonded", 8),
-        Column("  ended", of("ended"), "ended", width=-1, about="  {}"),
+        Column("rotation °", of("rotation_deg"), "rotation_deg", "°", ".3f", 11),
+        part("slips %", "slipped", 8), part("open %", "opened", 7), part("debonded %", "debonded", 11),
+        Column("ended", of("ended"), "ended", width=-1, about="  {}"),
         Column("", of("steps"), "steps"), Column("", of("halved"), "halved"),
     ]  # fmt: skip
     return Table(columns, [(one, newmark[one.record][one.way == "reversed"]) for one in quake.six])
@@ -186,8 +186,7 @@ def _six_notes(quake: Quake) -> list[str]:
 def _model(quake: Quake) -> str:
     factor = "1" if quake.factor is None else f"{quake.factor:.6f}"
     ours = quake.yields[0]
-    which = "with all others held" if ours.alone_at is not None else "which of all goes farthest"
-    block = f"{ours.factor_of}, {which}," if ours.factor_of else "the block"
+    block = f"{ours.factor_of}, which of all goes farthest," if ours.factor_of else "the block"
     return (
         f"one way, rigid, exact between samples; {block} gains on the ground by {factor} x (a - k_y g); "
         "left out: vertical shaking, sliding back, strength lost by slip, geometry that changes"

@@ -54,7 +54,6 @@ class Yield:
     status : how it moves there
     factor : κ, None where there is none; why_not says why
     factor_of : of several blocks the one whose centroid it is for, the farthest; "" of one block
-    alone_at : where the motion of all did not settle, the k_y of that block with all others held, whose factor it is
     first_factor : the factor right at the coefficient, where contacts change just above it and it becomes `factor`
     notes : what a run says of the factor at the coefficient, without one of that without an earthquake
     before : the factor of safety without an earthquake; inf where nothing drives
@@ -69,7 +68,6 @@ class Yield:
     before: float
     agree: bool | None = None
     factor_of: str = ""
-    alone_at: float | None = None
     first_factor: float | None = None
     notes: tuple[Notice, ...] = field(default=(), metadata=NO_JSON)
 
@@ -192,7 +190,7 @@ def _yield_by(request: FactorRequest, solution: Solution, method: Method) -> Yie
     gain = _gain(request, method, found.coefficient)
     if isinstance(gain, str):
         return replace(found, why_not=gain)
-    return replace(found, factor=gain.factor, factor_of=gain.block, alone_at=gain.alone_at, first_factor=gain.first)
+    return replace(found, factor=gain.factor, factor_of=gain.block, first_factor=gain.first)
 
 
 def _root(request: FactorRequest, method: Method, start: float) -> float | None:

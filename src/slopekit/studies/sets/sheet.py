@@ -76,9 +76,9 @@ def _table(joint_sets: JointSets) -> Table[FoundSet]:
         Column("mean", lambda one: str(tenths(one.plane)), "plane", width=12),
         Column("K", lambda one: one.axes.k, "k", show=_k, width=10),
         Column("limits", lambda one: [one.axes.k_low, one.axes.k_high], "", width=16, text=_limits),
-        Column("mean ±", lambda one: one.axes.cone_deg, "cone_of_mean", "°", _degrees, 9),
-        Column("68 % in", lambda one: one.axes.cone_of(0.68), "variability_68", "°", _degrees, 9),
-        Column("95 % in", lambda one: one.axes.cone_of(0.95), "variability_95", "°", _degrees, 9),
+        Column("cone of mean", lambda one: one.axes.cone_deg, "cone_of_mean", "°", _degrees, 14),
+        Column("68 % cone", lambda one: one.axes.cone_of(0.68), "variability_68", "°", _degrees, 11),
+        Column("95 % cone", lambda one: one.axes.cone_of(0.95), "variability_95", "°", _degrees, 11),
     ], list(joint_sets.sets))  # fmt: skip
 
 
@@ -205,6 +205,6 @@ def _metres(value: Any) -> str:
 
 
 _WORDS = (
-    "mean ±: confidence cone of the mean ({share:.0f} %); 68 %, 95 % in: variability cones, about the mean with so "
-    "many of the joints"
+    "cone of mean: confidence cone of the mean ({share:.0f} %); 68 %, 95 % cone: variability cones, with so many of "
+    "the joints in them"
 )

@@ -62,7 +62,7 @@ def spacings_of(
     """
     own = [joint.spacing_m for joint in joints if joint.spacing_m is not None]
     if own:
-        return lengths_of(np.array(own), "column spacing, square to the joints", confidence)
+        return lengths_of(np.array(own), "column spacing, normal to the joints", confidence)
     at = np.sort([joint.position_m for joint in joints if joint.position_m is not None])
     if line is None or len(at) < _FEW:
         return None

@@ -70,7 +70,7 @@ def for_factor(
     low, high = parse_within(one, text if equals else within)
     target, own = target_of(design, fos)
     asked = FactorRequest(design, one, low, high, target, crew, advance)
-    if asked.has_closed_form:
+    if asked.design.HAS_CLOSED_FORM:
         asked, closed, pre_ie = _by_both(asked)
     else:
         closed, pre_ie = None, _by_pre_ie_alone(asked, bool(equals) or within is not None)

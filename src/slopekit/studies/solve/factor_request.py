@@ -69,13 +69,8 @@ class FactorRequest:
 
     def search(self, method: Method) -> RootSearch[Point]:
         """One by a method, none sampled yet."""
-        precision = {} if method == "closed_form" else _PRE_IE if self.has_closed_form else _ALONE
+        precision = {} if method == "closed_form" else _PRE_IE if self.design.HAS_CLOSED_FORM else _ALONE
         return RootSearch(partial(self.samples, method), self.high - self.low, **precision)
-
-    @property
-    def has_closed_form(self) -> bool:
-        """Whether a closed form can be asked alone, in next to no time."""
-        return self.design.HAS_CLOSED_FORM
 
     @property
     def drives_blocks(self) -> bool:
@@ -86,7 +81,7 @@ class FactorRequest:
     def on_arrays(self) -> Vectorised | None:
         """The columns of its values, where the kind of the design takes them."""
         grid = np.array(self.grid(*FINE))[:, None]
-        return array_columns(self.design, [self.key], grid, True) if may_be_on_arrays(self.design) else None
+        return array_columns(self.design, [self.key], grid) if may_be_on_arrays(self.design) else None
 
     def samples(self, method: Method, values: Sequence[float]) -> Samples:
         """What a method says at values: all at once on arrays, else as many at a time as the crew is."""

@@ -365,6 +365,6 @@ def _missed(answers: Answers, key: Key, target: float) -> Iterator[Notice]:
             yield Notice("W356", f"the factor falls past {number(target)} at once at {key.shown(root.value)}: from "
                                  f"{shown(below)} to {shown(above)}, or to none")  # fmt: skip
         elif miss > TOLERANCE[answers.method]:
-            text = f"{key.shown(root.value)}, put back into {name}, misses {number(target)} by {miss:.1g}: "
+            text = f"at {key.shown(root.value)} {name} misses {number(target)} by {miss:.1g}: "
             text += f"between {key.shown(a, 16)} and {key.shown(b, 16)} the factor is no smoother"
             yield Notice("W356", text)

@@ -69,9 +69,9 @@ def _laid(
 ) -> Layout:  # fmt: skip
     """Bolts with their heads (n, 3) in local axes, in rows and columns, at a spacing across and up the face."""
     middle = heads.mean(axis=0)
-    if not site.hull.passage(middle[None, :], direction)[1][0]:
+    if not site.passage(middle[None, :], direction)[1][0]:
         middle = heads[((heads - middle) ** 2).sum(axis=1).argmin()]
-    sound, _ = site.hull.passage(heads, direction)
+    sound, _ = site.passage(heads, direction)
     return Layout(
         frozen(site.world(heads) + site.origin), frozen(middle), frozen(sound), *count, *spacing, left_out, needed
     )
@@ -155,7 +155,7 @@ def _grids(site: Site, direction: Floats, axes: Floats, polygon: Floats, spacing
     start = np.repeat(np.arange(len(_STARTS)), len(lattice))
     clear = _clear_of_edges(points, polygon, _MARGIN * spacing)
     points, start = points[clear], start[clear]
-    _, anchored = site.hull.passage(centre_of(site.face) + points @ axes, direction)
+    _, anchored = site.passage(centre_of(site.face) + points @ axes, direction)
     choices: list[_Chosen] = []
     for k in range(len(_STARTS)):
         kept = points[anchored & (start == k)]
@@ -183,7 +183,7 @@ def _section_layout(
     foot, top = flat[flat[:, 2].argmin()], flat[flat[:, 2].argmax()]
     length = math.sqrt(float((top - foot) @ (top - foot)))
     shares = np.linspace(0.0, 1.0, _PLACES)[1:-1]
-    _, anchored = site.hull.passage(foot + shares[:, None] * (top - foot), direction)
+    _, anchored = site.passage(foot + shares[:, None] * (top - foot), direction)
     if not anchored.any():
         return _NO_PLACE
     step = 1.0 / (_PLACES - 1)
@@ -204,7 +204,7 @@ def _section_layout(
         return Notice("E328", message)
     shares = low + (np.arange(rows) + 0.5) / rows * (high - low)
     local = foot + shares[:, None] * (top - foot)
-    if not site.hull.passage(local, direction)[1].all():
+    if not site.passage(local, direction)[1].all():
         return Notice("E211", "bolts that way come out of a free face from some of the rows")
     left_out = round((length - reach) / (reach / rows)) if reach < length * (1.0 - 3.0 * step) else 0
     return _laid(site, local, direction, (rows, 1), (across, reach / rows), left_out, None)

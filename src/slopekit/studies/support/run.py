@@ -9,7 +9,6 @@
 (0.0, 233.1, 1.5)
 """
 
-import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
@@ -18,6 +17,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
+from slopekit.core.arrays import Floats
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import Line
 from slopekit.design.common import Design
@@ -167,8 +167,7 @@ class _Search:
             low, high = options.plunge or DRILLABLE_DEG
             message = f"no direction into the face that plunges {low:g} to {high:g}° reaches the target"
             return self._lacking(BoltCase(acts, None, Need(None, self.bare, notice=Notice("E322", message))))
-        guess = float(least_forces(site, self.goal, toward.vector()[None, :])[0])
-        guess = (guess if math.isfinite(guess) else site.weight) * (self.goal if acts == "passive" else 1.0)
+        guess = self._guess(toward.vector()) * (self.goal if acts == "passive" else 1.0)
         closed = self._need("closed_form", lambda force: site.with_bolts(Bolt(force, toward, acts)), guess)
         case = BoltCase(acts, toward, closed, existing=site.design.bolts)
         if closed.force is None:
@@ -231,14 +230,17 @@ class _Search:
     def pressure(self) -> float | None:
         """An even pressure on the face, kPa, that both methods need."""
         site, middle = self.site, centre_of(self.site.face)
-        guess = float(least_forces(site, self.goal, site.world(site.inward)[None, :])[0])
-        guess = guess if math.isfinite(guess) else site.weight
+        guess = self._guess(site.world(site.inward))
         closed = self._need("closed_form", lambda force: site.pressed(force, middle), guess)
         if closed.force is None or not self.has_strength:
             return None
         limit = self._need("pre_ie", lambda force: site.pressed(force, middle), closed.force or guess)
         force = self._larger(closed, limit)
         return None if force is None else force / site.area
+
+    def _guess(self, direction: Floats) -> float:
+        """The least force along a unit vector (3,) by the closed form, the weight where none reaches the target."""
+        return float(np.nan_to_num(least_forces(self.site, self.goal, direction[None]), posinf=self.site.weight)[0])
 
     def _larger(self, closed: Need, limit: Need) -> float | None:
         """What both methods need, of dilating joints PRE-IE; None where one of them cannot reach the target."""

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.core.arrays import Floats
+from slopekit.core.arrays import Bools, Floats
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.orientation import Line, line_of
@@ -19,7 +19,7 @@ from slopekit.design.parts import Bolt, Force
 from slopekit.kinds import kind_of
 from slopekit.kinds.protocol import Factors
 from slopekit.kinds.single_block.closed_forms import OnArrays, passive_bolts
-from slopekit.loads import Hull
+from slopekit.kinds.single_block.held_bolts import Bounds, through
 from slopekit.studies.points import UNSETTLED, Method
 from slopekit.studies.roots import RootSearch, Sample, level_at
 from slopekit.studies.solve.factor_request import level_of
@@ -113,7 +113,7 @@ class Site:
     axes : (3, 3) rows are the local axes, in east, north, up; origin : (3,) m of the local origin
     in_section : what acts along the slope is left out, forces are per metre of slope
     on_arrays : the closed form of many such designs
-    hull : the planes that bolts meet
+    bounds : the planes that bolts meet
     """
 
     design: Design
@@ -124,7 +124,7 @@ class Site:
     origin: Floats
     in_section: bool
     on_arrays: OnArrays[Any]
-    hull: Hull
+    bounds: Bounds
 
     @property
     def unit(self) -> str:
@@ -147,6 +147,10 @@ class Site:
     def world(self, vectors: Floats) -> Floats:
         """Vectors (..., 3) in local axes as east, north, up."""
         return vectors @ self.axes
+
+    def passage(self, heads: Floats, direction: Floats) -> tuple[Floats, Bools]:
+        """How bolts pass through the block, as `through` has it, in local axes."""
+        return through(self.bounds, self.world(heads), self.world(direction))
 
     def with_bolts(self, *bolts: Bolt) -> Design:
         """The design with more bolts."""
@@ -195,11 +199,11 @@ def site_of(design: Design) -> Site:
         advice = "Give the design a bolt, then solve changes it: slopekit solve my.yaml support.bolts.0.force --fos 1.5"
         raise DesignError([Fault("E288", message, "", advice)])
     made = kind.cut(design)
-    assert made.hull is not None
+    assert made.bounds is not None
     block = made.block
     return Site(
         design, design.rock.unit_weight_kn_m3 * block.volume, block.faces[made.face], block.areas[made.face],
-        made.axes, made.origin, design.section_share is not None, kind.on_arrays, made.hull(),
+        made.axes, made.origin, design.section_share is not None, kind.on_arrays, made.bounds,
     )  # fmt: skip
 
 

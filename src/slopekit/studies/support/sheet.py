@@ -4,7 +4,7 @@ from operator import attrgetter
 
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, Verbatim, counted, factor_text
 from slopekit.kinds.sheets.bolts import schedule, schedule_entries
-from slopekit.kinds.words import alike, bolt_text, line_in_words, size_number
+from slopekit.kinds.words import alike, bolt_text, line_in_words, short, size_number
 from slopekit.studies.support.pattern import Layout
 from slopekit.studies.support.records import BoltCase, Support, wanted_in_words
 from slopekit.studies.support.search import Answer
@@ -17,7 +17,7 @@ _FEW = 12  # bolts that are printed to be pasted
 def sheet_of(support: Support) -> Sheet:
     """The sheet of a support study."""
     cases, design = _cases(support), support.design
-    pressure = [] if support.pressure is None else [f"uniform, normal to the face: {size_number(support.pressure)} kPa"]
+    pressure = [] if support.pressure is None else [f"equivalent face pressure {short(support.pressure)} kPa"]
     return study_sheet(support.design, "support", (
         Section("TARGET", _target(support)),
         Section("BOLTS", schedule_entries(schedule({"inputs": design.inputs()})) or [*map(bolt_text, design.bolts)]),
@@ -69,7 +69,7 @@ def _cases(support: Support) -> Table[BoltCase]:
 
 
 def _size(value: float | None) -> str:
-    return "" if value is None else size_number(value)
+    return "" if value is None else short(value)
 
 
 def level(answer: Answer) -> str:
@@ -124,7 +124,7 @@ def _built(support: Support, laid: Layout, each: float) -> str:
         rows = f"{counted(laid.rows, 'row')} and {counted(laid.columns, 'column')}"
         apart = f", {laid.across_m:.4g} m apart" if len(laid) > 1 else ""
         empty = laid.rows * laid.columns - len(laid)
-        apart += f" ({empty} of the {laid.rows * laid.columns} places of that grid hold none)" if empty else ""
+        apart += f" (the other {empty} places of that grid stay empty)" if empty else ""
         bolts = f"{counted(len(laid), 'bolt')}{needed_count} in {rows}{apart}"
     return f"{bolts}, {size_number(each)} of {support.options.capacity:g} kN in each"
 
@@ -137,7 +137,8 @@ def _paste(support: Support) -> list[Entry]:
             continue
         count = len(case.existing) + len(case.bolts)
         if count > _FEW:
-            entries.append(f"{case.acts}: {count} bolts; -o DIR writes them to support-{case.acts}.yaml")
+            file = f"support-{case.acts}.yaml"
+            entries.append(f"{case.acts}: {count} bolts with those of the design; -o DIR writes them to {file}")
             continue
         each = " (each row's bolts, per metre of slope)" if support.unit == "kN/m" else ""
         entries += [f"{case.acts}, in place of `support` in the design{each}:", Verbatim(case.yaml)]

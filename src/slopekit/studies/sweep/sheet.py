@@ -201,7 +201,7 @@ def _critical(swept: Sweep) -> list[str]:
     for level, what in swept.levels:
         own = [one for one in critical if one["fos"] == level]
         if not own:
-            entries.append(f"{what}: not passed between neighbouring points")
+            entries.append(f"{what}: not crossed between neighbouring points")
         entries += list(_together(swept, what, own))
     if any(one["at"] is not None and one["how"] != "at a point" for one in critical):
         entries.append(f"interpolated values are rough: slopekit solve finds {swept.keys[0].path} to every digit")

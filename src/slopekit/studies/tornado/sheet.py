@@ -20,7 +20,7 @@ def sheet_of(study: Tornado) -> Sheet:
         Section("RULE", [RULE]),
         Section("NOW", [_now(study)]),
         Section("BARS", [_bars(study, moved) if moved else "no number changes the factor of safety"]),
-        Section("NOTHING", [f"changes nothing: {', '.join(still)}"] if still else []),
+        Section("NO EFFECT", [", ".join(still)] if still else []),
         Section("LEFT OUT", _left_out(study)),
         Section("TIME", [f"{study.seconds:.2f} s"]),
         Section("NOTE", [str(notice) for notice in study.warnings]),

@@ -1,4 +1,4 @@
-"""The charts of a study of earthquakes (matplotlib), from its JSON: motion over time, one way and in six freedoms.
+"""The charts of a study of earthquakes (matplotlib), from its JSON: motion over time.
 
 Needs the extra `plot`.
 """

@@ -35,9 +35,7 @@ def answer(document: Mapping[str, Any], status: list[str]) -> dict[str, Any]:
     value = judged_by["fos"] if judged_by else fos["limit"]
     what = limit_of(document)
     if judged_by:
-        what = (
-            f"{JUDGED[judged_by['name']]}: what acceptance hangs on; {factor(fos['limit'])} is the {limit_of(document)}"
-        )
+        what = f"{JUDGED[judged_by['name']]}: acceptance is held against it; {factor(fos['limit'])} is the {what}"
     accepted = document["accepted"]
     judged = {
         True: ("acceptance MET", "good"),
