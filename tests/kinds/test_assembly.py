@@ -331,10 +331,10 @@ def test_what_the_results_of_hard_scenes_say() -> None:
     assert said(spent=True, **gave_up).keys() == {"W360"}
     assert "by 1.5 %" in said(mesh_change=0.015)["W312"]
     in_group = (replace(part, limit=replace(part.limit, group=3, width=7e-4)),)
-    held = " ".join(room._left_out(design, scene, in_group))
+    held = " ".join(room._left_out(scene, in_group, drained=False))
     assert "the limit is that of a group of 3 of 1 blocks that touch, the others fixed" in held
     assert "all rest at 0.9993 of it" in held
-    assert "others fixed" not in " ".join(room._left_out(design, scene, (part,)))
+    assert "others fixed" not in " ".join(room._left_out(scene, (part,), drained=False))
 
 
 @pytest.mark.slow

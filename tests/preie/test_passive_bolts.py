@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.optimize import linprog
+from scipy.optimize import linprog, lsq_linear, nnls
 
 import slopekit as sk
 from benchmarks.wedge_paths import as_assembly, compared
@@ -24,7 +24,7 @@ from slopekit.loads import PassiveBolts
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
 from slopekit.preie.one_block.flat_limit import forces_limit
-from slopekit.preie.one_block.forces_limits import forces_limits
+from slopekit.preie.one_block.forces_limits import _pieces, forces_limits
 from slopekit.preie.one_block.pairs_limit import pairs_limit
 from slopekit.preie.one_block.polygon_bed import elastic_bed
 from slopekit.preie.programs.distance import Distance
@@ -514,6 +514,36 @@ def test_many_bolts_of_one_direction_are_one_of_all_their_capacity(each) -> None
     weak = [bolt | {"force": 60.0 / each} for bolt in strong for _ in range(each)]
     whole, parted = (forces_factor(cut(wedge_design(given | {"bolts": bolts})).scene_at(0)) for bolts in (strong, weak))
     assert whole == pytest.approx(parted, rel=1e-9)
+
+
+@pytest.mark.parametrize(("contacts", "bolts"), [(1, 8), (2, 5), (3, 4)])
+def test_pieces_leave_the_least_of_the_load_at_every_strength(contacts, bolts) -> None:
+    """Just below the end of each piece pushes N >= 0 and pulls 0 <= T <= λ C of least |load + Σ N n + Σ T b|, by SciPy.
+
+    What is left is one vector; the forces are one set where some is left. Nothing more is asked once nothing is left.
+    """
+    rng, count, apart = np.random.default_rng(contacts), 150, 0
+    sides = rng.normal(size=(count, contacts + bolts, 3))
+    sides[:, :contacts, 2] = np.abs(sides[:, :contacts, 2])
+    sides /= np.linalg.norm(sides, axis=2)[:, :, None]
+    load, capacity = 0.3 * rng.normal(size=(count, 3)) - [0.0, 0.0, 1.0], rng.uniform(0.1, 1.0, (count, bolts)) ** 2
+    on_contacts = [nnls(sides[row, :contacts].T, -load[row])[0] for row in range(count)]
+    full = np.concatenate([np.zeros((count, contacts)), capacity], axis=1)
+    pieces, ends = _pieces(sides, load, np.array(on_contacts), full)
+    for row in range(count):
+        for reduction in (1.0 - 1e-6) * np.unique(ends[row][ends[row] < 5.0]):
+            piece = pieces[row, int((reduction > ends[row]).sum())]
+            forces, left = np.split(piece[:, 0] + reduction * piece[:, 1], [contacts + bolts])
+            most = np.concatenate([np.full(contacts, np.inf), reduction * capacity[row]])
+            exact = lsq_linear(sides[row].T, -load[row], (np.zeros(len(most)), most), method="bvls", tol=1e-14).x
+            left_over = load[row] + exact @ sides[row]
+            if np.linalg.norm(left_over) < 1e-9:
+                break  # more strength balances the load as well: the block stands without friction
+            assert left == pytest.approx(left_over, abs=1e-9)
+            if np.linalg.norm(left) > 1e-6:
+                assert forces == pytest.approx(exact, abs=1e-8)
+                apart += 1
+    assert apart > 100
 
 
 def test_least_squares_let_in_as_many_columns_as_they_need() -> None:

@@ -221,7 +221,7 @@ def test_the_word_for_a_motion_does_not_depend_on_the_thickness_of_a_section() -
 
 
 @pytest.mark.slow
-def test_a_bench_whose_motion_settles_by_way_of_rounded_joints_is_the_same_in_the_mirror() -> None:
+def test_a_bench_whose_motion_settles_far_on_is_the_same_in_the_mirror() -> None:
     """Its limit state on the modes of that motion is exact; the motion itself settles to 1e-6 (it lay 5.3e-7 apart)."""
     design = populations.bench(130)
     found, other = changes.run(design), changes.run(changes.mirrored(design))

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import slopekit as sk
 from slopekit.core.errors import GeometryError
 from slopekit.design.reading.files import load, with_values
 from slopekit.kinds import cut, kind_of
@@ -149,3 +150,37 @@ def test_a_bolt_that_holds_no_sample_counts_in_neither_method() -> None:
     assert with_it.judged.factor == pytest.approx(without.judged.factor, rel=1e-12, nan_ok=True)
     assert with_it.both.agree == with_it.forming.of > 300
     assert with_it.means.code == "E212"
+
+
+#: A bolt from the face of a wedge, which sound rock begins 15.14 m behind.
+SHORT_OR_LONG = {
+    "slopekit": 1, "kind": "wedge", "slope": {"face": "65/185", "upper": "12/195", "height": 30},
+    "joints": {"J1": {"plane": "45/105"}, "J2": {"plane": "70/235"}},
+    "strength": {"weak": {"c": 24, "phi": 30}}, "rock": {"unit_weight": 25},
+    "support": {"bolts": [{"force": 500, "toward": "005/-10", "head": [-1, -6, 12], "length": 17}]},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("by", ["pre-ie", "closed-form"])
+def test_samples_that_are_read_one_by_one_say_which_bolts_give_no_force(by, tmp_path) -> None:
+    """A column phi of the joint list stands in place of the one that scatters: no sample is taken on arrays."""
+    (tmp_path / "joints.csv").write_text("name,dip,dip_direction,phi\nJ1,45,105,30\nJ2,70,235,30\n")
+    length = {"dist": "uniform", "min": 10, "max": 20}
+    joints = {"csv": str(tmp_path / "joints.csv"), "pick": ["J1", "J2"], "strength": "weak"}
+    design = load(SHORT_OR_LONG | {
+        "joints": joints, "strength": {"weak": {"c": 24, "phi": scatter(30, 3)}},
+        "support": {"bolts": [SHORT_OR_LONG["support"]["bolts"][0] | {"length": length}]},
+    })  # fmt: skip
+    study = prob(design, 12, by=by)
+    assert not study.rows.is_on_arrays
+    lengths = study.samples.rows(0, 12)[:, [*study.samples.names].index("support.bolts.0.length")]
+    bolted, bare = (sk.run(SHORT_OR_LONG | {"support": {"bolts": bolts}}).fos.closed_form
+                    for bolts in (SHORT_OR_LONG["support"]["bolts"], []))  # fmt: skip
+    assert study.judged.factor == pytest.approx(np.where(lengths > 15.14, bolted, bare), rel=1e-9)
+    (said,) = (notice.message for notice in study.warnings if notice.code == "W311")
+    assert said.startswith(f"bolts give no force in {int((lengths < 15.14).sum())} of 12 samples that form a block:")
+
+
+def test_the_closed_form_alone_counts_no_bolt_that_a_run_refuses() -> None:
+    swept = sk.sweep(SHORT_OR_LONG, {"support.bolts.0.length": [14, 16]}, closed_form=True)
+    assert [point.code for point in swept.points] == ["E212", ""]

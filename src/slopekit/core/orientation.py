@@ -113,6 +113,11 @@ def line_of(vector: Floats) -> Line:
     return Line(trend, math.degrees(math.atan2(-up, math.hypot(east, north))))
 
 
+def tenths(plane: Plane) -> Plane:
+    """A plane rounded to tenths of a degree."""
+    return Plane(round(plane.dip_deg, 1), round(plane.dip_direction_deg, 1) % 360.0)
+
+
 def downward(vector: Floats) -> Floats:
     """The vector or its opposite, whichever plunges; a horizontal one is returned as it is."""
     return -vector if vector[2] > 0.0 else vector

@@ -76,7 +76,11 @@ class Polytopes:
         is_one = np.abs(points[:, None] - points).max(axis=2) <= _SAME * np.abs(points).max(initial=0.0)
         same = np.where(is_one, np.arange(count), count).min(axis=1, initial=count)  # the first of those that are one
         corners = {plane: list(dict.fromkeys(same[on == plane].tolist())) for plane in np.unique(on).tolist()}
-        faces = {plane: _from_lowest(points[numbers]) for plane, numbers in corners.items() if len(numbers) > 2}
+        faces = {
+            plane: frozen(np.roll(points[numbers], -int(points[numbers, 2].argmin()), axis=0))  # from the lowest corner
+            for plane, numbers in corners.items()
+            if len(numbers) > 2
+        }
         areas = {plane: _area(polygon) for plane, polygon in faces.items()}
         return Block(faces, areas, float(self.volume[0]), frozen(self.centroid[0]))
 
@@ -125,10 +129,6 @@ def polytopes(outward: Floats, offsets: Floats, size: Floats) -> Polytopes:
     counts = np.where(counts > 2, counts, 0)
     volume, centroid = _volumes(outward, offsets, faces, counts)
     return Polytopes(outward, offsets, faces, counts, volume, centroid)
-
-
-def _from_lowest(polygon: Floats) -> Floats:
-    return frozen(np.roll(polygon, -int(polygon[:, 2].argmin()), axis=0))
 
 
 def _area(polygon: Floats) -> float:

@@ -160,7 +160,7 @@ def factors_of(design: Design, pre_ie: bool = True) -> "Factors":
     Raises
     ------
     GeometryError
-        Where no block can be formed.
+        Where no block can be formed, or a bolt does not hold it.
 
     >>> from slopekit.kinds.wedge.design import wedge_design
     >>> found = factors_of(wedge_design({"dips": ["45/115", "45/245"]}))
@@ -171,8 +171,11 @@ def factors_of(design: Design, pre_ie: bool = True) -> "Factors":
     if pre_ie or not design.HAS_CLOSED_FORM:
         return kind.factors(design)
     from slopekit.kinds.protocol import Factors
+    from slopekit.kinds.single_block.held_bolts import has_heads
 
     closed = kind.closed_form(design, None)
+    if has_heads(design.bolts):
+        kind.cut(design)  # which refuses a bolt that does not hold the block: the closed form would count its force
     return Factors(
         closed.status, None, closed.status, closed.factor or None, None, None, False, also=kind.without_basal(design)
     )  # fmt: skip

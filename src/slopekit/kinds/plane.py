@@ -263,7 +263,7 @@ def arguments(design: PlaneDesign) -> Arguments:
         "plane_dip_deg": _signed_dip(design.joint, face), "upper_dip_deg": _signed_dip(design.upper, face),
         "face_dip_deg": face.dip_deg, "face_direction": face.dip_direction_deg,
         "across": _strikes_across(design.joint, face) | _strikes_across(design.upper, face),
-        "height_m": design.height_m, **_of_strengths(design.joint_strengths),
+        "height_m": design.height_m, **_strength_arguments(design.joint_strengths),
         "unit_weight_kn_m3": design.rock.unit_weight_kn_m3,
         "crack_depth_m": None if crack is None else crack.depth_m,
         "crack_distance_m": None if crack is None else crack.distance_m,
@@ -273,7 +273,7 @@ def arguments(design: PlaneDesign) -> Arguments:
     }  # fmt: skip
 
 
-def _of_strengths(strengths: Sequence[Strength]) -> Arguments:
+def _strength_arguments(strengths: Sequence[Strength]) -> Arguments:
     return {"cohesion_kpa": strengths[0].cohesion_kpa, "friction_deg": strengths[0].friction_angle_deg}
 
 
@@ -351,7 +351,7 @@ def crack_reach(design: PlaneDesign) -> Floats:
 
 
 ON_ARRAYS = OnArrays(
-    arguments, _of_strengths, closed_forms, bounds, _sizes, crack_reach, None, _full_water,
+    arguments, _strength_arguments, closed_forms, bounds, _sizes, crack_reach, None, _full_water,
     lambda design: upward(90.0, design.face.dip_direction_deg),  # out of the face
 )  # fmt: skip
 

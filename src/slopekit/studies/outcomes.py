@@ -268,6 +268,7 @@ def agreement(
     forces: Floats,
     closed: ByMethod,
     within: float,
+    *,
     whole: ByMethod | None = None,
     compared: Bools | bool = True,
 ) -> Outcomes:

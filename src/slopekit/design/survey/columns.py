@@ -191,7 +191,7 @@ def unit_in_heading(heading: str) -> str:
     return _split(heading)[1]
 
 
-def way_of(keys: Iterable[str | None]) -> tuple[str, ...] | None:
+def plane_columns(keys: Iterable[str | None]) -> tuple[str, ...] | None:
     """The columns that give the plane, None where they do not suffice."""
     there = set(keys)
     return next((way for way in WAYS if there.issuperset(way)), None)

@@ -22,9 +22,9 @@ from slopekit.design.survey.columns import (
     REFERENCE_LINES,
     SurveyColumn,
     key_of,
+    plane_columns,
     spelled,
     unit_in_heading,
-    way_of,
 )
 
 #: Names of the depth along a hole.
@@ -180,7 +180,7 @@ def _gives_planes(columns: Mapping[str, SurveyColumn]) -> bool:
     direction = columns.get("dip_direction")
     if "dip" in columns and direction is not None and spelled(direction.heading) not in AMBIGUOUS_DIRECTIONS:
         return True
-    way = way_of(key for key in columns if key not in ("dip_direction", *CORE))
+    way = plane_columns(key for key in columns if key not in ("dip_direction", *CORE))
     return way is not None and (way != ("trend", "plunge") or _are_poles(columns))
 
 
@@ -190,7 +190,7 @@ def _are_poles(columns: Mapping[str, SurveyColumn]) -> bool:
 
 def _refuse_trend_of_hole(name: str, columns: Mapping[str, SurveyColumn], headings: Sequence[str], where: str) -> None:
     """Refuse trend and plunge beside a hole or a depth: they may be those of the hole as well as of poles."""
-    if way_of(columns) != ("trend", "plunge") or "hole_trend" in columns or _are_poles(columns):
+    if plane_columns(columns) != ("trend", "plunge") or "hole_trend" in columns or _are_poles(columns):
         return
     of_core = ("hole", "reference")
     sign = next((one for one in headings if key_of(one) in of_core or spelled(one) in DEPTHS), None)

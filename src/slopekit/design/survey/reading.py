@@ -43,8 +43,8 @@ from slopekit.design.survey.columns import (
     named_in_order,
     names_may_repeat,
     number_in,
+    plane_columns,
     spelled,
-    way_of,
     why_no_joints,
 )
 from slopekit.design.survey.joint_list import JointList, MeasuredJoint
@@ -296,7 +296,7 @@ class _Reader:
                 self.table.start(row, blanks)
                 cells = [cell.lstrip("#* ") if k == 0 else cell for k, cell in enumerate(self.table.cells(row))]
                 cells = cells[1:] if len(cells) == len(first) + 1 and not cells[0] else cells
-                if len(cells) == len(first) and way_of(map(key_of, cells)) is not None:
+                if len(cells) == len(first) and plane_columns(map(key_of, cells)) is not None:
                     return row, cells
         return None
 
@@ -305,7 +305,7 @@ class _Reader:
         row, below = self.table.rows[k], self.table.rows[k + 1 : k + 2]
         self.table.start(row)
         cells = self.table.cells(row)
-        if way_of(map(key_of, cells)) is None:
+        if plane_columns(map(key_of, cells)) is None:
             return False
         first = [next(iter(self.table.cells(row)), "") for row in below]
         return len(cells) > 1 or any(_PLANE.match(text) or parse_quadrants(text) for text in first)
@@ -373,7 +373,7 @@ class _Reader:
         else:
             self.left_out += [f"column {heading}" for heading in ignored]
         self.columns = core_columns(self.name, self.columns, headings, self.rows.values(), self.where(line))
-        way = way_of(self.columns)
+        way = plane_columns(self.columns)
         if way is None:
             names = " and ".join(WORDS[key] for key in WAYS[0] if key not in self.columns)
             self.fault("E191", f"{self.name} has no column for {names}", line, self.near_columns(headings))

@@ -15,7 +15,7 @@ from slopekit.core.degrees import decimal_degrees
 from slopekit.core.orientation import number
 from slopekit.core.units import is_unit_of, unit_of
 from slopekit.design.reading.nodes import fail
-from slopekit.design.survey.columns import key_of, unit_in_heading, way_of
+from slopekit.design.survey.columns import key_of, plane_columns, unit_in_heading
 
 _LONGEST = 3  # words of a name: dip direction (deg) counts two
 _DEGREES = re.compile(r"(deg|°|º)", re.IGNORECASE)
@@ -44,7 +44,7 @@ def headings_by_blanks(header: str, row: str) -> list[str] | None:
         name = next((name for name in longest_first if key_of(name.replace("\0", " "))), words[0])
         headings.append(name.replace("\0", " "))
         words = words[len(name.split(" ")) :]
-    gives_planes = way_of(map(key_of, headings)) is not None
+    gives_planes = plane_columns(map(key_of, headings)) is not None
     return headings if gives_planes and len(headings) == len(row.split()) > 1 else None
 
 

@@ -116,8 +116,10 @@ class SolvedAssembly:
 
     def with_history(self, most: int) -> "SolvedAssembly":
         """Return the result with what progressive slip and debonding make of so many blocks or fewer (W504)."""
-        fos, part = self.result.fos, self.ravelling.failures[0].parts[0] if self.ravelling.failures else None
-        stable, lower = debonding(part, most, fos.limit) if part is not None and fos.limit is not None else (None, ())
+        fos = self.result.fos
+        if fos.limit is None:
+            return self
+        stable, lower = debonding(self.ravelling.failures[0].parts[0], most, fos.limit)
         if stable is None:
             return self
         fos = replace(fos, lowest=min(stable, fos.lowest or stable))
@@ -149,7 +151,7 @@ class ManyBlocks(Kind[A]):
     def ladder(self, design: A) -> "Ladder":
         from slopekit.kinds.assemblies.many_blocks_ladder import ladder_of_blocks  # only `check` asks
 
-        return ladder_of_blocks(design, self.solved(design))
+        return ladder_of_blocks(self.solved(design))
 
     def at_load(self, without: A, unit: A, target: float) -> float | None:
         _, _, critical = self._critical(without, unit, target)
@@ -240,7 +242,7 @@ class ManyBlocks(Kind[A]):
             int((~assembly.fixed).sum()), sum(part.model.load.size for part in parts),
             sum(part.model.joint_pairs.stop for part in parts), max(split, default=0),
             max((part.mesh_change for part in first if part.mesh_change is not None), default=None),
-            _left_out(design, scene, parts, drained=design.mechanisms > 1 or bool(ravelling.chips)),
+            _left_out(scene, parts, drained=design.mechanisms > 1 or bool(ravelling.chips)),
             max((part.limit.steps for part in first), default=0), mechanisms[0].change if mechanisms else 0.0,
         )  # fmt: skip
         standing = scene.without(ravelling.gone())
@@ -339,9 +341,7 @@ def balance_of(parts: Sequence[Part], at_rest: bool = False) -> Balance | None:
     ])  # fmt: skip
 
 
-def _left_out(
-    design: AssemblyDesign, scene: AssemblyScene, parts: Sequence[Part], drained: bool = False
-) -> tuple[str, ...]:
+def _left_out(scene: AssemblyScene, parts: Sequence[Part], drained: bool) -> tuple[str, ...]:
     """What was not modelled, with the proof or the check that lets it be."""
     said = ["bedrock and fixed blocks (they do not move), contacts between them, free faces", *scene.left_out]
     if len(parts) > 1:

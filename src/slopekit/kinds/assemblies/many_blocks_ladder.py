@@ -9,7 +9,6 @@ from slopekit.kinds.assemblies.many_blocks import (
     SolvedAssembly,
     balance_of,
 )
-from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.kinds.assemblies.many_blocks_scene import scene_loads
 from slopekit.kinds.single_block.ladders import MOST_PAIRS, OTHER_STRENGTH, Ladder, Rung, often, timed
 from slopekit.kinds.solver_inputs import joint_strength
@@ -21,7 +20,7 @@ _MOST_SEARCHED = 100  # moving blocks for which `check` looks for the all-pairs 
 _RATIOS = (0.1, 1.0)  # k_t / k_n of the path beside its own: where the limit depends on it, it is not the only one
 
 
-def ladder_of_blocks(design: AssemblyDesign, solution: SolvedAssembly) -> Ladder:
+def ladder_of_blocks(solution: SolvedAssembly) -> Ladder:
     """The result with its all-pairs factor, the rungs, the limit at other strengths."""
     few = solution.result.model.moving_blocks <= _MOST_SEARCHED
     if few and solution.result.displacements.all_pairs is None:

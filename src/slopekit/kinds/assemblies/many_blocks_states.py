@@ -348,7 +348,7 @@ def gyration(scene: AssemblyScene) -> Floats:
     inertia_per_mass = np.zeros((len(assembly), 3, 3))
     if assembly.in_section:
         for block, (outline, centroid) in enumerate(zip(scene.polygons, assembly.centroids, strict=True)):
-            inertia_per_mass[block, 1, 1] = _of_outline(outline - centroid[[0, 2]])
+            inertia_per_mass[block, 1, 1] = _polar_moment(outline - centroid[[0, 2]])
         return inertia_per_mass
     for block in np.flatnonzero(~assembly.fixed).tolist():
         faces = assembly.vertices[assembly.triangles[assembly.triangle_block == block]]
@@ -357,7 +357,7 @@ def gyration(scene: AssemblyScene) -> Floats:
     return inertia_per_mass
 
 
-def _of_outline(outline: Floats) -> float:
+def _polar_moment(outline: Floats) -> float:
     """Polar moment of area of a polygon (k, 2) about the origin, per unit of area."""
     after = np.roll(outline, -1, axis=0)
     twice = outline[:, 0] * after[:, 1] - outline[:, 1] * after[:, 0]

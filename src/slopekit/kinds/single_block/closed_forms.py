@@ -101,7 +101,7 @@ class OnArrays(Generic[D]):
     Attributes
     ----------
     arguments : of a design, but for its passive bolts
-    of_strengths : the arguments that hold the cohesion and friction of its joints
+    strength_arguments : the arguments that hold the cohesion and friction of its joints
     closed_forms : designs by their arguments and the bolts that they share; each of the arguments is one number for all
         of them or an array
     bounds : the planes that bound the blocks of a design, whose numbers may be arrays
@@ -116,7 +116,7 @@ class OnArrays(Generic[D]):
     """
 
     arguments: Callable[[D], Arguments]
-    of_strengths: Callable[[Sequence[Strength]], Arguments]
+    strength_arguments: Callable[[Sequence[Strength]], Arguments]
     closed_forms: Callable[[Mapping[str, Any], Sequence[Sequence[Any]]], ClosedForms]
     bounds: Callable[[D], Bounds]
     sizes: Callable[[D], SizesOfMany | None]
@@ -145,7 +145,7 @@ class OnArrays(Generic[D]):
         arguments, bolts = self.arguments(design), passive_bolts(design)
 
         def on_lines(lines: Sequence[Strength]) -> ClosedForms:
-            return self.closed_forms(arguments | self.of_strengths(lines), bolts)
+            return self.closed_forms(arguments | self.strength_arguments(lines), bolts)
 
         return on_secants(strengths, on_lines, ClosedForms.tractions_kpa)
 

@@ -125,7 +125,7 @@ def moment_limit(scene: ContactModel) -> FoundLimit:
     forces, bed, by_forces, state = factors.forces, factors.bed, factors.by_forces, factors.state
     if factors.exact is not None:
         exact = factors.exact
-        scene = replace(scene, model=_drawn(model, exact.normal_force))
+        scene = replace(scene, model=_with_lines(model, exact.normal_force))
         return FoundLimit(
             scene, scene, LimitAnalysis(exact, exact, exact, False, _curved(scene.model)), factors=factors
         )
@@ -163,7 +163,7 @@ def _on_bed_points(
         plus=np.zeros(count, dtype=np.int64),
         minus=np.full(count, BEDROCK),
     )
-    on_points = _drawn(bedding.model_of(pairs), forces.normal)
+    on_points = _with_lines(bedding.model_of(pairs), forces.normal)
     moved = bed.in_units_of(on_points, state.velocity[0])
     limit = Limit(
         outcome=Outcome.SLIDES,
@@ -219,10 +219,10 @@ def _drawn_at_limit(scene: ContactModel, factors: FlatLimit) -> ContactModel:
     if model.lines is None or bed is None or state is None or factors.factor is None:
         return scene
     normal = model.control_area * (-model.normal_rows @ bed.in_units_of(model, state.displacement[0])).clip(0.0)
-    return replace(scene, model=_drawn(model, normal))
+    return replace(scene, model=_with_lines(model, normal))
 
 
-def _drawn(model: Model, normal: Floats) -> Model:
+def _with_lines(model: Model, normal: Floats) -> Model:
     """Return the model with the lines of curved laws at such normal forces of its node pairs."""
     if model.lines is None:
         return model

@@ -130,7 +130,7 @@ def reach_of_many(
     design : whose numbers may be arrays; strengths : of its joints, likewise
     """
     dry: dict[str, Any] = {"crack": None, "water": Water(), "surcharge_kpa": 0.0}
-    arguments = on_arrays.arguments(replace(design, **dry)) | on_arrays.of_strengths(strengths)
+    arguments = on_arrays.arguments(replace(design, **dry)) | on_arrays.strength_arguments(strengths)
     arguments |= dict.fromkeys(name for name in arguments if "crack" in name)
     return on_arrays.closed_forms(arguments, ()), on_arrays.crack_reach_m(design)
 

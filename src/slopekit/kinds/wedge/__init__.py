@@ -30,7 +30,7 @@ from slopekit.kinds.single_block.held_bolts import NEARLY_PARALLEL_DEG
 from slopekit.kinds.single_block.one_block import DILATES, SingleBlock
 from slopekit.kinds.single_block.one_block_limit import Cut, find_limit
 from slopekit.kinds.wedge import limits
-from slopekit.kinds.wedge.cutting import corners_of, cut, full_water, shaken, shape_of
+from slopekit.kinds.wedge.cutting import cut, design_corners, full_water, shaken, shape_of
 from slopekit.kinds.wedge.design import WedgeDesign, read_wedge
 from slopekit.kinds.wedge.planes import bounds, heights
 from slopekit.kinds.words import (
@@ -64,7 +64,7 @@ def arguments(design: WedgeDesign) -> Arguments:
             "basal_height_m": basal.height_m, "pressure3": pressures[2],
         }  # fmt: skip
     return columns | loads | {
-        **_of_strengths(design.strengths),
+        **_strength_arguments(design.strengths),
         "unit_weight_kn_m3": design.rock.unit_weight_kn_m3, "fill": design.water.fill if pressures[0] is None else 0.0,
         "water_unit_weight_kn_m3": design.water_unit_weight_kn_m3, "crack_fill": design.water.crack_fill,
         "pressure1": pressures[0], "pressure2": pressures[1], "pressure5": pressures[-1],
@@ -75,7 +75,7 @@ def arguments(design: WedgeDesign) -> Arguments:
     }  # fmt: skip
 
 
-def _of_strengths(strengths: Sequence[Strength]) -> Arguments:
+def _strength_arguments(strengths: Sequence[Strength]) -> Arguments:
     cohesions: Arguments = {f"cohesion{k}_kpa": own.cohesion_kpa for k, own in enumerate(strengths, 1)}
     return cohesions | {f"friction{k}_deg": own.friction_angle_deg for k, own in enumerate(strengths, 1)}
 
@@ -136,7 +136,7 @@ def _also_of_many(design: WedgeDesign, strengths: Sequence[Strength], before: Fl
 
 
 ON_ARRAYS = OnArrays(
-    arguments, _of_strengths, closed_forms, bounds, _sizes, crack_reach, _also_of_many,
+    arguments, _strength_arguments, closed_forms, bounds, _sizes, crack_reach, _also_of_many,
     full_water, shaken,
 )  # fmt: skip
 
@@ -150,7 +150,7 @@ def closed_form(design: WedgeDesign, made: Cut | None = None) -> ClosedForm:
         Where the planes cut no wedge; as `cut`, on two joints without a cut.
     """
     if made is None:
-        (corners_of if design.basal is None else shape_of)(design)
+        (design_corners if design.basal is None else shape_of)(design)
     dilates = any(strength.dilation_deg for strength in design.strengths)
     return replace(ON_ARRAYS.of(design), why_not=DILATES if dilates else "")
 

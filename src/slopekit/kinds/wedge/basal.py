@@ -22,7 +22,7 @@ from slopekit.kinds.sizes import on_plane
 from slopekit.kinds.wedge import ON_ARRAYS
 from slopekit.kinds.wedge.cutting import Shape
 from slopekit.kinds.wedge.design import WedgeDesign
-from slopekit.kinds.wedge.planes import BASAL, J1, J2, basal_at, bounds, crest_of, dots, names_of, trace_behind
+from slopekit.kinds.wedge.planes import BASAL, J1, J2, basal_at, bounds, crest_geometry, dots, plane_names, trace_behind
 from slopekit.kinds.words import line_in_words, short
 
 _ACROSS = 1e-9  # a cosine: along the strike of the face it dips neither way
@@ -65,7 +65,7 @@ def shape_of(design: WedgeDesign) -> Shape:
     for joint in (J1, J2):
         sine = cross(around.outward[joint, 0], around.outward[BASAL, 0])
         if math.sqrt(float(sine @ sine)) < SAME_DIRECTION:
-            message = f"{names_of(design)[joint]} is parallel to the basal joint: they cannot both bound a block"
+            message = f"{plane_names(design)[joint]} is parallel to the basal joint: they cannot both bound a block"
             raise GeometryError([Fault("E440", message, "", "Give the basal joint another orientation.")])
     dry = replace(design, water=Water(), surcharge_kpa=0.0)  # which may not fit the block for another reason
     forms = ON_ARRAYS.forms(dry, [Strength(0.0, 0.0)] * 3)
@@ -118,7 +118,7 @@ def crack_reach(design: WedgeDesign) -> Floats:
     Of one design or of one whose numbers are arrays.
     """
     assert design.crack is not None
-    around, ((first, _, face, upper), _, crest1, _) = bounds(replace(design, crack=None)), crest_of(design)
+    around, ((first, _, face, upper), _, crest1, _) = bounds(replace(design, crack=None)), crest_geometry(design)
     corners = blocks_within(around, around.offsets.shape[1]).corners()
     crack = upward(design.crack.plane.dip_deg, design.crack.plane.dip_direction_deg)
     along = dots(crack, trace_behind(first, face, upper))
@@ -207,7 +207,7 @@ def without_basal_of_many(design: WedgeDesign, strengths: Sequence[Strength], be
     names, outcome, factor = forms.names, forms.outcome, forms.factor
     no_block = np.array([name.startswith("E") for name in names])
     if design.crack is not None:  # it may lie behind it
-        bare = ON_ARRAYS.forms(_without_crack(whole), strengths[:2])
+        bare = ON_ARRAYS.forms(replace(whole, crack=None, water=replace(whole.water, crack_fill=None)), strengths[:2])
         behind = no_block[outcome]
         outcome, factor = np.where(behind, bare.outcome, outcome), np.where(behind, bare.factor, factor)
     with np.errstate(invalid="ignore"):
@@ -221,7 +221,3 @@ def _whole(design: WedgeDesign) -> WedgeDesign:
     """The wedge on J1 and J2 alone."""
     water = replace(design.water, pressures_kpa=(*design.water.pressures_kpa[:2], *design.water.pressures_kpa[3:]))
     return replace(design, strengths=design.strengths[:2], basal=None, water=water)
-
-
-def _without_crack(whole: WedgeDesign) -> WedgeDesign:
-    return replace(whole, crack=None, water=replace(whole.water, crack_fill=None))

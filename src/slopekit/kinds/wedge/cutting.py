@@ -22,7 +22,7 @@ from slopekit.kinds.sizes import Crest, sizes_of_faces
 from slopekit.kinds.solver_inputs import joint_strength, loads_in_slope
 from slopekit.kinds.wedge import limits
 from slopekit.kinds.wedge.design import WedgeDesign
-from slopekit.kinds.wedge.planes import J1, J2, bounds, names_of
+from slopekit.kinds.wedge.planes import J1, J2, bounds, plane_names
 from slopekit.preie.system.model import build_model
 
 if TYPE_CHECKING:
@@ -53,11 +53,11 @@ def shape_of(design: WedgeDesign) -> Shape:
         from slopekit.kinds.wedge import basal
 
         return basal.shape_of(design)
-    (back, crest1, crest2), around = corners_of(design), bounds(design)
+    (back, crest1, crest2), around = design_corners(design), bounds(design)
     if np.isnan(around.offsets).any():
         message = "the crack cuts the wedge in two below its crest: both parts are free to leave the rock"
         raise GeometryError([Fault("E208", message)])
-    block, names = blocks_within(around, 1).block(), names_of(design)
+    block, names = blocks_within(around, 1).block(), plane_names(design)
     missing = [names[plane] for plane in range(len(around.outward)) if plane not in block.faces]
     if {"J1", "J2", "face"} & set(missing):
         raise GeometryError([Fault("E208", "joints and face bound no wedge: one of them does not reach it")])
@@ -73,7 +73,7 @@ def shape_of(design: WedgeDesign) -> Shape:
 def cut(design: WedgeDesign) -> Cut:
     """Cut the wedge and load it. Raises GeometryError where the planes cut no such wedge."""
     shape = shape_of(design)
-    block, joints, names = shape.block, range(len(design.strengths)), names_of(design)
+    block, joints, names = shape.block, range(len(design.strengths)), plane_names(design)
     face, upper, crack = range(joints.stop, joints.stop + 3)
     acting = loads_in_slope(design, block, shape.bounds, full_water, shaken(design)[0], np.eye(3))
     polygons = {joint: block.faces[joint] for joint in joints}
@@ -90,7 +90,7 @@ def cut(design: WedgeDesign) -> Cut:
     )  # fmt: skip
 
 
-def corners_of(design: WedgeDesign) -> tuple[Floats, Floats, Floats]:
+def design_corners(design: WedgeDesign) -> tuple[Floats, Floats, Floats]:
     """`wedge_corners` of a wedge on two joints. Raises GeometryError where there is none, or one beyond its limits."""
     joints = np.array([plane.normal() for plane in design.joints])
     crack = design.crack
@@ -141,7 +141,7 @@ def _level(ways: Floats) -> Floats:
 
 def _geometry(design: WedgeDesign, shape: Shape, interfaces: Mapping[int, str]) -> WedgeGeometry:
     block, line, origin = shape.block, line_of(shape.line), np.array(design.origin_m)
-    names, areas = names_of(design), {name: block.areas[plane] for plane, name in interfaces.items()}
+    names, areas = plane_names(design), {name: block.areas[plane] for plane, name in interfaces.items()}
     faces = {names[plane]: polygon for plane, polygon in block.faces.items()}
     crest = Crest(shape.corners_m["crest_J1"], design.face.normal(), design.upper.normal())
     return WedgeGeometry(

@@ -191,7 +191,7 @@ class WedgeDesign(SlopeDesign):
         yield from other_strengths(self)
         first, second = self.joints
         for name, joints in (("J1", (steeper(first), second)), ("J2", (first, steeper(second)))):
-            if max(plane.dip_deg for plane in joints) <= 90.0:
+            if max(joints[0].dip_deg, joints[1].dip_deg) <= 90.0:
                 yield f"dip of {name} +1°", replace(self, joints=joints)
         if self.basal is not None and self.basal.plane.dip_deg <= 89.0:
             yield "dip of basal +1°", replace(self, basal=replace(self.basal, plane=steeper(self.basal.plane)))

@@ -13,7 +13,7 @@ J1, J2, BASAL = range(3)
 _ON = 1e-12  # of the size of a wedge: its crest is on the crack
 
 
-def names_of(design: WedgeDesign) -> tuple[str, ...]:
+def plane_names(design: WedgeDesign) -> tuple[str, ...]:
     """The names of the planes, as `bounds` has them."""
     return ("J1", "J2", *(() if design.basal is None else ("basal",)), "face", "upper slope", "crack")
 
@@ -30,7 +30,7 @@ def heights(design: WedgeDesign) -> tuple[Any, Any]:
     return (scaled, misfit) if len(misfit) > 1 else (float(scaled[0]), int(misfit[0]))
 
 
-def crest_of(design: WedgeDesign) -> tuple[list[Floats], list[Floats], Floats, Floats]:
+def crest_geometry(design: WedgeDesign) -> tuple[list[Floats], list[Floats], Floats, Floats]:
     """Of the wedges of a design whose numbers may be arrays: upward normals of J1, J2, face and upper slope (n, 3).
 
     Then the traces of the joints on the face, where that of J1 meets the crest (n, 3), the upper slope's offset (n,).
@@ -49,7 +49,7 @@ def basal_at(design: WedgeDesign) -> tuple[Floats, Floats]:
     assert basal is not None
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.atleast_1d(basal.height_m) / np.atleast_1d(design.height_m)
-        return upward(basal.plane.dip_deg, basal.plane.dip_direction_deg), crest_of(design)[2] * share[:, None]
+        return upward(basal.plane.dip_deg, basal.plane.dip_direction_deg), crest_geometry(design)[2] * share[:, None]
 
 
 def bounds(design: WedgeDesign) -> Bounds:
@@ -59,7 +59,7 @@ def bounds(design: WedgeDesign) -> Bounds:
     height of the basal joint is below 0, it lies under the origin (a socket wedge). Of planes that cut no block they
     are not numbers, or mean nothing.
     """
-    (first, second, face, upper), traces, crest1, offset = crest_of(design)
+    (first, second, face, upper), traces, crest1, offset = crest_geometry(design)
     joints = 2 if design.basal is None else 3
     below: Any = 1.0 if design.basal is None else np.where(np.atleast_1d(design.basal.height_m) < 0.0, -1.0, 1.0)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -39,7 +39,7 @@ _NEARLY = (3e-3, 1e-4)  # in space, and where cohesion acts on what is pressed: 
 _PATIENCE = 60  # factorisations in which a step of A should be at rest or run
 ROUGHER = 7  # doublings of the strength to start from
 _LIGHTER = 4  # first loads, each a tenth of the one before
-# of ln λ: a limit so far below the last rest, 0.6 times it, or a step of stage A above it is that of another motion
+# of ln λ: a limit so far below the last rest, 0.6 times it, is that of another motion
 _OTHER = 0.5
 _FAILS = 7
 _BORDERED_AS_WELL = 600  # unknowns in space up to which stage L is tried before C has settled: its matrix is dense
@@ -116,8 +116,7 @@ class _Path:
         while True:
             if runs and 1.0 - bed.drive.gap(runs[-1][0], self.stable) < brackets[place]:
                 unstable, flow, tried_work = runs.pop()
-                crept = bed.worked(self.state.at) > tried_work + 1.0
-                if crept:
+                if bed.worked(self.state.at) > tried_work + 1.0:  # they have crept on since
                     flow = at_rest_next(bed, self.state.at, unstable)
                 if flow.ended in ("slow", "lost"):
                     flow = relaxed(bed, flow.at, unstable, max(flow.viscosity, THICK), runs_at=RUNS)

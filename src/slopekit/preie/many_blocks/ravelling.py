@@ -454,7 +454,7 @@ def _split(scene: WholeAssembly, there: Bools, part: Part) -> Part:
     blocks = part.blocks
     for level in range(1, _MOST_SPLIT + 1):
         coarse, coarser = _too_coarse(part), part.limit
-        if not coarse.any() or (_is_peak(coarser) and _large(part.model)):
+        if not coarse.any() or (coarser.basis is Basis.PEAK and _large(part.model)):
             break
         refine = np.zeros(len(scene.assembly.patches), dtype=np.int64) if part.refined is None else part.refined.copy()
         refine[part.patch[coarse[: len(part.patch)]]] = level
@@ -468,7 +468,7 @@ def _split(scene: WholeAssembly, there: Bools, part: Part) -> Part:
         if not limit.factor:
             break
         change = abs(limit.factor / coarser.factor - 1.0)
-        if _is_peak(limit) and not _is_peak(coarser) and limit.factor > coarser.factor:
+        if limit.basis is Basis.PEAK and coarser.basis is not Basis.PEAK and limit.factor > coarser.factor:
             return replace(part, mesh_change=change)  # a last rest raises no limit of a motion
         part = replace(
             part, model=model, patch=model_patch[1], limit=limit, refined=refine, mesh_change=change, groups=None
@@ -476,11 +476,6 @@ def _split(scene: WholeAssembly, there: Bools, part: Part) -> Part:
         if change < MESH_CHANGE:
             break
     return part
-
-
-def _is_peak(limit: BlocksLimit) -> bool:
-    """Return whether the last state at rest stands for a limit."""
-    return limit.basis is Basis.PEAK
 
 
 def _too_coarse(part: Part) -> Bools:
@@ -503,7 +498,7 @@ def _too_coarse(part: Part) -> Bools:
     area, bonds = summed(model.control_area), summed(model.cohesion)
     touching = summed(model.control_area * (limit.normal_force > 0.0))
     partly_open: Bools = (touching > 0.0) & (touching < (1.0 - SAME_LIMIT) * area)
-    if model.unknowns == 3 or _is_peak(limit) or _slides_rigidly(limit.velocity):
+    if model.unknowns == 3 or limit.basis is Basis.PEAK or _slides_rigidly(limit.velocity):
         partly_open &= bonds > 0.0
     if model.unknowns == 3:
         return partly_open

@@ -6,7 +6,8 @@ of a joint, the direction d of its slip and the tangent of its dilation, tan ψ 
     (n - tan ψ d) · v = 0,    Σ N n - λ (c A + N tan φ) d + P + λ P_bolts = 0
 
 Slip presses what it opens: tractions are those of a bed without dilation whose normals are n - tan ψ d, with friction
-λ tan φ - tan ψ along them. Where that bed is pressed at every corner the slide is the limit.
+λ tan φ - tan ψ along them. Elastic slip opens nothing, which makes joints softer by 1 + tan ψ λ tan φ k_n / k_t. Where
+that bed is pressed at every corner the slide is the limit.
 """
 
 from dataclasses import replace
@@ -38,11 +39,12 @@ def dilating_slides(beds: Beds) -> tuple[Beds, ForcesLimits, BedLimits]:
     )
     cohesion = beds.line[contact, 1] * beds.whole[contact, 0, 0] * inside
     friction, most = (by[contact, None] * inside[:, :, None] for by in (beds.line[:, 2], beds.tan_dilation))
-    tilted, reduction = normals, np.zeros((len(load), 1, 1))
+    tilted, forward, reduction = normals, load, np.zeros((len(load), 1, 1))
     pushes = np.maximum(-load @ np.linalg.pinv(normals), 0.0)[:, 0]
     for _ in range(_MOST_ROUNDS):
         velocity = np.linalg.svd(tilted)[2][:, -1:]
-        velocity *= np.where((velocity * load).sum(axis=2, keepdims=True) < 0.0, -1.0, 1.0)
+        velocity *= np.where((velocity * forward).sum(axis=2, keepdims=True) < 0.0, -1.0, 1.0)
+        forward = velocity  # the load does no work where joints dilate by all of their friction
         slip = (tangents @ velocity[:, None].swapaxes(2, 3))[..., 0]
         slip /= np.maximum(np.sqrt((slip * slip).sum(axis=2)), NO_FORCE)[:, :, None]
         drag = (slip[:, :, None] @ tangents)[:, :, 0]
@@ -64,8 +66,10 @@ def dilating_slides(beds: Beds) -> tuple[Beds, ForcesLimits, BedLimits]:
     slides[:, :moves], slides[:, -1] = velocity[:, 0], np.where(good & (change < SETTLED * lam), lam, np.nan)
     by_forces = ForcesLimits(np.full(len(lam), ForcesStatus.SLIDES), slides, pushes, (reduction * pulls)[:, 0])
     opening, *slips = np.split(beds.rows, 3, axis=1)
-    tilt, line = dilation[inside], beds.line.copy()
-    line[:, 2] -= tilt[:, 0] / np.repeat(slides[:, -1], count)
+    tilt, line = dilation[inside], beds.line
+    lam = np.repeat(slides[:, -1], count)
+    softer = 1.0 + tilt[:, 0] * lam * line[:, 2] / beds.shear_ratio
+    line = np.column_stack([line[:, 0] / softer, line[:, 1] * softer, line[:, 2] - tilt[:, 0] / lam])
     opening = opening - tilt[:, :, None] * np.einsum("mj,jmku->mku", slip[inside], np.stack(slips))
     bed = replace(beds, rows=np.concatenate([opening, *slips], axis=1), line=line)
     return bed, by_forces, running_limits(bed, slides)[0]

@@ -20,6 +20,7 @@ from slopekit.preie.one_block.bed_path import COARSE, BedPath, lengths
 from slopekit.preie.one_block.forces_limits import ForcesLimits, forces_limits
 from slopekit.preie.one_block.polygon_bed import Beds, BedSprings, elastic_bed
 from slopekit.preie.outcome import Limit, Outcome
+from slopekit.preie.system.contact import SHEAR_TO_NORMAL
 from slopekit.preie.system.model import Model
 from slopekit.preie.tolerances import NO_FORCE
 from slopekit.strength.mohr_coulomb import line
@@ -87,11 +88,11 @@ def _pressed(forces: Limit, model: Model, displacement: Floats) -> FlatLimit:
     """Return the limit of the forces with moments balanced by an elastic displacement (u,), every node pair pressed."""
     assert forces.factor is not None
     slips, moved = model.relative(forces.velocity)[:, 1:], model.relative(displacement)
-    dilation = np.minimum(model.tan_dilation, model.tan_friction / forces.factor) / np.maximum(
-        model.slip(forces.velocity), NO_FORCE
-    )
-    opening = moved[:, 0] - dilation * (slips * moved[:, 1:]).sum(axis=1)
-    normal = np.maximum(-model.control_area * opening, 0.0)
+    friction = model.tan_friction / forces.factor
+    dilation = np.minimum(model.tan_dilation, friction)
+    along = (slips * moved[:, 1:]).sum(axis=1) / np.maximum(model.slip(forces.velocity), NO_FORCE)
+    softer = 1.0 + dilation * friction / SHEAR_TO_NORMAL  # elastic slip opens nothing, see `dilating`
+    normal = np.maximum(-model.control_area * (moved[:, 0] - dilation * along) / softer, 0.0)
     exact = _with_friction(forces, model, normal, np.ones(len(normal)))
     return FlatLimit(exact, exact)
 

@@ -28,14 +28,13 @@ class Slippage:
     ----------
     pairs : node pairs with normals square to the motions
     motions : how many independent motions the surface lets through (0: none, the load's own was taken)
-    misfit_deg : root mean square angle by which the normals were turned
-    left_as_it_was : no motion comes near: the normals are the surface's own
+    misfit_deg : root mean square angle by which the normals were turned; above `FARTHEST_DEG` no motion comes near, and
+        they are the surface's own
     """
 
     pairs: NodePairs
     motions: int
     misfit_deg: float
-    left_as_it_was: bool
 
 
 def slippable(pairs: NodePairs, centroid: Floats, load: Floats) -> Slippage:
@@ -78,10 +77,10 @@ def slippable(pairs: NodePairs, centroid: Floats, load: Floats) -> Slippage:
             turned, moved = _square_to(pairs.normals, np.einsum("niu,u->ni", point_rows, driving)[:, :, None])
     misfit = float(np.sqrt(weight @ moved**2))
     if misfit < TURNED:
-        return Slippage(pairs, int(free.sum()), 0.0, False)
+        return Slippage(pairs, int(free.sum()), 0.0)
     if np.degrees(misfit) > FARTHEST_DEG:
-        return Slippage(pairs, 0, float(np.degrees(misfit)), True)
-    return Slippage(replace(pairs, normals=frozen(turned)), int(free.sum()), float(np.degrees(misfit)), False)
+        return Slippage(pairs, 0, float(np.degrees(misfit)))
+    return Slippage(replace(pairs, normals=frozen(turned)), int(free.sum()), float(np.degrees(misfit)))
 
 
 def _tangent(normals: Floats, velocities: Floats) -> bool:

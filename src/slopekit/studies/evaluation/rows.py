@@ -165,4 +165,4 @@ def outcomes_on_arrays(
         words[forming], factor[forming], forces[forming] = limits.status, limits.limit, limits.forces
     limit = ByMethod.of(words.tolist(), factor)
     within, compared = columns.design.analysis.agree_within, ~columns.dilation(values)[0]
-    return agreement(limit, forces, closed.refused(words), within, whole, compared), limits, forming
+    return agreement(limit, forces, closed.refused(words), within, whole=whole, compared=compared), limits, forming

@@ -95,9 +95,10 @@ class Vectorised:
         design = self._scattered(values)
         return held(self.on_arrays.bounds(design), design.bolts, self.before)[0]
 
-    def worst_cracks(self, values: Floats) -> tuple[Bools, Floats]:
-        """Which samples form a block without their crack, and where that is worst: not a number where nowhere is.
+    def worst_cracks(self, values: Floats) -> tuple[Floats, Bools]:
+        """Where the crack of each sample is worst, and in which of those that form a block no place gives a factor.
 
+        There, and without a block, it is where the design has it: any place says the same of a sample without a block.
         Bolts pull as they were laid out: those that a place of the crack frees are found with it.
         """
         on_arrays = self.on_arrays
@@ -113,7 +114,9 @@ class Vectorised:
             cracked = replace(cracked, crack=replace(cracked.crack, distance_m=places.ravel()))
             return cracked, self._strengths(repeated)
 
-        return ~np.char.startswith(words, "E") | endless, worst_of_many(design, on_arrays, cracked_at, reach)[0]
+        forms, found = ~np.char.startswith(words, "E") | endless, worst_of_many(design, on_arrays, cracked_at, reach)[0]
+        known = forms & np.isfinite(found)
+        return np.where(known, found, design.crack.distance_m), forms & ~known
 
     def arguments(self, values: Floats) -> dict[str, Any]:
         """The arguments of all samples: (n,) of those that scatter; of curved strength at one traction."""
@@ -122,7 +125,7 @@ class Vectorised:
         pulls = {
             f"bolt{k}_{axis}": pull for k, bolt in enumerate(passive_bolts(design)) for axis, pull in enumerate(bolt)
         }
-        return self.on_arrays.arguments(design) | self.on_arrays.of_strengths(lines) | pulls
+        return self.on_arrays.arguments(design) | self.on_arrays.strength_arguments(lines) | pulls
 
     def _scattered(self, values: Floats) -> Design:
         """The design with arrays in place of what scatters, but for its strengths."""

@@ -45,7 +45,5 @@ def crack_search(design: Design, values: Floats) -> tuple[Design, Vectorised] | 
 
 def placed(search: Vectorised, values: Floats) -> tuple[Floats, Bools]:
     """Samples (n, k) with the worst place of their crack (n, k + 1), and in which (n,) no place gives a factor."""
-    (blocks, found), crack = search.worst_cracks(values), search.design.crack  # type: ignore[attr-defined]
-    known = blocks & np.isfinite(found)
-    # without a block any place says the same of it
-    return np.column_stack([values, np.where(known, found, float(crack.distance_m))]), blocks & ~known
+    places, nowhere = search.worst_cracks(values)
+    return np.column_stack([values, places]), nowhere

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from slopekit.kinds import kind_of
 from slopekit.studies.evaluation.rows import Rows, outcomes_on_arrays
 from slopekit.studies.evaluation.vectorised import Vectorised, vectorised
 from slopekit.studies.outcomes import UNJUDGED, ByMethod, Outcomes
-from slopekit.studies.points import Point
+from slopekit.studies.points import WITHOUT_FORCE, Point
 from slopekit.studies.prob.cracks import crack_search, placed
 from slopekit.studies.prob.judged import IMPOSSIBLE
 from slopekit.studies.prob.sampling import Samples, settings_of
@@ -69,8 +68,9 @@ class SampleRows(Rows):
         return np.arange(stop - start), outcomes_on_arrays(self.fast, values, closed, pre_ie)[0]
 
     def point(self, row: int, pre_ie: bool) -> Point:
-        point = super().point(row, pre_ie)  # without notes, which are said of the means once
-        return point if point.factors is None else replace(point, factors=replace(point.factors, notes=()))
+        point = super().point(row, pre_ie)
+        notes = (WITHOUT_FORCE,) * (WITHOUT_FORCE in point.notes)  # all others are said of the means once
+        return point if point.factors is None else replace(point, factors=replace(point.factors, notes=notes))
 
     def whole(self, row: int, point: Point) -> WithoutBasal | None:
         if point.factors is not None or not point.code.startswith(("E2", "E44")) or point.code in UNJUDGED:
@@ -101,11 +101,19 @@ class SampleRows(Rows):
         """The sizes of the blocks of some samples (m,) by their keys, nan where none forms; empty: not known."""
         return {} if self.fast is None else self.fast.sizes(self.values(rows.start, rows.stop), forms)
 
-    def without_force(self, rows: slice, forms: Bools) -> Any:
-        """How many bolts do not hold the block of some samples (m,), 0 where none forms or it is not known."""
+    def without_force(self, outcomes: Outcomes, forms: Bools) -> Ints:
+        """How many bolts do not hold the block of each sample (n,), 0 where none forms.
+
+        Of samples that are read one by one, 1 for any number of them.
+        """
         if self.fast is None:
-            return np.zeros(len(forms), dtype=np.int64)
-        return (~self.fast.holds(self.values(rows.start, rows.stop)) & forms).sum(axis=0)
+            return (forms & [WITHOUT_FORCE in notes for notes in outcomes.notes]).astype(np.int64)
+        return np.concatenate(
+            [
+                (~self.fast.holds(self.values(rows.start, rows.stop)) & forming).sum(axis=0)
+                for rows, forming in self.pieces(forms)
+            ]
+        )
 
     def _closed_form(self, fast: Vectorised, values: Floats, nowhere: Bools) -> ByMethod:
         """Return what the closed form says of samples (n, k), also of values that no design can have."""

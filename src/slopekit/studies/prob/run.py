@@ -331,7 +331,7 @@ def prob(
         whose = " and ".join(["closed form"] * has_closed_form + ["PRE-IE"] * pre_ie)
         evaluator = f"{whose} of every sample{', all at once' if rows.is_on_arrays else ''}"
         judged = with_whole(Judged.by(outcomes.limit, fos, evaluator), outcomes.whole, fos)
-        of_bolts = tuple(_of_bolts(rows, judged.forms))
+        of_bolts = tuple(_of_bolts(rows, outcomes, judged.forms))
     beside = (
         with_whole(Judged.by(outcomes.closed_form, fos, ""), outcomes.whole, fos)
         if pre_ie and has_closed_form
@@ -349,18 +349,21 @@ def prob(
     )  # fmt: skip
 
 
-def _of_bolts(rows: SampleRows, forms: Bools) -> Iterator[Notice]:
+def _of_bolts(rows: SampleRows, outcomes: Outcomes, forms: Bools) -> Iterator[Notice]:
     """W311 where bolts with heads do not hold the block of every sample."""
     if not has_heads(rows.design.bolts):
         return
-    bolts = np.concatenate([rows.without_force(*piece).astype(np.int16) for piece in rows.pieces(forms)])
+    bolts, among = rows.without_force(outcomes, forms), counted(int(forms.sum()), "sample")
     if bolts.any():
-        most = sum(bolt.head_m is not None for bolt in rows.design.bolts)
-        lost, among = int((bolts > 0).sum()), counted(int(forms.sum()), "sample")
+        up_to = (
+            f" (up to {int(bolts.max())} of {sum(bolt.head_m is not None for bolt in rows.design.bolts)})"
+            * rows.is_on_arrays  # one by one it is not known how many
+        )
+        heads = ". Heads stand on each sample's own face" * rows.is_on_arrays
         yield Notice(
             "W311",
-            f"bolts give no force in {lost} of {among} that form a block (up to {int(bolts.max())} of {most}): there "
-            "they miss it, or end within it. Heads stand on each sample's own face",
+            f"bolts give no force in {int((bolts > 0).sum())} of {among} that form a block{up_to}: there they miss it, "
+            f"or end within it{heads}",
         )
 
 

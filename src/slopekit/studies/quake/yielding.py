@@ -224,7 +224,7 @@ def _gain(request: FactorRequest, method: Method, k: float) -> Gain | str:
     push = max(_PUSH * k, _LEAST_PUSH)
     forces = [Force(tuple(np.asarray(side * push * result.forces.weight * along).tolist())) for side in (-1.0, 1.0)]
     starts = [k + push, k - push if k > push else 0.5 * k]
-    pushed = [replace(request, forces=(force,)) for force in forces]
+    pushed = [replace(request, forces=(force,), points={}) for force in forces]
     moved = [_root(one, method, start) for one, start in zip(pushed, starts, strict=True)]
     if moved[0] is None or moved[1] is None or not moved[0] > moved[1]:
         return "another way to move is as near"

@@ -17,7 +17,7 @@ import numpy as np
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.codec import digest, json_of
 from slopekit.core.errors import Fault, Faults, Notice
-from slopekit.core.orientation import Line, Plane
+from slopekit.core.orientation import Line, Plane, tenths
 from slopekit.core.sheet import counted
 from slopekit.design.joint_lists import JointList, joint_list
 from slopekit.design.words import line_of_words
@@ -338,8 +338,3 @@ def _angles(poles: Floats, weights: Floats, axes: Axes, plane: Plane) -> dict[st
 def _plane(pole: Floats) -> Plane:
     planes = planes_of_poles(pole[None])
     return Plane(float(planes.dips_deg[0]), float(planes.dip_directions_deg[0]))
-
-
-def tenths(plane: Plane) -> Plane:
-    """A plane rounded to tenths of a degree."""
-    return Plane(round(plane.dip_deg, 1), round(plane.dip_direction_deg, 1) % 360.0)

@@ -4,10 +4,10 @@ import math
 from operator import attrgetter
 from typing import Any
 
-from slopekit.core.orientation import number
+from slopekit.core.orientation import number, tenths
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, Verbatim, counted
 from slopekit.studies.sets.clustering import Clusters
-from slopekit.studies.sets.run import CONFIDENCE, FoundSet, JointSets, tenths
+from slopekit.studies.sets.run import CONFIDENCE, FoundSet, JointSets
 from slopekit.studies.sets.sizes import metres
 from slopekit.studies.surveys import codes_of, study_sheet
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.orientation import Line, Plane, downward, line_of, number, parse_plane
+from slopekit.core.orientation import Line, Plane, downward, line_of, number, parse_plane, tenths
 from slopekit.studies.kinematic.criteria import zones_of_lines, zones_of_poles
 from slopekit.studies.surveys import LATERAL_DEG
 from slopekit.views.charts.drawing import BLUE, DARK, GREY, RED, nothing, short, title_of
@@ -150,7 +150,7 @@ def _joints(on: Stereonet, orientations: Oriented) -> None:
         on.points(-plane.normal()[None], marker=marker, color=colour, markeredgecolor="black", markersize=8,
                   zorder=4)  # fmt: skip
         on.axes.plot([], [], color=colour, linestyle=style, linewidth=1.7, marker=marker, markeredgecolor="black",
-                     label=f"{short(name, 16)} {_rounded(plane)}{rough}, with its pole")  # fmt: skip
+                     label=f"{short(name, 16)} {tenths(plane)}{rough}, with its pole")  # fmt: skip
     left = list(orientations.joints.values())[_MOST_JOINTS:]
     if left:
         on.points(np.array([-plane.normal() for plane in left]), marker=".", color=GREY, markersize=5,
@@ -185,8 +185,3 @@ def _direction(vector: Floats) -> str:
     """Trend and plunge to a tenth of a degree."""
     line = line_of(vector)
     return str(Line(round(line.trend_deg, 1) % 360.0, line.plunge_deg))
-
-
-def _rounded(plane: Plane) -> str:
-    """To a tenth of a degree."""
-    return str(Plane(round(plane.dip_deg, 1), round(plane.dip_direction_deg, 1)))

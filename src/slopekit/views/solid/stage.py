@@ -221,7 +221,7 @@ class Stage(ExportSource):
         parts = [str(self.document.get("status_text", ""))]
         led = self.document.get("leading") or {}
         name = str(led.get("name"))
-        parts += [f"FoS {factor_text(led['fos'])} ({JUDGED[name]}: of ACCEPT)"] if name in JUDGED else []
+        parts += [f"FoS {factor_text(led['fos'])} ({JUDGED[name]}, judged by ACCEPT)"] if name in JUDGED else []
         said = "PRE-IE" if not led else "limit"
         parts.append("no factor of safety" if limit is None else f"FoS {factor_text(limit)} ({said})")
         known = name == "lowest" or lowest is None or limit is None or lowest > 0.99 * limit
