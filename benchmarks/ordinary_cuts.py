@@ -15,6 +15,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,8 +24,7 @@ import slopekit as sk
 from slopekit.core.arrays import Floats
 from slopekit.design.reading.files import load
 from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany
-from slopekit.studies.evaluation.vectorised import vectorised
-from slopekit.studies.outcomes import ByMethod
+from slopekit.studies.evaluation.vectorised import Vectorised, vectorised
 from slopekit.studies.prob.sampling import samples
 
 #: Part of the limit that rounding, and points of the bed that begin to slip, may take from it.
@@ -105,9 +105,14 @@ def limits_of_cuts(count: int, seed: int) -> Iterator[tuple[Sequence[str], Float
             drawn = samples(design.variables, (), round(1.3 * share * count), seed)
             fast = vectorised(design, drawn.values, drawn.settings)
             assert fast is not None
-            forms = fast(drawn.values)
-            values = drawn.values[~ByMethod(forms.names, forms.outcome.astype(np.int16), forms.factor).among("E")]
-            yield drawn.names, values[fast.limits(values).limit > 0.0], fast.limits
+            rows = fast.rows(drawn.values)
+            rows = rows.of(np.flatnonzero(~rows.closed_form.among("E")))
+            yield drawn.names, rows.values[rows.limits().limit > 0.0], partial(limits_of_values, fast)
+
+
+def limits_of_values(columns: Vectorised, values: Floats) -> LimitsOfMany:
+    """Return what PRE-IE says of samples (n, k)."""
+    return columns.rows(values).limits()
 
 
 def broken_rules(count: int, seed: int) -> tuple[int, list[tuple[str, float, float]]]:

@@ -21,10 +21,11 @@ from typing import Any
 import numpy as np
 import psutil
 
+from slopekit.core.arrays import Floats
 from slopekit.design.reading.files import load
 from slopekit.design.templates import path_of
-from slopekit.studies.evaluation.rows import PIECE, Rows, outcomes_of_part
-from slopekit.studies.evaluation.vectorised import vectorised
+from slopekit.studies.evaluation.rows import PIECE, PIECE_OF_CLOSED_FORMS, Rows, outcomes_of_part
+from slopekit.studies.evaluation.vectorised import Vectorised, vectorised
 from slopekit.studies.keys import key_of, values_of
 from slopekit.studies.points import point_of
 from slopekit.studies.prob import prob
@@ -109,6 +110,12 @@ def best(work: Callable[[], Any], times: int = 5) -> float:
     return min(taken)
 
 
+def closed_forms(columns: Vectorised, values: Floats) -> None:
+    """The closed form of all samples, so many at once as a study takes."""
+    for start in range(0, len(values), PIECE_OF_CLOSED_FORMS):
+        assert columns.rows(values[start : start + PIECE_OF_CLOSED_FORMS]).closed_form.names
+
+
 def sampling_rows(n: int = 200_000) -> list[str]:
     """What drawing costs beside evaluating, for every method, with and without correlation."""
     rows = ["| samples of 15 numbers | draw, ns | evaluate, ns | draw / evaluate |", "|---|---|---|---|"]
@@ -119,7 +126,7 @@ def sampling_rows(n: int = 200_000) -> list[str]:
             drawn = draw()
             fast = vectorised(design, drawn.values, drawn.settings)
             assert fast is not None
-            drawing, judging = best(draw), best(partial(fast, drawn.values))
+            drawing, judging = best(draw), best(partial(closed_forms, fast, drawn.values))
             name = method + (", 3 correlations" if correlation else "")
             rows.append(f"| {name} | {drawing / n * 1e9:.0f} | {judging / n * 1e9:.0f} | {drawing / judging:.2f} |")
     return rows

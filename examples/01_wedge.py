@@ -32,7 +32,7 @@ def row(name: str, *values: float | str | None) -> None:
     print(f"{name:46s}" + "".join(f"{one:>18s}" for one in shown))
 
 
-# The printed 1.556 needs a unit weight of 25.588 kN/m³ (METHOD.md §6); at 2600 kg/m³ and 9.81 m/s² it is 1.5574.
+# The printed 1.556 needs a unit weight of 25.588 kN/m³ (docs/method.md); at 2600 kg/m³ and 9.81 m/s² it is 1.5574.
 print()
 row("Table 6, factor of safety", "paper", "slopekit")
 row("analytical, Hoek & Bray", "1.556", wedge.fos.closed_form)

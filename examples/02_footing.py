@@ -3,7 +3,7 @@
 import slopekit as sk
 
 # A strip footing of 1500 kN/m above a weak plane of 45 degrees that daylights in a vertical face; c = 200, φ = 0, no
-# weight. F = 1500 and c = 200 agree only in like units, on a plane 5 √2 m long (METHOD.md §6).
+# weight. F = 1500 and c = 200 agree only in like units, on a plane 5 √2 m long (docs/method.md).
 PAPER = {
     1.0: (-11.2, -17.0, 0), 1.1: (-11.2, -17.0, 2), 1.2: (-11.6, -17.5, 6), 1.3: (-10.0, -17.4, 8),
     1.33: (-10.7, -17.8, 8), 1.333: (-10.8, -17.8, 8), 1.334: (-33.3, -40.3, 9), 1.34: (-234.8, -241.9, 9),

@@ -3,7 +3,7 @@
 import slopekit as sk
 
 # The slip surface is equation (34). The slope is not given: a face x + z = 40 from (40, 0) to (0, 40) is inferred from
-# the columns, which then come close to those of Table 9 (METHOD.md §6: about 60 % sure).
+# the columns, which then come close to those of Table 9 (docs/method.md).
 DESIGN = {
     "slopekit": 1,
     "kind": "surface",

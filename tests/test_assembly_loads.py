@@ -197,11 +197,11 @@ def test_the_last_block_of_a_line_in_space(scene) -> None:
         head = assembly.centroids[block]
         way = rng.normal(size=3)
         end = head + 300.0 * way / np.linalg.norm(way)
-        last = last_left(assembly, head, end)
+        last = last_left(bench, head, end)
         at = [k for k in range(len(assembly)) if leaves(assembly, k, head, end) is not None]
         assert last == max(at, key=lambda k: leaves(assembly, k, head, end))
         seen.add(bool(assembly.fixed[last]))
-    assert last_left(assembly, head, head + 1e-9) == -1
+    assert last_left(bench, head, head + 1e-9) == -1
     assert seen == {True, False}
 
 

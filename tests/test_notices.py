@@ -41,7 +41,7 @@ OF_A_WEDGE = [
     ("W329", {"tension": 100}, "the tensile strength acts in the displacements only"),
     ("W311", {"bolts": "200@000/10"}, "bolts without a head"),
     ("W311", {"bolts": "200@180/22.909807,passive"}, "the passive bolts add nothing"),
-    ("W302", {"c": 50000}, "a cohesion of 50000 kPa"),
+    ("W302", {"c": 50000}, "a cohesion of 50000 kPa is that of intact rock: is 50 kPa meant?"),
     ("W302", {"phi": 80}, "a friction angle of 80° is that of no joint"),
     ("W419", {"crack": "80/180@5m", "water": (5, 5)}, "the crack is dry"),
     ("W302", {"height": 15000}, "m high, higher than nearly any rock slope: was a length typed in mm?"),

@@ -112,6 +112,7 @@ class ResidualFactors:
     closed_form: float | None
     difference: float | None
     agree: bool | None
+    moments_govern: bool
 
 
 @dataclass(frozen=True)

@@ -76,7 +76,8 @@ def strength_notices(strengths: Sequence[Strength]) -> Iterator[Notice]:
     """Yield W302 of cohesion and friction that no joint has."""
     strongest = max(strength.cohesion_kpa for strength in strengths)
     if strongest > _INTACT_KPA:
-        yield Notice("W302", f"a cohesion of {strongest:.6g} kPa is that of intact rock: was it typed in Pa?")
+        intact = f"a cohesion of {strongest:.6g} kPa is that of intact rock"
+        yield Notice("W302", f"{intact}: is {strongest / 1000:.6g} kPa meant?")
     steepest = max((strength.friction_angle_deg for strength in strengths if strength.law is None), default=0.0)
     if steepest > _STEEPEST_DEG:
         yield Notice("W302", f"a friction angle of {steepest:.6g}° is that of no joint: rough ones have 70° at most")

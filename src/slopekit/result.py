@@ -456,7 +456,6 @@ class Result(Shown):
             "difference": self.difference,
             "agree": self.agree,
             "moments_govern": self.moments_govern,
-            "static_bound_proved": self.fos.static_bound is not None,
             "openings": json_of(state.openings),
             **({"curved_strength": json_of(state.curved_strength)} if state.curved_strength else {}),
             **({} if beside.residual is None else {"residual": json_of(beside.residual)}),

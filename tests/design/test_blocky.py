@@ -138,7 +138,7 @@ FAULTS = [
     ("E142", "blocks", "B1: {polygon:", "B1: {polygn:", "polygn is not a key of blocks.B1", "7:8"),
     ("E146", "blocks", "  B2:", "  B.2:", "'B.2' under blocks cannot be a name", "8:3"),
     ("E151", "blocks", "  B2:", "  B1:", "blocks.B1 is given twice, in lines 7 and 8", "8:3"),
-    ("E126", "blocks", "fixed: true", "fixed: yes", "blocks.base.fixed is yes, it is true or false", "6:74"),
+    ("E126", "blocks", "fixed: true", "fixed: yes", "fixed is 'yes', it is true or false", "6:74"),
     ("E245", "blocks", ", fixed: true", "", "no block is fixed: nothing holds the others", "6:3"),
     ("E107", "blocks", "unit_weight: 20", "unit_weight: 2000 kg/m3", "unit weight is 2000 kg/m3: that is a density",
      "7:57"),

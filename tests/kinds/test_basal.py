@@ -215,7 +215,7 @@ def test_samples_that_scatter_are_evaluated_in_one_call() -> None:
     one_by_one = [
         sk.run(document, set=dict(zip(keys, row.tolist(), strict=True))).fos.closed_form for row in values
     ]  # fmt: skip
-    assert asked(values).factor == pytest.approx(one_by_one, rel=1e-12)
+    assert asked.rows(values).closed_form.factor == pytest.approx(one_by_one, rel=1e-12)
 
 
 def test_passive_bolts_hold_what_active_ones_press() -> None:

@@ -13,7 +13,7 @@ from benchmarks.batch import blocks_of
 from benchmarks.ordinary_cuts import ordinary_cut
 from slopekit.design.common import Design
 from slopekit.kinds import cut, factors_of
-from slopekit.kinds.single_block.batch_states import block_statuses
+from slopekit.kinds.single_block.blocks_on_arrays import block_statuses
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.preie.batch import limits_of_blocks
 

@@ -136,5 +136,5 @@ def test_a_wedge_that_hardly_daylights_is_weighed_as_the_closed_form_weighs_it()
     columns = vectorised(design, dips[:, None], lambda row: {"joints.J1.plane.dip": float(dips[row])},
                          ["joints.J1.plane.dip"])  # fmt: skip
     assert columns is not None
-    found = columns.limits(dips[:, None])
-    assert found.forces == pytest.approx(columns(dips[:, None]).factor, rel=1e-8)
+    found = columns.rows(dips[:, None]).limits()
+    assert found.forces == pytest.approx(columns.rows(dips[:, None]).closed_form.factor, rel=1e-8)

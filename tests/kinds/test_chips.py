@@ -174,3 +174,19 @@ def test_chips_of_several_groups_that_do_not_stand_are_taken_from_each() -> None
     assert "3 slide (wall1 to wall3)" in str(result)
     assert "stay" not in str(result)
     assert result.forces.weight == pytest.approx(300.0, rel=1e-12)
+
+
+def test_the_lowest_factor_is_no_higher_than_that_of_a_block_that_others_press_on() -> None:
+    """Sideways thrust between steep joints carries the path to 0.765; by forces alone the wedge of S1 and S2 slides."""
+    bench = {
+        "slopekit": 1, "kind": "bench", "rock": {"unit_weight": 26},
+        "slope": {"face": "72/090", "upper": "2/090", "height": 12, "length": 20},
+        "sets": {"S1": {"plane": "40/085", "spacing": 2.5, "strength": "bed"},
+                 "S2": {"plane": "80/005", "spacing": 3, "strength": "joint"},
+                 "S3": {"plane": "75/265", "spacing": 3, "strength": "joint"}},
+        "strength": {"bed": {"c": 0, "phi": 30}, "joint": {"c": 0, "phi": 35}},
+    }  # fmt: skip
+    found = sk.run(bench).fos
+    wedge = sk.wedge(dips=("40/085", "80/005"), face="72/090", upper="2/090", height=5, c=0, phi=(30, 35))
+    assert found.lowest == pytest.approx(wedge.fos.closed_form, rel=1e-6)
+    assert found.limit > 1.05 * found.lowest

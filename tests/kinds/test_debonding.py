@@ -65,9 +65,12 @@ def test_a_history_that_ends_lower_lowers_the_lowest_factor() -> None:
 @pytest.mark.parametrize(("fails", "is_lower"), [(2.0, False), (1.0, False), (0.985, False), (0.97, True),
                                                 (None, False)])  # fmt: skip
 def test_a_history_counts_where_it_is_more_than_2_percent_lower(monkeypatch, fails, is_lower) -> None:
-    monkeypatch.setattr(many_blocks, "_debonding_factors", lambda part, most: (0.8, fails))
-    stable, said_of_it = many_blocks.debonding(None, 1, 1.0)
-    assert (stable, [notice.code for notice in said_of_it]) == ((0.8, ["W504"]) if is_lower else (None, []))
+    solution = KIND.solved(sk.load(block()))
+    limit, lowest = solution.result.fos.limit, solution.result.fos.lowest
+    monkeypatch.setattr(many_blocks, "_debonding_factors", lambda part, most: (0.8, fails and fails * limit))
+    found = solution.with_history(1).result
+    assert found.fos.lowest == (0.8 if is_lower else lowest)
+    assert ("W504" in [notice.code for notice in found.warnings]) == is_lower
 
 
 def test_check_follows_the_history_of_more_blocks(monkeypatch) -> None:

@@ -48,7 +48,7 @@ def test_a_filter_leaves_no_wedge() -> None:
     ("limits", "code"),
     [
         (7, "E142"), ("6m", "E142"), ({"bench_widht": 6}, "E142"), (["bench_width=6", "x"], "E142"),
-        ({"bench_width": -6}, "E116"), ({"trace_length": (1, 2, 3)}, "E197"), ({"by": "shrink"}, "E126"),
+        ({"bench_width": -6}, "E116"), ({"trace_length": (1, 2, 3)}, "E109"), ({"by": "shrink"}, "E126"),
         ({"min_volume": 9, "max_volume": 3}, "E116"),
     ],
 )  # fmt: skip

@@ -57,7 +57,7 @@ def scattered(count: int) -> tuple[Blocks, np.ndarray]:
     design = load(str(TEMPLATE))
     drawn = samples(design.variables, design.correlation, count, 3, "monte-carlo")
     columns = vectorised(design, drawn.values, drawn.settings)
-    return wedges_of(columns.arguments(drawn.values), count), columns(drawn.values).factor
+    return wedges_of(columns.arguments(drawn.values), count), columns.rows(drawn.values).closed_form.factor
 
 
 def test_the_forces_are_those_of_hoek_and_bray() -> None:

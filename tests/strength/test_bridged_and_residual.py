@@ -114,3 +114,17 @@ def test_faults(strength, code) -> None:
     with pytest.raises(DesignError) as found:
         run(WEDGE, strength)
     assert code in found.value.codes
+
+
+def test_the_residual_factors_agree_on_forces_alone_where_moments_govern_them() -> None:
+    """A wedge half full of water: its two residual factors differ, and the sheet says what of them was compared."""
+    strength = {"c": 10, "phi": 28, "residual": {"c": 5, "phi": 26}}
+    joints = {"J1": {"plane": "45/130"}, "J2": {"plane": "60/220"}}
+    slope = {"face": "65/180", "upper": "5/180", "height": 15}
+    found = run(WEDGE | {"slope": slope, "joints": joints, "water": "50%"}, strength)
+    left = found.comparisons.residual
+    assert left.agree
+    assert left.moments_govern
+    assert left.limit < 0.99 * left.closed_form
+    row = str(found.sheet).partition("residual strength, PRE-IE")[2]
+    assert " ".join(row.split()).startswith("AGREE on forces alone within")

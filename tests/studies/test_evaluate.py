@@ -14,11 +14,12 @@ WEDGE: dict[str, Any] = {
     "strength": {"a": {"c": 12, "phi": 33}, "b": {"c": 5, "phi": 30}}, "water": {"fill": 0.2},
 }  # fmt: skip
 FALLING = {"law": "power", "a": 1.5, "b": 0.8}
-#: What cannot be on arrays, beside what can: rows are the same either way.
+#: Few rows, each a design of its own, and many on arrays: they are the same either way.
 DESIGNS = {
     "wedge": WEDGE,
     "curved": WEDGE | {"strength": {"a": FALLING, "b": {"c": 5, "phi": 30}}},
     "dilation": WEDGE | {"strength": {"a": {"c": 12, "phi": 33, "dilation": 3}, "b": {"c": 5, "phi": 30}}},
+    "worst crack": WEDGE | {"crack": {"plane": "80/185", "distance": "worst"}},
     "passive": WEDGE | {"support": {"bolts": [{"force": 500, "toward": "005/10", "acts": "passive"}]}},
 }
 
@@ -32,7 +33,9 @@ def rows_of(count: int, seed: int) -> dict[str, list[float]]:
     }  # fmt: skip
 
 
-@pytest.mark.parametrize(("name", "count"), [("wedge", 60), ("curved", 4), ("dilation", 4), ("passive", 6)])
+@pytest.mark.parametrize(
+    ("name", "count"), [("wedge", 60), ("curved", 4), ("dilation", 4), ("passive", 6), ("worst crack", 40)]
+)
 def test_rows_are_runs(name: str, count: int) -> None:
     design, columns = DESIGNS[name], rows_of(count, 3)
     found = sk.evaluate(design, columns)

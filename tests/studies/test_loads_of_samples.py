@@ -101,12 +101,13 @@ def compared(document: Mapping[str, Any], count: int = SAMPLES) -> tuple[set[str
     drawn = samples(design.variables, design.correlation, count, 1, "monte-carlo")
     together = vectorised(design, drawn.values, drawn.settings)
     assert together is not None
-    forms = together(drawn.values)
+    every = together.rows(drawn.values)
+    forms = every.closed_form
     outcomes = np.array(forms.names, dtype=object)[forms.outcome]
     rows = np.flatnonzero([not name.startswith("E") for name in outcomes])
     statuses, found = outcomes.copy(), dict[int, float]()
     if len(rows):
-        limits = together.limits(drawn.values[rows])
+        limits = every.of(rows).limits()
         statuses[rows] = limits.status
         found = dict(zip(rows.tolist(), limits.limit.tolist(), strict=True))
     for row in range(count):

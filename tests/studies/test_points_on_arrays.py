@@ -46,6 +46,10 @@ GRIDS: dict[str, tuple[dict[str, Any], dict[str, list[float]]]] = {
                 {"crack.distance": [0.5, 1, 2, 3, 5, 8, 12], "water.fill": [0, 0.3, 0.6]}),
     "a basal joint": (WEDGE | {"basal": {"plane": "20/185", "height": 4, "strength": "a"}},
                       {"basal.height": [1, 2, 3, 4, 6, 9, 15], "strength.a.c": [0, 10, 20]}),
+    "the second joint alone turns above a basal joint": (
+        WEDGE | {"basal": {"plane": "20/185", "height": 4, "strength": "a"}},
+        {"joints.J2.plane.dip": [60, 65, 70, 75, 80], "joints.J2.plane.dip_direction": [225, 235, 245]},
+    ),
     "bolts that some slopes leave without hold": (
         WEDGE | {"support": {"bolts": [
             {"force": 300, "toward": "005/5", "head": [0.5, 2.1, 5], "length": 8, "acts": "passive"},
@@ -61,6 +65,33 @@ GRIDS: dict[str, tuple[dict[str, Any], dict[str, list[float]]]] = {
         PLANE | {"support": {"bolts": [
             {"force": 80, "toward": "005/0", "head": [0, 3, 7], "length": 9, "acts": "active"}]}},
         {"support.bolts.0.length": [1, 3, 4, 5, 6, 7, 8, 12], "support.bolts.0.head.2": [4, 6.9, 7, 8]},
+    ),
+    "a worst crack": (WEDGE | {"crack": {"plane": "80/185", "distance": "worst"}},
+                      {"water.fill": [0, 0.2, 0.5, 1], "joints.J1.plane.dip_direction": [90, 105, 150, 200, 230]}),
+    "a worst crack of a plane": (
+        PLANE | {"crack": {"distance": "worst", "water": "40 %"}, "loads": {"surcharge": "10 kPa"}},
+        {"joints.J1.plane.dip": [8, 12.5, 25, 38, 45, 64, 70], "strength.s.phi": [0, 20, 33]},
+    ),
+    "a worst crack above a basal joint": (
+        WEDGE | {"basal": {"plane": "20/185", "height": 4, "strength": "a"},
+                 "crack": {"plane": "80/185", "distance": "worst"}},
+        {"basal.height": [1, 3, 4, 6, 9, 15], "water.fill": [0, 0.4]},
+    ),
+    "a plane shaken off its section": (
+        PLANE | {"loads": {"seismic": {"k": 0.1, "toward": 185}}},
+        {"loads.seismic.toward": [95, 140, 185, 200, 250], "loads.seismic.k": [0, 0.05, 0.2]},
+    ),
+    "bolts aside of a plane, some of which the movement does not draw out": (
+        PLANE | {"support": {"bolts": [{"force": 80, "toward": "005/0", "acts": "passive"}]}},
+        {"support.bolts.0.toward.trend": [5, 35, 95, 150, 185], "support.bolts.0.toward.plunge": [-20, 10, 60]},
+    ),
+    "a bolt that pulls out of the face": (
+        WEDGE | {"support": {"bolts": [{"force": 80, "toward": "005/0", "acts": "active"}]}},
+        {"support.bolts.0.toward.trend": [5, 35, 95, 150, 185], "rock.unit_weight": [12, 26, 60]},
+    ),
+    "a pond": (
+        PLANE | {"water": {"mode": "table", "pond": 2}},
+        {"water.pond": [-1, 0, 2, 12, 19, 25], "strength.s.phi": [25, 33]},
     ),
     "a plane": (PLANE | {"water": {"fill": 0.2}}, {"joints.J1.plane.dip": [25, 30, 38, 45, 60, 64, 70, 80],
                                                    "water.fill": [0, 0.5, 1.0]}),

@@ -140,7 +140,7 @@ def test_samples_one_by_one_are_held_as_all_at_once(given) -> None:
     drawn = samples(design.variables, design.correlation, 40, 1)
     fast = vectorised(design, drawn.values, drawn.settings)
     found = holding(design, [drawn.settings(row) for row in range(40)], as_laid_out(design))
-    assert (found == fast.holds(drawn.values)).all()
+    assert (found == fast.rows(drawn.values).holds).all()
     assert 0 < found.sum() < found.size
 
 

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.design.common import Design
 from slopekit.studies.points import point_of
 from slopekit.studies.prob.run import Probability
 from tests.bolted import as_laid_out, standing
@@ -31,14 +30,14 @@ FILLED = {"distance": {"dist": "uniform", "min": 1, "max": 3}, "water": "2 m"}
 STANDING = {key: part for key, part in SLAB.items() if key != "water"} | {"crack": FILLED}
 
 
-def checked(study: Probability, settings: Any, rows: int, step: int, design: Design | None = None) -> set[str]:
+def checked(study: Probability, settings: Any, rows: int, step: int) -> set[str]:
     """Compare samples, each `step`-th, with single designs; return the outcomes that were met.
 
     Parameters
     ----------
-    settings : the values of a sample by its number; design : that has such values, that of the study where None
+    settings : the values of a sample by its number
     """
-    design, met = design or study.design, set[str]()
+    design, met = study.design, set[str]()
     assert study.judged.evaluator == "closed form and PRE-IE of every sample, all at once"
     assert study.outcomes is not None
     assert study.outcomes.closed_form is not None
@@ -97,5 +96,5 @@ def test_worst_cracks_all_at_once_are_cracks_at_those_places(name: str, met: set
     """Forty samples, each cut by a crack at the place that was found."""
     design = sk.load(WORST[name])
     study = sk.prob(design, 40, seed=4)
-    assert study.rows.search is not None
-    assert checked(study, study.rows.settings_at, 40, 1, study.rows.design) == met
+    assert study.rows.columns.searches_crack
+    assert checked(study, study.samples.settings, 40, 1) == met

@@ -9,12 +9,11 @@ import slopekit as sk
 from slopekit.core.errors import GeometryError
 from slopekit.design.common import Design
 from slopekit.design.reading.files import with_values
-from slopekit.kinds import kind_of
-from slopekit.studies.points import point_of
-from slopekit.studies.prob.cracks import PLACE
+from slopekit.kinds import factors_of, kind_of
+from slopekit.studies.points import point_of, status_of
 from slopekit.studies.prob.rows import SampleRows
 from slopekit.studies.prob.run import _asked
-from slopekit.studies.prob.sampling import samples
+from slopekit.studies.prob.sampling import Samples, samples
 from tests.bolted import as_laid_out, standing
 
 SCATTER = {"c": {"dist": "uniform", "min": 20, "max": 60}, "phi": {"dist": "normal", "mean": 25, "sd": 3}}
@@ -49,9 +48,10 @@ CASES = {
 }  # fmt: skip
 
 
-def rows_of(design: Design, count: int, seed: int) -> SampleRows:
-    """Samples of a design, with the places of their cracks."""
-    return SampleRows(design, samples(design.variables, (), count, seed))
+def places_of(design: Design, count: int, seed: int) -> tuple[Samples, np.ndarray]:
+    """Samples of a design, and the places of their cracks."""
+    drawn = samples(design.variables, (), count, seed)
+    return drawn, SampleRows(design, drawn).columns.rows(drawn.values).values[:, -1]
 
 
 @pytest.mark.slow
@@ -64,8 +64,7 @@ def test_as_each_sample_read_by_itself(name) -> None:
     design = sk.load(CASES[name])
     found = sk.prob(design, n=12, by="closed-form", seed=4)
     assert found.judged.evaluator == "closed form of every sample, all at once"
-    rows = rows_of(design, 12, 4)
-    drawn, places = rows.samples, rows.values(0, 12)[:, -1]
+    drawn, places = places_of(design, 12, 4)
     own = kind_of(design).on_arrays
     for row in range(12):
         sample = standing(with_values(design, drawn.settings(row)), as_laid_out(design))
@@ -91,29 +90,39 @@ def test_dry_planes_have_hoek_and_brays_crack() -> None:
     design = sk.load(
         {**PLANE, "slope": {"face": "60/180", "height": 12, "upper": "0/180"}, "crack": {"distance": "worst"}}
     )
-    rows = rows_of(design, 50, 2)
-    dips = np.radians(rows.samples.values[:, rows.samples.names.index("joints.J1.plane.dip")])
+    drawn, places = places_of(design, 50, 2)
+    dips = np.radians(drawn.values[:, drawn.names.index("joints.J1.plane.dip")])
     slides = dips < math.radians(60.0)
     cot_f, cot_p = 1.0 / math.tan(math.radians(60.0)), 1.0 / np.tan(dips[slides])
-    np.testing.assert_allclose(rows.values(0, 50)[slides, -1], 12.0 * (np.sqrt(cot_f * cot_p) - cot_f), rtol=1e-5)
+    np.testing.assert_allclose(places[slides], 12.0 * (np.sqrt(cot_f * cot_p) - cot_f), rtol=1e-5)
     assert 20 < slides.sum() < 50
 
 
 def test_pre_ie_is_asked_with_the_crack_at_the_place_found() -> None:
-    """What a worker reads of a sample has a fixed crack there: it looks for none, and both methods agree."""
+    """Both methods are those of a crack that is written there: it is looked for in none, and both agree."""
     design = sk.load(WEDGE)
-    rows = rows_of(design, 6, 1)
-    for settings in map(rows.settings_at, range(6)):
-        sample = with_values(rows.design, settings)
+    drawn, places = places_of(design, 6, 1)
+    found = sk.prob(design, n=6, seed=1)
+    for row, place in enumerate(places.tolist()):
+        sample = with_values(design, drawn.settings(row) | {"crack.distance": place})
         assert sample.crack_searched == ""
-        assert sample.crack.distance_m == settings[PLACE]
-    found = sk.prob(design, n=6)
+        assert found.judged.factor[row] == pytest.approx(factors_of(sample).limit, rel=1e-8)
     assert (found.both.agree, found.both.disagree, found.both.not_compared) == (6, 0, 0)
+
+
+def test_a_plane_flatter_than_the_ground_forms_no_block_whatever_the_crack() -> None:
+    """Without its crack such a block ends nowhere (E205), as a run of it says: no place of the means stands for it."""
+    dips = {"dip": {"dist": "uniform", "min": 3.0, "max": 35.0}, "dip_direction": 180}
+    design = sk.load(PLANE | {"joints": {"J1": {"plane": dips}}})
+    found = sk.prob(design, n=40, seed=2)
+    words, drawn = found.judged.words, found.samples
+    assert 1 <= words.count("E205") < 40
+    assert words == [status_of(point_of(design, drawn.settings(row)), "pre_ie") for row in range(40)]
 
 
 def test_a_crack_with_a_place_is_not_looked_for() -> None:
     fixed = sk.load({**WEDGE, "crack": {"plane": "80/180", "distance": 3}})
-    assert rows_of(fixed, 3, 1).search is None
+    assert not SampleRows(fixed, samples(fixed.variables, (), 3, 1)).columns.searches_crack
 
 
 @pytest.mark.slow

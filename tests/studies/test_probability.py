@@ -364,6 +364,16 @@ def test_the_line_on_acceptance_says_what_the_exit_code_says() -> None:
     assert "NOT MET, no sample forms a block" in " ".join(str(none).split())
 
 
+def test_an_upper_limit_shows_on_which_side_of_the_accepted_one_it_lies() -> None:
+    """Three digits, as all probabilities for people; six where three would hide why it is met or not."""
+    study = prob(load(default_wedge()), 300, fos=1.0, accept=0.1)
+    share = replace(study.all_samples, share=0.0812345, low=0.0512345, high=0.100049)
+    assert "upper limit 10.0049 % <= 10 %: NOT MET" in str(replace(study, all_samples=share))
+    further = str(replace(study, all_samples=replace(share, high=0.123456)))
+    assert "upper limit 12.3 % <= 10 %: NOT MET" in further
+    assert "8.12 %  of all samples" in further
+
+
 def test_both_estimates_have_the_same_denominator() -> None:
     joints = {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}
     strength = {"s": {"c": {"dist": "normal", "mean": 50, "sd": 20.5}, "phi": {"dist": "normal", "mean": 12, "sd": 2}}}
@@ -524,7 +534,7 @@ def test_dips_beyond_the_vertical_are_planes_that_dip_the_other_way_and_that_is_
     over = directions == 295.0
     assert 0.1 < over.mean() < 0.35
     beyond = norm.sf(90.0, 86.0, 5.0)
-    assert f"{beyond:.2%} of the dips of joints.J1.plane lie beyond 0 to 90°: those dip" in str(study)
+    assert f"{beyond * 100:.3g} % of the dips of joints.J1.plane lie beyond 0 to 90°: those dip" in str(study)
     assert dips.max() <= 90.0
     assert set(directions.tolist()) == {115.0, 295.0}
     one = int(np.flatnonzero(over & np.isfinite(study.judged.factor))[0])

@@ -5,10 +5,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import slopekit as sk
 from slopekit.core.errors import DesignError
+from slopekit.studies.evaluation import rows
+from slopekit.studies.points import point_with
 
 CRACKED: dict[str, Any] = {
     "slopekit": 1,
@@ -81,6 +84,32 @@ def test_a_feature_in_every_study(name: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", FEATURES)
+def test_a_feature_in_many_rows_at_once(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of sixteen rows the extreme ones and a few are designs of their own; each of the others says what a run says."""
+    document, weights = with_feature(name), np.linspace(20.0, 32.0, 16)
+    design, single = sk.load(document), list[float]()
+
+    def counted(*given: Any) -> Any:
+        single.append(float(given[-1][KEY]))
+        return point_with(*given)
+
+    monkeypatch.setattr(rows, "point_with", counted)
+    found = sk.evaluate(design, {KEY: weights})
+    assert len(single) == 9
+    for weight, point in zip(weights.tolist(), found.points, strict=True):
+        if weight not in single:
+            run, factors = sk.run(document, set={KEY: weight}), point.factors
+            assert (factors.status, factors.agree) == (run.status, run.agree)
+            assert (factors.moments_govern, factors.limit) == (
+                run.moments_govern,
+                pytest.approx(run.fos.limit, rel=1e-8),
+            )
+            assert factors.closed_form == pytest.approx(run.fos.closed_form, rel=1e-9)
+            assert set(factors.notes) <= set(run.warnings)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FEATURES)
 def test_a_feature_under_support(name: str) -> None:
     """The bolts that are found reach the target in a run of the design with them, or the study says that none do."""
     design = sk.load(with_feature(name))
@@ -101,8 +130,8 @@ def test_a_feature_under_support(name: str) -> None:
 
 def test_the_page_names_what_is_refused() -> None:
     page = Path("docs/howto/prob.md").read_text(encoding="utf-8")
-    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in page.splitlines()]
+    table = [[cell.strip() for cell in line.strip("|").split("|")] for line in page.splitlines()]
     for name in FEATURES:
-        _, samples, support = next(cells for cells in rows if cells[0] == name)
+        _, samples, support = next(cells for cells in table if cells[0] == name)
         assert samples == "all at once"
         assert support == REFUSED.get(("support", name), "run's limit")

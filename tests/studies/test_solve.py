@@ -14,6 +14,7 @@ from slopekit.core.errors import DesignError
 from slopekit.design.templates import path_of
 from slopekit.kinds import factors_of
 from slopekit.studies.points import factor_at
+from slopekit.studies.running import run_all
 from slopekit.studies.solve import factor_request, solve
 from slopekit.studies.solve.factor_request import level_of
 from slopekit.studies.solve.solutions import notices
@@ -75,6 +76,25 @@ def test_values_on_arrays_are_those_of_designs_one_by_one(key, monkeypatch) -> N
     for roots in zip(*(one.pre_ie.roots for one in found), strict=True):
         assert [root.value for root in roots[1:]] == pytest.approx([roots[0].value] * 2, rel=1e-9)
     assert len(found[0].pre_ie.roots) == 1
+
+
+@pytest.mark.parametrize("key", ["rock.unit_weight", "strength.weak.phi", "loads.seismic.k"])
+def test_a_crack_is_looked_for_at_all_values_at_once(key, monkeypatch) -> None:
+    """The values of designs that are each loaded with their worst crack, none of which the grid asks for."""
+    cracked = {**WEDGE, "support": {"bolts": []}, "crack": {"plane": "80/180", "distance": "worst"}}
+    design, single = sk.load(cracked), list[object]()
+    target = 0.97 * sk.run(cracked).fos.limit
+
+    def counted(work, tasks, *given, **more):
+        single.extend(tasks)
+        return run_all(work, tasks, *given, **more)
+
+    monkeypatch.setattr(factor_request, "run_all", counted)
+    found = solve(design, key, fos=target)
+    assert len(single) < 10
+    assert factors_of(sk.load(cracked, {key: found.answer.value})).limit == pytest.approx(target, rel=1e-6)
+    monkeypatch.setattr(factor_request.FactorRequest, "on_arrays", None)
+    assert solve(design, key, fos=target).answer.value == pytest.approx(found.answer.value, rel=1e-6)
 
 
 OF_A_WEDGE = [

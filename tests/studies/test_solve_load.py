@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 import slopekit as sk
+from benchmarks import populations
 from benchmarks.blocks import multiplier
 from slopekit.core.errors import Notice
 from slopekit.design.reading.files import with_values
@@ -116,6 +117,24 @@ def test_a_jump_beyond_the_end_of_the_path_is_found(monkeypatch) -> None:
     assert found.answer.value == pytest.approx(0.5, rel=1e-4)
     assert found.answer.value <= 0.5
     assert [notice.code for notice in found.warnings] == ["W356"]
+
+
+@pytest.mark.parametrize("number", [2, 4])
+def test_a_load_is_found_on_node_pairs_as_fine_as_those_of_a_run(number) -> None:
+    """Two benches whose contacts open in part at 2 kPa: at the load on the first node pairs a run says 1.023, 1.014."""
+    design = populations.bench(number)
+    design["strength"]["joint"]["c"] = 2.0
+    still, shaken = (sk.load(design, set={KEY: k}) for k in (0.0, 1.0))
+    at = kind_of(still).at_load(still, shaken, 1.0)
+    assert sk.run(design, set={KEY: at}).fos.limit == pytest.approx(1.0, rel=1e-6)
+
+
+def test_finer_node_pairs_do_not_rest_past_the_load_that_ends_a_motion() -> None:
+    """Bench 20 at 2 kPa falls below 1 at k 0.1848, is above it once more from 0.25 to 0.26: the first is the answer."""
+    design = populations.bench(20)
+    design["strength"]["joint"]["c"] = 2.0
+    found = sk.solve(sk.load(design, set={KEY: 0.0}), KEY, fos=1.0)
+    assert found.answer.value == pytest.approx(0.184755, rel=1e-4)
 
 
 @pytest.mark.slow

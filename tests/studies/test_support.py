@@ -27,7 +27,7 @@ from slopekit.kinds.words import short
 from slopekit.loads import judge_bolt
 from slopekit.studies import points
 from slopekit.studies.support import run as module
-from slopekit.studies.support.search import Answer, best_direction, least_force, least_forces, site_of
+from slopekit.studies.support.search import Answer, Site, best_direction, least_force, least_forces, site_of
 from tests.closed_form.scalar_wedge import hoek_bray_wedge
 from tests.commands import slopekit
 from tests.support import random_wedge, upward_normal
@@ -376,7 +376,13 @@ def test_where_the_target_is_not_reached_there_is_nothing_to_paste(monkeypatch) 
     assert max(map(len, str(short).splitlines())) <= 100
     reached = sk.support(loaded(PLANE), 2, acts="active")
     assert [one[:8] for one in reached.files().values()] == ["support:"]
-    monkeypatch.setattr(module._Search, "_with_heads", lambda self, *_: self.site.design)
+    at_no_force = [Answer(factors.limit, factors.status) for factors in [factors_of(loaded(PLANE))]]
+    answers = Site.answers
+
+    def without_bolts(self, design, key, method, forces):
+        return at_no_force * len(forces) if method == "pre_ie" else answers(self, design, key, method, forces)
+
+    monkeypatch.setattr(Site, "answers", without_bolts)
     none = sk.support(loaded(PLANE), 2, acts="active")  # bolts that hold nothing
     assert none.files() == {}
     assert "NOT REACHED, FoS 2: no bolts give it (E329)" in " ".join(str(none).split())
@@ -597,22 +603,22 @@ def test_a_search_brackets_smooth_kinked_and_jumping_levels() -> None:
     """`least_force` on functions whose roots are known."""
 
     def answers(level):
-        return lambda force: Answer(level(force), "slides")
+        return lambda forces: [Answer(level(force), "slides") for force in forces]
 
-    smooth = least_force(answers(lambda force: 1.0 + force / (1.0 + force)), 1.5, 0.1, 1.0)
+    smooth = least_force(answers(lambda force: 1.0 + force / (1.0 + force)), 1.5, 0.1)
     assert smooth.force == pytest.approx(1.0, rel=2e-6)  # 3e-7 of the target over the slope there, 1/4
     assert smooth.answer.level >= 1.5
     assert smooth.below is None
-    down = least_force(answers(lambda force: 1.0 + force), 1.5, 40.0, 1.0)
+    down = least_force(answers(lambda force: 1.0 + force), 1.5, 40.0)
     assert down.force == pytest.approx(0.5, rel=1e-6)
-    jump = least_force(answers(lambda force: 1.0 if force < 7.0 else 2.0), 1.5, 1.0, 1.0)
+    jump = least_force(answers(lambda force: 1.0 if force < 7.0 else 2.0), 1.5, 1.0)
     assert jump.force == pytest.approx(7.0, rel=2e-3)
     assert jump.force >= 7.0
     assert jump.below == 1.0
-    never = least_force(answers(lambda force: 1.4 - 1.0 / (1.0 + force)), 1.5, 1.0, 0.4)
+    never = least_force(answers(lambda force: 1.4 - 1.0 / (1.0 + force)), 1.5, 1.0)
     assert never.force is None
     assert never.answer.level < 1.4
-    window = least_force(answers(lambda force: 2.0 if 3.0 < force < 4.0 else 1.0), 1.5, 2.9, 1.0)
+    window = least_force(answers(lambda force: 2.0 if 3.0 < force < 4.0 else 1.0), 1.5, 2.9)
     assert 3.0 < window.force < 4.0
 
 
@@ -622,7 +628,7 @@ def test_a_force_without_convergence_is_no_answer() -> None:
     assert not Answer(None, "not_converged").reaches(0.0)
     assert Answer(None, "no_driving_force").level == math.inf
     assert Answer(None, "lifted").level == 0.0
-    lost = least_force(lambda force: Answer(None, "not_converged"), 1.5, 1.0, 1.0)
+    lost = least_force(lambda forces: [Answer(None, "not_converged") for _ in forces], 1.5, 1.0)
     assert lost.force is None
 
 
@@ -630,7 +636,7 @@ def test_section_and_space_have_the_same_sense_of_into_the_rock() -> None:
     """The inward normal of a face that dips 60° toward 180 plunges 30° toward 000."""
     for design in (loaded(PLANE), loaded(WEDGE, **{"slope.face": "60/180"})):
         site = site_of(design)
-        line = line_of(site.world(site.inward))
+        line = line_of(site.inward)
         assert (line.trend_deg % 360.0, line.plunge_deg) == pytest.approx((0.0, 30.0), abs=1e-9)
 
 

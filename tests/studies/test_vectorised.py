@@ -88,7 +88,8 @@ def check(values: dict, n: int = 2) -> None:
     fast = vectorised(design, drawn.values, drawn.settings)
     assert fast is not None
     found, own = fast.arguments(drawn.values), kind_of(design).on_arrays
-    strengths, forms = fast.at(drawn.values)[1], fast(drawn.values)
+    rows = fast.rows(drawn.values)
+    strengths, forms = rows.numbers[1], rows.closed_form
     for row in range(n):
         sample = standing(with_values(design, drawn.settings(row)), as_laid_out(design))
         for name, value in own.arguments(sample).items():

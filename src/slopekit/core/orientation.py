@@ -89,7 +89,7 @@ def normals(dip_deg: Floats, dip_direction_deg: Floats) -> Floats:
     -------
     (..., 3) array
 
-    Source: METHOD.md §1; Wyllie & Mah (2004), appendix I.
+    Source: docs/theory/wedge.md; Wyllie & Mah (2004), appendix I.
 
     >>> normals(np.array([0.0, 90.0]), np.array([0.0, 90.0])).round(12).tolist()
     [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -121,24 +122,14 @@ def read_table(reader: Reader) -> Water | None:
 
 
 def _points(reader: Reader, node: Node | None) -> tuple[tuple[float, float], ...] | None:
-    if node is None or reader.value(node) is None:
-        return None
-    points: list[tuple[float, float]] = []
-    for k, item in enumerate(node.elements, 1):
-        point = reader.kept(_lengths, reader.value(item), f"point {k} of the water table", str(item.place))
-        if point is None:
+    points = reader.points(node, "the water table")
+    for k, (before, after) in enumerate(pairwise(points), 2):
+        if after[0] <= before[0] and node is not None:
+            message = f"point {k} of the water table lies at {shown(after[0])} m, not beyond {shown(before[0])} m"
+            advice = "Distances from the toe into the slope ascend from point to point."
+            reader.fault("E454", message, node.elements[k - 1], advice)
             return None
-        if points and point[0] <= points[-1][0]:
-            message = f"point {k} of the water table lies at {shown(point[0])} m, not beyond {shown(points[-1][0])} m"
-            reader.fault("E454", message, item, "Distances from the toe into the slope ascend from point to point.")
-            return None
-        points.append(point)
-    return tuple(points)
-
-
-def _lengths(value: Any, name: str, where: str) -> tuple[float, float]:
-    x, z = (quantity(part, "length", name, where) for part in value)
-    return x, z
+    return tuple(points) or None
 
 
 def _plane(value: Any, where: str) -> TablePlane:

@@ -3,13 +3,12 @@
 import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from slopekit.core.errors import DesignError, Fault, Notice, writing
+from slopekit.core.errors import DesignError, Fault, Notice, did_you_mean, writing
 from slopekit.core.whole_files import whole_files
 from slopekit.exchange.bodies import block_bodies
 from slopekit.exchange.dxf import write_dxf
@@ -151,9 +150,8 @@ def _target(path: Path) -> Path:
     """The file to write, refused before any work is done; E129, E140, E141."""
     suffix = path.suffix.lower()
     if suffix not in FORMATS:
-        near = get_close_matches(suffix, FORMATS, n=1)
         shown = f"the suffix {suffix}" if suffix else "a file without suffix"
-        advice = f"There are: {' '.join(FORMATS)}.{f' Did you mean {near[0]}?' if near else ''}"
+        advice = f"There are: {' '.join(FORMATS)}. {did_you_mean(suffix, FORMATS)}".rstrip()
         raise DesignError([Fault("E141", f"{shown} is no format that slopekit writes", str(path), advice)])
     if suffix == ".dxf":
         try:

@@ -2,7 +2,7 @@
 
 Linear contact traction on a rigid interface needs a rule that is exact to degree two. Per triangle, 1/12 of the
 area on each vertex and 3/4 on the centroid is: positive, exact for linear traction, and its hull is the polygon, so
-that overturning about an edge is exact with the coarsest mesh (METHOD.md §5).
+that overturning about an edge is exact with the coarsest mesh (docs/theory/preie.md).
 """
 
 from collections.abc import Mapping

@@ -72,14 +72,16 @@ def analyse(design: Design, elastic: bool = False) -> Result:
 
 def with_all_said(result: Result) -> Result:
     """Return what a kind found with what is said of all kinds: W302 of its size, the factors on residual strength."""
-    said = _of_size(result.design, result.geometry.total_height_m)
-    result = replace(result, warnings=(*result.warnings, *said)) if said else result
+    notices = _of_size(result.design, result.geometry.total_height_m)
+    result = replace(result, warnings=(*result.warnings, *notices)) if notices else result
     factors = _at_residual(result.design)
     if factors is None:
         return result
-    left = ResidualFactors(factors.status, factors.limit, factors.closed_form, factors.difference, factors.agree)
-    held = replace(result, comparisons=replace(result.comparisons, residual=left))
-    return replace(held, warnings=(*held.warnings, *_residual_notices(held, left)))
+    residual = ResidualFactors(
+        factors.status, factors.limit, factors.closed_form, factors.difference, factors.agree, factors.moments_govern
+    )
+    compared = replace(result, comparisons=replace(result.comparisons, residual=residual))
+    return replace(compared, warnings=(*compared.warnings, *_residual_notices(compared, residual)))
 
 
 def _at_residual(design: Design) -> "Factors | None":
@@ -89,14 +91,14 @@ def _at_residual(design: Design) -> "Factors | None":
     return kind_of(design).factors(replace(design.at_residual(), rules=()))
 
 
-def _residual_notices(result: Result, left: ResidualFactors) -> Iterator[Notice]:
+def _residual_notices(result: Result, residual: ResidualFactors) -> Iterator[Notice]:
     """Yield W417 of a result beside its factors on residual strength."""
     peak = result.fos.limit
-    if left.limit is not None and peak is not None and left.limit > peak * (1.0 + _SAME):
-        yield Notice("W417", f"the residual factor {left.limit:.4g} lies above the peak's {peak:.4g}: other "
+    if residual.limit is not None and peak is not None and residual.limit > peak * (1.0 + _SAME):
+        yield Notice("W417", f"the residual factor {residual.limit:.4g} lies above the peak's {peak:.4g}: other "
                      "joints open or carry then; is the residual strength that of these joints?")  # fmt: skip
     if result.met_by_peak_only:
-        number = f"is {left.limit:.4g}" if left.limit is not None else f"does not exist ({left.status})"
+        number = f"is {residual.limit:.4g}" if residual.limit is not None else f"does not exist ({residual.status})"
         yield Notice("W417", f"acceptance is met by the peak strength only: the residual factor {number}; once "
                      "the joints have slipped, the rule is broken")  # fmt: skip
 
@@ -108,8 +110,8 @@ def _of_size(design: Design, height_m: float | None) -> tuple[Notice, ...]:
 
 def _pressure_notices(design: Design, height_m: float) -> Iterator[Notice]:
     """Yield W302 of the mean water pressures that a design gives: of its interfaces, or of pairs of blocks."""
-    given: Sequence[Any] = getattr(design, "pressures_kpa", ()) or design.water.pressures_kpa
-    pressures = [one[-1] if isinstance(one, tuple) else one for one in given]
+    entries: Sequence[Any] = getattr(design, "pressures_kpa", ()) or design.water.pressures_kpa
+    pressures = [entry[-1] if isinstance(entry, tuple) else entry for entry in entries]
     return pressure_notices(pressures, height_m, design.water_unit_weight_kn_m3)
 
 
@@ -141,7 +143,10 @@ def likely_slips(design: Design, varied: Sequence[str] = ()) -> list[Notice]:
         "water": () if height_m is None else _pressure_notices(design, height_m),
     }
     return [
-        one for path, slips in by_path.items() if not any(name.startswith(path) for name in varied) for one in slips
+        notice
+        for path, slips in by_path.items()
+        if not any(name.startswith(path) for name in varied)
+        for notice in slips
     ]
 
 
@@ -181,26 +186,30 @@ def factors_of(design: Design, pre_ie: bool = True) -> "Factors":
     )  # fmt: skip
 
 
-def peak_only(design: Design, of: str) -> tuple[Notice, ...]:
+def peak_only(design: Design, subject: str) -> tuple[Notice, ...]:
     """W417: numbers are those of the peak strength, and what is left of the factor on the residual strength.
 
     Parameters
     ----------
-    of : what is of the peak strength, in words
+    subject : what is of the peak strength, in words
     """
-    left = _at_residual(design)
-    if left is None:
+    residual = _at_residual(design)
+    if residual is None:
         return ()
-    factor = f"has {left.limit:.4g}" if left.limit is not None else f"has no factor ({left.status})"
-    return (Notice("W417", f"{of} of the peak strength: on residual strength, once its joints have slipped, the "
+    factor = f"has {residual.limit:.4g}" if residual.limit is not None else f"has no factor ({residual.status})"
+    return (Notice("W417", f"{subject} of the peak strength: on residual strength, once its joints have slipped, the "
                    f"design {factor}"),)  # fmt: skip
 
 
-def also_falls_short(also: WithoutBasal | None, target: float, where: str) -> tuple[Notice, ...]:
+def also_falls_short(whole_wedge: WithoutBasal | None, target: float, place: str) -> tuple[Notice, ...]:
     """W507: a design meets a target, what acceptance of it is held against besides does not."""
-    if also is None or not also.falls_short(target):
+    if whole_wedge is None or not whole_wedge.falls_short(target):
         return ()
-    return (Notice("W507", f"{where} {also.WHAT} falls short of {target:g}: {also.in_words()}{also.ALONE}"),)
+    return (
+        Notice(
+            "W507", f"{place} {whole_wedge.WHAT} falls short of {target:g}: {whole_wedge.in_words()}{whole_wedge.ALONE}"
+        ),
+    )
 
 
 def dilates(design: Design) -> bool:
@@ -215,8 +224,8 @@ def cut(design: Design) -> Any:
 
 def words_named(kind: str, inputs: Mapping[str, Any] | None = None) -> Words:
     """What a kind calls things; one that is not known, as documents from elsewhere may have, has its name alone."""
-    known = known_kind(kind)
-    return Words(kind, "block", "", "", "", {}) if known is None else known.words.of(inputs or {})
+    found_kind = known_kind(kind)
+    return Words(kind, "block", "", "", "", {}) if found_kind is None else found_kind.words.of(inputs or {})
 
 
 def status_text(kind: str, status: str) -> str:

@@ -23,7 +23,7 @@ from slopekit.kinds.assemblies.many_blocks import (
     no_closed_form,
     water_of_blocks,
 )
-from slopekit.kinds.assemblies.many_blocks_design import MOST_BLOCKS, AssemblyDesign, common, named_pressures, water_by
+from slopekit.kinds.assemblies.many_blocks_design import MOST_BLOCKS, AssemblyDesign, common, read_pressures, water_by
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, with_loads
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.sizes import Crest
@@ -143,7 +143,7 @@ class BenchDesign(AssemblyDesign):
     @property
     def wet_interfaces(self) -> tuple[str, ...]:
         """The joint sets."""
-        return tuple(one.name for one in self.sets)
+        return tuple(joint_set.name for joint_set in self.sets)
 
 
 def read_bench(reader: Reader) -> BenchDesign:
@@ -154,38 +154,37 @@ def read_bench(reader: Reader) -> BenchDesign:
     DesignError
         With every fault found: E116, E137, E151 and E186 for the slope, sets and cut, and those of every assembly.
     """
-    own = reader.fields(BenchDesign)
-    face, height = own["face"], own["height_m"]
-    if own["upper"] is None and reader.at("slope.upper") is None and face is not None:
-        own["upper"] = reader.default("upper", Plane(0.0, face.dip_direction_deg))
+    values = reader.fields(BenchDesign)
+    face, height = values["face"], values["height_m"]
+    if values["upper"] is None and reader.at("slope.upper") is None and face is not None:
+        values["upper"] = reader.default("upper", Plane(0.0, face.dip_direction_deg))
     for key, factor in (("length", 2.0), ("depth", 1.0)):
         node = reader.at(f"slope.{key}")
         if node is None or node.value is None:
-            own[f"{key}_m"] = reader.default(key, None if height is None else factor * height)
+            values[f"{key}_m"] = reader.default(key, None if height is None else factor * height)
     sets = reader.at("sets")
     names = [name for name, _ in sets.items()] if sets is not None else []
-    by_name = named_pressures(reader, names, "{S1: 5 kPa}")
-    own["sets"] = tuple(_sets(reader, by_name))
+    water = read_pressures(reader, names)
+    values["sets"] = tuple(_sets(reader, dict(zip(names, water.pressures_kpa, strict=False))))
     toward = 0.0 if face is None else face.dip_direction_deg
-    shared = common(reader, None, False, toward, [one.pressure_kpa for one in own["sets"]])
-    return reader.made(BenchDesign, shared, own)
+    return reader.made(BenchDesign, common(reader, None, False, toward, water), values)
 
 
 def _sets(reader: Reader, by_name: dict[str, float]) -> Iterator[JointSetInput]:
     """The joint sets that can be read: E116 spacing, E186 scatter, E151 the same set twice."""
-    named = reader.names("sets")
-    strengths = strength_names(reader, [(name, below.get("strength"), below) for name, below in named])
+    nodes = reader.names("sets")
+    strengths = strength_names(reader, [(name, node.get("strength"), node) for name, node in nodes])
     seen: dict[tuple[float, ...], str] = {}
-    wanted = [name for name in fields_of(JointSetInput) if name != "strength"]
-    for (name, below), strength in zip(named, strengths, strict=True):
-        attributes = reader.fields(JointSetInput, below, name, only=wanted)
+    attributes_read = [name for name in fields_of(JointSetInput) if name != "strength"]
+    for (name, node), strength in zip(nodes, strengths, strict=True):
+        attributes = reader.fields(JointSetInput, node, name, only=attributes_read)
         if None in attributes.values():
             continue
         plane: Plane = attributes["plane"]
         key = (plane.dip_deg, plane.dip_direction_deg % 360.0, attributes["spacing_m"], attributes["offset_m"])
         if key in seen:
             message = f"{name} has the planes of {seen[key]}: the same orientation, spacing and offset"
-            reader.fault("E151", message, below, "Leave it out, or give it an offset.")
+            reader.fault("E151", message, node, "Leave it out, or give it an offset.")
         seen.setdefault(key, name)
         yield JointSetInput(name=name, strength=strength or "", pressure_kpa=by_name.get(name, 0.0), **attributes)
 
@@ -198,8 +197,14 @@ def cut(design: BenchDesign) -> AssemblyScene:
 
     body = bench_body(design.face.normal(), design.upper.normal(), design.height_m, design.length_m, design.depth_m)
     sets = [
-        JointSet(given.plane.normal(), given.spacing_m, given.offset_m, given.scatter_deg, given.spacing_scatter)
-        for given in design.sets
+        JointSet(
+            joint_set.plane.normal(),
+            joint_set.spacing_m,
+            joint_set.offset_m,
+            joint_set.scatter_deg,
+            joint_set.spacing_scatter,
+        )
+        for joint_set in design.sets
     ]
     planes = planes_of_sets(sets, body, np.random.default_rng(design.seed))
     cut = cut_bench(body, planes, design.max_blocks, design.min_volume_m3)
@@ -216,10 +221,10 @@ def cut(design: BenchDesign) -> AssemblyScene:
                               f"% of the rock and were joined to neighbours: {cut.blocks} of {of_all} blocks are left, "
                               "not those that the joints cut; take less"))  # fmt: skip
     scene = AssemblyScene(
-        assembly, tuple(f"B{k}" for k in range(1, len(assembly) + 1)), tuple(given.name for given in design.sets),
-        tuple(design.strength(given.strength) for given in design.sets),
+        assembly, tuple(f"B{k}" for k in range(1, len(assembly) + 1)), design.wet_interfaces,
+        tuple(design.strength(joint_set.strength) for joint_set in design.sets),
         np.full(len(assembly), design.rock.unit_weight_kn_m3),
-        np.array([given.pressure_kpa for given in design.sets])[assembly.patches.joint],
+        np.array([joint_set.pressure_kpa for joint_set in design.sets])[assembly.patches.joint],
         {},
         {"volume_error": cut.volume_error, "area_error": cut.area_error, "plane_error_m": cut.plane_error,
          "joint_area_m2": cut.joint_area},
@@ -256,32 +261,31 @@ def _notices(design: BenchDesign, scene: AssemblyScene, first: Failure, _: Close
 
 def _slope(design: BenchDesign, result: Result) -> list[Section]:
     entries, areas = [], result.geometry.areas_m2
-    for one in design.sets:
-        area = f"  area {short(areas[one.name])} m²" if one.name in areas else ""
-        entries.append(
-            f"{one.name} {one.plane}  {one.plane.in_words()}, every {one.spacing_m:.6g} m{_regularity(design, one)}  "
-            f"{named_strength(design, one.strength)}{area}"
-        )
+    for joint_set in design.sets:
+        area = f"  area {short(areas[joint_set.name])} m²" if joint_set.name in areas else ""
+        plane = f"{joint_set.name} {joint_set.plane}  {joint_set.plane.in_words()}"
+        spacing = f"every {joint_set.spacing_m:.6g} m{_regularity(design, joint_set)}"
+        entries.append(f"{plane}, {spacing}  {named_strength(design, joint_set.strength)}{area}")
     entries += [_surface("face", design.face), _surface("upper", design.upper)]
     toe = "" if not any(design.origin_m) else f" (mid-toe at {coordinates(design.origin_m)[1:-1]})"
     entries.append(
         f"bench {design.length_m:.6g} m along the strike{toe}, rock modelled to {design.depth_m:.6g} m behind the crest"
     )
-    wet = [(one.name, one.pressure_kpa) for one in design.sets]
-    others = contact_areas({name: area for name, area in areas.items() if name not in design.wet_interfaces})
-    return slope_sections(result, Section("SETS", entries), water_of_blocks(wet), others)
+    wet = [(joint_set.name, joint_set.pressure_kpa) for joint_set in design.sets]
+    contacts = contact_areas({name: area for name, area in areas.items() if name not in design.wet_interfaces})
+    return slope_sections(result, Section("SETS", entries), water_of_blocks(wet), contacts)
 
 
-def _regularity(design: BenchDesign, one: JointSetInput) -> str:
+def _regularity(design: BenchDesign, joint_set: JointSetInput) -> str:
     """Where the set lies, and how it scatters."""
     words = ""
-    if one.offset_m:
-        side = "above" if one.offset_m > 0.0 else "below"
-        words += f" (one plane {abs(one.offset_m):.6g} m {side} mid-toe)"
-    turned = f"normals scatter by {one.scatter_deg:.4g}°" if one.scatter_deg else ""
-    uneven = f"distances scatter by {one.spacing_scatter * 100:.4g} %" if one.spacing_scatter else ""
-    if turned or uneven:
-        words += f", {' and '.join(filter(None, (turned, uneven)))} (seed {design.seed})"
+    if joint_set.offset_m:
+        side = "above" if joint_set.offset_m > 0.0 else "below"
+        words += f" (one plane {abs(joint_set.offset_m):.6g} m {side} mid-toe)"
+    orientation_scatter = f"normals scatter by {joint_set.scatter_deg:.4g}°" if joint_set.scatter_deg else ""
+    uneven = f"distances scatter by {joint_set.spacing_scatter * 100:.4g} %" if joint_set.spacing_scatter else ""
+    if orientation_scatter or uneven:
+        words += f", {' and '.join(filter(None, (orientation_scatter, uneven)))} (seed {design.seed})"
     return words
 
 

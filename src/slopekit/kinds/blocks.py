@@ -32,7 +32,8 @@ from slopekit.kinds.assemblies.many_blocks_design import (
     NamedDesign,
     Point2,
     common,
-    pressures,
+    named_pressures,
+    read_pressures,
     read_surcharges,
     water_by,
 )
@@ -53,10 +54,7 @@ _NAMED = 5  # blocks that a notice names
 _MOST_INTERFACES = 3
 
 
-_COORDINATE = declare("polygon", "length")
 _KEYS = ("polygon", "mesh", "up", "unit_weight", "fixed")
-_TRUTH = {"true": True, "false": False}
-_UNTRUTHS = ("no", "off", "n", "0")  # YAML 1.1, said to be a fault; what it means is clear
 
 
 @dataclass(frozen=True)
@@ -87,7 +85,13 @@ class BlockInput:
         says="out of range ({least} to {most})",
         left_out="the rock's", advice="A block takes its unit weight in kN/m³: 9.81 times the density in t/m³.",
     )  # fmt: skip
-    fixed: bool = text("fixed", default=False, doc="`true` for bedrock; at least one is, at least one is not")
+    fixed: bool = text(
+        "fixed",
+        default=False,
+        words=("true", "false"),
+        code="E126",
+        doc="`true` for bedrock; at least one is, at least one is not",
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -162,19 +166,20 @@ def read_blocks(reader: Reader) -> BlocksDesign:
     """
     group = reader.at("blocks")
     nodes = dict(reader.names("blocks"))
-    fixed = {name: _is_fixed(reader, node) for name, node in nodes.items()}
+    is_bedrock = fields_of(BlockInput)["fixed"]
+    fixed = {name: reader.field(is_bedrock, node.get("fixed")) not in (False, "false") for name, node in nodes.items()}
     _one_kind(reader, nodes)
     blocks = [_block(reader, name, node, fixed[name]) for name, node in nodes.items()]
     _something_moves(reader, group, fixed)
     default, interfaces = _interfaces(reader, nodes)
-    water = _pressures_between(reader, nodes)
+    water = read_pressures(reader, [name for name, _ in named_pressures(reader)])
     in_section = any(node.get("polygon") is not None for node in nodes.values())
     section = reader.at("section")
     if section is not None and nodes and all(node.get("mesh") is not None for node in nodes.values()):
         reader.fault("E112", "section says nothing beside meshes", section, "Leave it out.")
     own = reader.fields(BlocksDesign, only=("thickness_m", "contact_tolerance_m", "mechanisms", "smallest_block"))
     moves = {name: not is_fixed for name, is_fixed in fixed.items()}
-    shared = common(reader, moves, in_section, None, [value for _, _, value in water])
+    shared = common(reader, moves, in_section, None, water)
     sound = tuple(block for block in blocks if block is not None)
     if shared["unit_weight_kn_m3"] is None:
         shared["unit_weight_kn_m3"] = _weight(reader, nodes, fixed, blocks)
@@ -186,39 +191,30 @@ def read_blocks(reader: Reader) -> BlocksDesign:
         surcharges_kpa=tuple(read_surcharges(reader, moves)),
         default_strength=default,
         interfaces=interfaces,
-        pressures_kpa=water,
+        pressures_kpa=_pressures_between(reader, water, nodes),
     )
 
 
 # -- blocks -----------------------------------------------------------------------------------------------------------
 
 
-def _is_fixed(reader: Reader, node: Node) -> bool:
-    given = node.get("fixed")
-    if given is None or given.text is None:
-        return False
-    if given.text.lower() not in _TRUTH:
-        reader.fault("E126", f"{given.path} is {given.text}, it is true or false", given)
-    return given.text.lower() not in (*_UNTRUTHS, "false")
-
-
 def _one_kind(reader: Reader, nodes: Mapping[str, Node]) -> None:
     """Each block is a polygon or a mesh, and all of them are the same; E112, E143."""
     kinds: dict[str, str] = {}
     for name, node in nodes.items():
-        said = [key for key in ("polygon", "mesh") if node.get(key) is not None]
-        if len(said) == 2:
+        shapes = [key for key in ("polygon", "mesh") if node.get(key) is not None]
+        if len(shapes) == 2:
             reader.fault("E112", f"{name} has polygon and mesh", node.get("mesh"), "Keep one of them.")
-        elif not said and all(key in _KEYS for key, _ in node.items()):  # else a slip in that key is said already
+        elif not shapes and all(key in _KEYS for key, _ in node.items()):  # else a slip in that key is said already
             reader.fault("E143", f"{node.path}.polygon is missing", node, "Add polygon: or mesh:.")
-        elif said:
-            kinds[name] = said[0]
+        elif shapes:
+            kinds[name] = shapes[0]
     first = next(iter(kinds), "")
-    other = [name for name, kind in kinds.items() if kind != kinds[first]]
-    if other:
-        more = f" (and {len(other) - 1} more)" if len(other) > 1 else ""
-        message = f"{other[0]}{more} has a {kinds[other[0]]}, {first} has a {kinds[first]}"
-        reader.fault("E112", message, nodes[other[0]], "Blocks are all polygons of one section, or all meshes.")
+    others_kind = [name for name, kind in kinds.items() if kind != kinds[first]]
+    if others_kind:
+        more = f" (and {len(others_kind) - 1} more)" if len(others_kind) > 1 else ""
+        message = f"{others_kind[0]}{more} has a {kinds[others_kind[0]]}, {first} has a {kinds[first]}"
+        reader.fault("E112", message, nodes[others_kind[0]], "Blocks are all polygons of one section, or all meshes.")
 
 
 def _block(reader: Reader, name: str, node: Node, is_fixed: bool) -> BlockInput | None:
@@ -233,13 +229,8 @@ def _block(reader: Reader, name: str, node: Node, is_fixed: bool) -> BlockInput 
 
 def _polygon(reader: Reader, name: str, node: Node) -> tuple[Point2, ...] | None:
     """The points (x, z) of a polygon, the first not repeated; E242."""
-    points: list[Point2] = []
-    for k, item in enumerate(node.elements, 1):
-        own = f"point {k} of {name}"
-        parts = [None if part.text is None else reader.number(_COORDINATE, part, own) for part in item.elements]
-        if len(parts) == 2 and parts[0] is not None and parts[1] is not None:
-            points.append((parts[0], parts[1]))
-    if len(points) < len(node.elements):
+    points = reader.points(node, name)
+    if not points:
         return None
     if points[0] == points[-1]:
         del points[-1]  # a ring that is closed, as GIS writes it
@@ -284,9 +275,9 @@ def _weight(
 def _interfaces(reader: Reader, nodes: Mapping[str, Node]) -> tuple[str | None, tuple[tuple[str, str, str], ...]]:
     """The strength of every interface: the default, and those of the pairs that are named; E151, E176, E247."""
     group, strengths = reader.at("interfaces"), reader.at("strength")
-    named = {key: node for key, node in group.items() if node.text is not None} if group is not None else {}
-    default = named.pop("default", None)
-    pairs = _pairs(reader, list(named.items()), nodes)
+    nodes_of_pairs = {key: node for key, node in group.items() if node.text is not None} if group is not None else {}
+    default = nodes_of_pairs.pop("default", None)
+    pairs = _pairs(reader, list(nodes_of_pairs.items()), nodes)
     if strengths is None:
         return None, ()
     users: list[tuple[str, Node | None, Node]] = [("/".join(pair), node, node) for pair, node in pairs.items()]
@@ -297,18 +288,20 @@ def _interfaces(reader: Reader, nodes: Mapping[str, Node]) -> tuple[str | None, 
         names = [name for name, _ in strengths.items()]
         message = f"interfaces.default is missing, and there are {len(names)} strengths"
         reader.fault("E176", message, group or strengths, f"Add default: {' or '.join(names[:4])}.")
-    before = len(reader.faults)
+    faults_before = len(reader.faults)
     assigned = strength_names(reader, users)
-    if not has_default or len(pairs) < len(named):  # a strength that none of the others has may be meant there
-        reader.faults[before:] = [fault for fault in reader.faults[before:] if fault.code != "E195"]
-    interfaces = tuple((*pair, one) for pair, one in zip(pairs, assigned, strict=False) if one is not None)
+    if not has_default or len(pairs) < len(nodes_of_pairs):  # a strength that none of the others has may be meant there
+        reader.faults[faults_before:] = [fault for fault in reader.faults[faults_before:] if fault.code != "E195"]
+    interfaces = tuple(
+        (*pair, strength) for pair, strength in zip(pairs, assigned, strict=False) if strength is not None
+    )
     return (assigned[-1] if has_default else None), interfaces
 
 
 def _pairs(reader: Reader, keys: Sequence[tuple[str, Node]], nodes: Mapping[str, Node]) -> dict[tuple[str, str], Node]:
     """Keys such as B1/B2 as pairs of blocks: E247 what is none, E151 the same twice."""
     pairs: dict[tuple[str, str], Node] = {}
-    seen: dict[frozenset[str], str] = {}
+    keys_by_pair: dict[frozenset[str], str] = {}
 
     def wrong(node: Node, message: str, advice: str) -> None:
         reader.faults.append(Fault("E247", message, str(node.key_place), advice))
@@ -323,20 +316,18 @@ def _pairs(reader: Reader, keys: Sequence[tuple[str, Node]], nodes: Mapping[str,
                 wrong(node, f"{key}: there is no block {name}", reader.nearest(name, nodes))
         elif names[0] == names[1]:
             wrong(node, f"{key}: a block has no interface with itself", "Name two blocks.")
-        elif frozenset(names) in seen:
-            message = f"{key} is the same interface as {seen[frozenset(names)]}"
+        elif frozenset(names) in keys_by_pair:
+            message = f"{key} is the same interface as {keys_by_pair[frozenset(names)]}"
             reader.faults.append(Fault("E151", message, str(node.key_place), "Leave one of them out."))
         else:
             pairs[names[0], names[1]] = node
-        seen.setdefault(frozenset(names), key)
+        keys_by_pair.setdefault(frozenset(names), key)
     return pairs
 
 
-def _pressures_between(reader: Reader, nodes: Mapping[str, Node]) -> tuple[tuple[str, str, float], ...]:
-    given = pressures(reader, "{B1/B2: 5 kPa}")
-    values = {id(node): value for _, node, value in given}
-    pairs = _pairs(reader, [(name, node) for name, node, _ in given], nodes)
-    return tuple((*pair, values[id(node)]) for pair, node in pairs.items())
+def _pressures_between(reader: Reader, water: Water, nodes: Mapping[str, Node]) -> tuple[tuple[str, str, float], ...]:
+    pairs = _pairs(reader, named_pressures(reader), nodes)
+    return tuple((*pair, value) for pair, value in zip(pairs, water.pressures_kpa, strict=False))
 
 
 def cut(design: BlocksDesign) -> AssemblyScene:
@@ -353,15 +344,15 @@ def cut(design: BlocksDesign) -> AssemblyScene:
     key = low * len(names) + high
     notices = list(scene.notices)
     unmet = []
-    for named, values, take in (
+    for named_pairs, values, take in (
         (design.interfaces, joint, lambda name: kinds.index(str(name))),
         (design.pressures_kpa, pressures, float),
     ):
-        for first, second, value in named:
+        for first, second, value in named_pairs:
             a, b = sorted((index[first], index[second]))
-            at = key == a * len(names) + b
-            values[at] = take(value)
-            if not at.any():
+            is_pair = key == a * len(names) + b
+            values[is_pair] = take(value)
+            if not is_pair.any():
                 unmet.append(f"{first}/{second}")
     if unmet:
         notices.append(Notice("W334", f"interfaces are named between blocks that do not touch: {_some(unmet)}"))
@@ -449,11 +440,13 @@ def _refuse_floating(names: Sequence[str], fixed: Bools, patches: Patches, gaps:
     if not len(floating):
         return
     ends = np.isin(gaps.pairs, floating)
-    near = [
+    gaps_in_words = [
         f"{names[a]} and {names[b]} are {1e3 * most:.3g} mm apart"
         for (a, b), most in zip(gaps.pairs[ends.any(axis=1)].tolist(), gaps.apart[ends.any(axis=1)], strict=True)
     ]
-    advice = "Move their corners until faces meet, or give contact_tolerance" + (f": {_some(near)}." if near else ".")
+    advice = "Move their corners until faces meet, or give contact_tolerance" + (
+        f": {_some(gaps_in_words)}." if gaps_in_words else "."
+    )
     verb = (
         "has no contact and" if len(floating) == 1 else "have no contact with bedrock, their own or through others, and"
     )
@@ -510,21 +503,21 @@ def _slope(design: BlocksDesign, result: Result) -> list[Section]:
         shape += f"; {_some(list(dict.fromkeys(scaled)))}"
     y_up = [block.name for block in design.blocks if block.mesh is not None and block.mesh.up == "y"]
     shape += f", y is up in the files of {names_in_runs(y_up)}" if y_up else ""
-    within = design.contact_tolerance_m
-    touch = "" if within is None else f"; faces nearer than {within * 1e3:.6g} mm touch"
+    tolerance = design.contact_tolerance_m
+    touch = "" if tolerance is None else f"; faces nearer than {tolerance * 1e3:.6g} mm touch"
     entries = [
         f"{shape}{touch}",
         f"can move: {names_in_runs(moving)}; bedrock: {names_in_runs(fixed) or 'none'}",
     ]
     for name, strength in design.strengths:
-        pairs = [f"{one}/{other}" for one, other, own in design.interfaces if own == name]
+        pairs = [f"{first}/{second}" for first, second, strength_name in design.interfaces if strength_name == name]
         listed = ", ".join(shortened(pairs, _MOST_INTERFACES))
-        on = [f"on {counted(len(pairs), 'named interface')} ({listed})"] if pairs else []
+        places = [f"on {counted(len(pairs), 'named interface')} ({listed})"] if pairs else []
         if name == design.default_strength:
-            on.insert(0, "on every other interface" if design.interfaces else "on every interface")
-        entries.append(f"{name}  {strength_in_words(strength, '.6g')}  {' and '.join(on) or 'on no interface'}")
+            places.insert(0, "on every other interface" if design.interfaces else "on every interface")
+        entries.append(f"{name}  {strength_in_words(strength, '.6g')}  {' and '.join(places) or 'on no interface'}")
     made_from = Section("BLOCKS", entries + _own_weights(design))
-    wet = [(f"{block}/{other}", pressure) for block, other, pressure in design.pressures_kpa]
+    wet = [(f"{block}/{second}", pressure) for block, second, pressure in design.pressures_kpa]
     return slope_sections(result, made_from, water_of_blocks(wet), contact_areas(result.geometry.areas_m2))
 
 
@@ -532,14 +525,14 @@ def _own_weights(design: BlocksDesign) -> list[str]:
     """Which blocks have a unit weight of their own, lightest first."""
     by_weight: dict[float, list[str]] = {}
     for block in design.blocks:
-        own = block.unit_weight_kn_m3
-        if own is not None and not block.fixed and own != design.rock.unit_weight_kn_m3:
-            by_weight.setdefault(own, []).append(block.name)
+        weight = block.unit_weight_kn_m3
+        if weight is not None and not block.fixed and weight != design.rock.unit_weight_kn_m3:
+            by_weight.setdefault(weight, []).append(block.name)
     if not by_weight:
         return []
     listed = [f"{weight:.5g} kN/m³ {names_in_runs(names)}" for weight, names in sorted(by_weight.items())]
-    shown, rest, last = first_and_last(listed, 3, 1)
-    more = [f"... {rest} more ..."] if rest else []
+    shown, between, last = first_and_last(listed, 3, 1)
+    more = [f"... {between} more ..."] if between else []
     return ["own unit weights: " + "; ".join([*shown, *more, *last])]
 
 

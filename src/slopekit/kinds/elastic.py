@@ -1,8 +1,8 @@
 """Elastic blocks of a design, beside its rigid answer: what opens, the tractions, the displacements, the limit.
 
-A block that slides has the rigid limit but for the cohesion of the pairs that its deformation pulls open (METHOD-2
-§10): the state at full strength and one rigid limit are enough. `benchmarks.elastic_oracle` holds it against the factor
-at which elastic blocks no longer come to rest.
+A block that slides has the rigid limit but for the cohesion of the pairs that its deformation pulls open
+(docs/theory/elastic.md): the state at full strength and one rigid limit are enough. `benchmarks.elastic_oracle` holds
+it against the factor at which elastic blocks no longer come to rest.
 """
 
 import math
@@ -79,12 +79,12 @@ def elastic_stiffness(design: Design, many: bool) -> JointStiffness:
     With the paper's parameters the hyperbola cannot reach the strength of a joint pressed by less than 43 kPa, which
     elastic blocks have along their edges.
     """
-    given = joint_stiffness(design)
-    law = given.tangential
+    stiffness = joint_stiffness(design)
+    law = stiffness.tangential
     if not isinstance(law, CloughDuncan):
-        return given
-    shear = SHEAR_TO_NORMAL * given.normal if many else law.modulus_number * law.water_unit_weight
-    return replace(given, tangential=shear)
+        return stiffness
+    shear = SHEAR_TO_NORMAL * stiffness.normal if many else law.modulus_number * law.water_unit_weight
+    return replace(stiffness, tangential=shear)
 
 
 def rock_of(design: Design) -> tuple[float, float]:
@@ -138,12 +138,12 @@ def _solid(polygons: Iterable[Floats], name: str) -> Any:
     return mesh_of(points, cells_of(points, fanned(faces)))
 
 
-def scene_of_one(design: Design, made: Cut) -> ElasticScene:
+def scene_of_one(design: Design, cut: Cut) -> ElasticScene:
     """A convex block on flat joints."""
-    block = made.block
-    if not made.loads.parts["weight"].any():
+    block = cut.block
+    if not cut.loads.parts["weight"].any():
         raise _refuse("the block has no weight, and what loads it stands on its surface")
-    coarse = made.scene_at(0)
+    coarse = cut.scene_at(0)
     if coarse.bedding is None:
         raise _refuse("the block lies on a curved surface, and is not convex")
     polygons = list(block.faces.values())
@@ -155,22 +155,22 @@ def scene_of_one(design: Design, made: Cut) -> ElasticScene:
     edge = design.analysis.elastic_edge_m or _auto(mesh, _HALVED["one"])
     joint_edge = max(float(np.sqrt((np.diff(corners, axis=0, append=corners[:1]) ** 2).sum(axis=1)).max())
                      for corners in map(np.asarray, coarse.bedding.polygons.values()))  # fmt: skip
-    refine = max(made.refine, math.ceil(math.log2(joint_edge / edge * (1.0 - 1e-9))))
-    scene = made.scene_at(min(max(refine, 0), _MOST_REFINED))
+    refine = max(cut.refine, math.ceil(math.log2(joint_edge / edge * (1.0 - 1e-9))))
+    scene = cut.scene_at(min(max(refine, 0), _MOST_REFINED))
     if len(scene.pairs) > _MOST_PAIRS:
         raise _too_many(f"edges of {edge:.4g} m make {len(scene.pairs)} node pairs, at most {_MOST_PAIRS} are taken")
     elements, model = Elements(_meshed(mesh, edge, "the block"), *rock_of(design), order=ORDER), scene.model
     axes = local_axes(scene.pairs.normals)
     rigid = pairs_limit(model)
-    whole = elastic_model(model, body(elements, scene.pairs.points, axes, model.length_scale))
+    elastic = elastic_model(model, body(elements, scene.pairs.points, axes, model.length_scale))
 
     def limit_without(parted: Bools) -> tuple[float | None, bool]:
         return pairs_limit(replace(model, cohesion=frozen(model.cohesion * ~parted))).governing.factor or None, False
 
-    called = {interface.key: interface.name for interface in made.interfaces}
+    names = {interface.key: interface.name for interface in cut.interfaces}
     return ElasticScene(
-        whole, elastic_stiffness(design, False), rigid.governing.factor or None, limit_without,
-        [called[key] for key in scene.pairs.interface.tolist()], made.axes, (), edge,
+        elastic, elastic_stiffness(design, False), rigid.governing.factor or None, limit_without,
+        [names[key] for key in scene.pairs.interface.tolist()], cut.axes, (), edge,
     )  # fmt: skip
 
 
@@ -211,42 +211,44 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
     split, origin = _split(scene, 2**levels) if assembly.in_section else (scene, np.arange(len(assembly.patches)))
     strength, loads = joint_strength(scene.strengths), scene_loads(split)
     refine = None if assembly.in_section else np.minimum(levels, _MOST_REFINED)
-    whole = whole_model(split.assembly, loads, strength, refine)
-    if whole is None:
+    joined = whole_model(split.assembly, loads, strength, refine)
+    if joined is None:
         raise _refuse("its blocks touch nothing")
-    pairs = whole.joint_pairs.stop
+    pairs = joined.joint_pairs.stop
     if pairs > _MOST_OF_MANY:
         raise _too_many(
             f"{pairs} node pairs between elastic blocks, at most {_MOST_OF_MANY} are taken",
             "Give a longer edge, or fewer blocks.",
         )
-    rows, bolt_rows = _rows(whole, pairs)
-    contact = whole.pair_contact[:pairs]
-    patch = whole.patch[contact]
+    rows, bolt_rows = _rows(joined, pairs)
+    contact = joined.pair_contact[:pairs]
+    patch = joined.patch[contact]
     patches = split.assembly.patches
-    plus, minus = whole.plus[contact], whole.minus[contact]
-    turned = whole.moving[plus] != patches.plus[patch]
-    normals = patches.normals[patch] * np.where(turned, -1.0, 1.0)[:, None]
+    plus, minus = joined.plus[contact], joined.minus[contact]
+    is_reversed = joined.moving[plus] != patches.plus[patch]
+    normals = patches.normals[patch] * np.where(is_reversed, -1.0, 1.0)[:, None]
     axes = section_axes(normals) if assembly.in_section else local_axes(normals)
-    area = whole.control_area[:pairs] * whole.area_scale
+    area = joined.control_area[:pairs] * joined.area_scale
     condensed, cells = list[tuple[CondensedBlock, Ints, Ints]](), 0
-    for k, block in enumerate(whole.moving.tolist()):
-        own = np.flatnonzero((plus == k) | (minus == k))
-        at = (3 * own[:, None] + np.arange(3)).ravel()
-        unknowns = k * whole.unknowns + np.arange(whole.unknowns)
+    for k, block in enumerate(joined.moving.tolist()):
+        pairs_of_block = np.flatnonzero((plus == k) | (minus == k))
+        rows_of_block = (3 * pairs_of_block[:, None] + np.arange(3)).ravel()
+        unknowns = k * joined.unknowns + np.arange(joined.unknowns)
         mesh = _meshed(meshes[block], own_edges[block], scene.names[block])
         cells += mesh.t.shape[1]
         if cells > _MOST_CELLS:
             raise _too_many(f"edges of {edge:.4g} m make more than {_MOST_CELLS} finite elements")
-        sides = np.where(plus[own] == k, 1.0, -1.0)[:, None, None] * axes[own]
+        sides = np.where(plus[pairs_of_block] == k, 1.0, -1.0)[:, None, None] * axes[pairs_of_block]
         elements = Elements(mesh, *rock_of(design), scene.thickness or 1.0, ORDER)
-        condensed.append((body(elements, whole.points[own], sides, whole.length_scale), at, unknowns))
-    group = whole.group_of_pair[:pairs]
+        condensed.append(
+            (body(elements, joined.points[pairs_of_block], sides, joined.length_scale), rows_of_block, unknowns)
+        )
+    group = joined.group_of_pair[:pairs]
     bolted = slice(pairs, None)
     model = ElasticModel(
-        sparse.csr_matrix(rows), whole.load.ravel() * whole.force_scale, area,
-        whole.cohesion[:pairs] * whole.force_scale / area, np.array(strength.tension)[patches.joint[patch]],
-        whole.tan_friction[group], whole.tan_dilation[group], bolt_rows, whole.cohesion[bolted] * whole.force_scale,
+        sparse.csr_matrix(rows), joined.load.ravel() * joined.force_scale, area,
+        joined.cohesion[:pairs] * joined.force_scale / area, np.array(strength.tension)[patches.joint[patch]],
+        joined.tan_friction[group], joined.tan_dilation[group], bolt_rows, joined.cohesion[bolted] * joined.force_scale,
         tuple(condensed),
     )  # fmt: skip
 
@@ -257,21 +259,21 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
     def limit_without(parted: Bools) -> tuple[float | None, bool]:
         lost = np.bincount(origin[patch], area * parted, len(assembly.patches))
         share = np.divide(lost, assembly.patches.areas, out=np.zeros_like(lost), where=assembly.patches.areas > 0.0)
-        given = joint_strength(scene.strengths)
+        strength_of_joints = joint_strength(scene.strengths)
         joint = assembly.patches.joint
-        if not (share * given.cohesion[joint]).any():
+        if not (share * strength_of_joints.cohesion[joint]).any():
             return result.fos.limit, False
         each = replace(
-            given, cohesion=given.cohesion[joint] * np.clip(1.0 - share, 0.0, 1.0),
-            tan_friction=given.tan_friction[joint], tan_dilation=given.tan_dilation[joint],
-            tension=given.tension[joint],
+            strength_of_joints, cohesion=strength_of_joints.cohesion[joint] * np.clip(1.0 - share, 0.0, 1.0),
+            tan_friction=strength_of_joints.tan_friction[joint], tan_dilation=strength_of_joints.tan_dilation[joint],
+            tension=strength_of_joints.tension[joint],
         )  # fmt: skip
-        own = replace(assembly, patches=replace(assembly.patches, joint=np.arange(len(joint))))
+        pairs_of_block = replace(assembly, patches=replace(assembly.patches, joint=np.arange(len(joint))))
         with work_limit.allowed(_WITHOUT * work_limit.MOST):
-            failures = ravel(own, loads_of_all, each, ranged=False, lightest=lightest).failures
+            failures = ravel(pairs_of_block, loads_of_all, each, ranged=False, lightest=lightest).failures
         return (failures[0].limit.factor, failures[0].limit.spent) if failures else (None, False)
 
-    names = [scene.names[block] for block in whole.moving.tolist()]
+    names = [scene.names[block] for block in joined.moving.tolist()]
     return ElasticScene(
         model, elastic_stiffness(design, True), result.fos.limit, limit_without,
         [scene.joints[joint] for joint in patches.joint[patch].tolist()], np.eye(3), names, edge,
@@ -292,24 +294,26 @@ def _mesh_of_block(scene: AssemblyScene, block: int) -> Any:
     return _solid(assembly.vertices[assembly.triangles[assembly.triangle_block == block]], name)
 
 
-def _split(scene: AssemblyScene, parts: Ints) -> tuple[AssemblyScene, Ints]:
+def _split(scene: AssemblyScene, counts: Ints) -> tuple[AssemblyScene, Ints]:
     """A section with each contact split into parts (k,), no longer than its elements; the contact of each part."""
     assembly, patches = scene.assembly, scene.assembly.patches
     ends = patches.corners.reshape(-1, 2, 3)
-    origin = np.repeat(np.arange(len(patches)), parts)
-    first = np.repeat(np.cumsum(parts) - parts, parts)
-    at = (np.arange(len(origin)) - first)[:, None] / parts[origin][:, None]
-    step = (ends[origin, 1] - ends[origin, 0]) / parts[origin][:, None]
-    start = ends[origin, 0] + at * (ends[origin, 1] - ends[origin, 0])
+    origin = np.repeat(np.arange(len(patches)), counts)
+    first = np.repeat(np.cumsum(counts) - counts, counts)
+    share = (np.arange(len(origin)) - first)[:, None] / counts[origin][:, None]
+    step = (ends[origin, 1] - ends[origin, 0]) / counts[origin][:, None]
+    start = ends[origin, 0] + share * (ends[origin, 1] - ends[origin, 0])
     corners = np.stack([start, start + step], axis=1)
     finer = replace(
         patches, plus=patches.plus[origin], minus=patches.minus[origin], joint=patches.joint[origin],
-        normals=patches.normals[origin], areas=patches.areas[origin] / parts[origin],
+        normals=patches.normals[origin], areas=patches.areas[origin] / counts[origin],
         centroids=corners.mean(axis=1), corners=corners.reshape(-1, 3), first=2 * np.arange(len(origin) + 1),
     )  # fmt: skip
-    where = patches.centroids if scene.water_points is None else scene.water_points
-    own = replace(assembly, patches=finer)
-    return replace(scene, assembly=own, pressures=scene.pressures[origin], water_points=where[origin]), origin
+    points = patches.centroids if scene.water_points is None else scene.water_points
+    finer_assembly = replace(assembly, patches=finer)
+    return replace(
+        scene, assembly=finer_assembly, pressures=scene.pressures[origin], water_points=points[origin]
+    ), origin
 
 
 def _rows(model: Any, pairs: int) -> tuple[Any, Floats]:
@@ -340,18 +344,18 @@ def with_elastic(kind: Kind[Any], result: Result) -> Result:
     """
     design, began = result.design, time.perf_counter()
     say("elastic", head=True)
-    made = kind.cut(design)
+    cut = kind.cut(design)
     if any(strength.law is not None for strength in design.joint_strengths):
         raise _refuse("strength is curved, and the lines of its law would follow the tractions")
     scene = (
-        scene_of_one(design, made)
-        if isinstance(made, Cut)
-        else scene_of_many(design, made.without(_gone(made, result)), result)
+        scene_of_one(design, cut)
+        if isinstance(cut, Cut)
+        else scene_of_many(design, cut.without(_gone(cut, result)), result)
     )
     stands = result.status == "no_driving_force"
     if scene.rigid_limit is None and not stands:
-        said = Notice("W450", f"no elastic blocks: {result.status_text}, nothing comes to rest at any strength")
-        return replace(result, warnings=(*result.warnings, said))
+        notice = Notice("W450", f"no elastic blocks: {result.status_text}, nothing comes to rest at any strength")
+        return replace(result, warnings=(*result.warnings, notice))
     below = _BELOW * min(scene.rigid_limit or math.inf, 1.0)  # elastic blocks may not stand where rigid ones just do
     factors = (below,) if not stands and (scene.rigid_limit or 0.0) <= 1.0 else (1.0, below)
     for factor in factors:
@@ -362,26 +366,28 @@ def with_elastic(kind: Kind[Any], result: Result) -> Result:
     else:
         pairs = f"{int(rest.opened(scene.model).sum())} of {len(rest.parted)} node pairs pulled open"
         how = f"in {search.steps} steps, {pairs}" if search.spent else f"({pairs})"
-        said = Notice("W450", f"no elastic blocks: Newton's method finds no rest at F = {factor:.4g} {how}")
-        return replace(result, warnings=(*result.warnings, said), timing_s=_timed(result, began))
+        notice = Notice("W450", f"no elastic blocks: Newton's method finds no rest at F = {factor:.4g} {how}")
+        return replace(result, warnings=(*result.warnings, notice), timing_s=_timed(result, began))
     rigid = RestSearch(scene.model.rigid(), scene.stiffness).rest(factor)
     limit, spent = scene.rigid_limit, False
     rigid_limit = limit
     if not stands:
         limit, spent = scene.limit_without(rest.opened(scene.model))
         without = scene.limit_without(rigid.opened(scene.model))[0] if rigid.stands else None
-        rigid_limit = min((one for one in (rigid_limit, without) if one is not None), default=None)
-    other = limit is not None and rigid_limit is not None and limit > rigid_limit * (1.0 + _SAME)
-    limit = rigid_limit if other else limit
+        rigid_limit = min(
+            (factor_without for factor_without in (rigid_limit, without) if factor_without is not None), default=None
+        )
+    is_higher = limit is not None and rigid_limit is not None and limit > rigid_limit * (1.0 + _SAME)
+    limit = rigid_limit if is_higher else limit
     answer = _answer(design, scene, rest, rigid, (limit, rigid_limit), search.steps)
     notes = [*result.warnings, *_notices(result, answer)]
     if factor < factors[0] and limit is not None:
-        known = f"come to rest at F = {factor:.4g}, at {factors[0]:.4g} none was found"
-        notes.append(Notice("W455", f"elastic blocks {known}: their limit may lie between, below the {limit:.4f} under "
-                            f"ELASTIC, which is without what is open at the first: rely on {factor:.4g}"))  # fmt: skip
+        rest_found = f"come to rest at F = {factor:.4g}, at {factors[0]:.4g} none was found"
+        between = f"their limit may lie between, below the {limit:.4f} under ELASTIC, which is without what is open"
+        notes.append(Notice("W455", f"elastic blocks {rest_found}: {between} at the first: rely on {factor:.4g}"))
     if not stands and limit is None:
         notes.append(_no_limit(spent))
-    if other:
+    if is_higher:
         why = "without the cohesion that is pulled open another limit state is found, with a higher factor"
         notes.append(Notice("W455", f"{why}: the lower of the two is the limit under ELASTIC"))
     comparisons = replace(result.comparisons, elastic=answer)
@@ -419,32 +425,33 @@ def _answer(
     steps: int,
 ) -> ElasticBlocks:  # fmt: skip
     model, (modulus, poisson) = scene.model, rock_of(design)
-    given = {"modulus": design.rock.modulus_kpa, "poisson": design.rock.poisson}
-    taken = tuple(name for name, value in given.items() if value is None)
+    moduli = {"modulus": design.rock.modulus_kpa, "poisson": design.rock.poisson}
+    assumed = tuple(name for name, value in moduli.items() if value is None)
     area = model.area
     elastic, stiff = (state.forces.reshape(-1, 3)[:, 0] / area for state in (rest, rigid))
     joints = {}
     names = np.array(scene.joint)
     for name in dict.fromkeys(scene.joint):
-        on = names == name
+        of_joint = names == name
         joints[name] = OnElasticJoint(
-            (float(elastic[on].min()), float(elastic[on].max())), (float(stiff[on].min()), float(stiff[on].max())),
-            float(area[on & rest.opened(model)].sum() / area[on].sum()),
+            (float(elastic[of_joint].min()), float(elastic[of_joint].max())),
+            (float(stiff[of_joint].min()), float(stiff[of_joint].max())),
+            float(area[of_joint & rest.opened(model)].sum() / area[of_joint].sum()),
         )  # fmt: skip
-    moved = _displacements(scene, model, rest)
-    most = int(np.argmax((moved * moved).sum(axis=1)))
+    displacements = _displacements(scene, model, rest)
+    most = int(np.argmax((displacements * displacements).sum(axis=1)))
     both, bonded = [state.opened(model) for state in (rest, rigid)], model.cohesion > 0.0
     opened, rigid_opened = (float(area[open_].sum() / area.sum()) for open_ in both)
     lost, rigid_lost = (float(area[open_ & bonded].sum() / area.sum()) for open_ in both)
-    bodies = [one for one, *_ in model.blocks]
-    degrees = sum(one.degrees for one in bodies) + 3 * len(area) + len(model.load)
+    bodies = [body for body, *_ in model.blocks]
+    degrees = sum(body.degrees for body in bodies) + 3 * len(area) + len(model.load)
     mesh = ElasticMesh(
-        rest.failed_pairs, len(area), degrees, sum(one.cells for one in bodies), scene.edge, ORDER, taken,
+        rest.failed_pairs, len(area), degrees, sum(body.cells for body in bodies), scene.edge, ORDER, assumed,
         rest.residual,
     )  # fmt: skip
     return ElasticBlocks(
         limits[0], limits[1], rest.factor, opened, rigid_opened, lost, rigid_lost, joints,
-        frozen(moved[most]), frozen(_displacements(scene, model.rigid(), rigid)[most]),
+        frozen(displacements[most]), frozen(_displacements(scene, model.rigid(), rigid)[most]),
         scene.names[most] if scene.names else None, modulus, poisson, steps, mesh,
     )  # fmt: skip
 

@@ -7,7 +7,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from slopekit.closed_form.plane import OUTCOMES, ClosedFormPlanes, PlaneArrays, plane_failures
+from slopekit.closed_form.plane import OUTCOMES, PlaneArrays, plane_failures
 from slopekit.core.errors import Fault, MisfitError
 from slopekit.core.sheet import Section
 from slopekit.design.common import Design
@@ -18,7 +18,8 @@ from slopekit.design.sections import read_common, read_strengths
 from slopekit.geometry.pressure import resultant
 from slopekit.geometry.sections.section import J1, PlaneSection, footing_section, line_pairs
 from slopekit.kinds.protocol import ClosedForm
-from slopekit.kinds.single_block.one_block import DILATES, SingleBlock
+from slopekit.kinds.single_block.closed_forms import DILATES, ClosedForms
+from slopekit.kinds.single_block.one_block import SingleBlock
 from slopekit.kinds.single_block.one_block_limit import Cut, Interface
 from slopekit.kinds.single_block.secants import on_secants, other_strengths
 from slopekit.kinds.solver_inputs import section_bedding, section_geometry
@@ -111,16 +112,14 @@ class FootingDesign(Design):
         return 0.5 * sum(self.ends_kpa) * self.length_m
 
     @property
-    def at_m(self) -> float:
-        """The distance of the load from the face."""
-        middle = self.length_m * math.cos(math.radians(self.dip_deg)) / 2.0
-        return middle if self.load_at_m is None else self.load_at_m
+    def middle_m(self) -> float:
+        """The distance of the middle of the plane from the face."""
+        return self.length_m * math.cos(math.radians(self.dip_deg)) / 2.0
 
     @property
-    def eccentricity_m(self) -> float:
-        """How far the load passes the middle of the plane, away from the face."""
-        middle = self.length_m * math.cos(math.radians(self.dip_deg)) / 2.0
-        return 0.0 if self.load_at_m is None else self.load_at_m - middle
+    def at_m(self) -> float:
+        """The distance of the load from the face."""
+        return self.middle_m if self.load_at_m is None else self.load_at_m
 
     def changes(self) -> Iterator[tuple[str, Self]]:
         """Designs with one input a little changed, by name."""
@@ -138,7 +137,7 @@ def read_footing(reader: Reader) -> FootingDesign:
     DesignError
         With every fault found; E137 for a number of node pairs that the rule does not take.
     """
-    own = reader.fields(FootingDesign)
+    values = reader.fields(FootingDesign)
     user = "weak_plane", reader.at("weak_plane.strength"), reader.at("weak_plane") or reader.root
     strength = read_strengths(reader, [user])[0]
     common = read_common(reader)
@@ -148,22 +147,22 @@ def read_footing(reader: Reader) -> FootingDesign:
         # a seam with a modulus: G is a third of E for ν = 0.5, as the paper has it
         normal = common["stiffness"].normal_kn_m3
         common["stiffness"] = Stiffness(normal, normal / 3.0)
-    return reader.made(FootingDesign, own, common, strength=strength, uplift=_uplift(reader))
+    return reader.made(FootingDesign, values, common, strength=strength, uplift=_uplift(reader))
 
 
 def _uplift(reader: Reader) -> Uplift | None:
     node = reader.at("uplift")
     if node is None or not node.is_mapping or not node.items():
         return None
-    own = reader.fields(Uplift, node)
-    said = [key for key in ("toe", "heel") if node.get(key) is not None]
-    if node.get("fill") is not None and said:
-        message = f"uplift has fill and {' and '.join(said)}: they exclude each other"
-        reader.fault("E112", message, node.get(said[0]), "Keep one of them.")
-    elif node.get("fill") is None and not said:
+    values = reader.fields(Uplift, node)
+    ends = [key for key in ("toe", "heel") if node.get(key) is not None]
+    if node.get("fill") is not None and ends:
+        message = f"uplift has fill and {' and '.join(ends)}: they exclude each other"
+        reader.fault("E112", message, node.get(ends[0]), "Keep one of them.")
+    elif node.get("fill") is None and not ends:
         advice = "Write uplift: {toe: 20 kPa, heel: 5 kPa} or {fill: 100 %}."
         reader.fault("E118", "uplift says no pressure", node, advice)
-    return None if own["drain"] is None else Uplift(**own)
+    return None if values["drain"] is None else Uplift(**values)
 
 
 def cut(design: FootingDesign) -> Cut:
@@ -194,36 +193,39 @@ def closed_form(design: FootingDesign, _: Cut | None = None) -> ClosedForm:
     """The design by limit equilibrium: a plane failure below level ground and a vertical face, under the load."""
     _block(design)
 
-    def on_line(lines: Sequence[Strength]) -> ClosedFormPlanes:
-        return plane_failures(PlaneArrays(
+    names = tuple("slides_on_J1" if name == "slides" else name for name in OUTCOMES)
+
+    def on_lines(lines: Sequence[Strength]) -> ClosedForms:
+        found = plane_failures(PlaneArrays(
             face_dip_deg=90.0, upper_dip_deg=0.0, plane_dip_deg=design.dip_deg,
             height_m=design.length_m * math.sin(math.radians(design.dip_deg)), cohesion_kpa=lines[0].cohesion_kpa,
             friction_deg=lines[0].friction_angle_deg, unit_weight_kn_m3=design.rock.unit_weight_kn_m3,
             pressure_kpa=design.uplift_kn / design.length_m, force_kn=(0.0, -design.load_kn),
         ))  # fmt: skip
+        return ClosedForms(names, found.outcome, found.factor, [found.normal_kn], [found.length_m])
 
-    found = on_secants([design.strength], on_line, lambda found: [found.normal_kn / found.length_m])
-    status, factor = OUTCOMES[found.outcome[0]], float(found.factor[0])
-    why_not = DILATES if design.strength.dilation_deg else ""
-    if status == "slides":
-        return ClosedForm(factor, "slides_on_J1", why_not)
-    return ClosedForm(None, status, why_not)
+    closed = on_secants([design.strength], on_lines, ClosedForms.tractions_kpa).of()
+    return replace(closed, why_not=DILATES if design.strength.dilation_deg else "")
 
 
 def _block(design: FootingDesign) -> PlaneSection:
     """The block. Raises MisfitError where the load stands beside it."""
     section = footing_section(design.dip_deg, design.length_m)
-    at, width = design.at_m, -float(section.bottom[0])
-    if not 0.0 <= at <= width:
-        raise MisfitError([Fault("E219", f"the load stands {at:.6g} m from the face, the block is {width:.6g} m wide")])
+    place, width = design.at_m, -float(section.bottom[0])
+    if not 0.0 <= place <= width:
+        raise MisfitError(
+            [Fault("E219", f"the load stands {place:.6g} m from the face, the block is {width:.6g} m wide")]
+        )
     return section
 
 
 def _slope(design: FootingDesign, result: Result) -> list[Section]:
-    long = size_number(design.length_m)
-    words = f"weak plane dips {design.dip_deg:.6g}°, {long} m long  {strength_in_words(design.strength)}"
-    off = design.eccentricity_m
-    place = "over the middle of the plane" if not off else f"{abs(off):.4g} m off the middle of the plane"
+    length = size_number(design.length_m)
+    words = f"weak plane dips {design.dip_deg:.6g}°, {length} m long  {strength_in_words(design.strength)}"
+    eccentricity = design.at_m - design.middle_m
+    place = (
+        "over the middle of the plane" if not eccentricity else f"{abs(eccentricity):.4g} m off the middle of the plane"
+    )
     toe, heel = design.ends_kpa
     wet = [f"uplift {toe:.4g} kPa at the toe, {heel:.4g} kPa at the heel"] if design.uplift_kn else []
     acting = [f"footing {size_number(design.load_kn)} kN, {place}", *wet]

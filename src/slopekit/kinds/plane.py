@@ -31,11 +31,10 @@ from slopekit.kinds.single_block.closed_forms import (
     Arguments,
     ClosedForms,
     OnArrays,
-    SizesOfMany,
     pressures_and_force,
 )
 from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of, upward
-from slopekit.kinds.single_block.one_block import DILATES, SingleBlock, left_out_of_slope
+from slopekit.kinds.single_block.one_block import SingleBlock, left_out_of_slope
 from slopekit.kinds.single_block.one_block_limit import Cut, Interface
 from slopekit.kinds.single_block.secants import other_strengths, steeper
 from slopekit.kinds.solver_inputs import loads_in_slope, section_bedding, section_geometry
@@ -97,10 +96,12 @@ class PlaneDesign(SlopeDesign):
         return (self.joint_name, "crack") if self.crack is not None else (self.joint_name,)
 
     @property
-    def section_share(self) -> float:
-        """The part of an earthquake that acts out of the slope, in its section."""
-        trend = self.seismic.trend_deg
-        return 1.0 if trend is None else math.cos(math.radians(trend - self.face.dip_direction_deg))
+    def section_share(self) -> Any:
+        """The part of an earthquake that acts out of the slope, in its section; of one design or of many."""
+        if self.seismic.trend_deg is None:
+            return 1.0
+        share: Any = np.cos(np.radians(np.subtract(self.seismic.trend_deg, self.face.dip_direction_deg)))
+        return share
 
     def changes(self) -> Iterator[tuple[str, Self]]:
         """Designs with one input a little changed, by name."""
@@ -132,9 +133,9 @@ def read_plane(reader: Reader) -> PlaneDesign:
         With every fault found.
     """
     joints = joints_of(reader, 1)
-    own = reader.fields(PlaneDesign)
-    if own["upper"] is None and reader.at("slope.upper") is None:
-        own["upper"] = reader.default("upper", Plane(0.0, 0.0 if own["face"] is not None else 180.0))
+    values = reader.fields(PlaneDesign)
+    if values["upper"] is None and reader.at("slope.upper") is None:
+        values["upper"] = reader.default("upper", Plane(0.0, 0.0 if values["face"] is not None else 180.0))
     node = reader.at("crack")
     if node is not None and not ({"depth", "distance"} & {key for key, _ in node.items()}):
         reader.fault("E143", "crack.depth is missing", node, "Add depth: 4.35 m, or distance: 4 m from the crest.")
@@ -148,7 +149,7 @@ def read_plane(reader: Reader) -> PlaneDesign:
     if searched and node is not None and node.get("depth") is not None:
         reader.fault("E112", "crack has depth and distance: worst: they exclude each other", node, "Keep one of them.")
     design: PlaneDesign = reader.made(
-        PlaneDesign, own, common, joint=joints[0].plane if joints else None, joint_name=names[0], crack=crack,
+        PlaneDesign, values, common, joint=joints[0].plane if joints else None, joint_name=names[0], crack=crack,
         strength=strengths[0] if strengths else None, water=water,
     )  # fmt: skip
     if node is None or not searched:
@@ -174,8 +175,8 @@ def _water_of_plane(reader: Reader, names: Sequence[str], crack: Node | None) ->
     if is_pressure:
         mean = reader.number(fields_of(Water)["pressures_kpa"], in_crack, "water pressure")
         return Water("pressures", 0.0, (0.0, mean)) if mean else Water()
-    part = reader.kept(words.fill, value, str(in_crack.place))
-    return Water("full", part) if part else Water()
+    share = reader.kept(words.fill, value, str(in_crack.place))
+    return Water("full", share) if share else Water()
 
 
 def cut(design: PlaneDesign) -> Cut:
@@ -216,9 +217,11 @@ def _signed_dip(plane: Plane, face: Plane) -> Any:
 def section_of(design: PlaneDesign) -> PlaneSection:
     """The section of the block. Raises GeometryError where the plane forms none that can slide out."""
     for name, plane in ((design.joint_name, design.joint), ("the upper slope", design.upper)):
-        apart = _strikes_apart(plane.dip_direction_deg, design.face.dip_direction_deg)
-        if apart > WIDEST_DEG and plane.dip_deg > 0.0:
-            message = f"{name} strikes {apart:.1f}° from the face: plane failure needs {WIDEST_DEG:.0f}° or less"
+        difference_deg = _strikes_apart(plane.dip_direction_deg, design.face.dip_direction_deg)
+        if difference_deg > WIDEST_DEG and plane.dip_deg > 0.0:
+            message = (
+                f"{name} strikes {difference_deg:.1f}° from the face: plane failure needs {WIDEST_DEG:.0f}° or less"
+            )
             raise GeometryError([Fault("E213", message, "", "With a second joint it may form a wedge: kind: wedge.")])
     crack = design.crack
     return plane_section(
@@ -230,22 +233,24 @@ def section_of(design: PlaneDesign) -> PlaneSection:
 
 def _strikes_apart(direction: Any, face: Any) -> Any:
     """Degrees between the strikes of planes by their dip directions, floats or arrays."""
-    apart = np.abs(np.subtract(direction, face)) % 180.0
-    return np.minimum(apart, 180.0 - apart)
+    difference_deg = np.abs(np.subtract(direction, face)) % 180.0
+    return np.minimum(difference_deg, 180.0 - difference_deg)
 
 
 def _axes(face: Plane) -> Floats:
     """Rows: out of the slope, along it, up, in east, north, up."""
-    out = Line(face.dip_direction_deg, 0.0).vector()
+    outward = Line(face.dip_direction_deg, 0.0).vector()
     up = np.array([0.0, 0.0, 1.0])
-    return np.array([out, np.cross(up, out), up])
+    return np.array([outward, np.cross(up, outward), up])
 
 
 def _full_water(slope: LocalSlope, unit_weight: Any) -> list[OnFaces]:
     """Full water: as high as the crack; without one γ_w H/2 half way along the plane, nothing at its ends."""
     if slope.crack is not None:
         return standing_in_crack(slope, unit_weight)
-    return [(slope.joints, even(slope.faces[list(slope.joints)], unit_weight * slope.extents[:, 2] / 4.0))]
+    return [
+        (slope.bounds.joints, even(slope.faces[list(slope.bounds.joints)], unit_weight * slope.extents[:, 2] / 4.0))
+    ]
 
 
 # -- the closed form ----------------------------------------------------------------------------------
@@ -253,12 +258,9 @@ def _full_water(slope: LocalSlope, unit_weight: Any) -> list[OnFaces]:
 
 def arguments(design: PlaneDesign) -> Arguments:
     """What Hoek & Bray's plane failure is given of a design, but for its passive bolts."""
-    face, crack, seismic = design.face, design.crack, design.seismic
+    face, crack = design.face, design.crack
     pressures, loads = pressures_and_force(design, 1, bounds, _full_water)
-    given = pressures[0] is not None
-    shaken = 1.0
-    if seismic.trend_deg is not None:
-        shaken = np.cos(np.radians(np.subtract(seismic.trend_deg, face.dip_direction_deg)))
+    has_pressures = pressures[0] is not None
     return loads | {
         "plane_dip_deg": _signed_dip(design.joint, face), "upper_dip_deg": _signed_dip(design.upper, face),
         "face_dip_deg": face.dip_deg, "face_direction": face.dip_direction_deg,
@@ -267,9 +269,11 @@ def arguments(design: PlaneDesign) -> Arguments:
         "unit_weight_kn_m3": design.rock.unit_weight_kn_m3,
         "crack_depth_m": None if crack is None else crack.depth_m,
         "crack_distance_m": None if crack is None else crack.distance_m,
-        "water_in_crack_m": None if given else design.water.crack_water_m,
-        "fill": 0.0 if given else design.water.fill, "pressure_kpa": pressures[0], "crack_pressure_kpa": pressures[1],
-        "water_unit_weight_kn_m3": design.water_unit_weight_kn_m3, "seismic": seismic.coefficient * shaken,
+        "water_in_crack_m": None if has_pressures else design.water.crack_water_m,
+        "fill": 0.0 if has_pressures else design.water.fill,
+        "pressure_kpa": pressures[0], "crack_pressure_kpa": pressures[1],
+        "water_unit_weight_kn_m3": design.water_unit_weight_kn_m3,
+        "seismic": design.seismic.coefficient * design.section_share,
     }  # fmt: skip
 
 
@@ -284,13 +288,13 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]])
     ----------
     bolts : east, north and up of the passive ones
     """
-    given = dict(arguments)
-    misfit, across, face = (given.pop(name) for name in ("misfit", "across", "face_direction"))
-    east, north, up = (given.pop(f"force_{name}") for name in ("east", "north", "up"))
+    columns = dict(arguments)
+    misfit, across, face = (columns.pop(name) for name in ("misfit", "across", "face_direction"))
+    east, north, up = (columns.pop(f"force_{name}") for name in ("east", "north", "up"))
     turned = np.radians(face)
-    given["force_kn"] = None if up is None else (east * np.sin(turned) + north * np.cos(turned), up)
-    out = [(east * np.sin(turned) + north * np.cos(turned), up) for east, north, up in bolts]
-    failures = plane_failures(PlaneArrays(**given, passive_kn=out))
+    columns["force_kn"] = None if up is None else (east * np.sin(turned) + north * np.cos(turned), up)
+    bolt_forces = [(east * np.sin(turned) + north * np.cos(turned), up) for east, north, up in bolts]
+    failures = plane_failures(PlaneArrays(**columns, passive_kn=bolt_forces))
     count = max(failures.outcome.size, np.size(across))
     outcome, factor = np.broadcast_to(failures.outcome, count).copy(), np.broadcast_to(failures.factor, count).copy()
     outcome[np.broadcast_to(across, count)], factor[np.broadcast_to(across, count)] = _OUTCOMES.index("E213"), np.nan
@@ -299,13 +303,13 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]])
 
 def _strikes_across(plane: Plane, face: Plane) -> Any:
     """Whether a plane strikes too far from the face for plane failure (Hoek & Bray 1981, ch. 7)."""
-    apart = _strikes_apart(plane.dip_direction_deg, face.dip_direction_deg)
-    return (apart > WIDEST_DEG) & (np.asarray(plane.dip_deg) > 0.0)
+    difference_deg = _strikes_apart(plane.dip_direction_deg, face.dip_direction_deg)
+    return (difference_deg > WIDEST_DEG) & (np.asarray(plane.dip_deg) > 0.0)
 
 
 def bounds(design: PlaneDesign) -> Bounds:
     """The planes that bound the block, all along the slope as the section has them; signs as `section_of`."""
-    out = upward(90.0, design.face.dip_direction_deg) * [1.0, 1.0, 0.0]
+    outward = upward(90.0, design.face.dip_direction_deg) * [1.0, 1.0, 0.0]
     dips = [np.atleast_1d(_signed_dip(plane, design.face)) for plane in (design.joint, design.face, design.upper)]
     joint, *free = (upward(dip, design.face.dip_direction_deg) for dip in dips)
     slide, face, upper = (np.tan(np.radians(dip)) for dip in dips)
@@ -320,21 +324,19 @@ def bounds(design: PlaneDesign) -> Bounds:
                 if crack.depth_m is None
                 else (height + crest * slide - crack.depth_m) / (slide - upper)
             )
-        normals.append(-out)
+        normals.append(-outward)
         offsets.append(behind - crest)
     bounded = bounds_of(normals, offsets, np.zeros(3), (0,), (1, 2), height)
-    return replace(bounded, along=cross(np.array([0.0, 0.0, 1.0]), out))
+    return replace(bounded, along=cross(np.array([0.0, 0.0, 1.0]), outward))
 
 
-def _sizes(design: PlaneDesign) -> SizesOfMany | None:
-    """Of the blocks of a design whose numbers may be arrays, per metre; None with a crack by its depth."""
+def _sizes(design: PlaneDesign) -> Mapping[str, Floats]:
+    """Of the blocks of a design whose numbers may be arrays, per metre; empty with a crack by its depth."""
     crack = design.crack
     if crack is not None and (crack.distance_m is None or crack.depth_m is not None):
-        return None
+        return {}
     extents = _extents(design, None if crack is None else crack.distance_m)
-    columns = {"volume_m3": extents.area_m2, "height_m": extents.height_m, "setback_m": extents.setback_m}
-    none = np.zeros(len(extents.area_m2), dtype=np.int8)
-    return SizesOfMany(columns, ("",), none, none)
+    return {"volume_m3": extents.area_m2, "height_m": extents.height_m, "setback_m": extents.setback_m}
 
 
 def _extents(design: PlaneDesign, distance_m: Any) -> "PlaneSizes":
@@ -356,7 +358,7 @@ ON_ARRAYS = OnArrays(
 )  # fmt: skip
 
 
-def closed_form(design: PlaneDesign, made: Cut | None = None) -> ClosedForm:
+def closed_form(design: PlaneDesign, block_cut: Cut | None = None) -> ClosedForm:
     """The design by Hoek & Bray's plane failure, as PRE-IE is compared with it.
 
     Raises
@@ -364,9 +366,9 @@ def closed_form(design: PlaneDesign, made: Cut | None = None) -> ClosedForm:
     GeometryError
         Where the plane forms no block that can slide out; as `cut`, without loading the section.
     """
-    if made is None:
+    if block_cut is None:
         section_of(design)
-    return replace(ON_ARRAYS.of(design), why_not=DILATES if design.strength.dilation_deg else "")
+    return ON_ARRAYS.of(design)
 
 
 def _notices(design: PlaneDesign, *_: object) -> Iterator[Notice]:
@@ -379,10 +381,10 @@ def _notices(design: PlaneDesign, *_: object) -> Iterator[Notice]:
         )
         yield Notice("W323", message)
     along = _axes(design.face)[1]
-    aside = [bolt.toward.vector() @ along for bolt in design.bolts]
-    aside += [np.array(force.components_kn) @ along / np.linalg.norm(force.components_kn) for force in design.forces
+    shares = [bolt.toward.vector() @ along for bolt in design.bolts]
+    shares += [np.array(force.components_kn) @ along / np.linalg.norm(force.components_kn) for force in design.forces
               if any(force.components_kn)]  # fmt: skip
-    most = max((abs(float(part)) for part in aside), default=0.0)
+    most = max((abs(float(share_along)) for share_along in shares), default=0.0)
     if most > 1e-6:
         message = f"bolts or forces act along the slope (up to {most * 100:.0f} % of one): that part is left out"
         yield Notice("W323", message)
@@ -398,9 +400,9 @@ def _slope(design: PlaneDesign, result: Result) -> list[Section]:
     ]
     assert isinstance(geometry, SectionGeometry)
     if geometry.crack_depth_m is not None and geometry.crack_distance_m is not None:
-        off = geometry.crack_distance_m
-        where = f"{off:.4g} m behind the crest" if off >= 0.0 else f"{-off:.4g} m in front of the crest"
-        entries.append(f"crack vertical, {geometry.crack_depth_m:.4g} m deep, {where}{design.crack_in_words}")
+        distance = geometry.crack_distance_m
+        place = f"{distance:.4g} m behind the crest" if distance >= 0.0 else f"{-distance:.4g} m in front of the crest"
+        entries.append(f"crack vertical, {geometry.crack_depth_m:.4g} m deep, {place}{design.crack_in_words}")
     return slope_sections(
         result, Section("PLANES", entries), water_in_words(result, 2.0, "falling to nothing at the toe")
     )

@@ -180,7 +180,7 @@ def compare(
     if closed.why_not:
         return None, None
     if not factor and not closed.factor:
-        factor = None  # no strength at all: a status on both sides, no number (UX.md rule 2)
+        factor = None  # no strength at all: a status on both sides, no number
     if factor is None or closed.factor is None:
         held = closed.status == "no_driving_force" and status == "rotates"  # forces alone do not drive it, moments do
         return None, factor is None and not closed.factor and (status in (closed.status, "topples") or held)

@@ -31,15 +31,11 @@ Meets = Callable[[Floats, Floats], tuple[float | None, bool]]
 
 def joint_stiffness(design: Design) -> JointStiffness:
     """The contact stiffness of a design."""
-    law = design.stiffness.shear_kn_m3
-    if law is not None:
-        return JointStiffness(normal=design.stiffness.normal_kn_m3, tangential=law)
-    given = design.stiffness.hyperbola
-    hyperbola = CloughDuncan(
-        given.modulus_number, given.exponent, given.failure_ratio, given.friction_angle_deg,
-        water_unit_weight=design.water_unit_weight_kn_m3,
-    )  # fmt: skip
-    return JointStiffness(normal=design.stiffness.normal_kn_m3, tangential=hyperbola)
+    stiffness, weight = design.stiffness, design.water_unit_weight_kn_m3
+    shear: float | CloughDuncan | None = stiffness.shear_kn_m3
+    if shear is None:
+        shear = CloughDuncan(**vars(stiffness.hyperbola), water_unit_weight=weight)
+    return JointStiffness(normal=stiffness.normal_kn_m3, tangential=shear)
 
 
 def joint_strength(strengths: Sequence[Strength]) -> JointStrength:

@@ -17,7 +17,7 @@ from slopekit.closed_form.toppling import (
 )
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Notice
-from slopekit.core.orientation import number as shown
+from slopekit.core.orientation import number as number_text
 from slopekit.core.sheet import Section, counted
 from slopekit.design.fields import Field, declare, number
 from slopekit.design.parts import Action, Water
@@ -37,7 +37,8 @@ from slopekit.kinds.assemblies.many_blocks_design import (
     NamedDesign,
     Point2,
     common,
-    pressures,
+    named_pressures,
+    read_pressures,
     read_surcharges,
     water_by,
 )
@@ -116,8 +117,8 @@ class ToppleDesign(NamedDesign):
     base: str
     sides: str
     water: Water = water_by(
-        declare("pressures.base", "pressure", 0.0, axis="water pressure on the bases"),
-        declare("pressures.sides", "pressure", 0.0, axis="water pressure on the sides"),
+        declare("pressures.base", "pressure", 0.0, axis="water pressure on the bases", example="5 kPa"),
+        declare("pressures.sides", "pressure", 0.0, axis="water pressure on the sides", example="3 kPa"),
         without=("depth",),
     )
     pressures_kpa: Point2 = (0.0, 0.0)
@@ -148,29 +149,30 @@ def read_topple(reader: Reader) -> ToppleDesign:
         columns, and those of every assembly.
     """
     node = reader.at("columns")
-    own = reader.fields(ToppleDesign)
-    own |= _from_slope(reader, own)
-    heights, step, below = own["heights_m"] or (), own["base_step_m"], reader.at("columns.base_step")
+    values = reader.fields(ToppleDesign)
+    values |= _from_slope(reader, values)
+    heights, step, below = values["heights_m"] or (), values["base_step_m"], reader.at("columns.base_step")
     shortest = min(heights, default=None)
     if step is not None and shortest is not None and step >= shortest:
-        limits = f"from 0 to less than the lowest column ({shown(shortest)} m)"
-        reader.fault("E240", f"base_step is {shown(step)}, it lies {limits}", below)
+        limits = f"from 0 to less than the lowest column ({number_text(shortest)} m)"
+        reader.fault("E240", f"base_step is {number_text(step)}, it lies {limits}", below)
     users = [] if node is None else [(name, node.get(name), node) for name in ("base", "sides")]
     base, sides = strength_names(reader, users) or (None, None)
-    by_name = {name: value for name, _, value in pressures(reader, "{base: 5 kPa, sides: 3 kPa}")}
-    water = (by_name.get("base", 0.0), by_name.get("sides", 0.0))
+    interfaces = dict.fromkeys(("base", "sides", *(name for name, _ in named_pressures(reader))))
+    water = read_pressures(reader, list(interfaces))
     names = dict.fromkeys(column_names(len(heights)), True)
     return reader.made(
-        ToppleDesign, own, common(reader, names, True, _WESTWARD, water), base=base, sides=sides, pressures_kpa=water,
+        ToppleDesign, values, common(reader, names, True, _WESTWARD, water), base=base, sides=sides,
+        pressures_kpa=water.pressures_kpa or (0.0, 0.0),
         surcharges_kpa=tuple(read_surcharges(reader, names)),
     )  # fmt: skip
 
 
-def _from_slope(reader: Reader, own: Mapping[str, Any]) -> dict[str, Any]:
+def _from_slope(reader: Reader, values: Mapping[str, Any]) -> dict[str, Any]:
     """Heights and step of the columns where the design gives a slope or a base angle in their place."""
     heights, slope = reader.at("columns.heights"), reader.at("slope")
     step, angle = reader.at("columns.base_step"), reader.at("columns.base_angle")
-    before = len(reader.faults)
+    faults_before = len(reader.faults)
     if heights is None and slope is None:
         advice = "Give columns.heights, or slope: {height: 92.5 m, face: 56.6, upper: 4}."
         reader.fault("E448", "the columns have no heights, and there is no slope to make them from", None, advice)
@@ -182,37 +184,39 @@ def _from_slope(reader: Reader, own: Mapping[str, Any]) -> dict[str, Any]:
     for key in ("height", "face") if slope is not None else ():
         if reader.at(f"slope.{key}") is None:
             reader.fault("E448", f"slope.{key} is missing: the columns are made from height and face", slope)
-    dip, width = own["dip_deg"], own["width_m"]
-    if len(reader.faults) > before or dip is None or width is None:
+    dip, width = values["dip_deg"], values["width_m"]
+    if len(reader.faults) > faults_before or dip is None or width is None:
         return {}
     attributes: dict[str, Any] = {}
     base = 90.0 - dip
-    stepped = own["base_step_m"]
-    if angle is not None and own["base_angle_deg"] is not None:
-        stepped = width * math.tan(math.radians(own["base_angle_deg"] - base))
+    stepped = values["base_step_m"]
+    if angle is not None and values["base_angle_deg"] is not None:
+        stepped = width * math.tan(math.radians(values["base_angle_deg"] - base))
         attributes["base_step_m"] = stepped
         if stepped < 0.0:
-            message = f"base angle is {shown(own['base_angle_deg'])}°, it is not below the dip of the bases"
-            reader.fault("E450", f"{message}, {shown(base)}°", angle, "They dip 90° less than the columns.")
+            message = f"base angle is {number_text(values['base_angle_deg'])}°, it is not below the dip of the bases"
+            reader.fault("E450", f"{message}, {number_text(base)}°", angle, "They dip 90° less than the columns.")
             return {"base_step_m": None}
-    if slope is None or own["slope_height_m"] is None or own["slope_face_deg"] is None or stepped is None:
+    if slope is None or values["slope_height_m"] is None or values["slope_face_deg"] is None or stepped is None:
         return attributes
-    upper = own["slope_upper_deg"] or 0.0
-    whole = base + math.degrees(math.atan(stepped / width))
-    face = own["slope_face_deg"]
-    if face <= whole:
-        message = f"the face dips {shown(face)}°, no more than the base of the columns ({whole:.4g}°)"
+    upper = values["slope_upper_deg"] or 0.0
+    base_angle = base + math.degrees(math.atan(stepped / width))
+    face = values["slope_face_deg"]
+    if face <= base_angle:
+        message = f"the face dips {number_text(face)}°, no more than the base of the columns ({base_angle:.4g}°)"
         reader.fault("E450", message, reader.at("slope.face"), "No column stands above such a base.")
-    elif upper >= whole:
-        message = f"the upper slope dips {shown(upper)}°, no less than the base of the columns ({whole:.4g}°)"
+    elif upper >= base_angle:
+        message = (
+            f"the upper slope dips {number_text(upper)}°, no less than the base of the columns ({base_angle:.4g}°)"
+        )
         reader.fault("E450", f"{message}: they never end", reader.at("slope.upper"))
-    elif too_many_columns(own["slope_height_m"], face, upper, base, width, stepped, MOST_BLOCKS):
-        message = f"the slope takes more than {MOST_BLOCKS} columns of {shown(width)} m"
+    elif too_many_columns(values["slope_height_m"], face, upper, base, width, stepped, MOST_BLOCKS):
+        message = f"the slope takes more than {MOST_BLOCKS} columns of {number_text(width)} m"
         reader.fault("E450", message, reader.at("columns.width"), "Give wider columns.")
     else:
-        attributes["heights_m"] = slope_heights(own["slope_height_m"], face, upper, base, width, stepped)
+        attributes["heights_m"] = slope_heights(values["slope_height_m"], face, upper, base, width, stepped)
         if not attributes["heights_m"]:
-            message = f"no column of {shown(width)} m stands higher than its step on this slope"
+            message = f"no column of {number_text(width)} m stands higher than its step on this slope"
             reader.fault("E450", message, reader.at("columns.width"), "Give narrower columns, or a smaller step.")
     return attributes
 
@@ -235,12 +239,12 @@ def _columns_with_water(design: ToppleDesign) -> AssemblyScene:
     outlines, bedrock = column_outlines(design.dip_deg, design.width_m, heights, design.base_step_m)
     base, sides = design.strength(design.base), design.strength(design.sides)
     joint = assembly.patches.joint
-    shown = dict(zip(design.block_names, outlines, strict=True)) | {"bedrock": np.asarray(bedrock)}
+    number_text = dict(zip(design.block_names, outlines, strict=True)) | {"bedrock": np.asarray(bedrock)}
     scene = AssemblyScene(
         assembly, design.block_names, ("base", "sides", "riser"), (base, sides, base),
         np.full(len(assembly), design.rock.unit_weight_kn_m3),
         np.where(joint == BASE, design.pressures_kpa[0], np.where(joint == RISER, 0.0, design.pressures_kpa[1])),
-        shown, {}, (), (), thickness=design.thickness_m, crest_x=_crest_x(design),
+        number_text, {}, (), (), thickness=design.thickness_m, crest_x=_crest_x(design),
     )  # fmt: skip
     return with_ground(design, scene)
 
@@ -272,12 +276,12 @@ class GoodmanBray(ClosedForm):
 def goodman_bray(design: ToppleDesign, _: AssemblyScene | None) -> GoodmanBray:
     """The closed form of a row of columns, and its table at the factor where the columns are at their limit."""
 
-    def form(why: str, factor: float | None = None, status: str = "", table: Iterable[Any] = ()) -> GoodmanBray:
-        said = [Notice("W310", why)] if why else []
-        return GoodmanBray(factor or None, status, why, table=tuple(table), notices=said, design=design)
+    def form(reason: str, factor: float | None = None, status: str = "", table: Iterable[Any] = ()) -> GoodmanBray:
+        notices = [Notice("W310", reason)] if reason else []
+        return GoodmanBray(factor or None, status, reason, table=tuple(table), notices=notices, design=design)
 
-    if why := why_no_table(design):
-        return form(why)
+    if reason := why_no_table(design):
+        return form(reason)
     try:
         slope = column_slope(design)
         factor, status = toppling_factor_of_safety(slope)
@@ -299,11 +303,11 @@ def _why_not(design: ToppleDesign, table: TopplingTable, is_loaded: bool, factor
     if not table.base_holds.all():
         lifted = ", ".join(f"C{n + 1}" for n in np.flatnonzero(~table.base_holds)[:5])
         return f"Goodman & Bray's forces are not admissible at {lifted} (lifted, or slipping back): not compared"
-    onto = _slid_onto(table) if is_loaded else []
-    if onto:
+    sliding = _slid_onto(table) if is_loaded else []
+    if sliding:
         return (
-            f"Goodman & Bray's P act at the tops of columns, and {onto[0]}, which slides, need not press there: it is "
-            "above one that topples: not compared"
+            f"Goodman & Bray's P act at the tops of columns, and {sliding[0]}, which slides, need not press there: it "
+            "is above one that topples: not compared"
         )
     return ""
 
@@ -365,9 +369,11 @@ def _loads(design: ToppleDesign) -> Floats | None:
     forces, moments = loads.forces[:count] / design.thickness_m, loads.moments[:count, 1] / design.thickness_m
     dip = math.radians(90.0 - design.dip_deg)
     down, into = np.array([-math.cos(dip), 0.0, -math.sin(dip)]), np.array([math.sin(dip), 0.0, -math.cos(dip)])
-    along, off = forces @ down, forces @ into
-    turning = along * np.array(design.heights_m) / 2.0 - off * design.width_m / 2.0 - moments  # +y turns into the slope
-    return np.column_stack([along, off, turning])
+    along, normal = forces @ down, forces @ into
+    turning = (
+        along * np.array(design.heights_m) / 2.0 - normal * design.width_m / 2.0 - moments
+    )  # +y turns into the slope
+    return np.column_stack([along, normal, turning])
 
 
 def _slope(design: ToppleDesign, result: Result) -> list[Section]:
@@ -375,15 +381,15 @@ def _slope(design: ToppleDesign, result: Result) -> list[Section]:
     count = len(heights)
     step = f", each {design.base_step_m:.6g} m above the one below" if design.base_step_m else ", in one plane"
     entries = [
-        f"{counted(count, 'column')}, C1 at the toe, {design.width_m:.6g} m wide, dip {shown(design.dip_deg)}° "
+        f"{counted(count, 'column')}, C1 at the toe, {design.width_m:.6g} m wide, dip {number_text(design.dip_deg)}° "
         f"into the slope, {design.thickness_m:.6g} m thick along the strike",
-        f"bases dip {shown(90.0 - design.dip_deg)}° out of the slope" + (step if count > 1 else ""),
+        f"bases dip {number_text(90.0 - design.dip_deg)}° out of the slope" + (step if count > 1 else ""),
     ]
     if design.slope_height_m is not None and design.slope_face_deg is not None:
         crest = heights.index(max(heights)) + 1
         entries.append(
-            f"made from a slope {design.slope_height_m:.6g} m high, face {shown(design.slope_face_deg)}°, upper slope "
-            f"{shown(design.slope_upper_deg or 0.0)}°, as Goodman & Bray do: crest at C{crest}"
+            f"made from a slope {design.slope_height_m:.6g} m high, face {number_text(design.slope_face_deg)}°, upper "
+            f"slope {number_text(design.slope_upper_deg or 0.0)}°, as Goodman & Bray do: crest at C{crest}"
         )
     low, high = min(heights), max(heights)
     if low == high:

@@ -42,49 +42,40 @@ FullWater: TypeAlias = 'Callable[["LocalSlope", Any], list[OnFaces]]'
 
 @dataclass(frozen=True)
 class LocalSlope:
-    """Blocks in their slopes, n of them, in east, north and up from the toe.
+    """Blocks in their slopes, n of them, in east, north and up from the toe, and the planes that bound them."""
 
-    Attributes
-    ----------
-    faces : (p, n, k, 3) m on each plane, anticlockwise from outside, the first corner again where there are fewer than
-        k; without area where a block has none
-    corners : (n, m, 3) m of the blocks, nan where there are fewer
-    joints : planes of rock on rock; crack : the one of the tension crack, None without any
-    free : the face and the upper slope, that one last
-    normals, offsets : of these two, (2, n, 3) and (2, n), `normal · x = offset`, outward
-    into : (n, 3) level unit vectors into the slope; along : (n, 3) along it where nothing changes that way, else None
-    full : of the kind; level : elevation of the toe, m
-    """
+    bounds: Bounds
+    solids: Polytopes
 
-    faces: Floats
-    corners: Floats
-    joints: Sequence[int]
-    crack: int | None
-    free: tuple[int, int]
-    normals: Floats
-    offsets: Floats
-    into: Floats
-    along: Floats | None
-    full: FullWater
-    level: float
+    @property
+    def crack(self) -> int | None:
+        """The plane of the tension crack, None without any."""
+        slope = (*self.bounds.joints, *self.bounds.free)
+        return next((plane for plane in range(len(self.bounds.outward)) if plane not in slope), None)
 
     @property
     def interfaces(self) -> list[int]:
         """The planes of rock on rock, the crack last."""
-        return [*self.joints, *(() if self.crack is None else (self.crack,))]
+        return [*self.bounds.joints, *(() if self.crack is None else (self.crack,))]
 
     @cached_property
-    def normals_and_areas(self) -> tuple[Floats, Floats]:
-        """The outward unit normals (p, n, 3) and the areas (p, n) of the faces, m²; no normal without an area."""
+    def faces(self) -> Floats:
+        """The faces on each plane, (p, n, k, 3) m as `Polytopes` has them; without area where a block has none."""
+        return self.solids.faces.swapaxes(0, 1)
+
+    @cached_property
+    def areas(self) -> Floats:
+        """The areas (p, n) of the faces, m²."""
         arms = self.faces - self.faces[:, :, :1]
-        turns: Floats = cross(arms[:, :, :-1], arms[:, :, 1:]).sum(axis=2)  # Newell
-        sizes = np.sqrt((turns * turns).sum(axis=2))
-        return turns / np.maximum(sizes, _TINY)[..., None], sizes / 2.0
+        turns = cross(arms[:, :, :-1], arms[:, :, 1:]).sum(axis=2)  # Newell
+        areas: Floats = np.sqrt((turns * turns).sum(axis=2)) / 2.0
+        return areas
 
     @cached_property
     def extents(self) -> Floats:
         """Of each block along the axes, (n, 3) m."""
-        extents: Floats = np.fmax.reduce(self.corners, axis=1) - np.fmin.reduce(self.corners, axis=1)
+        corners = self.solids.corners()
+        extents: Floats = np.fmax.reduce(corners, axis=1) - np.fmin.reduce(corners, axis=1)
         return extents
 
 
@@ -136,23 +127,22 @@ def refuse(misfits: Sequence[Misfit]) -> None:
             raise MisfitError([fault])
 
 
-def pushes(design: SlopeDesign, slope: LocalSlope) -> tuple[dict[str, PointForce], list[Misfit]]:
+def pushes(design: SlopeDesign, slope: LocalSlope, full: FullWater) -> tuple[dict[str, PointForce], list[Misfit]]:
     """What water and surcharge do to n blocks, by the names that loads have for them: `water 0`, `surcharge`.
 
     The forces and points of each are (n, 3). Misfits are E207 where the crack is not so deep, E456 where the table lies
     above the ground, or a joint or the crack ends in the rock.
     """
-    pressures, misfits = _pressures(design, slope)
+    pressures, misfits = _pressures(design, slope, full)
     loads: dict[str, PointForce] = {}
-    outward, areas = slope.normals_and_areas
     least = _ROUNDING * design.water_unit_weight_kn_m3 * slope.extents.prod(axis=1)
     for planes, pieces in pressures:
         forces, points = resultant(pieces, slope.faces[list(planes)])
         for plane, force, point in zip(planes, forces, points, strict=True):
             if (force > least).any():
-                loads[f"water {plane}"] = PointForce(-force[:, None] * outward[plane], point)
-    upper = slope.free[1]
-    if np.any(design.surcharge_kpa) and areas[upper : upper + 1].any():
+                loads[f"water {plane}"] = PointForce(-force[:, None] * slope.solids.outward[:, plane], point)
+    upper = slope.bounds.free[1]
+    if np.any(design.surcharge_kpa) and slope.areas[upper : upper + 1].any():
         corners = slope.faces[upper]
         a, b, c = corners[:, :1], corners[:, 1:-1], corners[:, 2:]
         plans = cross(b - a, c - a)[..., 2] / 2.0
@@ -170,14 +160,14 @@ def pushes_on(design: SlopeDesign, bounds: Bounds, full: FullWater, axes: Floats
     MisfitError
         The first misfit.
     """
-    loads, misfits = pushes(design, slope_of(bounds, blocks_within(bounds, 1), full))
+    loads, misfits = pushes(design, LocalSlope(bounds, blocks_within(bounds, 1)), full)
     refuse(misfits)
     return {
         name: PointForce(axes @ load.force[0], axes @ load.at[0]) for name, load in loads.items() if load.at is not None
     }
 
 
-def _pressures(design: SlopeDesign, slope: LocalSlope) -> tuple[list[OnFaces], list[Misfit]]:
+def _pressures(design: SlopeDesign, slope: LocalSlope, full: FullWater) -> tuple[list[OnFaces], list[Misfit]]:
     """The pressures on the faces of the blocks that are wet."""
     water, faces, weight = design.water, slope.interfaces, design.water_unit_weight_kn_m3
     if water.has_table:
@@ -192,7 +182,7 @@ def _pressures(design: SlopeDesign, slope: LocalSlope) -> tuple[list[OnFaces], l
     if slope.crack is not None and water.crack_fill is not None:
         shares[slope.crack] = water.crack_fill
     if any(np.any(share) for share in shares.values()):
-        for planes, pieces in slope.full(slope, weight):
+        for planes, pieces in full(slope, weight):
             filled = _stacked([shares[plane] for plane in planes])[..., None]
             pressures.append((planes, [(corners, filled * peak) for corners, peak in pieces]))
     return pressures, []
@@ -205,14 +195,20 @@ def _stacked(numbers: Sequence[Any]) -> Floats:
 
 def _below_table(design: SlopeDesign, slope: LocalSlope) -> tuple[list[OnFaces], list[Misfit]]:
     """The pressures of a table on joints and crack, and of a pond on the ground too."""
+    bounds, free = slope.bounds, list(slope.bounds.free)
+    normals, offsets = slope.solids.outward[:, free].swapaxes(0, 1), slope.solids.offsets[:, free].T
+    out = normals[0] * [1.0, 1.0, 0.0]
     water = pressure_below(
-        design, slope.into, slope.level,
-        lambda depth: under_planes(slope.normals, slope.offsets, depth), slope.along,
-    )  # fmt: skip
-    ground = slope.faces[list(slope.free)]
+        design,
+        -out / np.sqrt((out * out).sum(axis=1))[:, None],
+        float(bounds.origin[2]),
+        lambda depth: under_planes(normals, offsets, depth),
+        bounds.along,
+    )
+    ground = slope.faces[free]
     pressures: list[OnFaces] = [(slope.interfaces, water.pieces(slope.faces[slope.interfaces]))]
     if water.pond is not None:
-        pressures.append((slope.free, replace(water, heights=()).pieces(ground)))
+        pressures.append((free, replace(water, heights=()).pieces(ground)))
     return pressures, above_ground(design, water, ground, slope.extents[:, 2])
 
 
@@ -236,7 +232,7 @@ def standing_in_crack(slope: LocalSlope, unit_weight: Any, depth: Any = None) ->
     level = lowest + (holds if depth is None else depth)
     crack = [slope.crack]
     on_joints = _from_crack(slope, slope.crack, level, unit_weight)
-    return [(slope.joints, on_joints), (crack, Pressure((), level, unit_weight).pieces(slope.faces[crack]))]
+    return [(slope.bounds.joints, on_joints), (crack, Pressure((), level, unit_weight).pieces(slope.faces[crack]))]
 
 
 def beyond_crack(slope: LocalSlope, depth: Any) -> list[Misfit]:
@@ -251,13 +247,13 @@ def beyond_crack(slope: LocalSlope, depth: Any) -> list[Misfit]:
     too_deep = depth > holds * (1.0 + _ROUNDING)
     first = int(too_deep.argmax())
     stands, most = (float(np.broadcast_to(values, too_deep.shape)[first]) for values in (depth, holds))
-    inside = ~_lies_on(slope, list(slope.joints), *slope.free, slope.crack).all(axis=2).all(axis=0)
+    inside = ~_lies_on(slope, list(slope.bounds.joints), *slope.bounds.free, slope.crack).all(axis=2).all(axis=0)
     ends = "the crack ends inside the rock, below the slope: how high water stands in it is not told"
     deep = f"the water stands {stands:.6g} m deep in a crack of {most:.6g} m"
     meet = "the joints meet inside the rock, away from the crack: how high its water stands there is not told"
     faults = [
         (np.isinf(holds), Fault("E456", ends, "", _GIVE_MEANS)),
-        (too_deep, Fault("E207", deep, "", "Give at most its depth where its upper edge is lowest.")),
+        (too_deep, Fault("E207", deep, "", f"Give at most {most:.6g} m, its depth where its upper edge is lowest.")),
         (inside, Fault("E456", meet, "", _GIVE_MEANS)),
     ]
     return [(is_misfit & (depth > 0.0), fault) for is_misfit, fault in faults]
@@ -266,7 +262,7 @@ def beyond_crack(slope: LocalSlope, depth: Any) -> list[Misfit]:
 def _brim(slope: LocalSlope, crack: int) -> tuple[Floats, Floats]:
     """The lowest elevation of each crack, and how deep water can stand in it: (n,) m, infinite below the slope."""
     heights = slope.faces[crack][..., 2]
-    lowest, is_ground = heights.min(axis=1), _lies_on(slope, crack, *slope.free)
+    lowest, is_ground = heights.min(axis=1), _lies_on(slope, crack, *slope.bounds.free)
     return lowest, np.where(is_ground, heights, np.inf).min(axis=1) - lowest
 
 
@@ -277,7 +273,7 @@ def _from_crack(slope: LocalSlope, crack: int, level: Floats, unit_weight: Any) 
     ----------
     level : (n,) of the water in the crack
     """
-    joints = list(slope.joints)
+    joints = list(slope.bounds.joints)
     polygons, in_crack = slope.faces[joints], _lies_on(slope, joints, crack)
     heads = np.where(in_crack, level[:, None] - polygons[..., 2], 0.0)
     low = np.where(in_crack, heads, -np.inf).argmax(axis=2)[..., None]
@@ -298,30 +294,13 @@ def _lies_on(slope: LocalSlope, faces: Any, *planes: int) -> Bools:
     """Whether corners of faces ([f,] n, k) lie on one of some planes."""
     corners, nearest = slope.faces[faces], np.inf
     for plane in planes:
-        if plane in slope.free:
-            normal, offset = (numbers[slope.free.index(plane)] for numbers in (slope.normals, slope.offsets))
-        else:
-            normal = slope.normals_and_areas[0][plane]
-            offset = (normal * slope.faces[plane][:, 0]).sum(axis=1)
-        nearest = np.minimum(nearest, np.abs((corners * normal[:, None]).sum(axis=-1) - offset[:, None]))
+        along = (corners * slope.solids.outward[:, plane, None]).sum(axis=-1)
+        nearest = np.minimum(nearest, np.abs(along - slope.solids.offsets[:, plane, None]))
     on_plane: Bools = nearest <= _ROUNDING * slope.extents.max(axis=1)[:, None]
     return on_plane
 
 
-# -- blocks by their planes ------------------------------------------------------------------------------------------
-
-
-def slope_of(bounds: Bounds, solids: Polytopes, full: FullWater) -> LocalSlope:
-    """Return the blocks in their slopes, in east, north and up from the toe."""
-    face, upper = bounds.free
-    cracks = [plane for plane in range(len(bounds.outward)) if plane not in (*bounds.joints, *bounds.free)]
-    out = solids.outward[:, face] * [1.0, 1.0, 0.0]
-    return LocalSlope(
-        solids.faces.swapaxes(0, 1), solids.corners(), bounds.joints, cracks[0] if cracks else None, (face, upper),
-        solids.outward[:, (face, upper)].swapaxes(0, 1),
-        solids.offsets[:, (face, upper)].T, -out / np.sqrt((out * out).sum(axis=1))[:, None], bounds.along, full,
-        float(bounds.origin[2]),
-    )  # fmt: skip
+# -- for closed forms ------------------------------------------------------------------------------------------------
 
 
 def integrated_loads(design: SlopeDesign, bounds: Bounds, full: FullWater) -> tuple[list[Any], list[Any], Any]:
@@ -337,11 +316,11 @@ def integrated_loads(design: SlopeDesign, bounds: Bounds, full: FullWater) -> tu
     refuses a block, below 0 where none does
     """
     solids = blocks_within(bounds, bounds.offsets.shape[1])
-    slope, none = slope_of(bounds, solids, full), PointForce(np.zeros((1, 3)))
+    slope, none = LocalSlope(bounds, solids), PointForce(np.zeros((1, 3)))
     with np.errstate(divide="ignore", invalid="ignore"):
-        loads, misfits = pushes(design, slope)
-    forces = [loads.pop(f"water {plane}", none).force for plane in (*slope.joints, slope.crack)]
-    areas = [*slope.normals_and_areas[1][slope.interfaces], np.ones(1)]
+        loads, misfits = pushes(design, slope, full)
+    forces = [loads.pop(f"water {plane}", none).force for plane in (*slope.bounds.joints, slope.crack)]
+    areas = [*slope.areas[slope.interfaces], np.ones(1)]
     means = [
         np.sqrt((force * force).sum(axis=1)) / np.maximum(area, _TINY)
         for force, area in zip(forces, areas, strict=False)

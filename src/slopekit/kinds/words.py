@@ -49,8 +49,8 @@ def names_in_runs(names: Iterable[str], most: int = MOST_RUNS) -> str:
     'B0, B2, B4, B6, ... and 46 more'
     """
     runs = _runs(list(names))
-    shown, rest = runs[:most], sum(len(run) for run in runs[most:])
-    words = [", ".join(run) if len(run) < 3 else f"{run[0]} to {run[-1]}" for run in shown]
+    first_runs, rest = runs[:most], sum(len(run) for run in runs[most:])
+    words = [", ".join(run) if len(run) < 3 else f"{run[0]} to {run[-1]}" for run in first_runs]
     return ", ".join([*words, f"... and {rest} more"] if rest else words)
 
 
@@ -58,21 +58,21 @@ def _runs(names: list[str]) -> list[list[str]]:
     runs: list[list[str]] = []
     last: list[str] = []
     for name in names:
-        parts = re.split(_NUMBERS, name)
-        if runs and _follows(last, parts):
+        pieces = re.split(_NUMBERS, name)
+        if runs and _follows(last, pieces):
             runs[-1].append(name)
         else:
             runs.append([name])
-        last = parts
+        last = pieces
     return runs
 
 
-def _follows(before: Sequence[str], after: Sequence[str]) -> bool:
+def _follows(former: Sequence[str], later: Sequence[str]) -> bool:
     """Whether two names differ in one number alone, which is one more: texts and numbers take turns."""
-    if len(before) != len(after):
+    if len(former) != len(later):
         return False
-    changed = [k for k, (old, new) in enumerate(zip(before, after, strict=True)) if old != new]
-    return len(changed) == 1 and changed[0] % 2 == 1 and int(after[changed[0]]) == int(before[changed[0]]) + 1
+    changed = [k for k, (old, new) in enumerate(zip(former, later, strict=True)) if old != new]
+    return len(changed) == 1 and changed[0] % 2 == 1 and int(later[changed[0]]) == int(former[changed[0]]) + 1
 
 
 def in_order(names: Iterable[str], order: Mapping[str, int]) -> list[str]:
@@ -96,8 +96,13 @@ def shortened(items: Sequence[str], most: int) -> list[str]:
     >>> shortened(["a", "b", "c", "d"], 2)
     ['a', 'b', '... and 2 more']
     """
-    shown, rest, _ = first_and_last(items, most, 0)
-    return [*shown, f"... and {rest} more"] if rest else list(shown)
+    first, rest, _ = first_and_last(items, most, 0)
+    return [*first, f"... and {rest} more"] if rest else list(first)
+
+
+def times(count: int) -> str:
+    """How often, in words."""
+    return {0: "never", 1: "once", 2: "twice"}.get(count, f"{count} times")
 
 
 # -- one design ----------------------------------------------------------------------------------------------------
@@ -214,12 +219,12 @@ def short(value: float) -> str:
     return f"{rounded:,.0f}" if 1000 <= abs(rounded) < 10**9 else size_number(rounded)
 
 
-def loads_part(own: list[str], result: Result) -> Section:
+def loads_part(of_kind: list[str], result: Result) -> Section:
     """What acts beside the weight: what is the kind's own, then seismic load, forces and bolts."""
     design = result.design
     in_section = result.findings is not None and getattr(result.geometry, "thickness_m", None) is not None
     x_is_east = in_section or "x" in design.ALONG
-    entries = own + seismic(design, result.words.seismic, x_is_east)
+    entries = of_kind + seismic(design, result.words.seismic, x_is_east)
     forces, bolts = [force_text(force) for force in design.forces], [bolt_text(bolt) for bolt in design.bolts]
     if any(bolt.head_m is not None for bolt in design.bolts):  # the schedule has them
         bolts = [f"{counted(len(bolts), 'bolt')} (BOLTS)"]
@@ -230,9 +235,11 @@ def loads_part(own: list[str], result: Result) -> Section:
     return Section("LOADS", entries or [WEIGHT_ONLY])
 
 
-def _further_loads(design: Design, shown: str) -> list[str]:
+def _further_loads(design: Design, text: str) -> list[str]:
     """Loads of the design that the text does not name: those of a kind whose sheet has no words for them."""
-    acting = {name for part in listed(type(design), "ACTIONS") for name, what in part.items() if what in _PUSHES}
+    acting = {
+        name for actions in listed(type(design), "ACTIONS") for name, action in actions.items() if action in _PUSHES
+    }
     entries = []
     for name, field in fields_of(type(design)).items():
         is_load = field.is_attribute and (name in acting or field.path.partition(".")[0] in ("loads", "support"))
@@ -240,8 +247,8 @@ def _further_loads(design: Design, shown: str) -> list[str]:
             continue
         value = getattr(design, name)
         is_there = value not in (None, (), field.default) and bool(value)
-        is_shown = isinstance(value, int | float) and size_number(value) in shown
-        if is_there and field.key not in shown and field.in_words not in shown and not is_shown:
+        is_shown = isinstance(value, int | float) and size_number(value) in text
+        if is_there and field.key not in text and field.in_words not in text and not is_shown:
             size = f"{value:.6g} {field.unit}".rstrip() if isinstance(value, float) else str(value)
             entries.append(f"{field.in_words.replace('_', ' ')} {size}")
     return entries
@@ -270,30 +277,30 @@ def water_in_words(result: Result, highest_of_mean: float = 1.0, falls: str = ""
     return [f"water {water.in_words()}, highest {highest_of_mean * max(means):.4g} kPa"]
 
 
-def seismic(design: Design, own_way: str, x_is_east: bool) -> list[str]:
+def seismic(design: Design, direction: str, x_is_east: bool) -> list[str]:
     """The seismic load, if there is one."""
     if not design.seismic.coefficient:
         return []
     trend = design.seismic.trend_deg
-    toward = f"toward {trend:03.0f}" if trend is not None else own_way
+    toward = f"toward {trend:03.0f}" if trend is not None else direction
     toward += " (x is 090)" if trend is not None and x_is_east else ""
     return [f"seismic {design.seismic.coefficient:.4g} g {toward}"]
 
 
 def force_text(force: Force) -> str:
     """A force by its components, and where it acts."""
-    on = "" if force.block is None else f" on {force.block}"
-    at = "" if force.at_m is None else f" at {coordinates(force.at_m)}"
-    size = max(abs(part) for part in force.components_kn)
-    parts = [0.0 if abs(part) < 1e-12 * size else part for part in force.components_kn]
-    return "force ({:.6g}, {:.6g}, {:.6g}) kN east, north, up".format(*parts) + on + at
+    block = "" if force.block is None else f" on {force.block}"
+    point = "" if force.at_m is None else f" at {coordinates(force.at_m)}"
+    size = max(abs(component) for component in force.components_kn)
+    components = [0.0 if abs(component) < 1e-12 * size else component for component in force.components_kn]
+    return "force ({:.6g}, {:.6g}, {:.6g}) kN east, north, up".format(*components) + block + point
 
 
 def bolt_text(bolt: Bolt) -> str:
     """A bolt by its force, its direction, and how it acts."""
-    on = "" if bolt.block is None else f" on {bolt.block}"
-    at = "" if bolt.head_m is None else f" from {coordinates(bolt.head_m)}"
-    return f"bolt {bolt.force_kn:.6g} kN toward {line_in_words(bolt.toward)}{on}{at}, {bolt.acts}"
+    block = "" if bolt.block is None else f" on {bolt.block}"
+    head = "" if bolt.head_m is None else f" from {coordinates(bolt.head_m)}"
+    return f"bolt {bolt.force_kn:.6g} kN toward {line_in_words(bolt.toward)}{block}{head}, {bolt.acts}"
 
 
 def weight_in_words(result: Result) -> str:

@@ -70,7 +70,7 @@ MOBILISED = 5e-2
 #: Twist of a contact in parts of its slip and of all work: a larger one needs finer node pairs.
 TWISTS = 1e-2
 
-#: Work, in parts of the elastic: blocks that have done more since their last rest run (METHOD-3 §13).
+#: Work, in parts of the elastic: blocks that have done more since their last rest run (docs/method.md).
 RUNS = 30.0
 
 #: Elastic displacements within which blocks that ran may come to rest once more, and to which those that creep are

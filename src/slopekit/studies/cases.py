@@ -12,11 +12,10 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from typing import Any, ClassVar, Generic, TypeAlias, TypeVar
 
 from slopekit._version import FORMAT, __version__
-from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
+from slopekit.core.errors import DesignError, Fault, GeometryError, Notice, did_you_mean
 from slopekit.core.sheet import Column, Section, Sheet, Table
 from slopekit.core.shown import Shown
 from slopekit.design.common import Design, LoadCase
@@ -204,8 +203,7 @@ def of_cases(document: Mapping[str, Any], case: str | None = None, name: str = "
     if case is None:
         return {str(own): below for own, below in cases.items()}
     if case not in cases:
-        near = get_close_matches(case, [str(own) for own in cases], n=1)
-        advice = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(map(str, cases))}."
+        advice = did_you_mean(case, map(str, cases), f"There are: {', '.join(map(str, cases))}.")
         raise DesignError([Fault("E197", f"{case} is no load case of {called}", f"--case {case}", advice)])
     return {case: cases[case]}
 

@@ -132,7 +132,7 @@ def _in_words(value: Any) -> str:
         return " to ".join(ends)
     if isinstance(value, list | tuple):
         return "; ".join(map(_in_words, value))
-    return number(value) if isinstance(value, int | float) else str(value)
+    return number(float(f"{value:.6g}")) if isinstance(value, float) else str(value)
 
 
 def range_of(values: Floats, own: int) -> dict[str, float | int]:

@@ -4,14 +4,13 @@ import math
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from functools import partial
 from importlib import import_module
 from numbers import Real
 from pathlib import Path
 
 from slopekit.core.codec import MISREAD, is_of_document
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault, did_you_mean
 from slopekit.exchange.documents import Document
 from slopekit.views.charts.drawing import FORMATS, new_figure, plain_numbers, save
 from slopekit.views.charts.kinematic_charts import TESTS
@@ -222,8 +221,7 @@ def check(document: Document, what: str, path: Path, name: str, test: str | None
     given = offers(document)
     can = f"{name} can give {', '.join(given)}." if given else f"{name} has nothing that can be drawn."
     if what not in EVERY:
-        near = get_close_matches(what.lower(), EVERY, n=1, cutoff=0.7)
-        advice = (f"Did you mean {near[0]}? " if near else "") + can
+        advice = f"{did_you_mean(what, EVERY, cutoff=0.7)} {can}".lstrip()
         raise DesignError([Fault("E197", f"{what} is not a picture", what, advice)])
     wants = _OFFERS[what].wants
     # a scene itself says why it lacks what it draws

@@ -135,9 +135,12 @@ def design_of(document: Document, other_values: bool = False) -> Design:
     Raises
     ------
     DesignError
-        E174 another version or an unknown kind, and what structure, names and values are wrong.
+        E174 results, another version or an unknown kind, and what structure, names and values are wrong.
     """
     root = document.root
+    if root.get("input_sha256") is not None:
+        advice = "Run the design that it was made from."
+        raise DesignError([Fault("E174", "these are results of slopekit, not a design", str(root.place), advice)])
     kind = kind_named(_kind(root))
     spec = record_spec(kind.record, kind.record.REQUIRED)
     faults = Faults(check_structure(root, spec, kind.name, partial(_others, kind.name)))

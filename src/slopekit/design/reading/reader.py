@@ -11,7 +11,7 @@ from slopekit.core.orientation import Plane, parse_face, parse_plane
 from slopekit.core.units import LARGEST, is_unit_of, unit_of
 from slopekit.design import words
 from slopekit.design.common import Design, Reading
-from slopekit.design.fields import Field, every_field, field_in, fields_of, with_parts
+from slopekit.design.fields import Field, declare, every_field, field_in, fields_of, with_parts
 from slopekit.design.parts import Strength
 from slopekit.design.reading.nodes import Document, Kept, Node, as_text
 from slopekit.design.reading.structure import MOST_FAULTS, has_angles, is_distribution, orientation_kind
@@ -28,6 +28,7 @@ _BARE_NUMBER = r"^[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?$"  # a text: compiled wh
 _DRAWN = (
     "rock", "analysis", "loads.seismic", "loads.forces", "support", "slope", "joints", "strength", "water", "crack",
 )  # fmt: skip
+_COORDINATE = declare("", "length")
 _STRENGTH_KEYS = [field.path for field in fields_of(Strength).values() if field.is_number]
 #: Items of lists that were read before, with what read them: of hundreds of bolts a study changes none.
 _READ: Kept[tuple[Any, Any]] = Kept()
@@ -218,6 +219,40 @@ class Reader:
         checked = self.kept(read)
         self._found.keep(node, False if checked is None else checked)
         return checked
+
+    def each(self, field: Field, node: Node | None, names: Sequence[str]) -> list[float | None]:
+        """One number for all of these interfaces, or one for each of them as a list or by name: None for the others.
+
+        Faults: E197 an interface that is none of them, E109 more numbers than interfaces.
+        """
+        if node is None or node.value is None:
+            return []
+        if node.is_mapping and not is_distribution(node):
+            for name, below in node.items():
+                if name not in names:
+                    message = f"{field.in_words} on {name}: there is no such interface"
+                    self.fault("E197", message, below, self.nearest(name, names))
+            given = {name: self.number(field, below, f"{field.in_words} on {name}") for name, below in node.items()}
+            return [given.get(name) for name in names]
+        if len(node.elements) > len(names):
+            there = f"are {', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else f"is {names[0]} alone"
+            self.fault("E109", f"{len(node.elements)} {field.in_words}s given, there {there}", node)
+            return []
+        if not node.elements:
+            return [self.number(field, node)]
+        named = zip(names, node.elements, strict=False)
+        return [self.number(field, below, f"{field.in_words} on {name}") for name, below in named]
+
+    def points(self, node: Node | None, of: str) -> list[tuple[float, float]]:
+        """Points of a section, place and elevation in m; none where there is a fault in any."""
+        if node is None or not self.is_sound(node):
+            return []
+        points = list[tuple[float, float]]()
+        for k, item in enumerate(node.elements, 1):
+            place, elevation = (self.number(_COORDINATE, below, f"point {k} of {of}") for below in item.elements)
+            if place is not None and elevation is not None:
+                points.append((place, elevation))
+        return points if len(points) == len(node.elements) else []
 
     def plane(self, node: Node, name: str) -> Plane | None:
         """An orientation as a plane."""

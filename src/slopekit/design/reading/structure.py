@@ -380,6 +380,10 @@ def spread(node: Node, path: str = "") -> Node:
     return replace(node, value={key: _made(value, joined(node.path, key), node) for key, value in entries.items()})
 
 
+#: Of planes that are written with their place, 80/180@5m: what it is.
+_DISTANCES = {"crack": "distance", "basal": "height"}
+
+
 def _in_full(path: str, text: str) -> Mapping[str, str | list[str]]:
     first, at, second = (part.strip() for part in text.partition("@"))
     holder, _, last = path.rpartition(".")
@@ -387,6 +391,8 @@ def _in_full(path: str, text: str) -> Mapping[str, str | list[str]]:
         return {"pressures": re.split(r"\s*,\s*", text[2:].strip())}
     if path == "water" and text:
         return {"mode" if text.strip().lower() in ("dry", "full") else "fill": text}
+    if path in _DISTANCES and at:
+        return {"plane": first, _DISTANCES[path]: second}
     if path == "loads.seismic" and text:
         return {"k": first, "toward": second} if at else {"k": first}
     if holder == "loads.forces" and last.isdigit() and at:

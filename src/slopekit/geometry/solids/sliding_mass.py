@@ -17,7 +17,7 @@ from slopekit.geometry.interfaces import BEDROCK, NodePairs
 from slopekit.geometry.solids.shapes import GROUND, SLIP, AnalyticShape, Cutter, smooth_normals
 from slopekit.geometry.tolerances import MASS_BALANCE, NO_TURN, NUMERICAL_SLIVER, SLIVER_AREA, TINY
 
-#: barycentric points of a triangle and their shares of its area: exact to degree two (METHOD.md §5)
+#: barycentric points of a triangle and their shares of its area: exact to degree two (docs/theory/preie.md)
 _POINTS = (((1.0, 0.0, 0.0), 1 / 12), ((0.0, 1.0, 0.0), 1 / 12), ((0.0, 0.0, 1.0), 1 / 12), ((1 / 3,) * 3, 3 / 4))
 #: What to do with a mesh that bounds no body.
 CLOSE_IT = "Close its holes (every edge belongs to two triangles) and save it again."
@@ -184,7 +184,7 @@ def _extents(ground: Cutter, body: Cutter) -> str:
     """How large both are, about the slip surface's own middle."""
     low, high = body.vertices.min(axis=0), body.vertices.max(axis=0)
     floor, top = ground.vertices.min(axis=0), ground.vertices.max(axis=0)
-    return "about its middle the slip surface reaches " + ", ".join(
+    return "seen from the middle of the slip surface it reaches " + ", ".join(
         f"{axis} {low[k]:.4g} to {high[k]:.4g} (ground {floor[k]:.4g} to {top[k]:.4g})" for k, axis in enumerate("xyz")
     )
 

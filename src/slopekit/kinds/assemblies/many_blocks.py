@@ -25,7 +25,7 @@ from slopekit.evidence import (
 from slopekit.findings import AssemblyGeometry, Findings, Mechanism
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.kinds.assemblies.many_blocks_notices import (
-    debonding_notices,
+    debonding_notice,
     notices_of,
 )
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, least_counted_weight, scene_loads
@@ -76,7 +76,7 @@ if TYPE_CHECKING:
 A = TypeVar("A", bound=AssemblyDesign)
 MOST_FOLLOWED = 24  # cohesive blocks whose history is followed unasked: it takes as long as the limit
 _HISTORY = 100.0  # seconds of work that a history may take: of 501 blocks some 60
-_DEBONDING = 0.02  # of a limit: a history that ends lower by more than this is its lowest factor (METHOD-4, 16)
+_DEBONDING = 0.02  # of a limit: a history that ends lower by more than this is its lowest factor (docs/method.md)
 _BRACKET = 1e-4  # of the paper's criterion, in parts of its factor
 _SAME_K = 1e-2  # of a yield coefficient: the path in the load ends so near to it that its motion is that one
 _MODES = {
@@ -111,19 +111,22 @@ class SolvedAssembly:
             return self
         search = all_pairs_failed(model, joint_stiffness(self.result.design), limit, relative=_BRACKET)
         fos = replace(self.result.fos, all_pairs_failed=search.factor)
-        moved = replace(self.result.displacements, all_pairs=search)
-        return replace(self, result=replace(self.result, fos=fos, displacements=moved))
+        displacements = replace(self.result.displacements, all_pairs=search)
+        return replace(self, result=replace(self.result, fos=fos, displacements=displacements))
 
     def with_history(self, most: int) -> "SolvedAssembly":
-        """Return the result with what progressive slip and debonding make of so many blocks or fewer (W504)."""
-        fos = self.result.fos
-        if fos.limit is None:
-            return self
-        stable, lower = debonding(self.ravelling.failures[0].parts[0], most, fos.limit)
-        if stable is None:
+        """Return the result with what progressive slip and debonding make of so many blocks or fewer (W504).
+
+        Nothing where they take no more than 2 % off the limit.
+        """
+        fos, limit = self.result.fos, self.result.fos.limit
+        factors = None if limit is None else _debonding_factors(self.ravelling.failures[0].parts[0], most)
+        stable, fails = factors or (None, None)
+        if limit is None or stable is None or fails is None or fails >= limit * (1.0 - _DEBONDING):
             return self
         fos = replace(fos, lowest=min(stable, fos.lowest or stable))
-        return replace(self, result=replace(self.result, fos=fos, warnings=(*self.result.warnings, *lower)))
+        warnings = (*self.result.warnings, debonding_notice(stable, fails, limit))
+        return replace(self, result=replace(self.result, fos=fos, warnings=warnings))
 
 
 class ManyBlocks(Kind[A]):
@@ -206,8 +209,8 @@ class ManyBlocks(Kind[A]):
             at_one = solution.scene.without(solution.ravelling.gone(1.0))
             stands = result.status == "no_driving_force" or (limit is not None and limit > 1.0)
             settled = at_full_strength(design, at_one, scene_loads(at_one)) if stands else None
-        moved = replace(result.displacements, at_factor_one=settled)
-        return replace(solution, result=replace(result, displacements=moved, timing_s=clock.done()))
+        displacements = replace(result.displacements, at_factor_one=settled)
+        return replace(solution, result=replace(result, displacements=displacements, timing_s=clock.done()))
 
     def _found(self, design: A, clock: Clock, count: int, ranged: bool) -> SolvedAssembly:
         """Return the result of so many mechanisms, and how it was found."""
@@ -235,26 +238,26 @@ class ManyBlocks(Kind[A]):
             rows, _standing(ravelling, scene), len(assembly), int(assembly.fixed.sum()), len(assembly.patches),
             len(ravelling.parts), _checks(scene, ravelling), _table(closed, scene, mechanisms), SHEAR_TO_NORMAL,
         )  # fmt: skip
-        parts = ravelling.parts
+        components = ravelling.parts
         first = ravelling.failures[0].parts if ravelling.failures else ()
-        split = [0 if part.refined is None else int(part.refined.max()) for part in first]
+        split = [0 if component.refined is None else int(component.refined.max()) for component in first]
         size = ModelSize(
-            int((~assembly.fixed).sum()), sum(part.model.load.size for part in parts),
-            sum(part.model.joint_pairs.stop for part in parts), max(split, default=0),
-            max((part.mesh_change for part in first if part.mesh_change is not None), default=None),
-            _left_out(scene, parts, drained=design.mechanisms > 1 or bool(ravelling.chips)),
-            max((part.limit.steps for part in first), default=0), mechanisms[0].change if mechanisms else 0.0,
+            int((~assembly.fixed).sum()), sum(component.model.load.size for component in components),
+            sum(component.model.joint_pairs.stop for component in components), max(split, default=0),
+            max((component.mesh_change for component in first if component.mesh_change is not None), default=None),
+            _left_out(scene, components, drained=design.mechanisms > 1 or bool(ravelling.chips)),
+            max((component.limit.steps for component in first), default=0), mechanisms[0].change if mechanisms else 0.0,
         )  # fmt: skip
         standing = scene.without(ravelling.gone())
         of_kind = self.notices(design, scene, ravelling.failures[0], closed) if mechanisms else ()
         result = Result(
             design=design, words=self.words, status=status, fos=replace(fos, closed_form=closed.factor),
             difference=difference, agree=agree, moments_govern=False,
-            geometry=_geometry(scene), forces=_forces(standing, scene_loads(standing), parts), model=size,
+            geometry=_geometry(scene), forces=_forces(standing, scene_loads(standing), components), model=size,
             warnings=(*notices_of(design, scene, ravelling, mechanisms), *of_kind),
             limit_state=LimitState(
-                assembly_pair_state(scene, parts), assembly_arrows(scene, loads, parts), balance=balance_of(parts),
-                curved_strength=_curved(scene, parts),
+                assembly_pair_state(scene, components), assembly_arrows(scene, loads, components),
+                balance=balance_of(components), curved_strength=_curved(scene, components),
             ),
             displacements=Displacements(), comparisons=Comparisons(), findings=findings, timing_s=clock.done(),
         )  # fmt: skip
@@ -272,29 +275,14 @@ def _table(closed: ClosedForm, scene: AssemblyScene, mechanisms: Sequence[Mechan
     return tuple(dict(row) | {"mode_preie": _MODES[ways.get(scene.names[row["n"] - 1])]} for row in closed.table)
 
 
-def debonding(part: Part, most: int, limit: float) -> tuple[float | None, tuple[Notice, ...]]:
-    """Return the lowest factor of a part with progressive slip and debonding, and the notice of it (W504).
-
-    None and no notice where it is no more than 2 % below the limit, or was not looked for.
-
-    Parameters
-    ----------
-    most : of blocks for which it is looked for
-    """
-    stable, fails = _debonding_factors(part, most) or (None, None)
-    if stable is None or fails is None or fails >= limit * (1.0 - _DEBONDING):
-        return None, ()
-    return stable, tuple(debonding_notices(stable, fails, limit))
-
-
-def _debonding_factors(part: Part, most: int) -> tuple[float, float | None] | None:
+def _debonding_factors(component: Part, most: int) -> tuple[float, float | None] | None:
     """Return the last stable and the first unstable factor of all blocks whose slip and lost cohesion stay.
 
     Only cohesion needs such a history, without dilation and curved laws: else None.
     """
-    model, limit = part.model, part.limit
-    left_out = model.lines is not None or bool(model.tan_dilation.any())
-    if left_out or not model.has_cohesion or not limit.factor or len(model.load) > most:
+    model, limit = component.model, component.limit
+    is_without_history = model.lines is not None or bool(model.tan_dilation.any())
+    if is_without_history or not model.has_cohesion or not limit.factor or len(model.load) > most:
         return None
     try:
         with one_thread(), work_limit.allowed(_HISTORY * work_limit.SECOND):
@@ -304,62 +292,71 @@ def _debonding_factors(part: Part, most: int) -> tuple[float, float | None] | No
 
 
 def _standing(ravelling: Ravelling, scene: AssemblyScene) -> str:
-    left = int(ravelling.left.sum())
+    remaining = int(ravelling.left.sum())
     moving = int((~scene.assembly.fixed).sum())
-    if left == 0:
+    if remaining == 0:
         return f"none of {moving} blocks is left"
-    return "; ".join(filter(None, (f"{left} of {moving} blocks are left", _ENDS[ravelling.ended])))
+    return "; ".join(filter(None, (f"{remaining} of {moving} blocks are left", _ENDS[ravelling.ended])))
 
 
 def _checks(scene: AssemblyScene, ravelling: Ravelling) -> dict[str, float]:
     """Conservation: what the geometry balanced, and how well the forces at the limit do."""
     checks = dict(scene.checks)
     worst = 0.0
-    for part in ravelling.parts:
-        model, limit = part.model, part.limit
+    for component in ravelling.parts:
+        model, limit = component.model, component.limit
         if limit.factor is None or len(model.control_area) == 0:
             continue
-        off = model.forces_on_blocks(limit.normal_force, limit.friction) + model.load
-        worst = max(worst, float(np.abs(off).max()) / float(np.abs(model.load).max()))
+        unbalanced = model.forces_on_blocks(limit.normal_force, limit.friction) + model.load
+        worst = max(worst, float(np.abs(unbalanced).max()) / float(np.abs(model.load).max()))
     checks["largest_unbalanced_force"] = worst
     return checks
 
 
-def balance_of(parts: Sequence[Part], at_rest: bool = False) -> Balance | None:
+def balance_of(components: Sequence[Part], at_rest: bool = False) -> Balance | None:
     """How well the forces of the parts that have a factor balance the loads.
 
     Where the limit is that of a group of blocks, the forces are those of all blocks at their last rest, just before it:
     `at_rest` holds them against the strength there.
     """
-    return balance([
-        of_blocks(
-            part.model, part.limit.factor * (1.0 - part.limit.width * at_rest), part.limit.normal_force,
-            part.limit.friction, part.limit.bond,
-        )
-        for part in parts
-        if part.limit.factor and part.limit.outcome is Outcome.SLIDES and len(part.model.control_area)
-    ])  # fmt: skip
+    return balance(
+        [
+            of_blocks(
+                component.model,
+                component.limit.factor * (1.0 - component.limit.width * at_rest),
+                component.limit.normal_force,
+                component.limit.friction,
+                component.limit.bond,
+            )
+            for component in components
+            if component.limit.factor
+            and component.limit.outcome is Outcome.SLIDES
+            and len(component.model.control_area)
+        ]
+    )
 
 
-def _left_out(scene: AssemblyScene, parts: Sequence[Part], drained: bool) -> tuple[str, ...]:
+def _left_out(scene: AssemblyScene, components: Sequence[Part], drained: bool) -> tuple[str, ...]:
     """What was not modelled, with the proof or the check that lets it be."""
-    said = ["bedrock and fixed blocks (they do not move), contacts between them, free faces", *scene.left_out]
-    if len(parts) > 1:
-        said.append(f"{len(parts)} groups of blocks touch only through bedrock: each is solved for itself (exact)")
-    for part in parts:
-        if part.limit.group:
-            said.append(
-                f"the limit is that of a group of {part.limit.group} of {len(part.blocks)} blocks that touch, the "
-                f"others fixed; check with none fixed: all rest at {1.0 - part.limit.width:.4f} of it, where 95 % of "
-                "the strength along the motion is used up, or fail 1 % above it"
+    assumptions = ["bedrock and fixed blocks (they do not move), contacts between them, free faces", *scene.left_out]
+    if len(components) > 1:
+        assumptions.append(
+            f"{len(components)} groups of blocks touch only through bedrock: each is solved for itself (exact)"
+        )
+    for component in components:
+        if component.limit.group:
+            assumptions.append(
+                f"the limit is that of a group of {component.limit.group} of {len(component.blocks)} blocks that "
+                f"touch, the others fixed; check with none fixed: all rest at {1.0 - component.limit.width:.4f} of it, "
+                "where 95 % of the strength along the motion is used up, or fail 1 % above it"
             )
     if scene.assembly.in_section:
         ends = "three node pairs a contact (Simpson's rule), its friction one force: a flat contact slips as one"
-        said += ["everything repeats along the strike: 3 unknowns a block instead of 6 (exact)", ends]
-    said += left_out_of_laws(scene.strengths)
+        assumptions += ["everything repeats along the strike: 3 unknowns a block instead of 6 (exact)", ends]
+    assumptions += left_out_of_laws(scene.strengths)
     if drained and scene.pressures.any():
-        said.append("water in joints that a block has left: they stand open")
-    return tuple(said)
+        assumptions.append("water in joints that a block has left: they stand open")
+    return tuple(assumptions)
 
 
 def _geometry(scene: AssemblyScene) -> AssemblyGeometry:
@@ -377,45 +374,45 @@ def _geometry(scene: AssemblyScene) -> AssemblyGeometry:
     )  # fmt: skip
 
 
-def _forces(scene: AssemblyScene, loads: AssemblyLoads, parts: Sequence[Part]) -> Forces:
+def _forces(scene: AssemblyScene, loads: AssemblyLoads, components: Sequence[Part]) -> Forces:
     """Weight of the moving blocks; normal forces at the limit and water by joint."""
     patches = scene.assembly.patches
     count = len(scene.joints)
     normal = np.zeros(count)
-    known = True
-    for part in parts:
-        if len(part.model.control_area) == 0:
+    is_known = True
+    for component in components:
+        if len(component.model.control_area) == 0:
             continue
-        known = known and part.limit.factor is not None
-        real = part.model.joint_pairs
-        joint = patches.joint[part.patch][part.model.pair_contact[real]]
-        normal += np.bincount(joint, part.limit.normal_force[real] * part.model.force_scale, count)
+        is_known = is_known and component.limit.factor is not None
+        of_joints = component.model.joint_pairs
+        joint = patches.joint[component.patch][component.model.pair_contact[of_joints]]
+        normal += np.bincount(joint, component.limit.normal_force[of_joints] * component.model.force_scale, count)
     water = dict(zip(scene.joints, np.bincount(patches.joint, loads.water, count).tolist(), strict=True))
     if scene.acting.pond:
         water["free faces"] = sum(float(np.linalg.norm(push.force)) for _, push in scene.acting.pond)
     return Forces(
         float(loads.weights[~scene.assembly.fixed].sum()),
-        {name: float(value) if known else None for name, value in zip(scene.joints, normal, strict=True)},
+        {name: float(value) if is_known else None for name, value in zip(scene.joints, normal, strict=True)},
         water, None, None,
     )  # fmt: skip
 
 
-def _curved(scene: AssemblyScene, parts: Sequence[Part]) -> dict[str, Mapping[str, Any]]:
+def _curved(scene: AssemblyScene, components: Sequence[Part]) -> dict[str, Mapping[str, Any]]:
     """The line of each curved joint at the mean normal traction of its node pairs that carry any."""
     none: list[NDArray[Any]] = [np.zeros(0)]
     joint, area, normal = none.copy(), none.copy(), none.copy()
-    for part in parts:
-        model, real = part.model, part.model.joint_pairs
-        if model.lines is not None and part.limit.factor:
+    for component in components:
+        model, real = component.model, component.model.joint_pairs
+        if model.lines is not None and component.limit.factor:
             joint.append(model.lines.joint[real])
             area.append(model.control_area[real] * model.area_scale)
-            normal.append(part.limit.normal_force[real] * model.force_scale)
-    of, area_m2, normal_kn = map(np.concatenate, (joint, area, normal))
-    carried = [(of == key) & (normal_kn > 0.0) for key in range(len(scene.joints))]
+            normal.append(component.limit.normal_force[real] * model.force_scale)
+    joint_of_pair, area_m2, normal_kn = map(np.concatenate, (joint, area, normal))
+    loaded = [(joint_of_pair == key) & (normal_kn > 0.0) for key in range(len(scene.joints))]
     return {
-        name: secant_at(strength, normal_kn[on], area_m2[on])
-        for name, strength, on in zip(scene.joints, scene.strengths, carried, strict=True)
-        if on.any() and strength.law is not None
+        name: secant_at(strength, normal_kn[pairs], area_m2[pairs])
+        for name, strength, pairs in zip(scene.joints, scene.strengths, loaded, strict=True)
+        if pairs.any() and strength.law is not None
     }
 
 

@@ -6,14 +6,15 @@ from typing import Any, ClassVar
 
 from slopekit.core.orientation import number
 from slopekit.design.common import Design
-from slopekit.design.fields import Field, count, declare, fields_of, group, keys_of
+from slopekit.design.fields import Field, count, declare, fields_of, group, keys_of, record_spec
 from slopekit.design.fields import number as number_field
 from slopekit.design.ground_water import TABLE, read_table
 from slopekit.design.parts import Action, Bolt, Force, Seismic, Strength, Water, bolts_without, forces_without
 from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.reader import Reader
 from slopekit.design.reading.structure import Spec
-from slopekit.design.sections import read_bolt, read_common, read_force, read_strength
+from slopekit.design.sections import read_bolt, read_common, read_force, read_strength, read_water
+from slopekit.kinds.words import shortened
 
 Point2 = tuple[float, float]
 MOST_BLOCKS = 200_000
@@ -21,7 +22,6 @@ _MOST_NAMED = 6  # surcharges that the sheet prints
 _SECTION_TRENDS = (90.0, 270.0)
 _TREND_TOLERANCE = 1e-6
 _OFF_SECTION = 1e-9  # of a force, across the section: what rounding leaves of toward: 270/00
-_PRESSURE = declare("pressures", "pressure", 0.0, code="E118")
 
 
 def water_by(*pressures: Field, without: tuple[str, ...] = ()) -> Any:
@@ -34,7 +34,7 @@ def water_by(*pressures: Field, without: tuple[str, ...] = ()) -> Any:
         declare("mode", "text", example="dry", is_refused=True),
         declare("fill", "ratio", 0.0, 1.0, is_refused=True),
         *pressures,
-        *(one for name, one in fields_of(Water).items() if name in Water.UNSAID),
+        *(field for name, field in fields_of(Water).items() if name in Water.UNSAID),
     )
     return group("water", keys, default=Water(), forms=(Spec("value", example="dry"),), without=without)
 
@@ -98,8 +98,7 @@ class NamedDesign(AssemblyDesign):
     def ground_in_words(self) -> list[str]:
         """Table, pond and surcharges as the sheet prints them."""
         listed = [f"{number(value)} kPa on {name}" for name, value in self.surcharges_kpa]
-        more = [f"{len(listed) - _MOST_NAMED} more"] if len(listed) > _MOST_NAMED else []
-        load = ["surcharge " + ", ".join([*listed[:_MOST_NAMED], *more])] if listed else []
+        load = ["surcharge " + ", ".join(shortened(listed, _MOST_NAMED))] if listed else []
         return [*super().ground_in_words(), *load]
 
 
@@ -116,56 +115,32 @@ def read_surcharges(reader: Reader, blocks: Mapping[str, bool]) -> Iterator[tupl
             message = (
                 f"a surcharge stands on {name}, {'which is fixed' if name in blocks else 'there is no such block'}"
             )
-            moving = [one for one, moves in blocks.items() if moves]
+            moving = [name_of_block for name_of_block, moves in blocks.items() if moves]
             reader.fault("E250", message, below, reader.nearest(name, moving))
         elif below.value is not None and (value := reader.number(field, below, f"surcharge on {name}")):
             yield name, value
 
 
-def named_strengths(reader: Reader) -> tuple[tuple[str, Strength], ...]:
-    """Every strength by its name."""
-    read = [(name, read_strength(reader, node, name)) for name, node in reader.names("strength")]
-    return tuple((name, strength) for name, strength in read if strength is not None)
-
-
-def pressures(reader: Reader, example: str) -> list[tuple[str, Node, float]]:
-    """Mean water pressures as the file names them; E118 for water in another form or below 0."""
+def read_pressures(reader: Reader, interfaces: Sequence[str]) -> Water:
+    """Water of a table, or by mean pressures on these interfaces; E118 for a part of full water."""
     node = reader.at("water")
-    if node is None or node.value is None:
-        return []
-    mode = node.get("mode") if node.is_mapping else None
-    if mode is not None and mode.text == TABLE:
-        return []  # which `read_table` reads
-    said = [key for key in ("mode", "fill", "pressures") if node.get(key) is not None]
-    other = node if not node.is_mapping else node.get(said[0]) if said and said[0] != "pressures" else None
-    if other is not None and (other.name == "fill" or other.text not in ("dry", None)):
-        message = f"water is {other.text}: in a {reader.kind} design it is dry, or given by its pressures"
-        reader.fault("E118", message, other, f"Write water: {{pressures: {example}}}.")
-    if len(said) > 1:
-        message = f"water has {' and '.join(said)}: they exclude each other"
-        reader.fault("E112", message, node.get(said[1]), "Keep one of them.")
-    given = node.get("pressures")
-    mean_pressures = []
-    for name, below in given.items() if given is not None else ():
-        if below.value is not None:
-            value = reader.number(_PRESSURE, below, f"water pressure on {name}")
-            if value is not None:
-                mean_pressures.append((name, below, value))
-    return mean_pressures
+    part = node.get("mode") or node.get("fill") if node is not None and node.is_mapping else node
+    if part is not None and part.text not in (None, "dry", TABLE):
+        example = record_spec(fields_of(reader.record)["water"].of).known_keys()["pressures"].example
+        message = f"water is {part.text}: in a {reader.kind} design it is dry, or given by its pressures"
+        reader.fault("E118", message, part, f"Write water: {{pressures: {example}}}.")
+        return Water()
+    return read_table(reader) or read_water(reader, interfaces, len(interfaces))[0]
 
 
-def named_pressures(reader: Reader, known: Sequence[str], example: str) -> dict[str, float]:
-    """Pressures on interfaces of these names; E197 on others."""
-    mean_pressures = pressures(reader, example)
-    for name, node, _ in mean_pressures:
-        if name not in known:
-            message = f"water pressure on {name}: there is no such interface"
-            reader.fault("E197", message, node, reader.nearest(name, known))
-    return {name: value for name, _, value in mean_pressures}
+def named_pressures(reader: Reader) -> list[tuple[str, Node]]:
+    """The nodes of mean pressures by the names that the file has for their interfaces."""
+    node = reader.at("water.pressures")
+    return list(node.items()) if node is not None else []
 
 
 def common(
-    reader: Reader, blocks: Mapping[str, bool] | None, in_section: bool, toward: float | None, water: Sequence[float]
+    reader: Reader, blocks: Mapping[str, bool] | None, in_section: bool, toward: float | None, water: Water
 ) -> dict[str, Any]:
     """What every design of many blocks takes, by attribute; call it last.
 
@@ -173,17 +148,15 @@ def common(
     ----------
     blocks : whether each moves, by name; None where they are not cut yet
     toward : what a seismic load acts toward where the file does not say
-    water : pressures in the order of the interfaces
+    water : as `read_pressures` has it
     """
-    strengths = named_strengths(reader)
+    read = [(name, read_strength(reader, node, name)) for name, node in reader.names("strength")]
     attributes = read_common(reader, on_blocks=True)
     attributes["seismic"] = _seismic(reader, attributes["seismic"], in_section, toward)
     attributes["forces"] = tuple(_on_blocks(reader, "loads.forces", "force", read_force, blocks, in_section))
     attributes["bolts"] = tuple(_on_blocks(reader, "support.bolts", "bolt", read_bolt, blocks, in_section))
-    attributes["strengths"] = strengths
-    by_pressures = Water("pressures", 0.0, tuple(water)) if any(water) else Water()
-    attributes["water"] = read_table(reader) or by_pressures
-    return attributes
+    attributes["strengths"] = tuple((name, strength) for name, strength in read if strength is not None)
+    return attributes | {"water": water}
 
 
 def _seismic(reader: Reader, seismic: Seismic, in_section: bool, toward: float | None) -> Seismic:
@@ -196,7 +169,7 @@ def _seismic(reader: Reader, seismic: Seismic, in_section: bool, toward: float |
         message = "the seismic load has no direction, and the blocks do not say which way the slope falls"
         advice = "Write seismic: {k: 0.1, toward: 270}, or add --set loads.seismic.toward=270."
         reader.fault("E253", message, node, advice)
-    elif in_section and min(abs(trend - known) for known in _SECTION_TRENDS) > _TREND_TOLERANCE:
+    elif in_section and min(abs(trend - trend_of_section) for trend_of_section in _SECTION_TRENDS) > _TREND_TOLERANCE:
         message = f"the seismic load acts toward {number(trend)}, in a section it acts toward 090 or 270"
         reader.fault("E253", message, node.get("toward") or node, "x is east (090), -x west (270).")
     return replace(seismic, trend_deg=trend)
@@ -214,7 +187,7 @@ def _on_blocks(
         if load is None:
             continue
         vector = load.components_kn if isinstance(load, Force) else tuple(load.toward.vector().tolist())
-        if in_section and abs(vector[1]) > _OFF_SECTION * sum(part * part for part in vector) ** 0.5:
+        if in_section and abs(vector[1]) > _OFF_SECTION * sum(component * component for component in vector) ** 0.5:
             message = f"a {what} leaves the section: x is east, z is up, and nothing acts along y"
             advice = "Point it toward 090 or 270 (any plunge), or give [x, 0, z]."
             reader.fault("E252", message, node.get("toward") or node, advice)
@@ -223,20 +196,20 @@ def _on_blocks(
 
 def _block_of(reader: Reader, node: Node, what: str, blocks: Mapping[str, bool] | None) -> str | None:
     """The block of a load: the one it names, or the only one that moves; E250."""
-    named = node.get("block")
+    block = node.get("block")
     moving = [name for name, moves in (blocks or {}).items() if moves]
-    if named is not None and named.text is not None:
-        if blocks and not blocks.get(named.text, False):
-            is_fixed = named.text in blocks
-            message = f"a {what} acts on {named.text}, {'which is fixed' if is_fixed else 'there is no such block'}"
-            reader.fault("E250", message, named, reader.nearest(named.text, moving))
-        return named.text
+    if block is not None and block.text is not None:
+        if blocks and not blocks.get(block.text, False):
+            is_fixed = block.text in blocks
+            message = f"a {what} acts on {block.text}, {'which is fixed' if is_fixed else 'there is no such block'}"
+            reader.fault("E250", message, block, reader.nearest(block.text, moving))
+        return block.text
     if len(moving) == 1:
         return moving[0]
-    at = "head" if what == "bolt" else "at"
-    if blocks is None and node.get(at) is None:
+    key = "head" if what == "bolt" else "at"
+    if blocks is None and node.get(key) is None:
         message = f"a {what} does not say where it acts: the bench has many blocks"
-        reader.fault("E250", message, node, f"Add {at}: a point in its block (or block: its name).")
+        reader.fault("E250", message, node, f"Add {key}: a point in its block (or block: its name).")
     elif blocks is not None and moving:
         advice = f"Add block: {moving[0]}." if node.is_mapping else f"Write {{force: …, block: {moving[0]}}}."
         reader.fault("E250", f"a {what} names no block, and {len(moving)} can move", node, advice)

@@ -10,8 +10,9 @@ from slopekit.kinds.assemblies.many_blocks import (
     balance_of,
 )
 from slopekit.kinds.assemblies.many_blocks_scene import scene_loads
-from slopekit.kinds.single_block.ladders import MOST_PAIRS, OTHER_STRENGTH, Ladder, Rung, often, timed
+from slopekit.kinds.single_block.ladders import MOST_PAIRS, OTHER_STRENGTH, Ladder, Rung, timed
 from slopekit.kinds.solver_inputs import joint_strength
+from slopekit.kinds.words import times
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
 from slopekit.preie.many_blocks.ravelling import finer_model, limit_again
 from slopekit.preie.solvers.threads import one_thread
@@ -33,8 +34,8 @@ def ladder_of_blocks(solution: SolvedAssembly) -> Ladder:
     unrefined = "" if _refines(solution) else "a flat contact of a section slips as one, and its ends turn it"
     with one_thread():  # as the analysis
         rungs = tuple(_rungs(solution))
-    parts = solution.ravelling.parts
-    rest = balance_of(parts, at_rest=True) if any(part.limit.width for part in parts) else None
+    components = solution.ravelling.parts
+    rest = balance_of(components, at_rest=True) if any(component.limit.width for component in components) else None
     return Ladder(solution.result, rungs, _others(solution), unrefined, rest=rest)
 
 
@@ -66,22 +67,22 @@ def _rungs(solution: SolvedAssembly) -> Iterator[Rung]:
         yield Rung("closed form", "closed form", None, None, result.fos.closed_form, result.timing_s["closed_form"])
     if not failures or not failures[0].limit.factor:
         return
-    part = failures[0].parts[0]
+    component = failures[0].parts[0]
     for ratio in _RATIOS:
         say(f"ladder, k_t/k_n {ratio:g}", head=True)
-        limit, seconds = timed(partial(limit_again, part.model, ratio=ratio))
-        factor = _limited(limit.factor, part.limit)
-        yield Rung("stiffness", f"k_t / k_n {ratio:g}", part.model.joint_pairs.stop, ratio, factor, seconds)
+        limit, seconds = timed(partial(limit_again, component.model, ratio=ratio))
+        factor = _limited(limit.factor, component.limit)
+        yield Rung("stiffness", f"k_t / k_n {ratio:g}", component.model.joint_pairs.stop, ratio, factor, seconds)
     for level in range(3 if _refines(solution) else 1):
-        model = part.model
+        model = component.model
         if level:
-            model = finer_model(scene.assembly, scene_loads(scene), joint_strength(scene.strengths), part, level)
+            model = finer_model(scene.assembly, scene_loads(scene), joint_strength(scene.strengths), component, level)
         if level and len(model.control_area) > MOST_PAIRS:
             break
-        say(f"ladder, parts split {often(level)}", head=True)
+        say(f"ladder, parts split {times(level)}", head=True)
         limit, seconds = timed(partial(limit_again, model))
-        setting = f"parts split {often(level)}" if _refines(solution) else "as analysed"
-        yield Rung("mesh", setting, model.joint_pairs.stop, level, _limited(limit.factor, part.limit), seconds)
+        setting = f"parts split {times(level)}" if _refines(solution) else "as analysed"
+        yield Rung("mesh", setting, model.joint_pairs.stop, level, _limited(limit.factor, component.limit), seconds)
 
 
 def _refines(solution: SolvedAssembly) -> bool:

@@ -33,11 +33,17 @@ def notices_of(
         return
     first, limit = mechanisms[0], ravelling.failures[0].limit
     yield from bolt_notices(design)
-    if first.fos and scene.acting.bolt_names and not any(_drawn_out(part) for part in ravelling.failures[0].parts):
+    if (
+        first.fos
+        and scene.acting.bolt_names
+        and not any(_drawn_out(component) for component in ravelling.failures[0].parts)
+    ):
         yield undrawn_notice()
     if limit.outcome is Outcome.NO_STRENGTH:
         yield Notice("W308", "the joints have no strength: nothing holds the blocks, there is no factor of safety")
-    yield from mesh_notices(max((part.mesh_change or 0.0 for part in ravelling.failures[0].parts), default=0.0))
+    yield from mesh_notices(
+        max((component.mesh_change or 0.0 for component in ravelling.failures[0].parts), default=0.0)
+    )
     if limit.basis is Basis.PEAK and first.fos:
         yield Notice("W317", "the motion did not settle into a limit state: the factor is that of the last stable "
                      "state of the elastic path; the limit may lie lower (up to 4 % in random sections)")  # fmt: skip
@@ -60,22 +66,22 @@ def notices_of(
     yield from lost_cohesion_notices(lost_cohesion(ravelling.failures[0]), "factor of safety")
 
 
-def debonding_notices(stable: float, fails: float, limit: float) -> Iterator[Notice]:
+def debonding_notice(stable: float, fails: float, limit: float) -> Notice:
     """W504: with progressive slip and debonding the blocks fail at less than the limit."""
     below = (1.0 - fails / limit) * 100.0
-    yield Notice("W504", f"with progressive slip and debonding the blocks are stable at {stable:.4f} and fail at "
-                 f"{fails:.4f}, {below:.2g} % below the factor of safety: rely on the lower")  # fmt: skip
+    return Notice("W504", f"with progressive slip and debonding the blocks are stable at {stable:.4f} and fail at "
+                  f"{fails:.4f}, {below:.2g} % below the factor of safety: rely on the lower")  # fmt: skip
 
 
 def lost_cohesion(failure: Failure) -> LostCohesion:
     """Return the part of the cohesion that does not act at a limit, and the numbers of such contacts and of all."""
     limit, model = failure.limit, failure.parts[0].model
     joints = model.joint_pairs
-    full, of = model.cohesion[joints], model.pair_contact[joints]
+    full, contact = model.cohesion[joints], model.pair_contact[joints]
     acts = full * limit.bond[joints]
     open_somewhere = acts < full * (1.0 - SAME_LIMIT)
     lost = 1.0 - float(acts.sum()) / max(float(full.sum()), TINY) if full.any() else 0.0
-    return lost, len(np.unique(of[open_somewhere])), len(np.unique(of[full > 0.0]))
+    return lost, len(np.unique(contact[open_somewhere])), len(np.unique(contact[full > 0.0]))
 
 
 def _unsettled(limit: BlocksLimit) -> Notice:
@@ -96,14 +102,14 @@ def _unsettled(limit: BlocksLimit) -> Notice:
 def _without_rest(limit: BlocksLimit, seismic: float) -> Notice:
     """Why blocks that forces could balance have no factor, with what was tried; `seismic`: the coefficient, or 0."""
 
-    def earthquake(part: float) -> str:
-        return f" (k {part * seismic:.4g})" if seismic else ""
+    def earthquake(share: float) -> str:
+        return f" (k {share * seismic:.4g})" if seismic else ""
 
     if limit.tips is not None:
-        part, factor = limit.tips
-        return Notice("W362", f"with their strength divided by {factor:.4g} or less the blocks topple at {part:.4g} of "
-                      f"the loads beside weight and water{earthquake(part)} without slipping anywhere: a wider base or "
-                      "bolts would hold them; no factor of safety is given")  # fmt: skip
+        share, factor = limit.tips
+        topple = f"with their strength divided by {factor:.4g} or less the blocks topple at {share:.4g} of the loads"
+        return Notice("W362", f"{topple} beside weight and water{earthquake(share)} without slipping anywhere: a wider "
+                      "base or bolts would hold them; no factor of safety is given")  # fmt: skip
     exist = (
         "" if limit.static_bound is None else "; the upper bound says that forces in balance exist, not that they arise"
     )
@@ -112,7 +118,7 @@ def _without_rest(limit: BlocksLimit, seismic: float) -> Notice:
                   f"no factor of safety is given{exist}")  # fmt: skip
 
 
-def _drawn_out(part: Part) -> bool:
+def _drawn_out(component: Part) -> bool:
     """Whether a mechanism draws out a passive bolt."""
-    _, slip = part.model.opening_and_slip(part.limit.velocity)
-    return bool((slip[part.model.bolted, 0] < -SQUARE).any())
+    _, slip = component.model.opening_and_slip(component.limit.velocity)
+    return bool((slip[component.model.bolted, 0] < -SQUARE).any())

@@ -6,7 +6,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats, cross, frozen
+from slopekit.core.arrays import Bools, Floats, Ints, cross, frozen
 from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.core.orientation import Line
 from slopekit.design.parts import Bolt, Force, Strength
@@ -17,43 +17,6 @@ from slopekit.kinds.solver_inputs import point_force
 from slopekit.loads import NO_BOLTS, AssemblyLoads, PassiveBolts, PointForce, assembly_loads
 
 _ON = 1e-9  # of an edge: a line that passes through it hits a face
-
-
-def last_left(assembly: Assembly, head: Floats, end: Floats, block: int | None = None) -> int:
-    """The block in space that a line from head to end (3,) leaves last, of all or of one; -1 where it leaves none.
-
-    Each face is a triangle that it may pass (Möller & Trumbore 1997, J. Graphics Tools 2, 21-28).
-    """
-    of = assembly.triangle_block
-    own = slice(None) if block is None else np.flatnonzero(of == block)
-    a, b, c = (assembly.vertices[assembly.triangles[own, k]] for k in range(3))
-    way, one, other = end - head, b - a, c - a
-    across = cross(np.broadcast_to(way, other.shape), other)
-    size = (one * across).sum(axis=1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        first = ((head - a) * across).sum(axis=1) / size
-        turned = cross(head - a, one)
-        second = turned @ way / size
-        at = (other * turned).sum(axis=1) / size
-        hits = (first >= -_ON) & (second >= -_ON) & (first + second <= 1.0 + _ON) & (at > 0.0) & (at <= 1.0)
-    return int(of[own][np.where(hits, at, -1.0).argmax()]) if hits.any() else -1
-
-
-def last_left_in_section(outlines: list[Floats], head: Floats, end: Floats) -> int:
-    """The polygon (k, 2) of several that a line from head to end (2,) leaves last, by its number; -1: none."""
-    last, number = 0.0, -1
-    way = end - head
-    for k, outline in enumerate(outlines):
-        start, edge = outline, np.roll(outline, -1, axis=0) - outline
-        size = way[0] * edge[:, 1] - way[1] * edge[:, 0]
-        apart = start - head
-        with np.errstate(divide="ignore", invalid="ignore"):
-            at = (apart[:, 0] * edge[:, 1] - apart[:, 1] * edge[:, 0]) / size
-            along = (apart[:, 0] * way[1] - apart[:, 1] * way[0]) / size
-        hits = (along >= -_ON) & (along <= 1.0 + _ON) & (at > last) & (at <= 1.0)
-        if hits.any():
-            last, number = float(at[hits].max()), k
-    return number
 
 
 #: The number of a block by its name, or by a point in it.
@@ -83,8 +46,10 @@ class SceneLoads:
 
     def without(self, gone: Bools) -> "SceneLoads":
         """Return what acts without some blocks (n,), and without the bolts and anchors to them."""
-        out = np.append(gone, False)
-        bolts, anchors = (np.flatnonzero(~(out[ties.head] | out[ties.toe])) for ties in (self.bolts, self.anchors))
+        is_gone = np.append(gone, False)
+        bolts, anchors = (
+            np.flatnonzero(~(is_gone[ties.head] | is_gone[ties.toe])) for ties in (self.bolts, self.anchors)
+        )
         anchor_pushes = tuple(self.anchor_pushes[k] for k in anchors.tolist())
         let_go = set(self.anchor_pushes) - set(anchor_pushes)
         nothing = PointForce(np.zeros(3), None)
@@ -141,6 +106,19 @@ class AssemblyScene:
         return [self.outlines[name] for name in self.names]
 
     @property
+    def surface(self) -> tuple[Floats, Ints]:
+        """Triangles (t, 3, 3) of the surfaces of blocks, and the block (t,) of each; of a section strips along it."""
+        assembly = self.assembly
+        if not assembly.in_section:
+            return assembly.vertices[assembly.triangles], assembly.triangle_block
+        rings = [np.insert(outline, 1, 0.0, axis=1) for outline in self.polygons]
+        start, end = np.concatenate(rings), np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
+        half = np.array([0.0, 1.0, 0.0])
+        strip = [(start - half, end - half, end + half), (start - half, end + half, start + half)]
+        block = np.repeat(np.arange(len(rings)), [len(ring) for ring in rings])
+        return np.concatenate([np.stack(corners, axis=1) for corners in strip]), np.tile(block, 2)
+
+    @property
     def height_m(self) -> float:
         """Of all blocks, bedrock that is one of them too: from their lowest to their highest point."""
         if self.outlines:
@@ -176,9 +154,9 @@ def with_loads(design: AssemblyDesign, scene: AssemblyScene, toward_deg: float, 
     if scene.assembly.fixed.all():
         message = f"none of the {len(scene.assembly)} blocks can move: each reaches bedrock's side of the model"
         raise GeometryError([Fault("E225", message, "", advice)])
-    given = design.seismic
-    trend = toward_deg if given.trend_deg is None else given.trend_deg
-    seismic = given.coefficient * Line(trend, 0.0).vector() if given.coefficient else np.zeros(3)
+    earthquake = design.seismic
+    trend = toward_deg if earthquake.trend_deg is None else earthquake.trend_deg
+    seismic = earthquake.coefficient * Line(trend, 0.0).vector() if earthquake.coefficient else np.zeros(3)
     return replace(scene, acting=replace(_pushed(design, scene), seismic=seismic))
 
 
@@ -220,7 +198,7 @@ def _pushed(design: AssemblyDesign, scene: AssemblyScene) -> SceneLoads:
     pushes, faults = [], []
     passive: list[tuple[int, int, PointForce]] = []
     anchors: list[tuple[int, int, PointForce]] = []
-    of_push: list[int] = []
+    push_numbers: list[int] = []
     names: list[str] = []
     finder = _finder(scene)
     loads: list[tuple[str, str, Force | Bolt, PointForce]] = []
@@ -231,32 +209,32 @@ def _pushed(design: AssemblyDesign, scene: AssemblyScene) -> SceneLoads:
         head = None if bolt.head_m is None else np.array(bolt.head_m) - scene.origin
         place = design.place_of("support", "bolts", k, len(design.bolts))
         loads.append((f"bolt {k}", place, bolt, PointForce(bolt.force_kn * bolt.toward.vector(), head)))
-    for name, place, given, push in loads:
-        block = finder(given.block, push.at)
+    for name, place, load, push in loads:
+        block = finder(load.block, push.at)
         if block is None:
-            where = f"there is no block {given.block}" if given.block is not None else "its point lies in no block"
-            faults.append(Fault("E250", f"{name} acts on no block: {where}", place))
+            reason = f"there is no block {load.block}" if load.block is not None else "its point lies in no block"
+            faults.append(Fault("E250", f"{name} acts on no block: {reason}", place))
         elif scene.assembly.fixed[block]:
             faults.append(Fault("E250", f"{name} acts on {scene.names[block]}, which is bedrock", place))
-        elif isinstance(given, Force):
+        elif isinstance(load, Force):
             pushes.append((block, push))
         else:
-            toe, wrong = _toe(scene, given, block, finder)
+            toe, wrong = _toe(scene, load, block, finder)
             if wrong is not None:
                 faults.append(Fault(wrong[0], f"{name} {wrong[1]}", place, wrong[2]))
-            if given.acts == "passive":
+            if load.acts == "passive":
                 passive.append((block, toe, push))
                 names.append(name)
                 continue
             pushes.append((block, push))
             if toe != BEDROCK:
                 anchors.append((block, toe, push))
-                of_push.append(len(pushes))
+                push_numbers.append(len(pushes))
     if faults:
         raise DesignError(faults)
     return replace(
         scene.acting, pushes=tuple(pushes), bolts=_along(scene, passive), bolt_names=tuple(names),
-        anchors=_along(scene, anchors), anchor_pushes=tuple(of_push),
+        anchors=_along(scene, anchors), anchor_pushes=tuple(push_numbers),
     )  # fmt: skip
 
 
@@ -270,36 +248,51 @@ def _toe(
     """
     if bolt.head_m is None:
         return BEDROCK, None
-    assembly, length, own = scene.assembly, bolt.length_m, scene.names[block]
+    assembly, length, name = scene.assembly, bolt.length_m, scene.names[block]
     head = np.array(bolt.head_m) - scene.origin
     through = 2.0 * (float(np.linalg.norm(assembly.centroids[block] - head)) + scene.height_m)
     end = head + (through if length is None else length) * bolt.toward.vector()
     ends_in = finder(None, end)
-    if _last_left(scene, head, end, block) < 0 and ends_in != block:
+    if last_left(scene, head, end, block) < 0 and ends_in != block:
         within = "" if length is None else f" within its {length:.4g} m"
-        message = f"misses {own}: from its head it does not pass through it{within}"
+        message = f"misses {name}: from its head it does not pass through it{within}"
         return BEDROCK, ("E211", message, "Its head stands on a face of the block, or before one.")
     if length is None:
         return BEDROCK, None
     if ends_in == block:
         advice = "It needs its anchorage behind the joint on top of that, or leave length out: rock holds it."
-        return BEDROCK, ("E212", f"is {length:.4g} m long and ends in {own}: it is too short", advice)
+        return BEDROCK, ("E212", f"is {length:.4g} m long and ends in {name}: it is too short", advice)
     if ends_in is not None:
         return (BEDROCK if assembly.fixed[ends_in] else ends_in), None
-    left = _last_left(scene, head, end)
-    if left >= 0 and assembly.fixed.any() and not assembly.fixed[left]:
-        message = f"comes out of {scene.names[left]} and ends in the air: it is anchored in nothing"
+    last_block = last_left(scene, head, end)
+    if last_block >= 0 and assembly.fixed.any() and not assembly.fixed[last_block]:
+        message = f"comes out of {scene.names[last_block]} and ends in the air: it is anchored in nothing"
         advice = "Leave length out where rock holds it, or let it end in the block that it is tied to."
         return BEDROCK, ("E211", message, advice)
     return BEDROCK, None
 
 
-def _last_left(scene: AssemblyScene, head: Floats, end: Floats, block: int | None = None) -> int:
-    """The block that a line from head to end (3,) leaves last, of all or of one; -1 where it leaves none."""
-    if not scene.assembly.in_section:
-        return last_left(scene.assembly, head, end, block)
-    outlines = scene.polygons if block is None else [scene.polygons[block]]
-    return last_left_in_section(outlines, head[[0, 2]], end[[0, 2]])
+def last_left(scene: AssemblyScene, head: Floats, end: Floats, block: int | None = None) -> int:
+    """Return the block that a line from head to end (3,) leaves last, of all or of one; -1 where it leaves none.
+
+    Each face is a triangle that it may pass (Möller & Trumbore 1997, J. Graphics Tools 2, 21-28).
+    """
+    triangles, block_of_triangle = scene.surface
+    if block is not None:
+        triangles, block_of_triangle = (of_all[block_of_triangle == block] for of_all in (triangles, block_of_triangle))
+    if scene.assembly.in_section:
+        head, end = head * [1.0, 0.0, 1.0], end * [1.0, 0.0, 1.0]
+    a, b, c = triangles.swapaxes(0, 1)
+    direction, first_edge, second_edge = end - head, b - a, c - a
+    across = cross(np.broadcast_to(direction, second_edge.shape), second_edge)
+    size = (first_edge * across).sum(axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        first = ((head - a) * across).sum(axis=1) / size
+        moment = cross(head - a, first_edge)
+        second = moment @ direction / size
+        distance = (second_edge * moment).sum(axis=1) / size
+        hits = (first >= -_ON) & (second >= -_ON) & (first + second <= 1.0 + _ON) & (distance > 0.0) & (distance <= 1.0)
+    return int(block_of_triangle[np.where(hits, distance, -1.0).argmax()]) if hits.any() else -1
 
 
 def _holds(outline: Floats, point: Floats) -> bool:
@@ -325,16 +318,16 @@ def _finder(scene: AssemblyScene) -> _Finder:
     index = {name: k for k, name in enumerate(scene.names)}
     assembly = scene.assembly
 
-    def find(name: str | None, at: Floats | None) -> int | None:
+    def find(name: str | None, point: Floats | None) -> int | None:
         if name is not None:
             return index.get(name)
-        if at is None:
+        if point is None:
             return None
         if assembly.in_section:
-            return next((k for k, outline in enumerate(scene.polygons) if _holds(outline, at[[0, 2]])), None)
+            return next((k for k, outline in enumerate(scene.polygons) if _holds(outline, point[[0, 2]])), None)
         a, b, c = (assembly.vertices[assembly.triangles[:, k]] for k in range(3))
         outward = np.cross(b - a, c - a)
-        beyond = ((at - a) * outward).sum(axis=1)
+        beyond = ((point - a) * outward).sum(axis=1)
         inside = np.full(len(assembly), -np.inf)
         np.maximum.at(inside, assembly.triangle_block, beyond / np.maximum(np.abs(outward).max(axis=1), 1e-300))
         nearest = int(np.argmin(inside))

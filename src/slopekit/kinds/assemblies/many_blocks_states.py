@@ -32,12 +32,12 @@ _MOST_INTERFACES = 12
 _MOST_SETTLED = 2000  # moving blocks: beyond that the elastic bed would take minutes
 
 
-def states_of_part(part: Part) -> tuple[Bools, Bools, Floats]:
+def states_of_part(component: Part) -> tuple[Bools, Bools, Floats]:
     """Which node pairs are open, which slip, and the slip of each friction force's contact (g,).
 
     Slip opens joints that dilate, by no more than their friction angle at the limit; beyond that they are open.
     """
-    model, limit = part.model, part.limit
+    model, limit = component.model, component.limit
     opening, slip = model.opening_and_slip(limit.velocity)
     size = np.sqrt((slip * slip).sum(axis=1))
     fastest = max(float(size.max(initial=0.0)), float(np.abs(opening).max(initial=0.0)), 1e-300)
@@ -55,7 +55,7 @@ def mechanism(failure: Failure, scene: AssemblyScene) -> Mechanism:
     fastest = np.argsort(-np.abs(failure.motion[:, :3]).max(axis=1, initial=0.0), kind="stable")
     blocks, motions = failure.blocks[fastest].tolist(), frozen(failure.motion[fastest])
     ways = tuple(_how(motion, float(size[block]), limit.outcome) for block, motion in zip(blocks, motions, strict=True))
-    if any(part.limit.outcome is Outcome.NOT_CONVERGED for part in failure.parts):
+    if any(component.limit.outcome is Outcome.NOT_CONVERGED for component in failure.parts):
         status = "not_converged"
     elif limit.outcome in (Outcome.LIFTED, Outcome.NO_REST):
         status = next((way for word, way in _WITHOUT if word in ways), "falls")
@@ -69,10 +69,10 @@ def mechanism(failure: Failure, scene: AssemblyScene) -> Mechanism:
     counts: dict[str, int] = {"stick": 0, "slip": 0, "open": 0}
     interfaces: list[GoverningInterface] = []
     total = 0.0
-    for part in failure.parts:
-        for mode, count in _modes(part).items():
+    for component in failure.parts:
+        for mode, count in _modes(component).items():
             counts[mode] += count
-        losing, lost = _interfaces(part, scene)
+        losing, lost = _interfaces(component, scene)
         interfaces, total = interfaces + losing, total + lost
     interfaces.sort(key=lambda interface: -interface.share)
     governing = tuple(
@@ -88,10 +88,10 @@ def mechanism(failure: Failure, scene: AssemblyScene) -> Mechanism:
         ways,
         motions[:, :3],
         motions[:, 3:],
-        max(part.limit.change for part in failure.parts),
+        max(component.limit.change for component in failure.parts),
         governing,
         counts,
-        max((part.limit.basis for part in failure.parts), key=_SUREST.index).name.lower(),
+        max((component.limit.basis for component in failure.parts), key=_SUREST.index).name.lower(),
     )
 
 
@@ -101,31 +101,31 @@ _WITHOUT = (("topples", "topples"), ("rotates", "topples"), ("lifts", "lifted"),
 
 def _how(motion: Floats, size: float, outcome: Outcome) -> str:
     """How a block moves: its top goes ahead where it topples, its bottom where it turns back under itself."""
-    moved, turned = motion[:3], motion[3:] * size
-    speed, spin = float(np.sqrt(moved @ moved)), float(np.sqrt(turned @ turned))
+    translation, rotation = motion[:3], motion[3:] * size
+    speed, spin = float(np.sqrt(translation @ translation)), float(np.sqrt(rotation @ rotation))
     if spin > _TURNS * max(speed, spin):
         up = np.array([0.0, 0.0, 1.0])
-        top, bottom = moved + np.cross(turned, up), moved - np.cross(turned, up)
+        top, bottom = translation + np.cross(rotation, up), translation - np.cross(rotation, up)
         flat = top[:2] @ top[:2] - bottom[:2] @ bottom[:2]
         return "topples" if flat > 0.0 else "rotates"
     if outcome in (Outcome.LIFTED, Outcome.NO_REST):
-        return "lifts" if moved[2] > 0.0 else "falls"
+        return "lifts" if translation[2] > 0.0 else "falls"
     return "slides"
 
 
-def _modes(part: Part) -> dict[str, int]:
-    if len(part.model.control_area) == 0:
+def _modes(component: Part) -> dict[str, int]:
+    if len(component.model.control_area) == 0:
         return {}
-    opened, slips = (state[part.model.joint_pairs] for state in states_of_part(part)[:2])
+    opened, slips = (state[component.model.joint_pairs] for state in states_of_part(component)[:2])
     return {"stick": int((~opened & ~slips).sum()), "slip": int(slips.sum()), "open": int(opened.sum())}
 
 
-def _interfaces(part: Part, scene: AssemblyScene) -> tuple[list[GoverningInterface], float]:
+def _interfaces(component: Part, scene: AssemblyScene) -> tuple[list[GoverningInterface], float]:
     """Interfaces between two blocks, and bolts, that lose work in the mechanism, with the work, and all work."""
-    model, limit = part.model, part.limit
+    model, limit = component.model, component.limit
     if len(model.control_area) == 0 or limit.factor is None:
         return [], 0.0
-    opened, _, size = states_of_part(part)
+    opened, _, size = states_of_part(component)
     carried = line(model.by_group(model.cohesion * limit.bond), model.tan_friction, model.by_group(limit.normal_force))
     carried = np.where(model.bolted, limit.friction[:, 0] * limit.factor, carried)
     work = np.bincount(model.group_contact, carried * size, len(model.plus))
@@ -137,39 +137,39 @@ def _interfaces(part: Part, scene: AssemblyScene) -> tuple[list[GoverningInterfa
     patches = scene.assembly.patches
     bolts: list[GoverningInterface] = []
     for k in chosen[work[chosen] > 1e-6 * work.max(initial=0.0)].tolist():
-        if k >= len(part.patch):
-            bolt = int(model.bolts[k - len(part.patch)])
+        if k >= len(component.patch):
+            bolt = int(model.bolts[k - len(component.patch)])
             pull = float(limit.friction[k - len(model.plus), 0]) * model.force_scale
             head = scene.names[int(scene.acting.bolts.head[bolt])]
             bolts.append(GoverningInterface(scene.acting.bolt_names[bolt], head, "pull", float(work[k]), pull, 0.0))
             continue
-        patch = int(part.patch[k])
+        patch = int(component.patch[k])
         sides = int(patches.plus[patch]), int(patches.minus[patch])
         name = "/".join(scene.names[side] if side >= 0 else "bedrock" for side in sides)
         entry = sums.setdefault((name, scene.joints[int(patches.joint[patch])]), [0.0, 0.0, 0.0, 0.0])
-        for at, value in enumerate((work[k], normal[k], area[k], open_area[k])):
-            entry[at] += float(value)
+        for number, value in enumerate((work[k], normal[k], area[k], open_area[k])):
+            entry[number] += float(value)
     return [
         GoverningInterface(name, joint, "open" if gone > _OPENS * area_ else "slip", share, force, area_)
         for (name, joint), (share, force, area_, gone) in sums.items()
     ] + bolts, float(work.sum())
 
 
-def assembly_pair_state(scene: AssemblyScene, parts: Sequence[Part]) -> NodePairState:
+def assembly_pair_state(scene: AssemblyScene, components: Sequence[Part]) -> NodePairState:
     """The node pairs of the parts that were solved, each at the limit of its part."""
-    whole, none = np.zeros((0, 3)), np.zeros(0)
-    empty = NodePairState(whole, _whole(none), none, whole, _whole(none), _whole(none), none, whole, _whole(none))
-    every = [empty, *[_of_part(scene, part) for part in parts if len(part.model.control_area)]]
+    vectors, none = np.zeros((0, 3)), np.zeros(0)
+    empty = NodePairState(vectors, _whole(none), none, vectors, _whole(none), _whole(none), none, vectors, _whole(none))
+    states = [empty, *[_of_part(scene, component) for component in components if len(component.model.control_area)]]
     return NodePairState(*(
-        np.concatenate([getattr(state, name) for state in every]) for name in NodePairState.__dataclass_fields__
+        np.concatenate([getattr(state, name) for state in states]) for name in NodePairState.__dataclass_fields__
     ))  # fmt: skip
 
 
-def _of_part(scene: AssemblyScene, part: Part) -> NodePairState:
-    model, limit, patches = part.model, part.limit, scene.assembly.patches
+def _of_part(scene: AssemblyScene, component: Part) -> NodePairState:
+    model, limit, patches = component.model, component.limit, scene.assembly.patches
     real = model.joint_pairs
     contact = model.pair_contact[real]
-    opened, slips, _ = states_of_part(part)
+    opened, slips, _ = states_of_part(component)
     if scene.assembly.in_section:
         normals, tangents = np.zeros((len(model.plus), 3)), np.zeros((len(model.plus), 1, 3))
         normals[:, [0, 2]] = model.plus_motion[:, 0, :2]
@@ -178,39 +178,41 @@ def _of_part(scene: AssemblyScene, part: Part) -> NodePairState:
         normals, tangents = model.plus_motion[:, 0, :3], model.plus_motion[:, 1:3, :3]
     # the pairs of a flat contact in a section share one friction force: each has its part of the strength
     capacity = line(model.cohesion * limit.bond, model.tan_friction[model.group_of_pair], limit.normal_force)
-    whole = model.by_group(capacity)[model.group_of_pair]
-    share = np.divide(capacity, whole, out=np.zeros_like(whole), where=whole > 0.0)
+    capacity_of_group = model.by_group(capacity)[model.group_of_pair]
+    share = np.divide(capacity, capacity_of_group, out=np.zeros_like(capacity_of_group), where=capacity_of_group > 0.0)
     forces = np.einsum("gt,gtx->gx", limit.friction, tangents[model.group_contact])
     moving = np.append(model.moving, -1)
-    plus, minus = model.plus[: len(part.patch)], model.minus[: len(part.patch)]
+    plus, minus = model.plus[: len(component.patch)], model.minus[: len(component.patch)]
     return NodePairState(
-        frozen(model.points[real] + scene.origin), _whole(patches.joint[part.patch][contact]),
+        frozen(model.points[real] + scene.origin), _whole(patches.joint[component.patch][contact]),
         frozen(model.control_area[real] * model.area_scale), frozen(normals[contact]), moving[plus][contact],
-        np.where(minus < 0, _rock(scene, part, plus), moving[minus])[contact],
+        np.where(minus < 0, _rock(scene, component, plus), moving[minus])[contact],
         frozen(limit.normal_force[real] * model.force_scale),
         frozen((forces[model.group_of_pair] * share[:, None])[real] * model.force_scale),
         np.where(opened, OPEN, np.where(slips, SLIP, STICK))[real],
     )  # fmt: skip
 
 
-def _rock(scene: AssemblyScene, part: Part, plus: Ints) -> Ints:
+def _rock(scene: AssemblyScene, component: Part, plus: Ints) -> Ints:
     """The held or fixed block on the other side of each contact, -1 for bedrock that is none of the blocks."""
     patches = scene.assembly.patches
-    first, second = patches.plus[part.patch], patches.minus[part.patch]
-    return np.where(first == part.model.moving[plus], second, first)
+    first, second = patches.plus[component.patch], patches.minus[component.patch]
+    return np.where(first == component.model.moving[plus], second, first)
 
 
 def _whole(values: "Ints | Floats") -> Ints:
     return np.asarray(values, dtype=np.int64)
 
 
-def bolt_pulls(scene: AssemblyScene, parts: Sequence[Part]) -> Floats:
+def bolt_pulls(scene: AssemblyScene, components: Sequence[Part]) -> Floats:
     """What each passive bolt pulls at the limit, (b,) kN; nan where there is no limit."""
     pulls = np.full(len(scene.acting.bolts.head), np.nan)
-    for part in parts:
-        if part.limit.factor is not None:
-            bolted = part.model.bolted
-            pulls[part.model.bolts] = np.maximum(part.limit.friction[bolted, 0], 0.0) * part.model.force_scale
+    for component in components:
+        if component.limit.factor is not None:
+            bolted = component.model.bolted
+            pulls[component.model.bolts] = (
+                np.maximum(component.limit.friction[bolted, 0], 0.0) * component.model.force_scale
+            )
     return pulls
 
 
@@ -221,11 +223,11 @@ def assembly_arrows(scene: AssemblyScene, loads: AssemblyLoads, solved: Sequence
     """
     assembly = scene.assembly
     free = np.flatnonzero(~assembly.fixed)
-    parts: list[tuple[str, Ints, Floats, Floats]] = []
+    entries: list[tuple[str, Ints, Floats, Floats]] = []
 
-    def add(name: str, blocks: Ints, forces: Floats, at: Floats) -> None:
+    def add(name: str, blocks: Ints, forces: Floats, points: Floats) -> None:
         if len(blocks) and forces.any():
-            parts.append((name, blocks, forces, at))
+            entries.append((name, blocks, forces, points))
 
     middle, weights = assembly.centroids[free], loads.weights[free, None]
     add("weight", free, weights * np.array([0.0, 0.0, -1.0]), middle)
@@ -236,35 +238,34 @@ def assembly_arrows(scene: AssemblyScene, loads: AssemblyLoads, solved: Sequence
         wet = wet[~assembly.fixed[side[wet]]]
         add("water", side[wet], sign * loads.water[wet, None] * patches.normals[wet], loads.water_at(assembly)[wet])
     for block, push in scene.acting.pond:
-        at = assembly.centroids[block] + line_of_action(push)
-        add("water", np.array([block]), push.force[None, :], at[None, :])
+        points = assembly.centroids[block] + line_of_action(push)
+        add("water", np.array([block]), push.force[None, :], points[None, :])
     for block, push in scene.acting.surcharge:
         assert push.at is not None
         add("surcharge", np.array([block]), push.force[None, :], push.at[None, :])
     for k, (block, push) in enumerate(scene.acting.pushes, 1):
-        at = assembly.centroids[block] if push.at is None else push.at
-        add(f"force {k}", np.array([block]), push.force[None, :], at[None, :])
+        points = assembly.centroids[block] if push.at is None else push.at
+        add(f"force {k}", np.array([block]), push.force[None, :], points[None, :])
     anchors = scene.acting.anchors
     for k, push_number in enumerate(scene.acting.anchor_pushes):
         name = f"force {push_number}, at its end"
         add(name, anchors.toe[k : k + 1], -anchors.forces[k : k + 1], anchors.points[k : k + 1])
     bolts = scene.acting.bolts
     for k, pull in enumerate(bolt_pulls(scene, solved).tolist()):
-        name, part_of_it = f"passive bolt {k + 1}", pull / float(np.linalg.norm(bolts.forces[k]))
+        name, share = f"passive bolt {k + 1}", pull / float(np.linalg.norm(bolts.forces[k]))
         if np.isnan(pull):
-            name, part_of_it = f"{name}, full capacity", 1.0
+            name, share = f"{name}, full capacity", 1.0
         ends = np.array([end for end in (bolts.head[k], bolts.toe[k]) if end >= 0])
-        signs = np.where(ends == bolts.head[k], part_of_it, -part_of_it)
-        at = np.repeat(bolts.points[k : k + 1], len(ends), axis=0)
-        parts.append((name, ends, signs[:, None] * bolts.forces[k], at))  # also where it does not pull
-    names = tuple(dict.fromkeys(name for name, *_ in parts))
+        signs = np.where(ends == bolts.head[k], share, -share)
+        points = np.repeat(bolts.points[k : k + 1], len(ends), axis=0)
+        entries.append((name, ends, signs[:, None] * bolts.forces[k], points))  # also where it does not pull
+    names = tuple(dict.fromkeys(name for name, *_ in entries))
+    numbers = [np.full(len(blocks), names.index(name)) for name, blocks, *_ in entries]
     return Arrows(
-        names, np.concatenate([np.zeros(0), *(np.full(len(own), names.index(name)) for name, own, *_ in parts)]).astype(
-            np.int64
-        ),
-        _whole(np.concatenate([np.zeros(0), *(own for _, own, *_ in parts)])),
-        frozen(np.concatenate([np.zeros((0, 3)), *(force for *_, force, _ in parts)])),
-        frozen(np.concatenate([np.zeros((0, 3)), *(at for *_, at in parts)]) + scene.origin),
+        names, _whole(np.concatenate([np.zeros(0), *numbers])),
+        _whole(np.concatenate([np.zeros(0), *(blocks for _, blocks, *_ in entries)])),
+        frozen(np.concatenate([np.zeros((0, 3)), *(force for *_, force, _ in entries)])),
+        frozen(np.concatenate([np.zeros((0, 3)), *(points for *_, points in entries)]) + scene.origin),
     )  # fmt: skip
 
 
@@ -281,11 +282,11 @@ def at_full_strength(design: AssemblyDesign, scene: AssemblyScene, loads: Assemb
         settled = settlement(model, joint_stiffness(design))
     if settled is None:
         return None
-    every = np.zeros((len(assembly), 6))
-    every[model.moving[:, None], [0, 2, 4] if assembly.in_section else range(6)] = settled.displacement
-    most = int(np.argmax(np.sqrt((every[:, :3] ** 2).sum(axis=1))))
-    movement = Movement(frozen(every[most, :3]), frozen(every[most, 3:]))
-    return AtFactorOne(movement, settled.failed_pairs, settled.residual, scene.names[most], frozen(every))
+    displacements = np.zeros((len(assembly), 6))
+    displacements[model.moving[:, None], [0, 2, 4] if assembly.in_section else range(6)] = settled.displacement
+    most = int(np.argmax(np.sqrt((displacements[:, :3] ** 2).sum(axis=1))))
+    movement = Movement(frozen(displacements[most, :3]), frozen(displacements[most, 3:]))
+    return AtFactorOne(movement, settled.failed_pairs, settled.residual, scene.names[most], frozen(displacements))
 
 
 # -- how large it is ---------------------------------------------------------------------------------------------------
@@ -306,11 +307,11 @@ def sizes_of_blocks(blocks: Ints, scene: AssemblyScene, gravity_m_s2: float) -> 
     volumes = assembly.volumes[blocks]
     volume, mass = float(volumes.sum()), float(volumes @ scene.unit_weights[blocks]) / gravity_m_s2
     if scene.outlines:
-        own = [scene.polygons[k] for k in blocks.tolist()]
-        heights = np.concatenate([outline[:, 1] for outline in own])
+        outlines = [scene.polygons[k] for k in blocks.tolist()]
+        heights = np.concatenate([outline[:, 1] for outline in outlines])
         setback = None
         if scene.crest_x is not None:  # to the back of the last column, at its top: the third corner of an outline
-            setback = max(0.0, max(float(outline[2, 0]) for outline in own) - scene.crest_x)
+            setback = max(0.0, max(float(outline[2, 0]) for outline in outlines) - scene.crest_x)
         return Sizes(float(np.ptp(heights)), None, setback, {}, volume, mass)
     moves = np.zeros(len(assembly) + 1, dtype=bool)
     moves[blocks] = True
@@ -359,7 +360,7 @@ def gyration(scene: AssemblyScene) -> Floats:
 
 def _polar_moment(outline: Floats) -> float:
     """Polar moment of area of a polygon (k, 2) about the origin, per unit of area."""
-    after = np.roll(outline, -1, axis=0)
-    twice = outline[:, 0] * after[:, 1] - outline[:, 1] * after[:, 0]
-    squares = (outline * outline + outline * after + after * after).sum(axis=1)
+    following = np.roll(outline, -1, axis=0)
+    twice = outline[:, 0] * following[:, 1] - outline[:, 1] * following[:, 0]
+    squares = (outline * outline + outline * following + following * following).sum(axis=1)
     return float((twice * squares).sum() / (6.0 * twice.sum()))

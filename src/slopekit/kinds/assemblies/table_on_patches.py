@@ -63,8 +63,8 @@ def with_water(
         notices = (*notices, *_open_water(water, scene, means))
     pond = () if water.pond is None else tuple(_on_free_faces(Pressure((), water.pond, water.unit_weight), scene))
     if water.pond is not None and not pond:
-        told = f"the pond stands at {number(water.pond + level)} m: it wets no face of a block that can move"
-        notices = (*notices, Notice("W419", told))
+        message = f"the pond stands at {number(water.pond + level)} m: it wets no face of a block that can move"
+        notices = (*notices, Notice("W419", message))
     acting = replace(scene.acting, pond=pond)
     return replace(scene, pressures=frozen(means), water_points=frozen(points), notices=notices, acting=acting)
 
@@ -89,47 +89,47 @@ def _open_water(water: Pressure, scene: AssemblyScene, means: Floats) -> Iterato
     """
     assembly = scene.assembly
     patches, pond = assembly.patches, Pressure((), water.pond, water.unit_weight)
-    worst, left = -1, _OPEN * water.unit_weight
+    worst, least = -1, _OPEN * water.unit_weight
     for block in np.flatnonzero(~assembly.fixed).tolist():
         surface = _surface(scene, block)[0]
-        whole = float((water.on(surface)[0] - pond.on(surface)[0]).sum())
+        push_on_surface = float((water.on(surface)[0] - pond.on(surface)[0]).sum())
         touching, _ = _of_block(assembly, block)
-        if whole <= left * float(assembly.volumes[block]):
+        if push_on_surface <= least * float(assembly.volumes[block]):
             continue
         of_contacts = float((means * patches.areas)[touching].sum() - pond.on(_polygons(assembly, touching))[0].sum())
-        over = (whole - of_contacts) / float(assembly.volumes[block])
-        if over > left:
-            worst, left = block, over
+        excess = (push_on_surface - of_contacts) / float(assembly.volumes[block])
+        if excess > least:
+            worst, least = block, excess
     if worst >= 0:
-        push = left * float(assembly.volumes[worst])
+        push = least * float(assembly.volumes[worst])
         yield Notice("W419", f"the water table stands above faces of {scene.names[worst]} that touch nothing, where "
                      f"{push:.4g} kN of water would press: a table presses on contacts alone, open water is a pond",
                      )  # fmt: skip
 
 
-def _polygons(assembly: Assembly, wanted: Ints) -> Floats:
+def _polygons(assembly: Assembly, numbers: Ints) -> Floats:
     """The patches (n, k, 3) with those numbers, the first corner again at the end of those that have fewer than k.
 
     Of a section the length of each, square to it the thickness.
     """
     patches = assembly.patches
-    first, counts = patches.first[wanted], patches.first[wanted + 1] - patches.first[wanted]
+    first, counts = patches.first[numbers], patches.first[numbers + 1] - patches.first[numbers]
     if assembly.in_section:
         start, end = patches.corners[first], patches.corners[first + 1]
-        return _wide(start, end, patches.areas[wanted] / np.sqrt(((end - start) ** 2).sum(axis=1)))
+        return _wide(start, end, patches.areas[numbers] / np.sqrt(((end - start) ** 2).sum(axis=1)))
     corners = np.arange(int(counts.max(initial=3)))
     return patches.corners[first[:, None] + np.where(corners < counts[:, None], corners, 0)]
 
 
-def _on_patches(water: Pressure, assembly: Assembly, wanted: Bools) -> tuple[Floats, Floats]:
+def _on_patches(water: Pressure, assembly: Assembly, chosen: Bools) -> tuple[Floats, Floats]:
     """Mean pressures (k,) kPa and the points (k, 3) they act through, of the patches that are wanted (k,)."""
     patches = assembly.patches
     means, points = np.zeros(len(patches)), patches.centroids.copy()
-    those = np.flatnonzero(wanted)
-    thrusts, at = water.on(_polygons(assembly, those))
+    numbers = np.flatnonzero(chosen)
+    thrusts, centres = water.on(_polygons(assembly, numbers))
     is_wet = thrusts > 0.0
-    wet = those[is_wet]
-    means[wet], points[wet] = thrusts[is_wet] / patches.areas[wet], at[is_wet]
+    wet = numbers[is_wet]
+    means[wet], points[wet] = thrusts[is_wet] / patches.areas[wet], centres[is_wet]
     return means, points
 
 
@@ -158,8 +158,8 @@ def _of_block(assembly: Assembly, block: int) -> tuple[Ints, Floats]:
     """The patches (n,) of a block, by their numbers, and their normals (n, 3) out of it."""
     patches = assembly.patches
     sides = [(np.flatnonzero(side == block), sign) for side, sign in ((patches.plus, -1.0), (patches.minus, 1.0))]
-    normals = [sign * patches.normals[own] for own, sign in sides]
-    return np.concatenate([own for own, _ in sides]), np.concatenate(normals)
+    normals = [sign * patches.normals[numbers] for numbers, sign in sides]
+    return np.concatenate([numbers for numbers, _ in sides]), np.concatenate(normals)
 
 
 def _on_free_faces(pond: Pressure, scene: AssemblyScene) -> Iterator[tuple[int, PointForce]]:
@@ -169,8 +169,8 @@ def _on_free_faces(pond: Pressure, scene: AssemblyScene) -> Iterator[tuple[int, 
     level = pond.pond
     assert level is not None
     moving = np.flatnonzero(~assembly.fixed)
-    each = ((k, *_surface(scene, k)) for k in moving.tolist())
-    wet = [own for own in each if float(own[1][..., 2].min()) < level]
+    surfaces = ((k, *_surface(scene, k)) for k in moving.tolist())
+    wet = [surface for surface in surfaces if float(surface[1][..., 2].min()) < level]
     is_wet = np.zeros(len(assembly) + 1, dtype=bool)
     is_wet[[k for k, _, _ in wet]] = True
     means, points = _on_patches(pond, assembly, is_wet[patches.plus] | is_wet[patches.minus])
@@ -179,9 +179,9 @@ def _on_free_faces(pond: Pressure, scene: AssemblyScene) -> Iterator[tuple[int, 
         centre = assembly.centroids[block]
         force, couple = np.array([0.0, 0.0, displaced]), np.zeros(3)
         if float(polygons[..., 2].max()) > level:
-            thrusts, at = pond.on(polygons)
+            thrusts, centres = pond.on(polygons)
             pushes = -thrusts[:, None] * outward
-            force, couple = pushes.sum(axis=0), cross(at - centre, pushes).sum(axis=0)
+            force, couple = pushes.sum(axis=0), cross(centres - centre, pushes).sum(axis=0)
         touching, normals = _of_block(assembly, block)
         pushes = (means * patches.areas)[touching, None] * normals
         force += pushes.sum(axis=0)
@@ -203,8 +203,8 @@ def with_surcharge(scene: AssemblyScene, pressure_kpa: float | None, outside: Co
     loaded = []
     for block in np.unique(assembly.triangle_block[plan > 0.0]).tolist():
         if not assembly.fixed[block]:
-            own = (assembly.triangle_block == block) & (plan > 0.0)
-            loaded.append((block, _pressed(pressure_kpa, plan[own], corners[own].mean(axis=1))))
+            is_loaded = (assembly.triangle_block == block) & (plan > 0.0)
+            loaded.append((block, _pressed(pressure_kpa, plan[is_loaded], corners[is_loaded].mean(axis=1))))
     return replace(scene, acting=replace(scene.acting, surcharge=tuple(loaded)))
 
 
@@ -216,24 +216,24 @@ def with_surcharges(design: NamedDesign, scene: AssemblyScene) -> AssemblyScene:
     GeometryError
         E461 nothing of the block does.
     """
-    assembly, given = scene.assembly, dict(design.surcharges_kpa)
+    assembly, pressures = scene.assembly, dict(design.surcharges_kpa)
     loaded = []
     for block, name in enumerate(scene.names):
-        if not given.get(name):
+        if not pressures.get(name):
             continue
         polygons, outward = _surface(scene, block)
         polygons = polygons[outward[:, 2] > _SLOPING]
         a, b, c = polygons[:, :1], polygons[:, 1:-1], polygons[:, 2:]
         plans, middles = (cross(b - a, c - a)[..., 2] / 2.0).ravel(), ((a + b + c) / 3.0).reshape(-1, 3)
-        whole = float(np.abs(plans).sum())
+        whole_plan = float(np.abs(plans).sum())
         touching, outward = _of_block(assembly, block)
         covered, outward = touching[outward[:, 2] > _SLOPING], outward[outward[:, 2] > _SLOPING]
         plans = np.append(np.abs(plans), -assembly.patches.areas[covered] * outward[:, 2])
         middles = np.append(middles, assembly.patches.centroids[covered], axis=0)
-        if not float(plans.sum()) > _IN_PLANE * whole:
+        if not float(plans.sum()) > _IN_PLANE * whole_plan:
             message = f"the surcharge on {name} has nothing to stand on: no part of it looks up and touches no other"
             raise MisfitError([Fault("E461", message, "", "Name the block on top, or give a force.")])
-        loaded.append((block, _pressed(given[name], plans, middles)))
+        loaded.append((block, _pressed(pressures[name], plans, middles)))
     return replace(scene, acting=replace(scene.acting, surcharge=tuple(loaded)))
 
 

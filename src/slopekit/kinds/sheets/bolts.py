@@ -23,7 +23,7 @@ class ScheduledBolt:
     """
 
     number: int
-    head_m: tuple[float, float, float] | None
+    head_m: tuple[float, ...] | None
     length_m: float | None
     trend_deg: float
     plunge_deg: float
@@ -40,15 +40,21 @@ class ScheduledBolt:
 
 def schedule(document: Mapping[str, Any]) -> list[ScheduledBolt]:
     """The bolts of a result's document, in the order of its design."""
-    bolts = []
     thickness = (document.get("geometry") or {}).get("thickness_m")
-    for number, bolt in enumerate((document.get("inputs") or {}).get("bolts") or [], 1):
-        head, toward = bolt["head_m"], bolt["toward"]
-        place = None if head is None else (float(head[0]), float(head[1]), float(head[2]))
-        bolted = ScheduledBolt(number, place, bolt["length_m"], toward["trend_deg"], toward["plunge_deg"],
-                               bolt["force_kn"], bolt["acts"], bolt["block"] or "", thickness)  # fmt: skip
-        bolts.append(bolted)
-    return bolts
+    return [
+        ScheduledBolt(
+            number,
+            None if bolt["head_m"] is None else tuple(map(float, bolt["head_m"])),
+            bolt["length_m"],
+            bolt["toward"]["trend_deg"],
+            bolt["toward"]["plunge_deg"],
+            bolt["force_kn"],
+            bolt["acts"],
+            bolt["block"] or "",
+            thickness,
+        )
+        for number, bolt in enumerate((document.get("inputs") or {}).get("bolts") or [], 1)
+    ]
 
 
 def schedule_table(bolts: Sequence[ScheduledBolt]) -> Table[ScheduledBolt]:
@@ -69,12 +75,12 @@ def schedule_table(bolts: Sequence[ScheduledBolt]) -> Table[ScheduledBolt]:
         Column("block", attrgetter("block"), "block", width=int(any(bolt.block for bolt in bolts))),
     ]
     table = Table(columns, bolts, ends=(_FIRST, _LAST))
-    left = table.left_out
-    seen = [*bolts[:_FIRST], *bolts[-_LAST:]] if left else bolts
-    wide = [max(map(len, (one.title, *map(one.shown, seen)))) + 2 * (k > 0) if one.width else 0
+    hidden = table.left_out
+    listed_bolts = [*bolts[:_FIRST], *bolts[-_LAST:]] if hidden else bolts
+    widths = [max(map(len, (one.title, *map(one.shown, listed_bolts)))) + 2 * (k > 0) if one.width else 0
             for k, one in enumerate(columns)]  # fmt: skip
-    columns = [replace(one, width=width) for one, width in zip(columns, wide, strict=True)]
-    return replace(table, columns=columns, rest=f"... {len(left)} more, all of them in {FILE} (-o DIR)")
+    columns = [replace(one, width=width) for one, width in zip(columns, widths, strict=True)]
+    return replace(table, columns=columns, rest=f"... {len(hidden)} more, all of them in {FILE} (-o DIR)")
 
 
 def _coordinate(bolt: ScheduledBolt, k: int) -> float | None:
@@ -88,9 +94,9 @@ def _millimetre_or_dash(value: float | None) -> str:
 
 def schedule_entries(bolts: Sequence[ScheduledBolt]) -> list[Entry]:
     """What the sheet has of the bolts: the schedule and what has to be said of it; empty without a head."""
-    if not any(one.head_m for one in bolts):
+    if not any(bolt.head_m for bolt in bolts):
         return []
-    return [schedule_table(bolts), *(said for said in (per_slice(bolts), without_head(bolts)) if said)]
+    return [schedule_table(bolts), *(text for text in (per_slice(bolts), without_head(bolts)) if text)]
 
 
 def per_slice(bolts: Sequence[ScheduledBolt]) -> str:
@@ -101,12 +107,12 @@ def per_slice(bolts: Sequence[ScheduledBolt]) -> str:
 
 def without_head(bolts: Sequence[ScheduledBolt]) -> str:
     """Which bolts are not drawn, in words; "" where all are."""
-    bare = [one.number for one in bolts if one.head_m is None]
-    if not bare:
+    headless = [bolt.number for bolt in bolts if bolt.head_m is None]
+    if not headless:
         return ""
-    shown, rest, _ = first_and_last([str(number) for number in bare], 6, 0)
-    names = ", ".join(shown) + (f" and {rest} more" if rest else "")
-    if len(bare) == 1:
+    first, rest, _ = first_and_last([str(number) for number in headless], 6, 0)
+    names = ", ".join(first) + (f" and {rest} more" if rest else "")
+    if len(headless) == 1:
         return f"bolt {names} has no head and is not drawn: a force through the centroid"
     return f"bolts {names} have no head and are not drawn: forces through the centroid"
 

@@ -110,56 +110,62 @@ def _moves(result: Result, first: Mechanism | None) -> list[Entry]:
     ]  # fmt: skip
 
 
-def _toward(one: Mechanism) -> str:
+def _toward(mechanism: Mechanism) -> str:
     """The way that the fastest block of a mechanism goes; "" where it turns alone."""
-    moved = one.displacement[0] if one.blocks else np.zeros(3)
-    return line_in_words(line_of(moved)) if float(np.abs(moved).max()) > 0.0 else ""
+    displacement = mechanism.displacement[0] if mechanism.blocks else np.zeros(3)
+    return line_in_words(line_of(displacement)) if float(np.abs(displacement).max()) > 0.0 else ""
 
 
 def _settles(result: Result) -> list[str]:
     """The block that moves most at full strength."""
-    one = result.displacements.at_factor_one
-    if one is None or one.block is None:
+    settled = result.displacements.at_factor_one
+    if settled is None or settled.block is None:
         return []
-    size = float(np.sqrt(one.movement.displacement @ one.movement.displacement))
+    size = float(np.sqrt(settled.movement.displacement @ settled.movement.displacement))
     bed = result.design.stiffness.in_words()
-    return [f"at full strength {one.block} settles most, by {1e3 * size:.3g} mm (elastic bed: {bed})"]
+    return [f"at full strength {settled.block} settles most, by {1e3 * size:.3g} mm (elastic bed: {bed})"]
 
 
 def governing(interfaces: Sequence[GoverningInterface]) -> list[Entry]:
     """The interfaces that govern with their shares; those left out by the rest of the work."""
     if not interfaces:
         return []
-    shown = [one for one in interfaces[:_MOST_INTERFACES] if one.share >= _SHARE] or interfaces[:1]
-    bolts = any(one.mode == "pull" for one in interfaces)
-    lost, by = (
+    shown = [interface for interface in interfaces[:_MOST_INTERFACES] if interface.share >= _SHARE] or interfaces[:1]
+    bolts = any(interface.mode == "pull" for interface in interfaces)
+    lost, carriers = (
         ("friction, cohesion and bolts", "interface and bolt") if bolts else ("friction and cohesion", "interface")
     )
     wide, joints, modes = (
         2 + max(map(len, words))
-        for words in zip(*((one.name, one.joint, _MODES.get(one.mode, one.mode)) for one in shown), strict=True)
+        for words in zip(
+            *((interface.name, interface.joint, _MODES.get(interface.mode, interface.mode)) for interface in shown),
+            strict=True,
+        )
     )
     columns: list[Column[GoverningInterface]] = [
         Column("share", attrgetter("share"), "share", show=lambda share: f"{share * 100:.1f} %", width=7),
-        Column(by, attrgetter("name"), "name", width=-wide, about="  {}"),
+        Column(carriers, attrgetter("name"), "name", width=-wide, about="  {}"),
         Column("joint", attrgetter("joint"), "joint", width=-joints, about="  {}"),
         Column("mode", attrgetter("mode"), "mode", "", lambda mode: _MODES.get(mode, mode), -modes, about="  {}"),
-        Column("of", lambda one: "T" if one.mode == "pull" else "N'", width=1, about="  {}"),
+        Column("of", lambda interface: "T" if interface.mode == "pull" else "N'", width=1, about="  {}"),
         Column("force", attrgetter("normal_kn"), "normal_kn", "kN", size_number, 1, about=" {} kN"),
-        Column("mean stress", lambda one: one.normal_kn / one.area_m2 if one.area_m2 else None, "stress_kpa", "kPa",
-               ".4g", 1, about=" ({} kPa)"),
+        Column("mean stress", _mean_stress, "stress_kpa", "kPa", ".4g", 1, about=" ({} kPa)"),
     ]  # fmt: skip
     rest = ""
-    left = 1.0 - sum(one.share for one in shown)
-    if left > _WHOLE:
-        are_all = sum(one.share for one in interfaces) > 1.0 - _WHOLE
+    remaining = 1.0 - sum(interface.share for interface in shown)
+    if remaining > _WHOLE:
+        are_all = sum(interface.share for interface in interfaces) > 1.0 - _WHOLE
         which = f"and {len(interfaces) - len(shown)} more" if are_all else "the others"
-        share = f"{left * 100:5.1f}" if left >= _SHARE else f"{'< 0.1':>5}"
+        share = f"{remaining * 100:5.1f}" if remaining >= _SHARE else f"{'< 0.1':>5}"
         rest = f"{share} %  ... {which} together"
     return [
-        f"share of the energy dissipated in {lost}, by {by}:",
+        f"share of the energy dissipated in {lost}, by {carriers}:",
         Table(columns, interfaces, shown, rest, headless=True),
     ]
+
+
+def _mean_stress(interface: GoverningInterface) -> float | None:
+    return interface.normal_kn / interface.area_m2 if interface.area_m2 else None
 
 
 def _pairs(by_mode: Mapping[str, int]) -> list[str]:
@@ -199,13 +205,13 @@ def _mechanisms(result: Result, findings: Findings, order: Mapping[str, int]) ->
         return []
     highest: float | None = None
     rows = []
-    for k, one in enumerate(mechanisms, 1):
-        at_once = k > 1 and _follows_at_once(one, highest)
-        text = _motions(one, order)
-        if one.fos is None or not text:
-            text = _joined(result.words.status(one.status), text)
-        rows.append((k, one, ("at once: " if at_once else "") + text))
-        highest = one.fos if highest is None else max(highest, one.fos or highest)
+    for k, mechanism in enumerate(mechanisms, 1):
+        at_once = k > 1 and _follows_at_once(mechanism, highest)
+        text = _motions(mechanism, order)
+        if mechanism.fos is None or not text:
+            text = _joined(result.words.status(mechanism.status), text)
+        rows.append((k, mechanism, ("at once: " if at_once else "") + text))
+        highest = mechanism.fos if highest is None else max(highest, mechanism.fos or highest)
     columns: list[Column[tuple[int, Mechanism, str]]] = [
         Column("n", itemgetter(0), "n", width=3),
         Column("FoS", lambda row: row[1].fos, "fos", show=factor_text, width=9),
@@ -217,18 +223,18 @@ def _mechanisms(result: Result, findings: Findings, order: Mapping[str, int]) ->
         Column("the fastest toward", lambda row: _toward(row[1]), "toward"),
     ]  # fmt: skip
     table = Table(columns, rows, ends=(_FIRST_MECHANISMS, _LAST_MECHANISMS))
-    hidden = [one for _, one, _ in table.left_out]
-    factors = [one.fos for one in hidden if one.fos is not None]
+    hidden = [mechanism for _, mechanism, _ in table.left_out]
+    factors = [mechanism.fos for mechanism in hidden if mechanism.fos is not None]
     within = f", FoS {factor_text(min(factors))} to {factor_text(max(factors))}" if factors else ""
-    blocks = counted(sum(len(one.blocks) for one in hidden), "block")
+    blocks = counted(sum(len(mechanism.blocks) for mechanism in hidden), "block")
     return [replace(table, rest=f"... {len(hidden)} more: {blocks}{within} ...")]
 
 
-def _follows_at_once(one: Mechanism, highest: float | None) -> bool:
+def _follows_at_once(mechanism: Mechanism, highest: float | None) -> bool:
     """Whether a mechanism needs no further loss of strength than those before it."""
-    if one.fos is None:
-        return one.status in ("falls", "lifted")
-    return highest is not None and one.fos <= highest * (1.0 + SAME_FACTOR)
+    if mechanism.fos is None:
+        return mechanism.status in ("falls", "lifted")
+    return highest is not None and mechanism.fos <= highest * (1.0 + SAME_FACTOR)
 
 
 # -- the evidence ---------------------------------------------------------------------------------------------------

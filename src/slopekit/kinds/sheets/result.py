@@ -12,7 +12,7 @@ from slopekit.design.parts import FactoredNumber, PartialFactors
 from slopekit.kinds import dilates, kind_of
 from slopekit.kinds.sheets import shared
 from slopekit.kinds.sheets.shared import Factor
-from slopekit.kinds.words import line_in_words, short
+from slopekit.kinds.words import line_in_words, short, times
 from slopekit.notices import INVENTED
 from slopekit.result import Result
 
@@ -103,7 +103,7 @@ def _factors(result: Result) -> Iterator[Factor]:
         alone = ", forces only" if result.words.turns and not many else ""
         closed = f"{result.words.closed_form}{alone}{', zero dilation' if dilating else ''}"
         closed += ", secant at the mean normal traction of each plane" if secant else ""
-        yield Factor(fos.closed_form, closed, shared.verdict(result))
+        yield Factor(fos.closed_form, closed, shared.verdict(result, result.design.analysis.agree_within))
     else:
         yield Factor(None, f"closed form: {result.words.no_closed_form}")
     if many and (fos.lowest is not None or fos.highest is not None):
@@ -164,7 +164,7 @@ def _model(result: Result) -> str:
     model, bed, balance = result.model, "", result.limit_state.balance
     if result.limit_state.openings and balance is not None:
         bed = f" (bound, displacements), the limit on {counted(balance.node_pairs, 'point')} of the elastic bed"
-    refined = f", triangles split {shared.times(model.refined)}" if model.refined else ""
+    refined = f", triangles split {times(model.refined)}" if model.refined else ""
     return (
         f"{counted(model.moving_blocks, 'moving block')}, {counted(model.unknowns, 'unknown')}, "
         f"{counted(model.node_pairs, 'node pair')}{refined}{bed}; left out: {', '.join(model.left_out)}"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from slopekit.core.sheet import Column, Entry, Table, factor_text
 from slopekit.design.parts import Rule
-from slopekit.evidence import ReductionStep, WithoutBasal
+from slopekit.evidence import ReductionStep, ResidualFactors, WithoutBasal
 from slopekit.kinds.words import alike, short
 from slopekit.notices import INVENTED
 from slopekit.result import JUDGED, METHODS, STATUSES, Result
@@ -27,7 +27,7 @@ def forces(result: Result) -> list[Entry]:
     """Normal forces by interface, water, and what drives and resists along the movement."""
     acting, areas = result.forces, result.geometry.areas_m2
     # a resultant has no mean by the area of a curved surface
-    given = result.design.water.pressures_kpa if "slip" in result.design.inputs() else ()
+    pressures_kpa = result.design.water.pressures_kpa if "slip" in result.design.inputs() else ()
 
     def stress(name: str) -> float | None:
         normal, area = acting.normal.get(name), areas.get(name)
@@ -35,33 +35,33 @@ def forces(result: Result) -> list[Entry]:
 
     def pressure(name: str) -> float:
         water, area = acting.water.get(name), areas.get(name)
-        return given[0] if given and water is not None else water / area if water and area else 0.0
+        return pressures_kpa[0] if pressures_kpa and water is not None else water / area if water and area else 0.0
 
     names = list(dict.fromkeys([*acting.normal, *acting.water]))
 
     def numbers(title: str, number: Callable[[str], float | None], key: str, unit: str, width: int) -> Column[str]:
         return Column(title, number, key, unit, alike(map(number, names)), width)
 
-    own = [
+    at_limit = [
         numbers("N'", acting.normal.get, "normal_kn", "kN", 14),
         numbers("mean σ'", stress, "stress_kpa", "kPa", 12),
     ]
     columns: list[Column[str]] = [
         Column("on (m², kN, kPa)", str, "interface", show=result.design.in_own_names, width=-18),
         numbers("area", areas.get, "area_m2", "m²", 12),
-        *(own if result.fos.limit is not None and any(map(acting.normal.get, names)) else ()),
+        *(at_limit if result.fos.limit is not None and any(map(acting.normal.get, names)) else ()),
         numbers("water", lambda name: acting.water.get(name) or 0.0, "water_kn", "kN", 14),
         numbers("mean u", pressure, "pressure_kpa", "kPa", 12),
     ]
     alone = " (forces alone)" if result.moments_govern else ""
-    whole = [
+    sums_of_loads = [
         ("weight", acting.weight), (f"driving, along the slide{alone}", acting.driving), ("resisting", acting.resisting)
     ]  # fmt: skip
     sums: list[Column[tuple[str, float | None]]] = [
         Column("load", itemgetter(0), width=-40),
-        Column("force", itemgetter(1), unit="kN", show=alike(map(itemgetter(1), whole)), width=14),
+        Column("force", itemgetter(1), unit="kN", show=alike(map(itemgetter(1), sums_of_loads)), width=14),
     ]
-    return [Table(columns, names), Table(sums, [row for row in whole if row[1] is not None], headless=True)]
+    return [Table(columns, names), Table(sums, [row for row in sums_of_loads if row[1] is not None], headless=True)]
 
 
 def short_or_dash(value: float | None) -> str:
@@ -110,22 +110,23 @@ def locked_in(result: Result) -> Factor:
         )
     return Factor(
         result.fos.lowest,
-        "lowest estimate, for other load paths and before blocks creep; locked-in stresses not looked at",
+        "lowest estimate, for other load paths, before blocks creep and of blocks alone; locked-in stresses not "
+        "looked at",
     )
 
 
 def _residual(result: Result) -> list[Factor]:
     """The factors on residual strength, after slip."""
-    left = result.comparisons.residual
-    if left is None:
+    residual = result.comparisons.residual
+    if residual is None:
         return []
-    status = result.design.in_own_names(result.words.status(left.status))
-    differs = "" if left.status == result.status else f": {status}"
-    within = result.design.analysis.agree_within
-    judged = judged_difference(left.difference, left.agree, within) if left.agree is not None else ""
-    rows = [Factor(left.limit, f"residual strength, PRE-IE{differs}", judged)]
-    if left.closed_form is not None:
-        rows.append(Factor(left.closed_form, f"residual strength, {result.words.closed_form}"))
+    status = result.design.in_own_names(result.words.status(residual.status))
+    differs = "" if residual.status == result.status else f": {status}"
+    tolerance = result.design.analysis.agree_within
+    verdict_text = verdict(residual, tolerance) if residual.agree is not None else ""
+    rows = [Factor(residual.limit, f"residual strength, PRE-IE{differs}", verdict_text)]
+    if residual.closed_form is not None:
+        rows.append(Factor(residual.closed_form, f"residual strength, {result.words.closed_form}"))
     return rows
 
 
@@ -137,9 +138,9 @@ def methods(result: Result) -> list[Entry]:
         Column("method", lambda row: METHODS[row[0]], "method"),
         Column("factor", itemgetter(1), "factor", show=lambda factor: factor_text(factor).strip()),
     ]
-    rows, other = list(result.comparisons.methods.items()), "other mechanics: not compared"
-    said = "  ".join(" ".join(column.shown(row) for column in columns) for row in rows)
-    return [Table(columns, rows, rest=other, said=f"{said}   ({other})")]
+    rows, remark = list(result.comparisons.methods.items()), "other mechanics: not compared"
+    text = "  ".join(" ".join(column.shown(row) for column in columns) for row in rows)
+    return [Table(columns, rows, rest=remark, said=f"{text}   ({remark})")]
 
 
 def series(result: Result) -> list[Entry]:
@@ -151,30 +152,33 @@ def series(result: Result) -> list[Entry]:
     def displacement_mm(step: ReductionStep, k: int) -> float | None:
         return None if step.movement is None else float(step.movement.displacement[k]) * 1e3
 
-    def across(step: ReductionStep) -> float | None:
+    def horizontal_mm(step: ReductionStep) -> float | None:
         x, y = displacement_mm(step, 0), displacement_mm(step, 1)
         return None if x is None or y is None else x if horizontal == "x" else (x * x + y * y) ** 0.5
 
     def in_millimetres(value: float | None) -> str:
         return "no rest" if value is None else f"{value:.4f}"
 
-    parts = () if horizontal == "x" else (("east", 0), ("north", 1))
+    horizontals = () if horizontal == "x" else (("east", 0), ("north", 1))
     columns: list[Column[ReductionStep]] = [
         Column("factor", attrgetter("factor"), "factor", show=".4f", width=-9),
-        Column(f"{horizontal} / mm", across, f"{horizontal}_mm", "mm", in_millimetres, 16),
+        Column(f"{horizontal} / mm", horizontal_mm, f"{horizontal}_mm", "mm", in_millimetres, 16),
         Column("up / mm", lambda step: displacement_mm(step, 2), "up_mm", "mm", in_millimetres, 12),
         Column(f"failed pairs of {result.model.node_pairs}", attrgetter("failed_pairs"), "failed_pairs", width=22),
-        *(Column(f"{title} / mm", partial(displacement_mm, k=k), f"{title}_mm", "mm", ".4f") for title, k in parts),
+        *(
+            Column(f"{title} / mm", partial(displacement_mm, k=k), f"{title}_mm", "mm", ".4f")
+            for title, k in horizontals
+        ),
     ]
     return [Table(columns, result.series)]
 
 
-def verdict(result: Result) -> str:
+def verdict(factors: Result | ResidualFactors, agree_within: float) -> str:
     """Whether the limit agrees with the closed form, and by how much it differs."""
-    if result.agree is None:
+    if factors.agree is None:
         return "not compared with the closed form"
-    judged = judged_difference(result.difference, result.agree, result.design.analysis.agree_within)
-    return judged.replace("AGREE", "AGREE on forces alone") if result.moments_govern else judged
+    text = judged_difference(factors.difference, factors.agree, agree_within)
+    return text.replace("AGREE", "AGREE on forces alone") if factors.moments_govern else text
 
 
 def judged_difference(difference: float | None, agree: bool, agree_within: float) -> str:
@@ -222,16 +226,16 @@ def accept(result: Result) -> list[str]:
 def judged_on(result: Result, rule: Rule) -> str:
     """The number that a rule judged, and why that: a bare `fos` is the criterion's, of blocks the first to fail."""
     value, name = result.value_of(rule), result.name_of(rule)
-    called = {"limit": "limit", **JUDGED}[name]
+    number_name = {"limit": "limit", **JUDGED}[name]
     if value is None:
         return f" ({result.design.analysis.criterion})" if rule.name == "fos" else ""
-    said = f"{called} {judged_factor(value, [rule])}" if rule.name == "fos" else judged_factor(value, [rule])
+    text = f"{number_name} {judged_factor(value, [rule])}" if rule.name == "fos" else judged_factor(value, [rule])
     if rule.name == "fos" and result.design.analysis.criterion == "all-pairs":
-        other = "the limit" if name == "all_pairs_failed" else "the factor of all pairs"
-        said += f", no higher than {other}"
+        compared = "the limit" if name == "all_pairs_failed" else "the factor of all pairs"
+        text += f", no higher than {compared}"
     if name == "limit" and result.findings is not None and result.size is not None:
-        said += f" of the critical block or group, {short(result.size.volume_m3)} m³"
-    return f" ({said})"
+        text += f" of the critical block or group, {short(result.size.volume_m3)} m³"
+    return f" ({text})"
 
 
 def judged_factor(value: float, rules: Iterable[Rule]) -> str:
@@ -242,8 +246,8 @@ def judged_factor(value: float, rules: Iterable[Rule]) -> str:
     """
     rules = list(rules)
     texts = (factor_text(value).strip(), *(f"{value:.{digits}f}" for digits in range(3, 16)))
-    judged = [rule.met(value) for rule in rules]
-    return next((text for text in texts if [rule.met(float(text)) for rule in rules] == judged), repr(value))
+    verdicts = [rule.met(value) for rule in rules]
+    return next((text for text in texts if [rule.met(float(text)) for rule in rules] == verdicts), repr(value))
 
 
 def _judgement(result: Result, rule: Rule) -> str:
@@ -256,9 +260,9 @@ def _judgement(result: Result, rule: Rule) -> str:
         if rule.met(lowest):
             return f"MET (lowest estimate {judged_factor(lowest, [rule])})"
         return f"MET, but not by the lowest estimate {judged_factor(lowest, [rule])}"
-    whole = result.comparisons.without_basal
-    if whole is not None and not whole.meets(rule):
-        return f"NOT MET ({whole.WHAT}: {whole.in_words()})"
+    whole_wedge = result.comparisons.without_basal
+    if whole_wedge is not None and not whole_wedge.meets(rule):
+        return f"NOT MET ({whole_wedge.WHAT}: {whole_wedge.in_words()})"
     if result.agree is False or result.status == "not_converged":
         return "NOT MET (the methods disagree or did not converge: no number to judge)"
     if result.fos.limit is None and result.status != "no_driving_force":
@@ -284,20 +288,15 @@ def mechanisms(result: Result) -> list[Entry]:
     return [Table(columns, result.mechanisms)]
 
 
-def times(count: int) -> str:
-    """How often, in words."""
-    return {1: "once", 2: "twice"}.get(count, f"{count} times")
-
-
 def curved_strength(result: Result) -> list[str]:
     """Where strength is curved: the line of each joint at its mean normal traction, and what the mean leaves out."""
-    said = []
+    entries = []
     for name, line in result.limit_state.curved_strength.items():
         low, high = line["range_kpa"]
-        at = f"{name} at {line['traction_kpa']:.4g} kPa (node pairs {low:.4g} .. {high:.4g})"
+        place = f"{name} at {line['traction_kpa']:.4g} kPa (node pairs {low:.4g} .. {high:.4g})"
         secant = f"c {line['cohesion_kpa']:.4g} kPa  φ {line['friction_angle_deg']:.2f}°, the secant of its law"
-        said.append(f"{result.design.in_own_names(at)}: {secant}")
-    return said
+        entries.append(f"{result.design.in_own_names(place)}: {secant}")
+    return entries
 
 
 def why_no_sensitivity(result: Result) -> str:
@@ -338,25 +337,29 @@ def line_of(result: Result) -> str:
 
     The factor that acceptance hangs on comes first; those of several stand by their names.
     """
-    limit, whole = result.fos.limit, result.comparisons.without_basal
-    named = [("", limit)]
+    limit, whole_wedge = result.fos.limit, result.comparisons.without_basal
+    factors = [("", limit)]
     if result.design.analysis.criterion == "all-pairs":
-        named = [("limit", limit), ("all-pairs", result.fos.all_pairs_failed)]
+        factors = [("limit", limit), ("all-pairs", result.fos.all_pairs_failed)]
     if result.leading is not None:
         name, value = result.leading
-        called = {"all_pairs_failed": "all-pairs", WithoutBasal.NAME: WithoutBasal.NAME}.get(name) or JUDGED[name]
-        named = [(called, value), ("limit", limit), *(one for one in named[1:] if one[0] != called)]
+        title = {"all_pairs_failed": "all-pairs", WithoutBasal.NAME: WithoutBasal.NAME}.get(name) or JUDGED[name]
+        factors = [(title, value), ("limit", limit), *(entry for entry in factors[1:] if entry[0] != title)]
     elastic = result.comparisons.elastic
     if elastic is not None and elastic.limit is not None:
-        named.append(("elastic", elastic.limit))
+        factors.append(("elastic", elastic.limit))
     rules = [rule for rule in result.design.rules if rule.is_on_factor]
-    shown = [f"{name} {'none' if value is None else judged_factor(value, rules)}".strip() for name, value in named]
-    parts = [result.status, ", ".join(shown), {True: "agree", False: "disagree", None: "not compared"}[result.agree]]
-    parts += ["moments_govern"] if result.moments_govern else []
-    if whole is not None and whole.factor is not None and whole.NAME not in dict(named):
-        parts += [f"{whole.NAME} {factor_text(whole.factor)}"] if limit is None or whole.factor < limit else []
-    parts += [] if result.accepted is None else ["met" if result.accepted else "not met"]
-    said = {one.code: one.code for one in result.warnings}
-    if INVENTED in said:
-        said[INVENTED] += f" ({', '.join(result.design.invented)})"
-    return "  ".join([*parts, *said.values()])
+    shown = [f"{name} {'none' if value is None else judged_factor(value, rules)}".strip() for name, value in factors]
+    texts = [result.status, ", ".join(shown), {True: "agree", False: "disagree", None: "not compared"}[result.agree]]
+    texts += ["moments_govern"] if result.moments_govern else []
+    if whole_wedge is not None and whole_wedge.factor is not None and whole_wedge.NAME not in dict(factors):
+        texts += (
+            [f"{whole_wedge.NAME} {factor_text(whole_wedge.factor)}"]
+            if limit is None or whole_wedge.factor < limit
+            else []
+        )
+    texts += [] if result.accepted is None else ["met" if result.accepted else "not met"]
+    codes = {entry.code: entry.code for entry in result.warnings}
+    if INVENTED in codes:
+        codes[INVENTED] += f" ({', '.join(result.design.invented)})"
+    return "  ".join([*texts, *codes.values()])

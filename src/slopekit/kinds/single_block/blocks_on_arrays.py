@@ -9,16 +9,19 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.core.arrays import Floats, Ints, NDArray, cross
+from slopekit.core.arrays import Bools, Floats, Ints, NDArray, cross
 from slopekit.design.ground_water import SlopeDesign
 from slopekit.design.parts import Bolt, Strength
 from slopekit.geometry.polytopes import Polytopes
-from slopekit.kinds.single_block.batch_states import block_statuses
 from slopekit.kinds.single_block.closed_forms import OnArrays
 from slopekit.kinds.single_block.held_bolts import Bounds, blocks_within
-from slopekit.kinds.water import pushes, slope_of
+from slopekit.kinds.single_block.one_block_states import motion_statuses
+from slopekit.kinds.water import LocalSlope, pushes
 from slopekit.loads import PointForce
+from slopekit.notices import SQUARE
 from slopekit.preie.batch import BlockLimits, Blocks, limits_of_blocks
+from slopekit.preie.one_block.bed_limits import BedStatus
+from slopekit.preie.one_block.forces_limits import ForcesStatus
 from slopekit.strength.protocol import row_laws
 
 _NO_BLOCK = "E208"  # a crack cuts it in two
@@ -30,7 +33,8 @@ class LimitsOfMany:
     """What PRE-IE says of n designs: `status` (n,) or the code of why there is no block, `limit` and `forces` (n,).
 
     `limit` is the factor of safety, `forces` that of the forces alone; not a number where there is none. `rows` (b,)
-    are the numbers of those that form blocks, and `found` is all that PRE-IE says of these, None of none.
+    are the numbers of those that form blocks, and `found` is all that PRE-IE says of these, None of none. `has_bolts`
+    and `draws_bolts` (b,) say which have passive bolts that hold them, and which draw any of these out.
     """
 
     status: NDArray[np.str_]
@@ -38,6 +42,8 @@ class LimitsOfMany:
     forces: Floats
     rows: Ints = field(default_factory=lambda: np.arange(0))
     found: BlockLimits | None = None
+    has_bolts: Bools = field(default_factory=lambda: np.zeros(0, dtype=bool))
+    draws_bolts: Bools = field(default_factory=lambda: np.zeros(0, dtype=bool))
 
 
 def limits_on_arrays(
@@ -50,14 +56,30 @@ def limits_on_arrays(
     design : whose numbers may be arrays (n,), as `OnArrays` takes it; strengths : of the joints, likewise
     """
     blocks = blocks_of(design, on_arrays, strengths, count)
-    there = np.flatnonzero((blocks.counts > 0).any(axis=1))
+    rows = np.flatnonzero((blocks.counts > 0).any(axis=1))
     status = np.full(count, _NO_BLOCK, dtype=object)
     limit, forces = np.full((2, count), np.nan)
-    found = limits_of_blocks(blocks.of(there)) if len(there) else None
-    if found is not None:
-        status[there], forces[there] = block_statuses(found), found.forces
-        limit[there] = np.where(found.factor > 0.0, found.factor, np.nan)  # no strength at all: a status, no number
-    return LimitsOfMany(status.astype(np.str_), limit, forces, there, found)
+    if not len(rows):
+        return LimitsOfMany(status.astype(np.str_), limit, forces)
+    blocks = blocks.of(rows)
+    limits = limits_of_blocks(blocks)
+    status[rows], forces[rows] = block_statuses(limits), limits.forces
+    limit[rows] = np.where(limits.factor > 0.0, limits.factor, np.nan)  # no strength at all: a status, no number
+    draws_bolts = has_bolts = np.asarray(blocks.bolts.any(axis=(1, 2)))
+    if has_bolts.any():
+        speed = (blocks.beds().bolt_rows @ limits.velocity[:, blocks.unknowns, None])[:, :, 0]
+        draws_bolts = np.asarray((speed < -SQUARE).any(axis=1))
+    return LimitsOfMany(status.astype(np.str_), limit, forces, rows, limits, has_bolts, draws_bolts)
+
+
+def block_statuses(limits: BlockLimits) -> NDArray[np.str_]:
+    """Return the statuses (n,) of blocks by their limits; contacts are J1, J2 and a basal joint, in this order."""
+    ends = [
+        limits.bed_status == BedStatus.NO_REST,
+        *(limits.forces_status == end for end in (ForcesStatus.STANDS, ForcesStatus.LIFTED, ForcesStatus.FALLS)),
+    ]
+    slides = motion_statuses(limits.velocity, 3, limits.opens_partly, limits.opens_wholly, limits.normal)
+    return np.select(ends, ["topples", "no_driving_force", "lifted", "falls"], slides)
 
 
 def blocks_of(design: SlopeDesign, on_arrays: OnArrays[Any], strengths: Sequence[Strength], count: int) -> Blocks:
@@ -90,9 +112,9 @@ def motion_toward(design: SlopeDesign, on_arrays: OnArrays[Any], limits: LimitsO
     ways, velocity = shaken_toward(design, on_arrays, len(limits.status))[limits.rows], limits.found.velocity[:, :3]
     along = on_arrays.bounds(design).along
     if along is not None:
-        turned = np.broadcast_to(_section_axes(along), (len(limits.status), 3, 3))[limits.rows]
-        ways = (turned @ ways[:, :, None])[:, :, 0]
-    size = np.sqrt((velocity * velocity).sum(axis=1))
+        axes = np.broadcast_to(_section_axes(along), (len(limits.status), 3, 3))[limits.rows]
+        ways = (axes @ ways[:, :, None])[:, :, 0] * [1.0, 0.0, 1.0]
+    size = np.sqrt((ways * ways).sum(axis=1) * (velocity * velocity).sum(axis=1))
     cosines: Floats = (ways * velocity).sum(axis=1) / np.where(size > 0.0, size, np.nan)
     return cosines
 
@@ -125,7 +147,7 @@ def _loads(design: SlopeDesign, on_arrays: OnArrays[Any], bounds: Bounds, solids
     loads += [_pull(bolt, bounds, count) for bolt in design.bolts if bolt.acts == "active"]
     if design.is_wet or design.is_cut_for_loads:
         with np.errstate(divide="ignore", invalid="ignore"):
-            loads += pushes(design, slope_of(bounds, solids, on_arrays.full))[0].values()
+            loads += pushes(design, LocalSlope(bounds, solids), on_arrays.full)[0].values()
     return np.asarray(np.sum([_on_block(load, bounds, solids) for load in loads], axis=0))
 
 
@@ -149,8 +171,8 @@ def _place(point_m: Any, bounds: Bounds) -> Floats | None:
     return None if point_m is None else _vectors(point_m) - bounds.origin
 
 
-def _vectors(parts: Any) -> Floats:
-    return np.stack(np.broadcast_arrays(*parts), axis=-1)
+def _vectors(components: Any) -> Floats:
+    return np.stack(np.broadcast_arrays(*components), axis=-1)
 
 
 def _on_block(load: PointForce, bounds: Bounds, solids: Polytopes) -> Floats:

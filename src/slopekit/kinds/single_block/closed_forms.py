@@ -1,7 +1,7 @@
 """What designs give to a closed form over arrays, and what it says of them."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias
 
@@ -19,6 +19,7 @@ from slopekit.kinds.single_block.secants import on_secants
 if TYPE_CHECKING:
     from slopekit.kinds.water import FullWater
 
+DILATES = "the closed form knows no dilation: it is printed, not compared"
 #: Why values do not fit the blocks of planes: water over the rim of a crack, above the ground; two parts of a block.
 MISFITS = ("E207", "E456", "E208")
 #: The arguments of a closed form by name; None for what a design does not have.
@@ -78,20 +79,8 @@ class ClosedForms:
             return [normal / area for normal, area in zip(self.normal_kn, self.areas_m2, strict=True)]
 
 
-@dataclass(frozen=True)
-class SizesOfMany:
-    """Sizes of the blocks of n designs, nan where there is none.
-
-    Attributes
-    ----------
-    columns : (n,) each, by key with its unit (`setback_m`); `scale` of lengths where limits of size make blocks smaller
-    names : what may make one smaller; by : index into them (n,); why : above 0 where a limit leaves it out (n,)
-    """
-
-    columns: Mapping[str, Floats]
-    names: Sequence[str]
-    by: NDArray[np.int8]
-    why: NDArray[np.int8]
+#: Where there is no block to ask.
+NONE = ClosedForms(("",), np.zeros(1, dtype=np.int8), np.full(1, np.nan))
 
 
 @dataclass(frozen=True)
@@ -105,7 +94,8 @@ class OnArrays(Generic[D]):
     closed_forms : designs by their arguments and the bolts that they share; each of the arguments is one number for all
         of them or an array
     bounds : the planes that bound the blocks of a design, whose numbers may be arrays
-    sizes : of the blocks of a design, whose numbers may be arrays; None where they are not known
+    sizes : of the blocks of a design, whose numbers may be arrays, (n,) by key with its unit (`setback_m`), nan where
+        there is none; `scale` of lengths where limits of size make blocks smaller; empty where they are not known
     also : of a design whose numbers may be arrays, the strengths of its joints, and how far before the face its bolts
         were laid out: what its acceptance is held against besides, with the outcome "" where there is no such
         block; None where designs have none
@@ -119,21 +109,23 @@ class OnArrays(Generic[D]):
     strength_arguments: Callable[[Sequence[Strength]], Arguments]
     closed_forms: Callable[[Mapping[str, Any], Sequence[Sequence[Any]]], ClosedForms]
     bounds: Callable[[D], Bounds]
-    sizes: Callable[[D], SizesOfMany | None]
+    sizes: Callable[[D], Mapping[str, Floats]]
     crack_reach_m: Callable[[D], Floats]
     also: Callable[[D, Sequence[Strength], Floats | None], ClosedForms] | None
     full: "FullWater"
     shaken: Callable[[D], Floats]
 
     def of(self, design: D) -> ClosedForm:
-        """One design.
+        """One design, as PRE-IE is compared with it.
 
         Raises
         ------
         GeometryError
             Its planes cut no block.
         """
-        return self.forms(design, design.joint_strengths).of()
+        strengths = design.joint_strengths
+        dilates = any(strength.dilation_deg for strength in strengths)
+        return replace(self.forms(design, strengths).of(), why_not=DILATES if dilates else "")
 
     def forms(self, design: D, strengths: Sequence[Strength]) -> ClosedForms:
         """Designs, on the secants of their strengths where these are curved.
@@ -150,17 +142,12 @@ class OnArrays(Generic[D]):
         return on_secants(strengths, on_lines, ClosedForms.tractions_kpa)
 
 
-def force_on(design: Design) -> Arguments:
-    """The sum of the forces and the active bolts: east, north, up; None without any."""
-    pulls = [*(force.components_kn for force in design.forces), *_bolts(design, "active")]
-    names = ("force_east", "force_north", "force_up")
-    return dict(zip(names, map(sum, zip(*pulls, strict=True)), strict=True)) if pulls else dict.fromkeys(names)
-
-
 def pressures_and_force(
     design: D, joints: int, bounds: Callable[[D], Bounds], full: "FullWater"
 ) -> tuple[list[Any], Arguments]:
     """Mean pressures (kPa) of so many joints and the crack, None where a part of full water says them; force, misfits.
+
+    The force is the sum of forces and active bolts: east, north, up, None without any.
 
     Parameters
     ----------
@@ -168,7 +155,9 @@ def pressures_and_force(
         faces of the blocks
     """
     assert isinstance(design, SlopeDesign)
-    force: dict[str, Any] = force_on(design)
+    pulls = [*(force.components_kn for force in design.forces), *_bolts(design, "active")]
+    sums: Iterable[Any] = map(sum, zip(*pulls, strict=True)) if pulls else [None] * 3
+    force = dict(zip(("force_east", "force_north", "force_up"), sums, strict=True))
     pressures: list[Any] = [None] * (joints + 1)
     if design.water.mode == "pressures":
         pressures[:] = [*design.water.pressures_kpa, *[0.0] * joints][: joints + 1]

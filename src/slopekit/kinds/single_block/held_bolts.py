@@ -78,8 +78,8 @@ def held(bounds: Bounds, bolts: Sequence[Bolt], before: Floats | None) -> tuple[
         (bounds.offsets[0], reach, *astuple(bolt.toward), *(bolt.head_m or ()))
         for reach, bolt in zip(reaches, bolts, strict=True)
     ]
-    count = max((np.broadcast(*each).size for each in numbers), default=bounds.offsets.shape[1])
-    holds, moved = np.ones((len(bolts), count), dtype=bool), np.zeros((len(bolts), count))
+    count = max((np.broadcast(*row).size for row in numbers), default=bounds.offsets.shape[1])
+    holds, shifts = np.ones((len(bolts), count), dtype=bool), np.zeros((len(bolts), count))
     for k, bolt in enumerate(bolts):
         if bolt.head_m is not None:
             head = np.stack(np.broadcast_arrays(*bolt.head_m), axis=-1) - bounds.origin
@@ -87,9 +87,9 @@ def held(bounds: Bounds, bolts: Sequence[Bolt], before: Floats | None) -> tuple[
             holds[k] = line.is_anchored
             if before is not None:
                 holds[k] &= line.is_from_face
-                moved[k] = np.where(holds[k], line.enters - before[k], 0.0)
-            holds[k] &= line.sound - moved[k] < reaches[k]
-    return holds, moved
+                shifts[k] = np.where(holds[k], line.enters - before[k], 0.0)
+            holds[k] &= line.sound - shifts[k] < reaches[k]
+    return holds, shifts
 
 
 def through(bounds: Bounds, heads: Floats, direction: Floats) -> tuple[Floats, Bools]:
@@ -133,18 +133,18 @@ def _line_through(bounds: Bounds, points: Floats, direction: Floats, from_points
     gap = bounds.offsets - (bounds.outward * points).sum(axis=2)  # (planes, n)
     slope = (bounds.outward * direction).sum(axis=2)
     with np.errstate(divide="ignore", invalid="ignore"):
-        at = gap / slope
-    along = np.abs(slope) < 1e-12
-    going_in = np.where((slope < 0.0) & ~along, at, -np.inf)
-    going_out = np.where((slope > 0.0) & ~along, at, np.inf)
+        distances = gap / slope
+    is_parallel = np.abs(slope) < 1e-12
+    going_in = np.where((slope < 0.0) & ~is_parallel, distances, -np.inf)
+    going_out = np.where((slope > 0.0) & ~is_parallel, distances, np.inf)
     planes = np.arange(len(bounds.offsets))
     is_free, is_joint = np.isin(planes, bounds.free), np.isin(planes, bounds.joints)
     # rock behind a tension crack hangs on the same joints: it holds a bolt behind them
     onward = np.where((is_free | is_joint)[:, None], going_out, np.inf)
     enters, sound = going_in.max(axis=0), onward.min(axis=0)
     begins = np.maximum(enters, 0.0) if from_points else enters
-    beside = (along & (gap < -_CLEAR * bounds.size)).any(axis=0)
-    meets = ~beside & (going_out.min(axis=0) - begins > _CLEAR * bounds.size)
+    misses = (is_parallel & (gap < -_CLEAR * bounds.size)).any(axis=0)
+    meets = ~misses & (going_out.min(axis=0) - begins > _CLEAR * bounds.size)
     is_anchored = meets & np.isfinite(sound) & is_joint[onward.argmin(axis=0)]
     return _Line(enters, is_free[going_in.argmax(axis=0)], sound, is_anchored, meets)
 
@@ -173,10 +173,10 @@ def bounds_of(
     ----------
     normals : of each plane (1, 3) or (n, 3), out of the block; offsets : of each, a number or (n,)
     """
-    count = max(len(np.atleast_1d(one)) for one in (*normals, *offsets, size))
+    count = max(len(np.atleast_1d(values)) for values in (*normals, *offsets, size))
     outward = np.stack([np.broadcast_to(normal, (count, 3)) for normal in normals])
-    at = np.stack([np.broadcast_to(np.asarray(offset, dtype=np.float64), count) for offset in offsets])
-    return Bounds(outward, at, origin, joints, free, np.broadcast_to(size, count))
+    distances = np.stack([np.broadcast_to(np.asarray(offset, dtype=np.float64), count) for offset in offsets])
+    return Bounds(outward, distances, origin, joints, free, np.broadcast_to(size, count))
 
 
 def blocks_within(bounds: Bounds, count: int) -> Polytopes:

@@ -16,6 +16,7 @@ from slopekit.core.onlooker import Clock, say
 from slopekit.kinds.protocol import D
 from slopekit.kinds.single_block.one_block_limit import Cut, find_limit
 from slopekit.kinds.single_block.one_block_states import ContactModel
+from slopekit.kinds.words import times
 from slopekit.preie.motion.balance import Balance
 from slopekit.preie.one_block.flat_limit import flat_limit, forces_limit, refined_factor
 from slopekit.preie.one_block.forces_limits import forces_limits
@@ -73,7 +74,7 @@ class Ladder:
     ----------
     result : of the design, with the all-pairs factor where it was looked for
     rungs : empty where there is no factor of safety
-    others : k F of the design with its strength divided by k: the same F again, where the limit is one (STYLE.md §7);
+    others : k F of the design with its strength divided by k: the same F again, where the limit is one;
         None where the weaker or stronger block has no factor
     unrefined : why there are no finer node pairs, empty where there are
     rest : the forces of all blocks held against the strength at which they last rest, where the limit is that of a
@@ -92,12 +93,16 @@ class Ladder:
 def timed(work: Callable[[], Any]) -> tuple[Any, float]:
     """What `work` returns and the seconds it takes: the median of several runs where they are short."""
     answer: Any = None
-    taken: list[float] = []
-    while not taken or (len(taken) < _REPEATS and min(taken) < _SHORT_S) or (len(taken) < 2 and taken[0] < _ONCE_S):
+    durations: list[float] = []
+    while (
+        not durations
+        or (len(durations) < _REPEATS and min(durations) < _SHORT_S)
+        or (len(durations) < 2 and durations[0] < _ONCE_S)
+    ):
         began = time.perf_counter()
         answer = work()
-        taken.append(time.perf_counter() - began)
-    return answer, sorted(taken)[(len(taken) - 1) // 2]
+        durations.append(time.perf_counter() - began)
+    return answer, sorted(durations)[(len(durations) - 1) // 2]
 
 
 def ladder_of_block(kind: "SingleBlock[D]", design: D) -> Ladder:
@@ -110,23 +115,23 @@ def ladder_of_block(kind: "SingleBlock[D]", design: D) -> Ladder:
     if design.HAS_CLOSED_FORM and result.agree is not None and result.fos.closed_form is not None:
         solution, seconds = timed(partial(kind.closed_form, design, None))
         rungs.append(Rung("closed form", "closed form", None, None, solution.factor, seconds))
-    made = kind.cut(design)
-    scene = made.scene_at(made.refine)
+    cut = kind.cut(design)
+    scene = cut.scene_at(cut.refine)
     if scene.bedding is not None:
         bed = elastic_bed(scene.model, scene.bedding.polygons, scene.bedding.centroid)
-        alone, seconds = timed(partial(forces_limits, bed))
-        factor = forces_limit(scene.model, alone).factor
+        forces, seconds = timed(partial(forces_limits, bed))
+        factor = forces_limit(scene.model, forces).factor
         rungs.append(Rung("forces alone", "no turning", len(scene.pairs), None, factor, seconds))
-    rungs += kind.finer(design, result, made)
-    return Ladder(result, tuple(rungs), tuple(_others(result, made)), neighbours=tuple(_neighbours(scene, made)))
+    rungs += kind.finer(design, result, cut)
+    return Ladder(result, tuple(rungs), tuple(_others(result, cut)), neighbours=tuple(_neighbours(scene, cut)))
 
 
-def meshes(made: Cut) -> Iterator[Rung]:
+def meshes(cut: Cut) -> Iterator[Rung]:
     """Flat joints with their parts, or the pressed parts of their bed, split further and further."""
-    for level in range(made.refine, _MOST_REFINED + 1):
-        setting = f"parts split {often(level)}"
+    for level in range(cut.refine, _MOST_REFINED + 1):
+        setting = f"parts split {times(level)}"
         say(f"ladder, {setting}", head=True)
-        scene = made.scene_at(level)
+        scene = cut.scene_at(level)
         factor, seconds = timed(partial(_split_factor, scene, level))
         yield Rung("mesh", setting, len(scene.pairs), level, factor, seconds)
 
@@ -145,14 +150,14 @@ def limit_rung(scene: ContactModel, analyse: Callable[[Model], LimitAnalysis], s
     return Rung("mesh", setting, len(scene.pairs), level, factor, seconds)
 
 
-def _others(result: Result, made: Cut) -> Iterator[float | None]:
+def _others(result: Result, cut: Cut) -> Iterator[float | None]:
     for k in (OTHER_STRENGTH, result.fos.limit or 1.0):
         say("other strengths, divided by", k, head=True)
-        factor = _factor(made, partial(_reduced, k))
+        factor = _factor(cut, partial(_reduced, k))
         yield None if factor is None else k * factor
 
 
-def _neighbours(scene: ContactModel, made: Cut) -> Iterator[float | None]:
+def _neighbours(scene: ContactModel, cut: Cut) -> Iterator[float | None]:
     """Yield factors with the strength of one joint a little changed; of the last it is as if all others were.
 
     None of a block that presses on the whole of its joints, which has no path.
@@ -163,12 +168,12 @@ def _neighbours(scene: ContactModel, made: Cut) -> Iterator[float | None]:
     has_path = flat_limit(scene.model, bedding.polygons, bedding.centroid).bed is not None
     for key in sorted(bedding.polygons)[:-1] if has_path else ():
         for k in (1.0 - NEAR_STRENGTH, 1.0 + NEAR_STRENGTH):
-            yield _factor(made, partial(_joint_reduced, key, k))
+            yield _factor(cut, partial(_joint_reduced, key, k))
 
 
-def _factor(made: Cut, changed: Callable[[Model], Model]) -> float | None:
+def _factor(cut: Cut, changed: Callable[[Model], Model]) -> float | None:
     """Return the factor of a block whose model is changed."""
-    limit = find_limit(replace(made, scene_at=lambda level: _scene_with(made.scene_at(level), changed)), Clock()).limit
+    limit = find_limit(replace(cut, scene_at=lambda level: _scene_with(cut.scene_at(level), changed)), Clock()).limit
     return limit.factor if limit.factor and limit.outcome is not Outcome.NOT_CONVERGED else None
 
 
@@ -196,8 +201,3 @@ def _scene_with(scene: ContactModel, changed: Callable[[Model], Model]) -> Conta
         model_of = bedding.model_of
         bedding = replace(bedding, model_of=lambda pairs: changed(model_of(pairs)))
     return replace(scene, model=changed(scene.model), bedding=bedding)
-
-
-def often(count: int) -> str:
-    """How often something is done."""
-    return {0: "never", 1: "once", 2: "twice"}.get(count, f"{count} times")

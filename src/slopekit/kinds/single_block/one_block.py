@@ -20,6 +20,7 @@ from slopekit.evidence import (
     Forces,
     LimitState,
     ModelSize,
+    WithoutBasal,
 )
 from slopekit.kinds.protocol import ClosedForm, D, Factors, Kind, compare
 from slopekit.kinds.single_block.one_block_limit import Cut, FoundLimit, Interface, find_limit
@@ -47,17 +48,16 @@ if TYPE_CHECKING:
     from slopekit.kinds.single_block.ladders import Ladder, Rung
     from slopekit.preie.motion.all_pairs import AllPairsFailed
 
-DILATES = "the closed form knows no dilation: it is printed, not compared"
 _LOST = 0.98  # of the limit
 _TURNS = 1e-6  # of the square of a motion on a curved surface
 
 
-def left_out_of_slope(own: Sequence[str], has_crack: bool, strengths: Sequence[Strength]) -> list[str]:
-    """What the model of a block in a slope leaves out: what all do, `own` of its kind, and what its joints have."""
+def left_out_of_slope(assumptions: Sequence[str], has_crack: bool, strengths: Sequence[Strength]) -> list[str]:
+    """What the model of a block in a slope leaves out: `assumptions` of its kind, those of all, and of its joints."""
     crack = ["contact across the tension crack"] if has_crack else []
     tensile = ["tensile strength at the limit (it is lost where a joint opens)"]
-    tension = tensile if any(one.tension_kpa for one in strengths) else []
-    return ["bedrock (no unknowns)", "face and upper slope (free)", *own, *crack, *tension]
+    tension = tensile if any(strength.tension_kpa for strength in strengths) else []
+    return ["bedrock (no unknowns)", "face and upper slope (free)", *assumptions, *crack, *tension]
 
 
 class SingleBlock(Kind[D]):
@@ -71,45 +71,48 @@ class SingleBlock(Kind[D]):
     def analyse(self, design: D) -> Result:
         clock = Clock()
         with clock("cut"):
-            made: Cut = self.cut(design)
+            cut: Cut = self.cut(design)
         with clock("closed_form"):
-            closed = self.closed_form(design, made)
+            closed = self.closed_form(design, cut)
         with clock("governs"):
             governs = tuple((name, *self._after(other)) for name, other in design.changes())
-        found = find_limit(made, clock)
-        fos = _factors_of_safety(found, closed, clock)
-        moved = _displacements(design, made, found, fos.static_bound, clock)
-        if moved.all_pairs is not None and not _is_lost_before(moved.all_pairs, fos.limit):
-            fos = replace(fos, all_pairs_failed=moved.all_pairs.factor)
-        analysis, status, words = found.analysis, block_status(found, made.joints), self.words.of(vars(design))
-        difference, agree = compare(found.comparable, status, closed, design.analysis.agree_within)
-        of_laws = left_out_of_laws([interface.strength for interface in made.interfaces])
+        solution = find_limit(cut, clock)
+        fos = _factors_of_safety(solution, closed, clock)
+        displacements = _displacements(design, cut, solution, fos.static_bound, clock)
+        if displacements.all_pairs is not None and not _is_lost_before(displacements.all_pairs, fos.limit):
+            fos = replace(fos, all_pairs_failed=displacements.all_pairs.factor)
+        analysis, status, words = solution.analysis, block_status(solution, cut.joints), self.words.of(vars(design))
+        difference, agree = compare(solution.comparable, status, closed, design.analysis.agree_within)
+        of_laws = left_out_of_laws([interface.strength for interface in cut.interfaces])
         size = ModelSize(
-            1, found.scene.model.unknowns, len(found.bounded.pairs), made.refine, found.change,
-            (*made.left_out, *of_laws), found.limit.steps, found.limit.change,
+            1, solution.scene.model.unknowns, len(solution.bounded.pairs), cut.refine, solution.change,
+            (*cut.left_out, *of_laws), solution.limit.steps, solution.limit.change,
         )  # fmt: skip
-        said = (*self.notices(design, made, found, closed), *block_notices(design, made, found, closed, words))
+        notices = (*self.notices(design, cut, solution, closed), *block_notices(design, cut, solution, closed, words))
         return Result(
             design=design, words=words, status=status, fos=fos, difference=difference, agree=agree,
-            moments_govern=analysis.moments_govern, geometry=made.geometry(),
-            forces=resultant_forces(made, found, status), model=size, warnings=said,
-            limit_state=_limit_state(made, found), displacements=moved,
+            moments_govern=analysis.moments_govern, geometry=cut.geometry(),
+            forces=resultant_forces(cut, solution, status), model=size, warnings=notices,
+            limit_state=_limit_state(cut, solution), displacements=displacements,
             comparisons=Comparisons(
                 analysis.forces_only.factor, closed.methods, governs, self.without_basal(design),
-                on_pressed=found.on_pressed,
+                on_pressed=solution.on_pressed,
             ),
             timing_s=clock.done(),
         )  # fmt: skip
 
     def factors(self, design: D) -> Factors:
-        made: Cut = self.cut(design)
-        closed, found = self.closed_form(design, made), find_limit(made, Clock())
-        status = block_status(found, made.joints)
-        difference, agree = compare(found.comparable, status, closed, design.analysis.agree_within)
-        said = (*self.notices(design, made, found, closed), *block_notices(design, made, found, closed, self.words))
+        cut: Cut = self.cut(design)
+        closed, solution = self.closed_form(design, cut), find_limit(cut, Clock())
+        status = block_status(solution, cut.joints)
+        difference, agree = compare(solution.comparable, status, closed, design.analysis.agree_within)
+        notices = (
+            *self.notices(design, cut, solution, closed),
+            *block_notices(design, cut, solution, closed, self.words),
+        )
         return Factors(
-            status, found.limit.factor or None, closed.status if design.HAS_CLOSED_FORM else None,
-            closed.factor or None, difference, agree, found.analysis.moments_govern, notes=those_of_factors(said),
+            status, solution.limit.factor or None, closed.status if design.HAS_CLOSED_FORM else None,
+            closed.factor or None, difference, agree, solution.analysis.moments_govern, notes=those_of_factors(notices),
             also=self.without_basal(design),
         )  # fmt: skip
 
@@ -120,45 +123,52 @@ class SingleBlock(Kind[D]):
             return None, f"no {self.words.block}"
         return closed.factor, closed.status
 
+    def without_basal(self, design: D) -> WithoutBasal | None:
+        whole_wedges = None if self.on_arrays is None else self.on_arrays.also
+        if whole_wedges is None:
+            return None
+        closed = whole_wedges(design, design.joint_strengths, None).of()
+        return WithoutBasal(closed.status, closed.factor) if closed.status else None
+
     def ladder(self, design: D) -> "Ladder":
         from slopekit.kinds.single_block.ladders import ladder_of_block
 
         return ladder_of_block(self, design)
 
-    def finer(self, design: D, result: Result, made: Cut) -> "Iterator[Rung]":
+    def finer(self, design: D, result: Result, cut: Cut) -> "Iterator[Rung]":
         """Yield the limit on coarser and finer node pairs."""
         from slopekit.kinds.single_block.ladders import meshes
 
-        return meshes(made)
+        return meshes(cut)
 
 
-def _factors_of_safety(found: FoundLimit, closed: ClosedForm, clock: Clock) -> FactorsOfSafety:
+def _factors_of_safety(solution: FoundLimit, closed: ClosedForm, clock: Clock) -> FactorsOfSafety:
     """Limit, closed form, static bound and range."""
-    limit, analysis = found.limit, found.analysis
+    limit, analysis = solution.limit, solution.analysis
     highest = analysis.forces_only.factor if analysis.moments_govern else None
     fos = FactorsOfSafety(limit.factor or None, closed.factor or None, highest=highest)
     with clock("bound"):
         if limit.factor:
-            model = found.bounded.model
+            model = solution.bounded.model
             bound = static_bound(model, limit.velocity, limit.factor, not analysis.moments_govern)
             fos = replace(fos, static_bound=bound.factor)
     with clock("range"):
-        if limit.factor and found.factors is not None:
-            fos = replace(fos, lowest=lowest_factor(found.factors))
+        if limit.factor and solution.factors is not None:
+            fos = replace(fos, lowest=lowest_factor(solution.factors))
     return fos
 
 
 def _displacements(
-    design: Design, made: Cut, found: FoundLimit, bound: float | None, clock: Clock
+    design: Design, cut: Cut, solution: FoundLimit, bound: float | None, clock: Clock
 ) -> Displacements:  # fmt: skip
     """At full strength, and what else of displacements the design asks for."""
-    model, limit, stiffness = found.bounded.model, found.limit, joint_stiffness(design)
+    model, limit, stiffness = solution.bounded.model, solution.limit, joint_stiffness(design)
     settled = pairs = None
     with clock("displacements"):
         if limit.outcome is Outcome.NO_DRIVING_FORCE or (limit.factor is not None and limit.factor > 1.0):
             rest = equilibrium(model, 1.0, stiffness)
             if rest.stands:
-                movement = rigid_movement(model, rest.displacement, made.axes)
+                movement = rigid_movement(model, rest.displacement, cut.axes)
                 settled = AtFactorOne(movement, rest.failed_pairs, rest.residual)
     with clock("all_pairs"):
         if design.analysis.criterion == "all-pairs" and limit.factor:
@@ -166,7 +176,7 @@ def _displacements(
 
             pairs = all_pairs_failed(model, stiffness, bound=bound)
     with clock("series"):
-        series = tuple(series_of(model, design.analysis.factors, stiffness, bound, made.axes))
+        series = tuple(series_of(model, design.analysis.factors, stiffness, bound, cut.axes))
     return Displacements(settled, pairs, series)
 
 
@@ -175,29 +185,31 @@ def _is_lost_before(pairs: "AllPairsFailed", limit: float | None) -> bool:
     return bool(pairs.factor and limit and pairs.lost_equilibrium and pairs.factor < _LOST * limit)
 
 
-def _limit_state(made: Cut, found: FoundLimit) -> LimitState:
-    limit, model, origin, axes = found.limit, found.scene.model, made.origin, made.axes
+def _limit_state(cut: Cut, solution: FoundLimit) -> LimitState:
+    limit, model, origin, axes = solution.limit, solution.scene.model, cut.origin, cut.axes
     return LimitState(
-        pair_state(found.scene.pairs, model, limit, made.joints, origin, axes),
+        pair_state(solution.scene.pairs, model, limit, cut.joints, origin, axes),
         arrows(
-            made.loads, {f"water {face}": f"water on {name}" for face, name in made.faces.items()}, origin, axes,
+            cut.loads, {f"water {face}": f"water on {name}" for face, name in cut.faces.items()}, origin, axes,
             None if limit.pulls is None else limit.pulls * model.force_scale,
         ),
-        failure_mechanism(limit, model, axes), balance(of_one_block(model, found.analysis)),
-        _openings(found, made.interfaces, origin, axes), _curved(found, made.interfaces),
+        failure_mechanism(limit, model, axes), balance(of_one_block(model, solution.analysis)),
+        _openings(solution, cut.interfaces, origin, axes), _curved(solution, cut.interfaces),
     )  # fmt: skip
 
 
-def _curved(found: FoundLimit, interfaces: Sequence[Interface]) -> Mapping[str, Mapping[str, Any]]:
+def _curved(solution: FoundLimit, interfaces: Sequence[Interface]) -> Mapping[str, Mapping[str, Any]]:
     """Return the line of each curved law at the mean normal traction of its joint; empty where no law is curved."""
-    model = found.scene.model
-    normal_kn, area_m2 = found.limit.normal_force * model.force_scale, model.control_area * model.area_scale
+    model = solution.scene.model
+    normal_kn, area_m2 = solution.limit.normal_force * model.force_scale, model.control_area * model.area_scale
     joints = [(interface, model.interface == interface.key) for interface in interfaces if interface.strength.law]
-    return {one.name: secant_at(one.strength, normal_kn[on], area_m2[on]) for one, on in joints}
+    return {
+        interface.name: secant_at(interface.strength, normal_kn[pairs], area_m2[pairs]) for interface, pairs in joints
+    }
 
 
 def _openings(
-    found: FoundLimit, interfaces: Sequence[Interface], origin: Floats, axes: Floats
+    solution: FoundLimit, interfaces: Sequence[Interface], origin: Floats, axes: Floats
 ) -> Mapping[str, Mapping[str, Any]]:
     """Return where joints are pressed at the limit, by their names and in the user's coordinates."""
 
@@ -207,21 +219,21 @@ def _openings(
     return {
         interface.name: {**opening, **{key: place(opening[key]) for key in ("resultant_m", "opens_at_m")}}
         for interface in interfaces
-        if (opening := found.openings.get(interface.key)) is not None
+        if (opening := solution.openings.get(interface.key)) is not None
     }
 
 
 # -- reading the answer -------------------------------------------------------------------------------
 
 
-def block_status(found: FoundLimit, interfaces: Sequence[int]) -> str:
+def block_status(solution: FoundLimit, interfaces: Sequence[int]) -> str:
     """The status from the mechanism: which joints stay closed, which way the block moves.
 
     Parameters
     ----------
     interfaces : the ids of J1 and, where there are such, J2 and the basal joint
     """
-    limit, scene = found.limit, found.scene
+    limit, scene = solution.limit, solution.scene
     model = scene.model
     if limit.outcome is Outcome.NOT_CONVERGED:
         return "not_converged"
@@ -229,10 +241,10 @@ def block_status(found: FoundLimit, interfaces: Sequence[int]) -> str:
         return "no_driving_force"
     if limit.outcome is Outcome.LIFTED:
         return "falls" if model.normal_rows[:, model.translations - 1].max() <= 0.0 else "lifted"
-    if limit.outcome in (Outcome.NO_STRENGTH, Outcome.NO_REST) and found.analysis.moments_govern:
+    if limit.outcome in (Outcome.NO_STRENGTH, Outcome.NO_REST) and solution.analysis.moments_govern:
         return "topples"
     velocity = limit.velocity.copy()
-    if found.factors is not None and found.factors.exact is None:  # joints that open have no dilation
+    if solution.factors is not None and solution.factors.exact is None:  # joints that open have no dilation
         model = replace(model, tan_dilation=np.zeros_like(model.tan_dilation))
     opens = opening_pairs(limit, model, velocity, by_motion=scene.bedding is not None)
     joints = [scene.pairs.interface == joint for joint in interfaces]
@@ -246,26 +258,26 @@ def block_status(found: FoundLimit, interfaces: Sequence[int]) -> str:
     return "rotates" if scene.bedding is None and turns and status.startswith("slides") else status
 
 
-def resultant_forces(made: Cut, found: FoundLimit, status: str) -> Forces:
+def resultant_forces(cut: Cut, solution: FoundLimit, status: str) -> Forces:
     """Weight, normal force on each joint at the limit, water, and what drives and resists along the movement.
 
     The latter not of a block that turns on a curved surface.
     """
     normal: dict[str, float | None] = {}
-    for interface in made.interfaces:
-        on = found.scene.pairs.interface == interface.key
-        carried = float(found.limit.normal_force[on].sum() * found.scene.model.force_scale)
-        normal[interface.name] = None if found.limit.outcome is Outcome.NOT_CONVERGED else carried
-    turns_on_curve = status == "rotates" and found.scene.bedding is None
-    along = (None, None) if turns_on_curve else _driving_and_resisting(found)
-    return Forces(float(-made.loads.parts["weight"][2]), normal, made.water_kn, *along)
+    for interface in cut.interfaces:
+        pairs = solution.scene.pairs.interface == interface.key
+        normal_kn = float(solution.limit.normal_force[pairs].sum() * solution.scene.model.force_scale)
+        normal[interface.name] = None if solution.limit.outcome is Outcome.NOT_CONVERGED else normal_kn
+    turns_on_curve = status == "rotates" and solution.scene.bedding is None
+    along = (None, None) if turns_on_curve else _driving_and_resisting(solution)
+    return Forces(float(-cut.loads.parts["weight"][2]), normal, cut.water_kn, *along)
 
 
-def _driving_and_resisting(found: FoundLimit) -> tuple[float | None, float | None]:
+def _driving_and_resisting(solution: FoundLimit) -> tuple[float | None, float | None]:
     """What drives along the movement of the forces alone and what resists it (kN)."""
-    model, alone = found.scene.model, found.analysis.forces_only
-    if alone.factor is None or model.dilates:  # a dilating joint works on the load as it opens
+    model, forces_only = solution.scene.model, solution.analysis.forces_only
+    if forces_only.factor is None or model.dilates:  # a dilating joint works on the load as it opens
         return None, None
-    along = alone.velocity[: model.translations]
+    along = forces_only.velocity[: model.translations]
     driving = float(model.load[: model.translations] @ along) / math.sqrt(float(along @ along)) * model.force_scale
-    return driving, driving * alone.factor
+    return driving, driving * forces_only.factor

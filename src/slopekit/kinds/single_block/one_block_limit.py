@@ -164,11 +164,11 @@ def _on_bed_points(
         minus=np.full(count, BEDROCK),
     )
     on_points = _with_lines(bedding.model_of(pairs), forces.normal)
-    moved = bed.in_units_of(on_points, state.velocity[0])
+    motion = bed.in_units_of(on_points, state.velocity[0])
     limit = Limit(
         outcome=Outcome.SLIDES,
         factor=float(state.factor[0]),
-        velocity=moved / np.sqrt(moved @ moved),
+        velocity=motion / np.sqrt(motion @ motion),
         normal_force=forces.normal,
         bond=forces.pressed.astype(np.float64),
         steps=int(state.steps[0]),
@@ -190,19 +190,19 @@ def _openings(bed: Beds, state: BedLimits, forces: PointForces, scene: ContactMo
         total, pressed = float(push.sum()), float(area[forces.pressed[contact]].sum())
         corner_gaps = gaps[bed.corner[k] : bed.corner[k + 1]]
         widest = int(np.argmax(corner_gaps))
-        at = (push @ forces.points[contact]) / total + centroid if total > 0.0 else None
+        place = (push @ forces.points[contact]) / total + centroid if total > 0.0 else None
         corner = np.asarray(scene.bedding.polygons[key])[widest] if corner_gaps[widest] > 0.0 else None
         openings[key] = {
             "pressed_share": pressed / float(area.sum()), "normal_kn": total * scene.model.force_scale,
-            "resultant_m": at, "opens_at_m": corner,
+            "resultant_m": place, "opens_at_m": corner,
         }  # fmt: skip
     return openings
 
 
-def find_limit(made: Cut, clock: Clock) -> FoundLimit:
+def find_limit(cut: Cut, clock: Clock) -> FoundLimit:
     """Return the limit of a block: mesh and factor of safety, nothing else."""
     with clock("mesh"):
-        scene = made.scene_at(made.refine)
+        scene = cut.scene_at(cut.refine)
     with clock("solve"):
         if scene.bedding is None:
             from slopekit.preie.one_block.pairs_limit import pairs_limit  # only curved surfaces pay for the path

@@ -64,8 +64,8 @@ class ContactModel:
 def opening_pairs(limit: Limit, model: Model, velocity: Floats, by_motion: bool = False) -> Bools:
     """Which node pairs the mechanism opens beyond what dilation opens, or has opened: (n,); `by_motion` the first."""
     reduced = model.tan_friction / limit.factor if limit.factor else np.zeros_like(model.tan_friction)
-    beyond = opens(model, velocity, np.minimum(model.tan_dilation, reduced))
-    return beyond if by_motion else beyond | (limit.bond == 0.0)
+    is_open = opens(model, velocity, np.minimum(model.tan_dilation, reduced))
+    return is_open if by_motion else is_open | (limit.bond == 0.0)
 
 
 def pair_state(
@@ -82,8 +82,8 @@ def pair_state(
     slip = model.slip(velocity)
     none = limit.normal_force <= CLOSED * max(float(limit.normal_force.max(initial=0.0)), 1e-300)
     opened = (opening_pairs(limit, model, velocity) if velocity.any() else none) | none
-    known = limit.factor is not None or limit.outcome is Outcome.NO_DRIVING_FORCE
-    normal = limit.normal_force * model.force_scale if known else np.zeros(len(pairs))
+    is_known = limit.factor is not None or limit.outcome is Outcome.NO_DRIVING_FORCE
+    normal = limit.normal_force * model.force_scale if is_known else np.zeros(len(pairs))
     mode = np.where(opened, OPEN, np.where(slip > SLIPS * max(float(slip.max()), 1e-300), SLIP, STICK))
     shear = np.zeros((len(pairs), 3))
     if limit.friction is not None:
@@ -105,19 +105,19 @@ def arrows(
     ----------
     pulls : (b,) kN of the passive bolts at the limit; None where there is none, and their full capacity is given
     """
-    acting = [(names.get(name, name), force, at) for name, force, at in loads.acting]
+    acting = [(names.get(name, name), force, point) for name, force, point in loads.acting]
     first = len(acting) - len(loads.passive_forces)  # passive bolts come last
     for k, capacity in enumerate(loads.passive_forces):
-        name, _, at = acting[first + k]
+        name, _, point = acting[first + k]
         if pulls is None:
-            acting[first + k] = (f"{name}, full capacity", capacity, at)
+            acting[first + k] = (f"{name}, full capacity", capacity, point)
         else:
-            acting[first + k] = (name, pulls[k] * (capacity / math.sqrt(float(capacity @ capacity))), at)
+            acting[first + k] = (name, pulls[k] * (capacity / math.sqrt(float(capacity @ capacity))), point)
     count = len(acting)
     return Arrows(
         tuple(name for name, _, _ in acting), np.arange(count), np.zeros(count, dtype=np.int64),
         frozen(np.reshape([force for _, force, _ in acting], (count, 3)) @ axes),
-        frozen(np.reshape([at for _, _, at in acting], (count, 3)) @ axes + origin),
+        frozen(np.reshape([point for _, _, point in acting], (count, 3)) @ axes + origin),
     )  # fmt: skip
 
 
@@ -125,15 +125,15 @@ def series_of(
     model: Model, factors: Sequence[float], stiffness: JointStiffness, bound: float | None, axes: Floats
 ) -> Iterator[ReductionStep]:
     """Rest at each factor, from one to the next; above the static bound there is none to look for."""
-    standing: Equilibrium | None = None
+    last_rest: Equilibrium | None = None
     count = len(model.control_area)
     for factor in factors:
         if bound is not None and factor > bound * (1.0 + 1e-7):
             yield ReductionStep(factor, False, None, count)
             continue
-        state = equilibrium(model, factor, stiffness, standing)
+        state = equilibrium(model, factor, stiffness, last_rest)
         if state.stands:
-            standing = state
+            last_rest = state
         movement = rigid_movement(model, state.displacement, axes) if state.stands else None
         yield ReductionStep(factor, state.stands, movement, state.failed_pairs if state.stands else count)
 
@@ -165,9 +165,11 @@ def motion_statuses(
     partly, wholly : (n, k) joints of which they open a part, and all of it; normal : (n, k) forces on them, or none
     """
     count, closed = len(normal[0]), ~wholly & np.isfinite(normal)
-    moving, turning = ((part * part).sum(axis=1) for part in np.split(velocity, [translations], axis=1))
+    moving, turning = ((motion * motion).sum(axis=1) for motion in np.split(velocity, [translations], axis=1))
     carries = np.where(closed, normal, -np.inf).argsort(axis=1, kind="stable")[:, ::-1][:, :2]  # of three joints two
-    names = np.array(["slides_on_" + ("both" if count == 2 and k == 3 else on) for k, on in enumerate(_JOINTS)])
-    on = (2**carries * np.take_along_axis(closed, carries, axis=1)).sum(axis=1)
-    slides = np.where(velocity[:, translations - 1] > _RISES, "slides_up", names[on if count > 1 else np.ones_like(on)])
+    names = np.array(["slides_on_" + ("both" if count == 2 and k == 3 else joints) for k, joints in enumerate(_JOINTS)])
+    joints = (2**carries * np.take_along_axis(closed, carries, axis=1)).sum(axis=1)
+    slides = np.where(
+        velocity[:, translations - 1] > _RISES, "slides_up", names[joints if count > 1 else np.ones_like(joints)]
+    )
     return np.where(partly.any(axis=1) | (turning > moving), "rotates", slides)

@@ -57,8 +57,8 @@ def secant_strength(strength: Strength, traction_kpa: Any) -> Strength:
     from slopekit.strength.protocol import secant
 
     cohesion, tangent = secant(strength.law, np.maximum(traction_kpa, 0.0))
-    held: Any = {"cohesion_kpa": cohesion, "friction_angle_deg": np.degrees(np.arctan(tangent))}
-    return replace(strength, **held)
+    line: Any = {"cohesion_kpa": cohesion, "friction_angle_deg": np.degrees(np.arctan(tangent))}
+    return replace(strength, **line)
 
 
 def secant_at(strength: Strength, normal_kn: Floats, area_m2: Floats) -> Mapping[str, Any]:
@@ -91,16 +91,28 @@ def other_strengths(design: D) -> Iterator[tuple[str, D]]:
     strengths = design.joint_strengths
     distinct = dict.fromkeys(strengths)
     for strength in distinct:
-        joints = [joint for joint, own in zip(_OF_THREE, strengths, strict=False) if own == strength]
-        of = f" of {' and '.join(joints)}" if len(distinct) > 1 else ""
-        for name, other in changed_laws(strength):
-            yield name + of, design.each_strength(partial(_exchanged, strength, other))
+        joints = [
+            joint
+            for joint, strength_of_joint in zip(_OF_THREE, strengths, strict=False)
+            if strength_of_joint == strength
+        ]
+        suffix = f" of {' and '.join(joints)}" if len(distinct) > 1 else ""
+        for name, changed in changed_laws(strength):
+            yield name + suffix, design.each_strength(partial(_exchanged, strength, changed))
     if any(strength.named_law for strength in strengths):
         return
     if max(strength.friction_angle_deg for strength in strengths) < 88.0:
-        yield "φ +1°", design.each_strength(lambda one: replace(one, friction_angle_deg=one.friction_angle_deg + 1.0))
+        yield (
+            "φ +1°",
+            design.each_strength(
+                lambda strength: replace(strength, friction_angle_deg=strength.friction_angle_deg + 1.0)
+            ),
+        )
     if any(strength.cohesion_kpa for strength in strengths):
-        yield "c +10 %", design.each_strength(lambda one: replace(one, cohesion_kpa=one.cohesion_kpa * 1.1))
+        yield (
+            "c +10 %",
+            design.each_strength(lambda strength: replace(strength, cohesion_kpa=strength.cohesion_kpa * 1.1)),
+        )
 
 
 def _exchanged(old: Strength, new: Strength, strength: Strength) -> Strength:
@@ -112,20 +124,24 @@ def changed_laws(strength: Strength) -> list[tuple[str, Strength]]:
     law = strength.named_law
     if law is None:
         return []
-    return [(name, Strength.by_law(other, strength.dilation_deg, strength.tension_kpa)) for name, other in _larger(law)]
+    return [
+        (name, Strength.by_law(changed, strength.dilation_deg, strength.tension_kpa)) for name, changed in _larger(law)
+    ]
 
 
 def _larger(law: Any) -> Iterator[tuple[str, Any]]:
-    for part in fields(law):
-        value, sign = getattr(law, part.name), part.metadata.get("sign")
+    for parameter in fields(law):
+        value, sign = getattr(law, parameter.name), parameter.metadata.get("sign")
         if hasattr(value, "resistance"):
-            yield from [(name, replace(law, **{part.name: other})) for name, other in _larger(value)]
+            yield from [(name, replace(law, **{parameter.name: changed})) for name, changed in _larger(value)]
         elif sign and value is not None:
-            step = part.metadata.get("step")
+            step = parameter.metadata.get("step")
             larger = value * 1.1 if step is None else value + step
-            angle = "°" if part.metadata["unit"] == "angle" else ""
-            within = larger < part.metadata.get("below", math.inf) and larger <= part.metadata.get("most", math.inf)
-            if larger != value and within:
+            angle = "°" if parameter.metadata["unit"] == "angle" else ""
+            is_allowed = larger < parameter.metadata.get("below", math.inf) and larger <= parameter.metadata.get(
+                "most", math.inf
+            )
+            if larger != value and is_allowed:
                 yield (f"{sign} +10 %" if step is None else f"{sign} +{step:g}{angle}", replace(
-                    law, **{part.name: larger}
+                    law, **{parameter.name: larger}
                 ))  # fmt: skip

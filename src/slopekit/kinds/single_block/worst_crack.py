@@ -54,14 +54,14 @@ def lowest_of_many(
     >>> places.round(6).tolist(), [WHERE[one] for one in where]
     ([2.0, 4.999995], ['inside', 'back'])
     """
-    each = np.arange(len(reach))
+    rows = np.arange(len(reach))
     places = np.linspace(_ENDS, 1.0 - _ENDS, count) * np.asarray(reach)[:, None]
     factors = factors_at(places)
     unknown = np.isnan(factors)
     # where nothing has a factor, any will do
     k = np.argmin(np.where(unknown, np.inf, factors), axis=1)
-    place, factor = places[each, k], factors[each, k]
-    low, high = places[each, np.maximum(k - 1, 0)], places[each, np.minimum(k + 1, count - 1)]
+    place, factor = places[rows, k], factors[rows, k]
+    low, high = places[rows, np.maximum(k - 1, 0)], places[rows, np.minimum(k + 1, count - 1)]
     most = np.where(unknown, -np.inf, factors).max(axis=1)
     where = np.select([k == 0, k == count - 1], [_END, _BACK], _INSIDE).astype(np.int8)
     first, last = np.argmin(unknown, axis=1), count - 1 - np.argmin(unknown[:, ::-1], axis=1)
@@ -70,24 +70,24 @@ def lowest_of_many(
     free = np.isneginf(factors)
     farthest = count - 1 - np.argmax(free[:, ::-1], axis=1)
     is_free = free.any(axis=1)
-    where[is_free], place[is_free] = _FREE_OF, places[each, farthest][is_free]
+    where[is_free], place[is_free] = _FREE_OF, places[rows, farthest][is_free]
     where[unknown.all(axis=1)] = _NONE_OF
     place[where == _NONE_OF] = np.nan
     inside = where == _INSIDE
-    at_edge = inside & ((k == first) | (k == last))
-    beyond = np.where(k == last, high, low)
+    is_edge = inside & ((k == first) | (k == last))
+    far_place = np.where(k == last, high, low)
     for _ in range(rounds if inside.any() else 0):
         places = np.linspace(low, high, _NARROWER, axis=1)
         factors = factors_at(places)
         k = np.argmin(np.where(np.isnan(factors), np.inf, factors), axis=1)
-        better = inside & (factors[each, k] <= factor)
-        place, factor = np.where(better, places[each, k], place), np.where(better, factors[each, k], factor)
-        low, high = places[each, np.maximum(k - 1, 0)], places[each, np.minimum(k + 1, _NARROWER - 1)]
-    if at_edge.any():  # of the places that have a factor: a valley rises again before them
-        factors = factors_at(np.linspace(place, beyond, _NARROWER, axis=1))
+        better = inside & (factors[rows, k] <= factor)
+        place, factor = np.where(better, places[rows, k], place), np.where(better, factors[rows, k], factor)
+        low, high = places[rows, np.maximum(k - 1, 0)], places[rows, np.minimum(k + 1, _NARROWER - 1)]
+    if is_edge.any():  # of the places that have a factor: a valley rises again before them
+        factors = factors_at(np.linspace(place, far_place, _NARROWER, axis=1))
         with np.errstate(invalid="ignore"):
             rises = (np.where(np.isnan(factors), -np.inf, factors).max(axis=1) - factor) > _FLAT * np.abs(factor)
-        where[at_edge & ~rises] = np.where(beyond > place, _BACK, _END)[at_edge & ~rises]
+        where[is_edge & ~rises] = np.where(far_place > place, _BACK, _END)[is_edge & ~rises]
     return place, where
 
 
@@ -101,12 +101,12 @@ def worst_of_many(
     design : of which the n differ in numbers
     reach : (n,) the longest distances, nan where there is no block
     """
-    parts = []
-    for at in range(0, len(reach), _AT_ONCE):
-        part = slice(at, at + _AT_ONCE)
-        factors = partial(_factors, on_arrays, partial(cracked, part))
-        parts.append(lowest_of_many(factors, reach[part], *(_DEAR if design.is_cut_for_loads else _CHEAP)))
-    places, where = zip(*parts, strict=True)
+    chunks = []
+    for start in range(0, len(reach), _AT_ONCE):
+        rows = slice(start, start + _AT_ONCE)
+        factors = partial(_factors, on_arrays, partial(cracked, rows))
+        chunks.append(lowest_of_many(factors, reach[rows], *(_DEAR if design.is_cut_for_loads else _CHEAP)))
+    places, where = zip(*chunks, strict=True)
     return np.concatenate(places), np.concatenate(where)
 
 
@@ -148,14 +148,15 @@ def with_worst_crack(design: D, on_arrays: OnArrays[D], place: str) -> D:
         E459 no place gives a factor.
     """
     holder: Any = design
-    without, reach = reach_of_many(design, on_arrays, design.joint_strengths)
+    uncracked, reach = reach_of_many(design, on_arrays, design.joint_strengths)
     try:
-        without.of()
+        uncracked.of()
     except GeometryError as error:
         if ENDLESS in error.codes:  # a crack would close the block, however far it is
             message = "without the crack the block goes on without end: the worst place has no farthest"
             raise DesignError([Fault("E459", message, place, "Give its distance.")]) from None
-        return cast("D", replace(holder, crack=None))  # which says the same where it is cut
+        # which says the same where it is cut
+        return cast("D", replace(holder, crack=None, crack_searched=WHERE[_NONE_OF]))
 
     def cracked_at(_: slice, places: Floats) -> Cracked:
         cracked = replace(holder, crack=replace(holder.crack, distance_m=places[0]))

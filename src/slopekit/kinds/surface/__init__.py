@@ -203,21 +203,21 @@ def _falls(design: SurfaceDesign) -> float:
 # -- closed forms -------------------------------------------------------------------------------------
 
 
-def closed_form(design: SurfaceDesign, made: Cut) -> ClosedForm:
+def closed_form(design: SurfaceDesign, block_cut: Cut) -> ClosedForm:
     """The exact answer where there is one (φ = 0, turning about an axis), and the methods of columns."""
     rotation, methods, notes = None, dict[str, float | None](), list[Notice]()
-    geometry = made.geometry()
+    geometry = block_cut.geometry()
     is_whole = isinstance(geometry, SurfaceGeometry) and not geometry.pieces_m3
-    why = _why_no_columns(design, is_whole)
+    reason = _why_no_columns(design, is_whole)
     try:
         if is_whole and not (design.forces or design.bolts or design.water.pond_m is not None):
             rotation = _rotation(design)
-        if not why:
+        if not reason:
             methods = _columns(design, notes)
     except GeometryError as error:  # ground that turns back over itself has no columns
-        rotation, methods, why = None, {}, error.faults[0].message
-    if why:
-        notes.append(Notice("W324", f"the methods of columns are left out: {why}"))
+        rotation, methods, reason = None, {}, error.faults[0].message
+    if reason:
+        notes.append(Notice("W324", f"the methods of columns are left out: {reason}"))
     none = ClosedForm(None, "", "there is no closed form of this surface: the upper bound alone is beside it")
     return replace(rotation or none, methods=methods, notices=notes)
 
@@ -260,23 +260,23 @@ def _columns(design: SurfaceDesign, notes: list[Notice]) -> dict[str, float | No
     assert profile is not None
     x, y, z = slip.centre_m
     if slip.shape == "cylinder":
-        made = lem.cylinder_columns(
+        columns = lem.cylinder_columns(
             (x, z), slip.radii_m[0], 2.0 * slip.radii_m[1], profile, design.rock.unit_weight_kn_m3
         )
         y = 0.0  # the cylinder's columns lie about it
     else:
-        made = lem.ellipsoid_columns(slip.centre_m, slip.radii_m, profile, design.rock.unit_weight_kn_m3)
-    if made.overhung_share > _OVERHUNG:
-        share = f"{made.overhung_share * 100:.1f} % of the weight hangs under the slip surface"
+        columns = lem.ellipsoid_columns(slip.centre_m, slip.radii_m, profile, design.rock.unit_weight_kn_m3)
+    if columns.overhung_share > _OVERHUNG:
+        share = f"{columns.overhung_share * 100:.1f} % of the weight hangs under the slip surface"
         notes.append(Notice("W324", f"{share}: the columns carry it, that part of the surface holds nothing in them"))
     if design.water.has_table:
         from slopekit.kinds.surface.water import water_of
 
-        made = replace(made, pore_pressure=water_of(design).at(made.base_points))
+        columns = replace(columns, pore_pressure=water_of(design).at(columns.base_points))
     if design.water.mode == "pressures":
-        made = replace(made, pore_pressure=np.full_like(made.weights, design.water.pressures_kpa[0]))
+        columns = replace(columns, pore_pressure=np.full_like(columns.weights, design.water.pressures_kpa[0]))
     along, axis = np.array([_falls(design), 0.0]), np.array([x, y, z])
-    inputs = (made, design.strength.cohesion_kpa, design.strength.friction_angle_deg, along, axis)
+    inputs = (columns, design.strength.cohesion_kpa, design.strength.friction_angle_deg, along, axis)
     seismic = design.seismic.coefficient
     bishop = lem.bishop(*inputs, seismic=seismic)
     if bishop is not None and bishop > _NOT_DRIVEN:
@@ -288,10 +288,10 @@ def _columns(design: SurfaceDesign, notes: list[Notice]) -> dict[str, float | No
     }
 
 
-def _notices(design: SurfaceDesign, made: Cut, found: FoundLimit, closed: ClosedForm) -> Iterator[Notice]:
-    geometry = made.geometry()
+def _notices(design: SurfaceDesign, block_cut: Cut, solution: FoundLimit, closed: ClosedForm) -> Iterator[Notice]:
+    geometry = block_cut.geometry()
     assert isinstance(geometry, SurfaceGeometry)
-    misfit = 0.0 if found.limit.outcome is Outcome.NO_DRIVING_FORCE else geometry.misfit_deg
+    misfit = 0.0 if solution.limit.outcome is Outcome.NO_DRIVING_FORCE else geometry.misfit_deg
     if design.strength.dilation_deg:
         message = "a curved surface cannot dilate evenly: its dilation is not counted"
         yield Notice("W310", message)
@@ -307,9 +307,9 @@ def _notices(design: SurfaceDesign, made: Cut, found: FoundLimit, closed: Closed
     low, high = geometry.vertices_m.min(axis=0), geometry.vertices_m.max(axis=0)
     if design.profile_m is not None:
         ends = [x for x, _ in design.profile_m]
-        beyond = float(max(min(ends) - low[0], high[0] - max(ends)))
-        if beyond > 1e-6 * (high[0] - low[0]):
-            message = f"the mass reaches {beyond:.4g} m beyond the profile, where the ground is taken as level"
+        distance = float(max(min(ends) - low[0], high[0] - max(ends)))
+        if distance > 1e-6 * (high[0] - low[0]):
+            message = f"the mass reaches {distance:.4g} m beyond the profile, where the ground is taken as level"
             yield Notice("W322", message)
     if geometry.pieces_m3:
         message = (
@@ -322,7 +322,7 @@ def _notices(design: SurfaceDesign, made: Cut, found: FoundLimit, closed: Closed
     for rule in design.rules:  # that the limit meets and a method of columns does not is worth a second look
         below = [f"{name.capitalize()} {value:.3f}" for name, value in closed.methods.items()
                  if value is not None and name in ("bishop", "janbu", "fellenius") and not rule.met(value)]  # fmt: skip
-        if rule.is_on_factor and rule.met(found.limit.factor) and below:
+        if rule.is_on_factor and rule.met(solution.limit.factor) and below:
             yield Notice("W324", f"the limit meets {rule}, {', '.join(below)} would not")
     yield from closed.notices
 
@@ -333,7 +333,7 @@ def _notices(design: SurfaceDesign, made: Cut, found: FoundLimit, closed: Closed
 class OnSurface(SingleBlock[SurfaceDesign]):
     """The kind of a mass on a curved slip surface, whose node pairs are cut again for each mesh."""
 
-    def finer(self, design: SurfaceDesign, result: Result, made: Cut) -> "Iterator[Rung]":
+    def finer(self, design: SurfaceDesign, result: Result, block_cut: Cut) -> "Iterator[Rung]":
         """Yield the limit for edges four times as long as the design's, to half as long; a mesh file is what it is.
 
         What has too many node pairs, and edges too coarse to cut this mass, are left out.
@@ -348,17 +348,17 @@ class OnSurface(SingleBlock[SurfaceDesign]):
         for level, times in enumerate(_EDGES):
             if result.model.node_pairs / times**2 > MOST_PAIRS:
                 break
-            wanted = times * geometry.edge_m
-            say(f"edges of {wanted:.3g} m", head=True)
+            edge_m = times * geometry.edge_m
+            say(f"edges of {edge_m:.3g} m", head=True)
             try:
-                made = self.cut(replace(design, slip=replace(design.slip, edge_m=_ROOM * wanted)))
+                block_cut = self.cut(replace(design, slip=replace(design.slip, edge_m=_ROOM * edge_m)))
             except (DesignError, GeometryError):
                 continue
-            meshed, scene = made.geometry(), made.scene_at(0)
+            meshed, scene = block_cut.geometry(), block_cut.scene_at(0)
             assert isinstance(meshed, SurfaceGeometry)
             if rungs and len(scene.pairs) == rungs[-1].node_pairs:  # the coarsest mesh there is, once more
                 rungs.pop()
-            rung = limit_rung(scene, pairs_limit, f"edges of {wanted:.3g} m", level)
+            rung = limit_rung(scene, pairs_limit, f"edges of {edge_m:.3g} m", level)
             rungs.append(replace(rung, edge_m=meshed.edge_m))
         yield from rungs
 
@@ -375,10 +375,10 @@ def _slope(design: SurfaceDesign, result: Result) -> list[Section]:
     rigid = {0: "no rigid motion fits", 1: "one rigid motion fits"}.get(
         geometry.motions, f"{geometry.motions} rigid motions fit"
     )
-    turned = f"; normals turned by {geometry.misfit_deg:.2g}° to fit one" if geometry.misfit_deg else ""
+    misfit = f"; normals turned by {geometry.misfit_deg:.2g}° to fit one" if geometry.misfit_deg else ""
     entries = [
         f"{design.slip.in_words()}  {strength_in_words(design.strength)}  area {area} m²",
-        f"{geometry.normals} normals, mesh edges {geometry.edge_m:.3g} m; {rigid} the surface{turned}",
+        f"{geometry.normals} normals, mesh edges {geometry.edge_m:.3g} m; {rigid} the surface{misfit}",
         ground,
     ]
     return slope_sections(result, Section("SURFACE", entries), water_in_words(result))

@@ -1,12 +1,10 @@
 """The design of a mass on a curved slip surface: its keys, and how it is read; all faults at once."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from slopekit.core.orientation import coordinates
-from slopekit.core.units import quantity
 from slopekit.design.common import Design
 from slopekit.design.fields import Field, declare, fields_of, group, number, text
 from slopekit.design.ground_water import read_table
@@ -20,6 +18,7 @@ from slopekit.design.sections import read_common, read_strengths, read_water
 Points = tuple[tuple[float, ...], ...]
 #: What gives the size of each shape of slip surface.
 _SIZES = {"ellipsoid": ("radii",), "sphere": ("radius",), "cylinder": ("radius", "length")}
+_OPTIONAL = ("length", "edge")
 
 
 @dataclass(frozen=True)
@@ -60,9 +59,11 @@ class Slip:
     shape: Literal["ellipsoid", "sphere", "cylinder", "mesh"] = text(
         "shape",
         default="",
+        words=("ellipsoid", "sphere", "cylinder"),
+        code="E170",
         example="ellipsoid",
         left_out="mesh where there is one",
-        doc="`ellipsoid`, `sphere`, `cylinder` (level, along y)",
+        doc="a cylinder lies level, along y",
     )
     centre_m: tuple[float, float, float] = number(
         "centre", "length", default=(0.0, 0.0, 0.0), many="list", at_least=2, at_most=3, scatters=False,
@@ -93,9 +94,11 @@ class Slip:
     normals: Literal["true", "smoothed"] = text(
         "normals",
         default="true",
+        words=("true", "smoothed"),
+        code="E170",
         example="true",
         left_out="true; of a mesh smoothed",
-        doc="`true`, `smoothed`",
+        doc="of the surface itself, or of its mesh",
     )
 
     def in_words(self) -> str:
@@ -164,14 +167,11 @@ def read_surface(reader: Reader) -> SurfaceDesign:
     slip = _slip(reader, node, _mesh(reader, node, "shape"))
     strength = read_strengths(reader, [("slip", None, node or reader.root)])[0]
     table = read_table(reader)
-    depth = reader.at("water.depth")
     has_depth = table is not None and table.table_depth_m is not None
-    if profile is None and has_depth:
-        message = "the water table lies below the ground, and the ground is a mesh"
-        reader.fault("E454", message, depth, "Give its points or a plane.")
-    elif profile is not None and has_depth and overhangs(profile):
-        message = "the water table lies below the ground, and the profile overhangs: there are two grounds over one x"
-        reader.fault("E454", message, depth, "Give its points or a plane.")
+    if has_depth and (profile is None or overhangs(profile)):
+        ground_is = "the ground is a mesh" if profile is None else "the profile overhangs: there are two over one x"
+        message = f"the water table lies below the ground, and {ground_is}"
+        reader.fault("E454", message, reader.at("water.depth"), "Give its points or a plane.")
     water, at = (table, None) if table is not None else read_water(reader, ["slip"], 1)
     if water.mode == "full":
         message = "how full a curved surface is says no pressure"
@@ -199,94 +199,52 @@ def _mesh(reader: Reader, holder: Node | None, other: str) -> MeshFile | None:
 
 
 def _profile(reader: Reader, node: Node | None) -> Points | None:
-    if node is None or reader.value(node) is None:
+    if node is None or not reader.is_sound(node):
         return None
-    points: list[tuple[float, ...]] = []
-    for k, item in enumerate(node.elements, 1):
-        name = f"point {k} of the profile"
-        point = reader.kept(_lengths, reader.value(item), name, str(item.place))
-        if point is not None and point in points:
+    points = reader.points(node, "the profile")
+    for k, point in enumerate(points):
+        if point in points[:k]:
             advice = "Give each point once, from the toe to behind the crest."
-            reader.fault("E109", f"{name} is the same as an earlier one", item, advice)
-        elif point is not None:
-            points.append(point)
+            message = f"point {k + 1} of the profile is the same as an earlier one"
+            reader.fault("E109", message, node.elements[k], advice)
     return tuple(points)
 
 
 def _slip(reader: Reader, node: Node | None, mesh: MeshFile | None) -> Slip | None:
-    """The slip surface; E170 an unknown shape, E116 what its size says."""
+    """The slip surface; E170 an unknown shape, E143 and E116 what its size says."""
     if node is None or not node.is_mapping:
         return None
-    edge = reader.field(fields_of(Slip)["edge_m"], node.get("edge"))
     is_mesh = node.get("mesh") is not None
-    shape = _word(node, "shape", "mesh" if is_mesh else "")
-    normals = _word(node, "normals", "smoothed" if is_mesh else "true")
-    allowed = ("smoothed",) if is_mesh else ("true", "smoothed")
-    if normals not in allowed:
-        advice = "A mesh has no true normals." if is_mesh and normals == "true" else ""
-        reader.fault("E170", f"normals are {normals}: they are {' or '.join(allowed)}", node.get("normals"), advice)
-    made: Any = normals
-    if is_mesh:
-        for key in ("centre", "radii", "radius", "length", "edge"):
-            if (said := node.get(key)) is not None:
-                reader.fault("E170", f"slip.{key} says nothing beside a mesh", said)
-        return Slip("mesh", mesh=mesh, edge_m=edge, normals=made)
-    if shape not in _SIZES:
-        if shape:
-            advice = "Known: ellipsoid, sphere, cylinder; or mesh: slip.stl."
-            reader.fault("E170", f"{shape} is not a shape of slip surface", node.get("shape"), advice)
+    values = reader.fields(Slip, node, only=("shape", "normals", "centre_m", "radii_m", "edge_m"))
+    radius, length = (reader.field(fields_of(Slip)[key], node.get(key)) for key in ("radius", "length"))
+    shape, normals = values["shape"], node.get("normals")
+    if is_mesh and normals is not None and values["normals"] == "true":
+        reader.fault("E170", "a mesh has no true normals", normals, "Leave normals out, or write smoothed.")
+    if not is_mesh and not shape:
         return None
-    needs = _SIZES[shape]
-    for key in ("radii", "radius", "length"):
-        said = node.get(key)
-        if said is not None and key not in needs:
-            advice = f"Its size is {' and '.join(f'slip.{need}' for need in needs)}."
-            reader.fault("E170", f"slip.{key} says nothing of the shape {shape}", said, advice)
-        elif said is None and key in needs and key != "length":
+    sizes = [] if is_mesh else [f"slip.{size}" for size in _SIZES[shape]]
+    needs = () if is_mesh else ("centre", "edge", *_SIZES[shape])
+    beside = "beside a mesh" if is_mesh else f"of the shape {shape}"
+    for key in ("centre", "radii", "radius", "length", "edge"):
+        below = node.get(key)
+        if below is not None and key not in needs:
+            advice = f"Its size is {' and '.join(sizes) or 'that of the mesh'}."
+            reader.fault("E170", f"slip.{key} says nothing {beside}", below, advice)
+        elif below is None and key in needs and key not in _OPTIONAL:
             reader.fault("E143", f"slip.{key} is missing", node, f"Give slip.{key}.")
-    centre = _centre(reader, node, shape)
-    radii = _radii(reader, node, shape)
-    if centre is None or radii is None:
-        return None
-    kind: Any = shape
-    return Slip(kind, centre, radii, edge_m=edge, normals=made)
+    if is_mesh:
+        return Slip("mesh", mesh=mesh, edge_m=values["edge_m"], normals="smoothed")
+    values["centre_m"] = _centre(reader, node, shape, values["centre_m"])
+    if shape != "ellipsoid":
+        values["radii_m"] = (radius, radius if shape == "sphere" else (length or 0.0) / 2.0, radius)
+    return Slip(**values)
 
 
-def _word(node: Node, key: str, otherwise: str) -> str:
-    said = node.get(key)
-    return otherwise if said is None or said.text is None else said.text.lower()
-
-
-def _lengths(parts: Sequence[Any], name: str, where: str) -> tuple[float, ...]:
-    return tuple(quantity(part, "length", name, where) for part in parts)
-
-
-def _centre(reader: Reader, holder: Node, shape: str) -> tuple[float, float, float] | None:
+def _centre(reader: Reader, holder: Node, shape: str, centre: tuple[float, ...]) -> tuple[float, ...]:
+    """Return x, y, z of the centre, which a cylinder may give without y; E109."""
     node = holder.get("centre")
-    if node is None:
-        reader.fault("E143", "slip.centre is missing", holder, "Give slip.centre.")
-        return None
-    sure = reader.field(fields_of(Slip)["centre_m"], node)
-    if reader.value(node) is None or len(sure) < len(node.elements):
-        return None
-    if len(sure) == 2 and shape == "cylinder":
-        return sure[0], 0.0, sure[1]
-    if len(sure) != 3:
+    if shape == "cylinder" and len(centre) == 2:
+        return centre[0], 0.0, centre[1]
+    if node is not None and len(centre) == len(node.elements) == 2:
         reader.fault("E109", f"the centre of a {shape} is x, y, z", node)
-        return None
-    return sure[0], sure[1], sure[2]
-
-
-def _radii(reader: Reader, holder: Node, shape: str) -> tuple[float, float, float] | None:
-    own = fields_of(Slip)
-    if shape == "ellipsoid":
-        node = holder.get("radii")
-        if node is None or reader.value(node) is None:
-            return None
-        radii: tuple[float, float, float] = reader.field(own["radii_m"], node)
-        return radii if len(radii) == 3 else None
-    radius = reader.field(own["radius"], holder.get("radius"))
-    half = radius if shape == "sphere" else reader.field(own["length"], holder.get("length"))
-    if radius is None or half is None:
-        return None
-    return radius, half if shape == "sphere" else half / 2.0, radius
+    return centre

@@ -15,19 +15,18 @@ from slopekit.core.onlooker import Clock
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.sheet import Section
 from slopekit.design.parts import Strength
-from slopekit.evidence import WithoutBasal
 from slopekit.extents import WedgeGeometry
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.single_block.closed_forms import (
     MISFITS,
+    NONE,
     Arguments,
     ClosedForms,
     OnArrays,
-    SizesOfMany,
     pressures_and_force,
 )
 from slopekit.kinds.single_block.held_bolts import NEARLY_PARALLEL_DEG
-from slopekit.kinds.single_block.one_block import DILATES, SingleBlock
+from slopekit.kinds.single_block.one_block import SingleBlock
 from slopekit.kinds.single_block.one_block_limit import Cut, find_limit
 from slopekit.kinds.wedge import limits
 from slopekit.kinds.wedge.cutting import cut, design_corners, full_water, shaken, shape_of
@@ -76,8 +75,8 @@ def arguments(design: WedgeDesign) -> Arguments:
 
 
 def _strength_arguments(strengths: Sequence[Strength]) -> Arguments:
-    cohesions: Arguments = {f"cohesion{k}_kpa": own.cohesion_kpa for k, own in enumerate(strengths, 1)}
-    return cohesions | {f"friction{k}_deg": own.friction_angle_deg for k, own in enumerate(strengths, 1)}
+    cohesions: Arguments = {f"cohesion{k}_kpa": strength.cohesion_kpa for k, strength in enumerate(strengths, 1)}
+    return cohesions | {f"friction{k}_deg": strength.friction_angle_deg for k, strength in enumerate(strengths, 1)}
 
 
 def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]]) -> ClosedForms:
@@ -87,34 +86,34 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]])
     ----------
     bolts : east, north and up of the passive ones
     """
-    given = dict(arguments)
-    size, misfit = given.pop("size_misfit"), given.pop("misfit")
-    pressures = [given.pop(name) for name in _PRESSURES if name in given]
-    force = [given.pop(name) for name in ("force_east", "force_north", "force_up")]
-    given |= {
+    columns = dict(arguments)
+    size, misfit = columns.pop("size_misfit"), columns.pop("misfit")
+    pressures = [columns.pop(name) for name in _PRESSURES if name in columns]
+    force = [columns.pop(name) for name in ("force_east", "force_north", "force_up")]
+    columns |= {
         "passive_kn": bolts, "pressures_kpa": () if pressures[0] is None else pressures,
         "force_kn": None if force[0] is None else force,
     }  # fmt: skip
-    if "basal_dip_deg" in given:
+    if "basal_dip_deg" in columns:
         from slopekit.closed_form import basal
 
-        three = basal.basal_wedges(basal.BasalWedgeArrays(**given))
+        three = basal.basal_wedges(basal.BasalWedgeArrays(**columns))
         forces = list(three.normal_kn), list(three.areas_m2[:3])
         return ClosedForms(basal.OUTCOMES, three.outcome, three.factor, *forces).refused(misfit, MISFITS)
-    wedges = hoek_bray_wedges(WedgeArrays(**given))
+    wedges = hoek_bray_wedges(WedgeArrays(**columns))
     forms = ClosedForms(OUTCOMES, wedges.outcome, wedges.factor, list(wedges.normal_kn), list(wedges.areas_m2[:2]))
     return forms.refused(size, limits.CODES).refused(misfit, MISFITS)
 
 
-def _sizes(design: WedgeDesign) -> SizesOfMany | None:
+def _sizes(design: WedgeDesign) -> Mapping[str, Floats]:
     """Of the wedges of a design whose numbers may be arrays; with a basal joint or a crack they are not known."""
     if design.basal is not None or design.crack is not None:
-        return None
+        return {}
     fit = limits.fitted(design)
     columns = {key: getattr(fit.sizes, key) for key in ("volume_m3", "height_m", "face_width_m", "setback_m")}
     if design.limits is not None:
         columns["scale"] = fit.scale
-    return SizesOfMany(columns, limits.LIMITED_BY, fit.by, fit.why)
+    return columns
 
 
 def crack_reach(design: WedgeDesign) -> Floats:
@@ -130,9 +129,11 @@ def crack_reach(design: WedgeDesign) -> Floats:
 
 
 def _also_of_many(design: WedgeDesign, strengths: Sequence[Strength], before: Floats | None) -> ClosedForms:
+    if design.basal is None:
+        return NONE
     from slopekit.kinds.wedge import basal
 
-    return basal.without_basal_of_many(design, strengths, before)
+    return basal.without_basal(design, strengths, before)
 
 
 ON_ARRAYS = OnArrays(
@@ -151,8 +152,7 @@ def closed_form(design: WedgeDesign, made: Cut | None = None) -> ClosedForm:
     """
     if made is None:
         (design_corners if design.basal is None else shape_of)(design)
-    dilates = any(strength.dilation_deg for strength in design.strengths)
-    return replace(ON_ARRAYS.of(design), why_not=DILATES if dilates else "")
+    return ON_ARRAYS.of(design)
 
 
 # -- reading the answer -------------------------------------------------------------------------------
@@ -161,9 +161,9 @@ def closed_form(design: WedgeDesign, made: Cut | None = None) -> ClosedForm:
 def _notices(design: WedgeDesign) -> Iterator[Notice]:
     """What a reader must know of the planes and the water of a wedge."""
     cosine = abs(float(design.joints[0].normal() @ design.joints[1].normal()))
-    apart = math.degrees(math.acos(min(1.0, cosine)))
-    if apart < NEARLY_PARALLEL_DEG:
-        yield Notice("W301", _parallel_note(design, apart))
+    angle_deg = math.degrees(math.acos(min(1.0, cosine)))
+    if angle_deg < NEARLY_PARALLEL_DEG:
+        yield Notice("W301", _parallel_note(design, angle_deg))
     if design.basal is not None:
         from slopekit.kinds.wedge import basal
 
@@ -173,15 +173,15 @@ def _notices(design: WedgeDesign) -> Iterator[Notice]:
         toe, toe + limits.slope_height(design), design.crack.distance_m if design.crack else None
     )
     if (scaled := limits.scaled(design)) is not None and scaled["by"] is not None:
-        places = [
+        points = [
             name for name, has_any in (
                 ("points of forces", any(force.at_m is not None for force in design.forces)),
                 ("heads of bolts", any(bolt.head_m is not None for bolt in design.bolts)),
                 ("the water table or pond", water.has_table),
             ) if has_any
         ]  # fmt: skip
-        if places:
-            yield Notice("W435", f"{', '.join(places)} are taken from the toe of the wedge as its limits of size leave "
+        if points:
+            yield Notice("W435", f"{', '.join(points)} are taken from the toe of the wedge as its limits of size leave "
                          "it, not from the toe of the slope")  # fmt: skip
     if design.crack and water.mode == "pressures" and len(water.pressures_kpa) <= joints and water.crack_fill is None:
         only = "J1 and J2 only (a third" if joints == 2 else "the joints only (a fourth"
@@ -194,23 +194,23 @@ def _notices_in_own_names(design: WedgeDesign, *_: object) -> Iterator[Notice]:
     return (replace(notice, message=design.in_own_names(notice.message)) for notice in _notices(design))
 
 
-def _parallel_note(design: WedgeDesign, apart: float) -> str:
+def _parallel_note(design: WedgeDesign, angle_deg: float) -> str:
     """How far one degree of one joint moves the line of intersection, and what a tenth of one makes of the factor."""
     first, second = design.joints
     normals = second.normal()
     line = np.cross(first.normal(), normals)
-    moved = 0.0
+    swing_deg = 0.0
     for dip, direction in ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)):
-        other = np.cross(Plane(first.dip_deg + dip, first.dip_direction_deg + direction).normal(), normals)
-        sizes = math.sqrt(float(line @ line) * float(other @ other))
+        turned_line = np.cross(Plane(first.dip_deg + dip, first.dip_direction_deg + direction).normal(), normals)
+        sizes = math.sqrt(float(line @ line) * float(turned_line @ turned_line))
         if sizes > 0.0:
-            moved = max(moved, math.degrees(math.acos(min(1.0, abs(float(line @ other)) / sizes))))
+            swing_deg = max(swing_deg, math.degrees(math.acos(min(1.0, abs(float(line @ turned_line)) / sizes))))
     less, more = (_turned_limit(design, turn) for turn in (-_TURN_DEG, _TURN_DEG))
     settled = less > 0.0 and abs(more - less) <= design.analysis.agree_within * less
     ends = " or ".join(f"{factor:.4g}" if factor else "none" for factor in (less, more))
     return (
-        f"J1 and J2 are only {apart:.3g}° apart: one degree on J1 moves the line of intersection by up to {moved:.0f}°"
-        f", and with {_TURN_DEG:g}° less or more dip of J1 the factor of safety is {ends}"
+        f"J1 and J2 are only {angle_deg:.3g}° apart: one degree on J1 moves the line of intersection by up to "
+        f"{swing_deg:.0f}°, and with {_TURN_DEG:g}° less or more dip of J1 the factor of safety is {ends}"
         + ("" if settled else ": it is not settled by the digits of the planes")
     )
 
@@ -218,21 +218,21 @@ def _parallel_note(design: WedgeDesign, apart: float) -> str:
 def _turned_limit(design: WedgeDesign, turn: float) -> float:
     """The limit with the dip of J1 changed by so much (°), 0 without one."""
     first, second = design.joints
-    turned = replace(design, joints=(replace(first, dip_deg=min(max(first.dip_deg + turn, 0.0), 90.0)), second))
+    changed = replace(design, joints=(replace(first, dip_deg=min(max(first.dip_deg + turn, 0.0), 90.0)), second))
     with suppress(GeometryError):
-        return find_limit(cut(turned), Clock()).limit.factor or 0.0
+        return find_limit(cut(changed), Clock()).limit.factor or 0.0
     return 0.0
 
 
 def _slope(design: WedgeDesign, result: Result) -> list[Section]:
     joints, entries, geometry = [], [], result.geometry
     assert isinstance(geometry, WedgeGeometry)
-    for name, own, plane, strength in zip(
+    for name, joint, plane, strength in zip(
         ("J1", "J2"), design.joint_names, design.joints, design.strengths, strict=False
     ):
-        called = name if own == name else f"{name} ({own})"
+        title = name if joint == name else f"{name} ({joint})"
         area = short(geometry.areas_m2[name])
-        joints.append(f"{called} {plane}  {plane.in_words()}  {strength_in_words(strength)}  area {area} m²")
+        joints.append(f"{title} {plane}  {plane.in_words()}  {strength_in_words(strength)}  area {area} m²")
     if design.basal is not None:
         from slopekit.kinds.wedge import basal
 
@@ -276,18 +276,7 @@ _ON_THREE = replace(
 )  # fmt: skip
 
 
-class Wedges(SingleBlock[WedgeDesign]):
-    """The kind of wedges: one above a basal joint is part of a larger one."""
-
-    def without_basal(self, design: WedgeDesign) -> WithoutBasal | None:
-        if design.basal is None:
-            return None
-        from slopekit.kinds.wedge import basal
-
-        return basal.without_basal(design)
-
-
-KIND = Wedges(
+KIND = SingleBlock(
     WedgeDesign, read_wedge, replace(_WORDS, variants={"basal": _ON_THREE}),
     cut, closed_form, _slope, _notices_in_own_names, ON_ARRAYS,
 )  # fmt: skip

@@ -60,10 +60,10 @@ def shape_of(design: WedgeDesign) -> Shape:
         not, E207 the crack does not, E232 the block cannot leave.
     """
     line, crest1, crest2 = _traces(design)
-    around = bounds(design)
-    block = blocks_within(around, 1).block()
+    planes = bounds(design)
+    block = blocks_within(planes, 1).block()
     for joint in (J1, J2):
-        sine = cross(around.outward[joint, 0], around.outward[BASAL, 0])
+        sine = cross(planes.outward[joint, 0], planes.outward[BASAL, 0])
         if math.sqrt(float(sine @ sine)) < SAME_DIRECTION:
             message = f"{plane_names(design)[joint]} is parallel to the basal joint: they cannot both bound a block"
             raise GeometryError([Fault("E440", message, "", "Give the basal joint another orientation.")])
@@ -72,8 +72,8 @@ def shape_of(design: WedgeDesign) -> Shape:
     if (code := forms.names[forms.outcome[0]]).startswith("E"):
         raise GeometryError([_fault(design, code, block)])
     corners = {"toe": np.zeros(3), "basal_J1": basal_at(design)[1][0], "crest_J1": crest1, "crest_J2": crest2}
-    down = line if line[2] < 0.0 else -line
-    return Shape(around, block, down, on_plane(block.faces[J1], around.outward[J2, 0], np.zeros(3)), corners)
+    line_down = line if line[2] < 0.0 else -line
+    return Shape(planes, block, line_down, on_plane(block.faces[J1], planes.outward[J2, 0], np.zeros(3)), corners)
 
 
 def _traces(design: WedgeDesign) -> tuple[Floats, Floats, Floats]:
@@ -118,8 +118,8 @@ def crack_reach(design: WedgeDesign) -> Floats:
     Of one design or of one whose numbers are arrays.
     """
     assert design.crack is not None
-    around, ((first, _, face, upper), _, crest1, _) = bounds(replace(design, crack=None)), crest_geometry(design)
-    corners = blocks_within(around, around.offsets.shape[1]).corners()
+    planes, ((first, _, face, upper), _, crest1, _) = bounds(replace(design, crack=None)), crest_geometry(design)
+    corners = blocks_within(planes, planes.offsets.shape[1]).corners()
     crack = upward(design.crack.plane.dip_deg, design.crack.plane.dip_direction_deg)
     along = dots(crack, trace_behind(first, face, upper))
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -135,8 +135,8 @@ def plane_entry(design: WedgeDesign, area_m2: float, strength: str) -> str:
     """The basal joint as the sheet has it."""
     assert design.basal is not None
     plane, height = design.basal.plane, design.basal.height_m
-    where = f"{abs(height):.4g} m {'above' if height >= 0.0 else 'below'} the toe along J1's trace"
-    return f"basal {plane}  {plane.in_words()}, {where}  {strength}  area {short(area_m2)} m²"
+    place = f"{abs(height):.4g} m {'above' if height >= 0.0 else 'below'} the toe along J1's trace"
+    return f"basal {plane}  {plane.in_words()}, {place}  {strength}  area {short(area_m2)} m²"
 
 
 def line_entry(geometry: WedgeGeometry) -> str:
@@ -157,41 +157,38 @@ def notices(design: WedgeDesign) -> Iterator[Notice]:
         yield Notice("W410", f"a socket wedge: basal.height is {height} m, so it lies under J1 and J2, below the point "
                      "where they and the face meet; what lies above them is not analysed (is "
                      f"{meant} m meant?)")  # fmt: skip
-    elif (whole := without_basal(design)) is not None:
+    elif (closed := without_basal(design, design.joint_strengths, None).of()).status:
+        whole = WithoutBasal(closed.status, closed.factor)
         too = "; acceptance is held against it too" if any(rule.is_least for rule in design.rules) else ""
-        lost = int((~held(bounds(_whole(design)), design.bolts, None)[0]).sum())
-        within = f" and {lost} of {counted(len(design.bolts), 'bolt')} (that end within it, or miss it)" if lost else ""
+        bolts_lost = int((~held(bounds(_whole(design)), design.bolts, None)[0]).sum())
+        without_bolts = (
+            f" and {bolts_lost} of {counted(len(design.bolts), 'bolt')} (that end within it, or miss it)"
+            if bolts_lost
+            else ""
+        )
         yield Notice(
             "W410",
             "the basal joint cuts the toe off the wedge on J1 and J2, and the rock below it is taken to stay; the "
-            f"whole wedge without the basal joint{within}: {whole.in_words()} by the closed form{too}",
+            f"whole wedge without the basal joint{without_bolts}: {whole.in_words()} by the closed form{too}",
         )
-    apart = math.radians(basal.plane.dip_direction_deg - design.face.dip_direction_deg)
-    if basal.plane.dip_deg > 0.0 and math.cos(apart) < -_ACROSS:
-        turned = Plane(basal.plane.dip_deg, opposite(basal.plane.dip_direction_deg))
+    angle = math.radians(basal.plane.dip_direction_deg - design.face.dip_direction_deg)
+    if basal.plane.dip_deg > 0.0 and math.cos(angle) < -_ACROSS:
+        reversed_plane = Plane(basal.plane.dip_deg, opposite(basal.plane.dip_direction_deg))
         yield Notice(
             "W410",
             f"the basal joint ({basal.plane}) dips into the slope: the block does not slide out on it, it would have "
-            f"to climb; is {turned} meant?",
+            f"to climb; is {reversed_plane} meant?",
         )
     if basal.plane.dip_deg == 0.0:
         yield Notice("W410", "the basal joint is level: on it alone nothing drives the block but other loads")
 
 
-def without_basal(design: WedgeDesign) -> WithoutBasal | None:
+def without_basal(design: WedgeDesign, strengths: Sequence[Strength], before: Floats | None) -> ClosedForms:
     """What the wedge on J1 and J2 alone does by its closed form, where the basal joint cuts its toe off.
 
-    The rock below the basal joint is part of it, and no part of the block that is analysed. None where J1 and J2 make
-    no wedge that daylights, or the basal joint leaves its toe.
-    """
-    found = without_basal_of_many(design, design.joint_strengths, None).of()
-    return WithoutBasal(found.status, found.factor) if found.status else None
-
-
-def without_basal_of_many(design: WedgeDesign, strengths: Sequence[Strength], before: Floats | None) -> ClosedForms:
-    """`without_basal` of designs whose numbers may be arrays; "" where there is none.
-
-    What ends within the whole wedge, below the basal joint, moves with it: such bolts do not hold it.
+    The rock below the basal joint is part of it, and no part of the block that is analysed. "" where J1 and J2 make no
+    wedge that daylights, or the basal joint leaves its toe. What ends within the whole wedge, below the basal joint,
+    moves with it: such bolts do not hold it. Of designs whose numbers may be arrays.
 
     Parameters
     ----------

@@ -53,21 +53,21 @@ def shape_of(design: WedgeDesign) -> Shape:
         from slopekit.kinds.wedge import basal
 
         return basal.shape_of(design)
-    (back, crest1, crest2), around = design_corners(design), bounds(design)
-    if np.isnan(around.offsets).any():
+    (back, crest1, crest2), planes = design_corners(design), bounds(design)
+    if np.isnan(planes.offsets).any():
         message = "the crack cuts the wedge in two below its crest: both parts are free to leave the rock"
         raise GeometryError([Fault("E208", message)])
-    block, names = blocks_within(around, 1).block(), plane_names(design)
-    missing = [names[plane] for plane in range(len(around.outward)) if plane not in block.faces]
+    block, names = blocks_within(planes, 1).block(), plane_names(design)
+    missing = [names[plane] for plane in range(len(planes.outward)) if plane not in block.faces]
     if {"J1", "J2", "face"} & set(missing):
         raise GeometryError([Fault("E208", "joints and face bound no wedge: one of them does not reach it")])
     if "crack" in missing:
         raise GeometryError([Fault("E207", "the crack does not bound the wedge between the toe and its back")])
     line = -back / math.sqrt(float(back @ back))
     if design.crack is not None:
-        back = back * float(around.offsets[-1, 0] / (around.outward[-1, 0] @ back))
+        back = back * float(planes.offsets[-1, 0] / (planes.outward[-1, 0] @ back))
     corners = {"toe": np.zeros(3), "back": back, "crest_J1": crest1, "crest_J2": crest2}
-    return Shape(around, block, line, math.sqrt(float(back @ back)), corners)
+    return Shape(planes, block, line, math.sqrt(float(back @ back)), corners)
 
 
 def cut(design: WedgeDesign) -> Cut:
@@ -83,7 +83,7 @@ def cut(design: WedgeDesign) -> Cut:
     stays = [] if design.basal is None else ["the rock below the basal joint (it stays)"]
     return Cut(
         block, acting, lambda refine: bedding.scene(node_pairs(polygons, refine)),
-        [Interface(joint, interfaces[joint], own) for joint, own in zip(joints, design.strengths, strict=True)],
+        [Interface(joint, interfaces[joint], peak) for joint, peak in zip(joints, design.strengths, strict=True)],
         lambda: _geometry(design, shape, interfaces),
         left_out_of_slope(["deformation of the rock", *stays], crack in interfaces, design.strengths),
         interfaces | design.ponded(face, upper), face, shape.bounds, design.refine, origin=np.array(design.origin_m),
@@ -110,7 +110,8 @@ def full_water(slope: "LocalSlope", unit_weight: Any) -> "list[OnFaces]":
 
     planes = slope.interfaces
     faces = slope.faces[planes]
-    normal, offset = slope.normals[1], slope.offsets[1]
+    upper = slope.bounds.free[1]
+    normal, offset = slope.solids.outward[:, upper], slope.solids.offsets[:, upper]
     if slope.crack is not None:
         corners = slope.faces[slope.crack]
         depths = (offset[:, None] - (corners * normal[:, None]).sum(axis=2)) / normal[:, 2:]
@@ -118,10 +119,10 @@ def full_water(slope: "LocalSlope", unit_weight: Any) -> "list[OnFaces]":
         apex = np.take_along_axis(corners, depths.argmax(axis=1)[:, None, None], axis=1)[:, 0]
     else:
         mean = unit_weight * slope.extents[:, 2] / 6.0
-        line = cross(*slope.normals_and_areas[0][[J1, J2]])
+        line = cross(slope.solids.outward[:, J1], slope.solids.outward[:, J2])
         with np.errstate(divide="ignore", invalid="ignore"):
             apex = line * (offset / (line * normal).sum(axis=1))[:, None] / 2.0
-    return [(planes, even(faces, mean) if len(slope.joints) > 2 else pyramid(faces, mean, apex))]
+    return [(planes, even(faces, mean) if len(slope.bounds.joints) > 2 else pyramid(faces, mean, apex))]
 
 
 def shaken(design: WedgeDesign) -> Floats:
@@ -133,9 +134,9 @@ def shaken(design: WedgeDesign) -> Floats:
     return _level(np.where(line[:, 2:] > 0.0, -line, line))
 
 
-def _level(ways: Floats) -> Floats:
+def _level(vectors: Floats) -> Floats:
     """Level unit vectors (n, 3) along others."""
-    level = ways * [1.0, 1.0, 0.0]
+    level = vectors * [1.0, 1.0, 0.0]
     return np.asarray(level / np.sqrt((level * level).sum(axis=1))[:, None])
 
 

@@ -10,8 +10,8 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
-from slopekit.core.orientation import Plane, parse_plane
-from slopekit.core.orientation import number as shown
+from slopekit.core.orientation import Plane
+from slopekit.core.orientation import number as number_text
 from slopekit.core.units import is_unit_of, unit_of
 from slopekit.design import words
 from slopekit.design.fields import (
@@ -31,7 +31,7 @@ from slopekit.design.joints import JOINTS, GivenJoint, joints_of, refinements, s
 from slopekit.design.parts import Strength, Water
 from slopekit.design.reading.nodes import Document, Node, Place, from_python
 from slopekit.design.reading.reader import Reader
-from slopekit.design.reading.structure import check_structure, is_distribution
+from slopekit.design.reading.structure import check_structure, spread
 from slopekit.design.sections import read_common, read_strength, read_water
 from slopekit.kinds.single_block.secants import other_strengths, steeper
 
@@ -67,7 +67,7 @@ class Crack:
         ),
     )
 
-    plane: Plane = orientation("plane", axis="the crack", example="80/180")
+    plane: Plane = orientation("plane", label="crack", axis="the crack", example="80/180")
     distance_m: float = number("distance", "length", above=0.0, code="E120", label="crack distance", example="5 m",
                                 words=("worst",), doc="from the crest along J1's trace; `worst`: where the closed form "
                                 "is lowest")  # fmt: skip
@@ -177,8 +177,12 @@ class WedgeDesign(SlopeDesign):
     @property
     def wet_interfaces(self) -> tuple[str, ...]:
         """The joints, the basal joint and the crack where there are such."""
-        also = [name for name, own in (("basal", self.basal), ("crack", self.crack)) if own is not None]
-        return (*self.joint_names, *also)
+        further = [
+            name
+            for name, part_of_design in (("basal", self.basal), ("crack", self.crack))
+            if part_of_design is not None
+        ]
+        return (*self.joint_names, *further)
 
     def in_own_names(self, sentence: str) -> str:
         """A sentence with the names of the two joints in place of J1 and J2."""
@@ -224,19 +228,19 @@ def read_wedge(reader: Reader) -> WedgeDesign:
         With every fault found.
     """
     joints = joints_of(reader, 2)
-    own = reader.fields(WedgeDesign, only=("face", "upper", "height_m"))
+    values = reader.fields(WedgeDesign, only=("face", "upper", "height_m"))
     nodes = {key: node for key in ("basal", "crack") if (node := reader.at(key)) is not None and node.value is not None}
     basal_node, crack_node = nodes.get("basal"), nodes.get("crack")
     basal, under = _basal(reader, basal_node, [joint.name for joint in joints])
     strengths = strengths_of(reader, [*joints, *under]) if joints else _without_joints(reader, len(under))
     crack = None if crack_node is None else _crack(reader, crack_node)
     names = tuple(joint.name for joint in joints) or ("J1", "J2")
-    own |= reader.fields(WedgeDesign, only=(*SlopeDesign.ACTIONS, "refine", "origin_m"))
+    values |= reader.fields(WedgeDesign, only=(*SlopeDesign.ACTIONS, "refine", "origin_m"))
     water = _water(reader, crack_node, [*names, *nodes], 2 if basal_node is None else 3)
     common = read_common(reader)
-    sound = tuple(one or Strength(0.0, 0.0) for one in strengths)
+    sound = tuple(strength or Strength(0.0, 0.0) for strength in strengths)
     design: WedgeDesign = reader.made(
-        WedgeDesign, own, common, joints=tuple(joint.plane for joint in joints), joint_names=names, crack=crack,
+        WedgeDesign, values, common, joints=tuple(joint.plane for joint in joints), joint_names=names, crack=crack,
         water=water, basal=basal, limits=_limits(reader, names, tuple(nodes)), strengths=sound,
     )  # fmt: skip
     if crack is None or crack_node is None or not math.isinf(crack.distance_m):
@@ -258,56 +262,36 @@ def _basal(reader: Reader, node: Node | None, names: Sequence[str]) -> tuple[Bas
         message = f"basal is {node.text}, it is a group of keys"
         reader.fault("E447", message, node, "Write basal: {plane: 20/180, height: 5 m}.")
         return None, [GivenJoint("basal", None, None, node, {})]
-    own = reader.fields(Basal, node)
+    values = reader.fields(Basal, node)
     for key in ("plane", "height"):
-        given = node.get(key)
-        if given is None or given.value is None:
+        below = node.get(key)
+        if below is None or below.value is None:
             reader.fault("E447", f"basal.{key} is missing", node, "Write basal: {plane: 20/180, height: 5 m}.")
-    joint = GivenJoint("basal", own["plane"], node.get("strength"), node, {})
-    return (None if None in own.values() else Basal(**own)), [joint]
+    joint = GivenJoint("basal", values["plane"], node.get("strength"), node, {})
+    return (None if None in values.values() else Basal(**values)), [joint]
 
 
-def _limits(reader: Reader, names: Sequence[str], also: Sequence[str]) -> SizeLimits | None:
+def _limits(reader: Reader, names: Sequence[str], bounding: Sequence[str]) -> SizeLimits | None:
     """Limits of size: E116 a limit that is none, E197 of no joint, E112 beside what bounds the wedge, E126 a word."""
     node = reader.at("limits")
     if node is None or not node.is_mapping or not node.items():
         return None
-    if also:
-        message = f"limits of size and {' and '.join(also)}: a wedge that keeps its shape cannot have both"
+    if bounding:
+        message = f"limits of size and {' and '.join(bounding)}: a wedge that keeps its shape cannot have both"
         reader.fault("E112", message, node, "Leave limits out: the height, basal joint and crack bound the wedge.")
-    own = reader.fields(SizeLimits, node)
+    values = reader.fields(SizeLimits, node)
     fields = fields_of(SizeLimits)
     for key in ("trace_length_m", "persistence_m"):
-        own[key] = _of_joints(reader, fields[key], node.get(fields[key].path), names)
-    least, most = own["min_volume_m3"], own["max_volume_m3"]
+        numbers = reader.each(fields[key], node.get(fields[key].path), names)
+        numbers *= len(names) if len(numbers) == 1 else 1
+        values[key] = (*numbers, *[None] * (len(names) - len(numbers))) if numbers else ()
+    least, most = values["min_volume_m3"], values["max_volume_m3"]
     if least is not None and most is not None and least > most:
-        message = f"min_volume is {shown(least)} m³, more than max_volume {shown(most)} m³: nothing would be left"
+        message = (
+            f"min_volume is {number_text(least)} m³, more than max_volume {number_text(most)} m³: nothing would be left"
+        )
         reader.fault("E116", message, node.get("min_volume"))
-    return SizeLimits(**own)
-
-
-def _of_joints(reader: Reader, field: Field, node: Node | None, names: Sequence[str]) -> tuple[float | None, ...]:
-    """A number for both joints, or one for each by name or in a list."""
-    if node is None or node.value is None:
-        return ()
-    if node.is_mapping and not is_distribution(node):
-        given: dict[str, float | None] = {}
-        for name, below in node.items():
-            if name not in names:
-                reader.fault("E197", f"{field.in_words} of {name}: there is no such joint", below,
-                             reader.nearest(name, names))  # fmt: skip
-            elif below.value is not None:
-                given[name] = reader.number(field, below, f"{field.in_words} of {name}")
-        return tuple(given.get(name) for name in names)
-    if isinstance(node.value, list):
-        if len(node.elements) > len(names):
-            message = f"{len(node.elements)} values of {field.in_words}, there are {len(names)} joints"
-            reader.fault("E197", message, node)
-            return ()
-        each = [reader.number(field, below, f"{field.in_words} of {name}")
-                for name, below in zip(names, node.elements, strict=False)]  # fmt: skip
-        return (*each, *[None] * (len(names) - len(each)))
-    return (reader.number(field, node),) * len(names)
+    return SizeLimits(**values)
 
 
 def _without_joints(reader: Reader, under: int) -> list[Strength | None]:
@@ -318,30 +302,17 @@ def _without_joints(reader: Reader, under: int) -> list[Strength | None]:
 
 
 def _crack(reader: Reader, node: Node) -> Crack | None:
-    value = reader.value(node)
-    if isinstance(value, dict):
-        value.pop("water", None)  # read apart
-        if None in value.values():
-            return None
-    return None if value is None else reader.kept(crack_of_words, value, str(node.place))
-
-
-def crack_of_words(value: object, where: str) -> Crack:
-    if isinstance(value, str) and "@" in value:
-        plane, _, distance = value.partition("@")
-        given: dict[str, object] = {"plane": plane, "distance": distance}
-    elif isinstance(value, dict) and value.keys() == {"plane", "distance"}:
-        given = value
-    else:
-        raise DesignError([Fault("E120", f"crack is {words.shown(value)}, it is written 80/180@5m", where)])
-    faults, away = Faults(), math.inf  # looked for once the wedge is known
-    with faults.kept():
-        orientation = parse_plane(given["plane"], "crack", where)
-    with faults.kept():
-        if str(given["distance"]).strip() != WORST:
-            away = words.above_zero(given["distance"], "length", "crack distance", "E120", where)
-    faults.refuse()
-    return Crack(orientation, away)
+    """The tension crack by its keys, or in a call as 80/180@5m; infinitely far where its worst place is asked for."""
+    keys = spread(node, "crack")
+    if not reader.is_sound(node):
+        return None
+    if not keys.is_mapping:
+        reader.fault("E120", f"crack is {words.shown(reader.written(node))}, it is written 80/180@5m", node)
+        return None
+    values, distance = reader.fields(Crack, keys), keys.get("distance")
+    if distance is not None and distance.text == WORST:
+        values["distance_m"] = math.inf  # looked for once the wedge is known
+    return None if None in values.values() else Crack(**values)
 
 
 def _water(reader: Reader, crack: Node | None, order: Sequence[str], joints: int) -> Water:
@@ -357,13 +328,13 @@ def _water(reader: Reader, crack: Node | None, order: Sequence[str], joints: int
             message = "the crack's water and a water table both say how full it is"
             reader.fault("E112", message, node, "Keep one of them.")
         return table
-    water, at = read_water(reader, order, joints)
+    water, place = read_water(reader, order, joints)
     if node is None or node.value is None:
         return water
     if reader.is_sound(node) and is_unit_of(unit_of(reader.value(node)), "length"):
         if water != Water():
             message = f"the crack's water is {node.text}, which wets the joints, and water says another thing"
-            reader.fault("E112", message, at, "Keep one of them.")
+            reader.fault("E112", message, place, "Keep one of them.")
         return Water(crack_water_m=reader.number(_DEPTH_OF_WATER, node))
     value, on_joints = reader.value(node), water.pressures_kpa
     is_pressure = is_unit_of(unit_of(value), "pressure")
@@ -372,8 +343,8 @@ def _water(reader: Reader, crack: Node | None, order: Sequence[str], joints: int
         reader.fault("E112", f"the crack's water is {node.text}, and water says another thing", node, advice)
         return Water()
     if is_pressure:
-        own = reader.number(fields_of(Water)["pressures_kpa"], node, "water pressure")
-        each = (*on_joints, *[0.0] * (joints - len(on_joints)), own or 0.0)
+        pressure = reader.number(fields_of(Water)["pressures_kpa"], node, "water pressure")
+        each = (*on_joints, *[0.0] * (joints - len(on_joints)), pressure or 0.0)
         return Water("pressures", 0.0, each) if any(each) else Water()
     return water if value is None else replace(water, crack_fill=reader.kept(words.fill, value, str(node.place)))
 
@@ -396,12 +367,12 @@ _KNOWN = ("dips", "basal", "limits", *_OF_JOINTS, *_STIFFNESS, *_PATHS)
 _LISTS = ("forces", "bolts", "factors", "accept")
 
 
-def wedge_design(given: Mapping[str, Any], option: Callable[[str], str] = lambda key: f"{key} =") -> WedgeDesign:
+def wedge_design(inputs: Mapping[str, Any], option: Callable[[str], str] = lambda key: f"{key} =") -> WedgeDesign:
     """Check and convert the inputs of one wedge.
 
     Parameters
     ----------
-    given : what the user gave, by the Python names of `slopekit.wedge`; None means not given
+    inputs : what the user gave, by the Python names of `slopekit.wedge`; None means not given
     option : how a key is called where the user wrote it (`--dips` on the command line)
 
     Raises
@@ -410,20 +381,21 @@ def wedge_design(given: Mapping[str, Any], option: Callable[[str], str] = lambda
         With every fault found, not only the first.
     """
     faults: list[Fault] = []
-    tree: dict[str, Any] = {}
+    nowhere = Place("", 0, 0, "")
+    keys: dict[str, Any] = {}
 
     def put(path: str, node: Node) -> None:
-        *above, last = path.split(".")
-        holder = tree
-        for part in above:
-            holder = holder.setdefault(part, {})
-        holder[last] = node
+        *groups, key = path.split(".")
+        holder = keys
+        for depth, name in enumerate(groups, 1):
+            holder = holder.setdefault(name, Node({}, nowhere, ".".join(groups[:depth]), nowhere)).value
+        holder[key] = node
 
-    def node(key: str, value: Any, shown: Any = None) -> Node:
-        place = Place("", 0, 0, f"{option(key)} {words.shown(value if shown is None else shown)}")
+    def node(key: str, value: Any, number_text: Any = None) -> Node:
+        place = Place("", 0, 0, f"{option(key)} {words.shown(value if number_text is None else number_text)}")
         return from_python(value, key, lambda _path, _value: place, faults)
 
-    values = {key: _plain(value) for key, value in given.items() if value is not None}
+    values = {key: _plain(value) for key, value in inputs.items() if value is not None}
     for key in values:
         if key not in _KNOWN:
             advice = did_you_mean(key, _KNOWN, f"Known: {', '.join(_KNOWN)}.")
@@ -432,15 +404,21 @@ def wedge_design(given: Mapping[str, Any], option: Callable[[str], str] = lambda
         put(f"joints.{name}.plane", node("dips", plane))
         put(f"joints.{name}.strength", node("dips", name))
     names = ["J1", "J2"]
-    for key, part in _basal_parts(values.get("basal"), option, faults).items():
-        put(f"basal.{key}", node("basal", part, values["basal"]))
-        put("basal.strength", node("basal", "basal"))
-        names = ["J1", "J2", "basal"]
-    for key, part in _limit_parts(values.get("limits"), option, faults).items():
-        put(f"limits.{key}", node("limits", part, f"{key}={','.join(part) if isinstance(part, list) else part}"))
+    if "basal" in values:
+        basal = spread(node("basal", values["basal"]))
+        if basal.is_mapping:
+            names.append("basal")
+            put("basal", basal)
+            put("basal.strength", node("basal", "basal"))
+        else:
+            advice = "The height is that over the toe, where it meets J1's trace on the face."
+            message = f"basal is {words.shown(values['basal'])}, it is written 20/180@5m"
+            faults.append(Fault("E447", message, str(basal.place), advice))
+    for key, entry in _limit_parts(values.get("limits"), option, faults).items():
+        put(f"limits.{key}", node("limits", entry, f"{key}={','.join(entry) if isinstance(entry, list) else entry}"))
     for key in _OF_JOINTS:
-        for name, part in zip(names, _each(key, values.get(key), option, faults, len(names)), strict=False):
-            put(f"strength.{name}.{key}", part if isinstance(part, Node) else node(key, part, values[key]))
+        for name, entry in zip(names, _each(key, values.get(key), option, faults, len(names)), strict=False):
+            put(f"strength.{name}.{key}", entry if isinstance(entry, Node) else node(key, entry, values[key]))
     for key, path in _STIFFNESS.items():
         for name in names if key in values else ():
             put(f"strength.{name}.stiffness.{path}", node(key, values[key]))
@@ -449,46 +427,44 @@ def wedge_design(given: Mapping[str, Any], option: Callable[[str], str] = lambda
         if value is None:
             continue
         if key in _LISTS:
-            one = isinstance(value, str | Mapping) or (key == "forces" and words.is_point(value))
-            items = [value] if one or not isinstance(value, Sequence) else value
+            is_single = isinstance(value, str | Mapping) or (key == "forces" and words.is_point(value))
+            items = [value] if is_single or not isinstance(value, Sequence) else value
             put(path, replace(node(key, ""), value=[node(key, item) for item in items]))
         else:
             put(path, node(key, value))
-    root = _nested(tree, Place("", 0, 0, ""))
-    _check_mappings({key: value for key, value in values.items() if isinstance(value, Mapping)}, root, option, faults)
+    root = Node(keys, nowhere, "", nowhere)
+    _check_mappings(values, root, option, faults)
     reader = Reader(Document(root, "call", option=option), WedgeDesign)
     reader.faults += faults
     return read_wedge(reader)
 
 
 def _check_mappings(
-    mappings: Mapping[str, Any], root: Node, option: Callable[[str], str], faults: Sequence[Fault]
+    values: Mapping[str, Any], root: Node, option: Callable[[str], str], faults: Sequence[Fault]
 ) -> None:
-    """Refuse a mapping with a key that means nothing, or without one that it needs; `faults` are said with those."""
+    """Refuse a mapping with a key that means nothing, or without one that it needs; `faults` are said with those.
+
+    Mappings are values, or stand in a list of them, as bolts do.
+    """
+    mappings = {
+        f"{option(key)} {words.shown(item)}": (key, item)
+        for key, value in values.items()
+        for item in (value if isinstance(value, list | tuple) else [value])
+        if isinstance(item, Mapping)
+    }
     if not mappings:
         return
-    places = {key: f"{option(key)} {words.shown(value)}" for key, value in mappings.items()}
     wrong = Faults(faults)
     wrong += [
-        fault
-        for fault in check_structure(root, record_spec(WedgeDesign, ()), "wedge")
-        if fault.where in places.values()
+        fault for fault in check_structure(root, record_spec(WedgeDesign, ()), "wedge") if fault.where in mappings
     ]
-    seismic = mappings.get("seismic")
-    if seismic is not None and seismic.get("k") is None:
-        wrong.append(Fault("E143", "seismic.k is missing", places["seismic"], "Add k: 0.1"))
-    if mappings.get("shear_stiffness") == {}:
-        wrong.append(Fault("E144", "shear_stiffness is empty, a value is needed", places["shear_stiffness"]))
+    for place, (key, mapping) in mappings.items():
+        if key == "seismic" and mapping.get("k") is None:
+            wrong.append(Fault("E143", "seismic.k is missing", place, "Add k: 0.1"))
+        if key == "shear_stiffness" and not mapping:
+            wrong.append(Fault("E144", "shear_stiffness is empty, a value is needed", place))
     if wrong:
         raise DesignError(dict.fromkeys(wrong))
-
-
-def _nested(tree: Mapping[str, Any], place: Place, path: str = "") -> Node:
-    below = {
-        key: value if isinstance(value, Node) else _nested(value, place, f"{path}.{key}" if path else key)
-        for key, value in tree.items()
-    }  # fmt: skip
-    return Node(below, place, path, place)
 
 
 def _plain(value: Any) -> Any:
@@ -507,20 +483,6 @@ def _both_joints(dips: Any, option: Callable[[str], str], faults: list[Fault]) -
     return dips
 
 
-def _basal_parts(value: Any, option: Callable[[str], str], faults: list[Fault]) -> Mapping[str, Any]:
-    """Plane and height of a basal joint as it is written in a call: 20/180@5m."""
-    if isinstance(value, str) and value.count("@") == 1:
-        plane, _, height = value.partition("@")
-        return {"plane": plane.strip(), "height": height.strip()}
-    if isinstance(value, Mapping) and value.keys() == {"plane", "height"}:
-        return value
-    if value is not None:
-        message = f"basal is {words.shown(value)}, it is written 20/180@5m"
-        advice = "The height is that over the toe, where it meets J1's trace on the face."
-        faults.append(Fault("E447", message, f"{option('basal')} {words.shown(value)}", advice))
-    return {}
-
-
 def _limit_parts(value: Any, option: Callable[[str], str], faults: list[Fault]) -> Mapping[str, Any]:
     """Limits of size by their keys: a mapping, or texts as bench_width=6m."""
     texts = [value] if isinstance(value, str) else value
@@ -528,18 +490,18 @@ def _limit_parts(value: Any, option: Callable[[str], str], faults: list[Fault]) 
         return {}
     limits: dict[str, Any] = {}
     if isinstance(value, Mapping):
-        limits = {str(key): part for key, part in value.items() if part is not None}
-    elif isinstance(texts, Sequence) and all(isinstance(one, str) and "=" in one for one in texts):
-        for one in texts:
-            key, _, part = (piece.strip() for piece in one.partition("="))
-            limits[key.replace("-", "_")] = re.split(r"\s*,\s*", part) if "," in part else part
+        limits = {str(key): entry for key, entry in value.items() if entry is not None}
+    elif isinstance(texts, Sequence) and all(isinstance(text, str) and "=" in text for text in texts):
+        for text in texts:
+            key, _, entry = (piece.strip() for piece in text.partition("="))
+            limits[key.replace("-", "_")] = re.split(r"\s*,\s*", entry) if "," in entry else entry
     else:
         advice = 'Write bench_width=6m, in Python {"bench_width": 6}.'
         message = f"limits of size are {words.shown(value)}, each is a key and a value"
         faults.append(Fault("E142", message, f"{option('limits')} {words.shown(value)}", advice))
-    known = [field.path for field in fields_of(SizeLimits).values()]
-    for key in [key for key in limits if key not in known]:
-        advice = did_you_mean(key, known, f"Known: {', '.join(known)}.")
+    keys = [field.path for field in fields_of(SizeLimits).values()]
+    for key in [key for key in limits if key not in keys]:
+        advice = did_you_mean(key, keys, f"Known: {', '.join(keys)}.")
         faults.append(
             Fault("E142", f"{key} is no limit of size", f"{option('limits')} {key}={limits.pop(key)}", advice)
         )
@@ -552,15 +514,17 @@ def _each(
     """One value for all joints, or one for each."""
     if value is None:
         return ()
-    parts = re.split(r"\s*,\s*", value.strip()) if isinstance(value, str) else value
-    parts = list(parts) if isinstance(parts, Sequence) and not isinstance(parts, str) else [parts]
-    if len(parts) == 1 or (len(parts) == joints and all(part == parts[0] for part in parts)):
+    entries = re.split(r"\s*,\s*", value.strip()) if isinstance(value, str) else value
+    entries = list(entries) if isinstance(entries, Sequence) and not isinstance(entries, str) else [entries]
+    if len(entries) == 1 or (len(entries) == joints and all(entry == entries[0] for entry in entries)):
         place = Place("", 0, 0, f"{option(key)} {words.shown(value)}")
-        same = from_python(parts[0], key, lambda _path, _value: place, faults)
-        return [same] * joints  # the same node: what is wrong with it is said once
-    if len(parts) != joints:
-        has = "two joints: give one value or two" if joints == 2 else "three joints: give one value or three"
-        message = f"{key} has {len(parts)} values, a wedge {'has' if joints == 2 else 'with a basal joint has'} {has}"
+        shared = from_python(entries[0], key, lambda _path, _value: place, faults)
+        return [shared] * joints  # the same node: what is wrong with it is said once
+    if len(entries) != joints:
+        expected = "two joints: give one value or two" if joints == 2 else "three joints: give one value or three"
+        message = (
+            f"{key} has {len(entries)} values, a wedge {'has' if joints == 2 else 'with a basal joint has'} {expected}"
+        )
         faults.append(Fault("E109", message, f"{option(key)} {words.shown(value)}"))
         return ()
-    return parts
+    return entries

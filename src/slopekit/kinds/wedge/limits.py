@@ -17,6 +17,7 @@ from slopekit.closed_form.sizes import WedgeSizes, wedge_sizes
 from slopekit.core.arrays import Floats, NDArray
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.orientation import number
+from slopekit.design.fields import fields_of
 from slopekit.kinds.words import short, size_number
 
 #: What made a wedge smaller.
@@ -52,7 +53,7 @@ def fitted(design: Any) -> Fitted:
     if limits is not None:
         numbers += [*limits.trace_length_m, *limits.persistence_m, limits.slope_length_m, limits.bench_width_m,
                     limits.max_volume_m3, limits.min_volume_m3]  # fmt: skip
-    count = max(np.size(one) for one in numbers)
+    count = max(np.size(number_of_rows) for number_of_rows in numbers)
     heights = np.broadcast_to(np.asarray(design.height_m, dtype=np.float64), count)
     return within(limits, wedge_sizes(**angles, height_m=heights))
 
@@ -84,10 +85,10 @@ def within(limits: Any, sizes: WedgeSizes) -> Fitted:
         (limits.max_volume_m3, sizes.volume_m3, 5),
     )  # fmt: skip
     with np.errstate(divide="ignore", invalid="ignore"):
-        for limit, own, kind in whole:
+        for limit, size, kind in whole:
             if limit is None:
                 continue
-            factor = np.asarray(limit, dtype=np.float64) / own
+            factor = np.asarray(limit, dtype=np.float64) / size
             factor = np.cbrt(factor) if kind == LIMITED_BY.index("max volume") else factor
             less = factor < scale * (1.0 - _SAME)
             scale, by = np.where(less, factor, scale), np.where(less, np.int8(kind), by)
@@ -139,19 +140,18 @@ def in_words(design: Any) -> list[str]:
 
 def limits_in_words(design: Any) -> str:
     """The limits of a design."""
-    limits, parts = design.limits, []
+    limits, texts = design.limits, []
     for name, values in (("trace length", limits.trace_length_m), ("persistence", limits.persistence_m)):
-        known = [(joint, value) for joint, value in zip(design.joint_names, values, strict=False) if value is not None]
-        if known and len({value for _, value in known}) == 1 and len(known) == 2:
-            parts.append(f"{name} {number(known[0][1])} m")
-        elif known:
-            parts.append(f"{name} {', '.join(f'{joint} {number(value)} m' for joint, value in known)}")
-    for name, value, unit in (
-        ("slope length", limits.slope_length_m, "m"), ("bench width", limits.bench_width_m, "m"),
-        ("max volume", limits.max_volume_m3, "m³"), ("min volume", limits.min_volume_m3, "m³"),
-    ):  # fmt: skip
-        parts += [] if value is None else [f"{name} {number(value)} {unit}"]
-    return ", ".join(parts) + (": larger ones are left out" if limits.by == "filter" else "")
+        stated = [(joint, value) for joint, value in zip(design.joint_names, values, strict=False) if value is not None]
+        if stated and len({value for _, value in stated}) == 1 and len(stated) == 2:
+            texts.append(f"{name} {number(stated[0][1])} m")
+        elif stated:
+            texts.append(f"{name} {', '.join(f'{joint} {number(value)} m' for joint, value in stated)}")
+    for name, field in fields_of(type(limits)).items():
+        value = getattr(limits, name)
+        if field.is_number and not field.shape.each and value is not None:
+            texts.append(f"{field.in_words} {number(value)} {field.unit}")
+    return ", ".join(texts) + (": larger ones are left out" if limits.by == "filter" else "")
 
 
 def _fault(design: Any, fit: Fitted) -> Fault:

@@ -69,8 +69,8 @@ def bounds(design: WedgeDesign) -> Bounds:
         outward = [-sides[0][:, None] * first, -sides[1][:, None] * second]
         offsets: list[Any] = [0.0, 0.0]
         if design.basal is not None:
-            under, at = basal_at(design)
-            outward, offsets = [*outward, -under], [*offsets, -dots(under, at)]
+            basal_normal, on_trace = basal_at(design)
+            outward, offsets = [*outward, -basal_normal], [*offsets, -dots(basal_normal, on_trace)]
         outward, offsets = [*outward, face, upper], [*offsets, 0.0, offset]
         if design.crack is not None:
             crack = upward(design.crack.plane.dip_deg, design.crack.plane.dip_direction_deg)
@@ -81,8 +81,8 @@ def bounds(design: WedgeDesign) -> Bounds:
                 behind = [sign * dots(crack, crest) / place > 1.0 + _ON for crest in (crest1, crest2)]
                 place = np.where(behind[0] | behind[1], np.nan, place)
             outward, offsets = [*outward, sign[:, None] * crack], [*offsets, place]
-    far = (back,) if design.basal is None else (crest1, crest2)
-    size = np.sqrt(np.max([dots(corner, corner) for corner in far], axis=0))
+    corners = (back,) if design.basal is None else (crest1, crest2)
+    size = np.sqrt(np.max(np.broadcast_arrays(*(dots(corner, corner) for corner in corners)), axis=0))
     origin = np.array(design.origin_m)
     return bounds_of(outward, offsets, origin, tuple(range(joints)), (joints, joints + 1), size)
 
@@ -94,7 +94,7 @@ def trace_behind(joint: Floats, face: Floats, upper: Floats) -> Floats:
     return unit
 
 
-def dots(one: Floats, other: Floats) -> Floats:
+def dots(first: Floats, second: Floats) -> Floats:
     """The products (n,) of vectors (n, 3)."""
-    products: Floats = (one * other).sum(axis=-1)
+    products: Floats = (first * second).sum(axis=-1)
     return products

@@ -1,4 +1,4 @@
-"""The limit of the elastic path: the factor of safety of many blocks (METHOD-3.md §13).
+"""The limit of the elastic path: the factor of safety of many blocks (docs/theory/many-blocks.md).
 
 Joints are elastic without tension (`elastic_path.bed`). Gravity comes on at a strength well above the static bound,
 then

@@ -239,7 +239,7 @@ def _without_strength(model: AssemblyModel, bound: StaticBound) -> BlocksLimit:
     )
 
 
-def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[PathLimit, BlocksLimit]:
+def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> BlocksLimit:
     """Return the multiplier of a load (n, u), on top of the model's own, at which its strength times λ just holds.
 
     The limit of the elastic path in the load: its own loads come on first, then the ramp. The limit that is returned
@@ -254,10 +254,12 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
         except WorkSpentError:
             none = np.zeros(bed.size)
             path_end = result_of(bed, PathOutcome.GAVE_UP, None, None, none, none, bed.forces(none, first))
+    outcomes = {PathOutcome.STANDS: Outcome.NO_DRIVING_FORCE, PathOutcome.NO_REST: Outcome.NO_REST}
+    outcome = outcomes.get(path_end.outcome, Outcome.SLIDES if path_end.parameter else Outcome.NOT_CONVERGED)
     basis = {PathOutcome.LIMIT: Basis.LIMIT, PathOutcome.SETTLED: Basis.SETTLED}.get(path_end.outcome, Basis.PEAK)
-    return path_end, BlocksLimit(
-        Outcome.SLIDES, 1.0 / reduction, basis, 0.0, frozen(path_end.motion.reshape(model.load.shape)),
-        frozen(path_end.normal), frozen(path_end.friction), frozen(path_end.bond),
+    return BlocksLimit(
+        outcome, 1.0 / reduction, basis, 0.0, frozen(path_end.motion.reshape(model.load.shape)),
+        frozen(path_end.normal), frozen(path_end.friction), frozen(path_end.bond), multiplier=path_end.parameter,
         steps=path_end.factorisations,
     )  # fmt: skip
 

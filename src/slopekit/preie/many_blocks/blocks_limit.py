@@ -60,6 +60,7 @@ class BlocksLimit(LimitSearch):
         blocks at any friction; lowest, highest : the range of the mechanism's factors, the
         lowest no more than the factor that finer node pairs gave before their motion had settled, and, where they
         crept to no exact limit state, than the factor at 30 elastic displacements
+    multiplier : of the load that grows at the limit, where that was looked for
     tips : the part of the loads beside weight and water at which the blocks tip at that factor and any lower one, in a
         motion that slips nowhere; None where no such motion was found
     """
@@ -77,6 +78,7 @@ class BlocksLimit(LimitSearch):
     highest: float | None = None
     tips: tuple[float, float] | None = None
     locked: bool = False
+    multiplier: float | None = None
 
 
 class Proposal(Protocol):

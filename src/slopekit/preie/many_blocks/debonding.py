@@ -1,7 +1,7 @@
 """Progressive slip and debonding: the limit of blocks whose slip stays, and whose contacts stay open once they opened.
 
 Gravity comes on while the joints stick. The strength falls step by step; at each rest joints keep the slip beyond their
-elastic one, and cohesive contacts that nothing presses have lost their cohesion from there on (METHOD-4 §16).
+elastic one, and cohesive contacts that nothing presses have lost their cohesion from there on (docs/method.md).
 """
 
 import math

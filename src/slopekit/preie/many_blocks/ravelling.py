@@ -8,11 +8,11 @@ Mechanisms lighter than a given weight are chips: they are taken away first, and
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import takewhile
-from operator import attrgetter, itemgetter
+from operator import attrgetter
 
 import numpy as np
 from scipy import sparse
@@ -20,7 +20,6 @@ from scipy import sparse
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.geometry.patches import Assembly
 from slopekit.loads import AssemblyLoads, drained, without_anchors_of
-from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome
 from slopekit.preie.many_blocks.blocks import limit_of_blocks, load_limit, with_range
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
 from slopekit.preie.many_blocks.groups import Groups
@@ -32,7 +31,9 @@ from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.components import WholeAssembly, block_sizes, components, model_of
 from slopekit.preie.system.contact import SHEAR_TO_NORMAL
 from slopekit.preie.system.model import JointStrength
-from slopekit.preie.tolerances import MESH_CHANGE, MOVES, SAME_FACTOR, SAME_LIMIT, TINY, TWISTS
+from slopekit.preie.tolerances import MESH_CHANGE, MOVES, RESTS_NEAR, SAME_FACTOR, SAME_LIMIT, TINY, TWISTS
+
+ModelPatch = tuple[AssemblyModel, Ints]  # of a component, and the assembly's patch of each of its contacts
 
 _LARGE = 24  # blocks in space: fewer are one path
 _MOST_SPLIT, _MOST_PAIRS = 3, 6000  # of contacts: splits, and node pairs
@@ -70,7 +71,7 @@ class Part:
             return 0.0
         if self.limit.outcome is Outcome.NO_DRIVING_FORCE or self.limit.factor is None:
             return math.inf
-        return self.limit.factor
+        return self.limit.multiplier or self.limit.factor
 
 
 @dataclass(frozen=True)
@@ -158,16 +159,16 @@ def ravel(
 
 def _ravel(scene: WholeAssembly, count: int, lightest: float) -> Ravelling:
     assembly, size = scene.assembly, block_sizes(scene.assembly)
-    there = ~assembly.fixed
+    present = ~assembly.fixed
     with work_limit.allowed(work_limit.MOST):
-        parts = list(_solved(scene, there, np.flatnonzero(there)))
+        parts = list(_solved(scene, present, np.flatnonzero(present)))
     first = parts
     sequence: list[Failure] = []
     found = 0
     ended = "count"
     while True:
         with work_limit.allowed(work_limit.MOST):
-            parts = _refined(scene, there, parts)
+            parts = _refined(scene, present, parts, _by_strength)
         rank = min((part.rank for part in parts), default=math.inf)
         if not found:
             first = parts
@@ -176,7 +177,7 @@ def _ravel(scene: WholeAssembly, count: int, lightest: float) -> Ravelling:
             break
         together = [part for part in parts if part.rank <= rank + abs(rank) * SAME_LIMIT]
         left = [part for part in parts if part.rank > rank + abs(rank) * SAME_LIMIT]
-        slides = _sliding_alone(scene, there, parts, rank)
+        slides = _sliding_alone(scene, present, parts, rank)
         if slides is not None:
             number, alone = slides
             together, left = [alone], [part for k, part in enumerate(parts) if k != number]
@@ -188,6 +189,8 @@ def _ravel(scene: WholeAssembly, count: int, lightest: float) -> Ravelling:
         elif slides is None:
             with work_limit.allowed(work_limit.MOST):
                 together = [_ranged(scene, part) for part in together]
+        if not is_chip:
+            together = [_with_lowest_alone(scene, present, part, lightest) for part in together]
         moved = [_moving(part, size) for part in together]
         blocks = np.concatenate([fallen for fallen, _ in moved])
         motion = np.concatenate([motion for _, motion in moved])
@@ -198,20 +201,20 @@ def _ravel(scene: WholeAssembly, count: int, lightest: float) -> Ravelling:
         if not found and not is_chip:
             first = [*together, *left]
         found += not is_chip
-        there[blocks] = False
-        freed = _let_go(scene.loads, there, assembly.fixed)
-        scene = _drained(scene, there)
+        present[blocks] = False
+        freed = _let_go(scene.loads, present, assembly.fixed)
+        scene = _drained(scene, present)
         if found == count:
             break
         again = [part for part in left if freed[part.blocks].any()]
         left = [part for part in left if not freed[part.blocks].any()]
         with work_limit.allowed(work_limit.MOST):
             for part in again:
-                left += _solved(scene, there, part.blocks)
+                left += _solved(scene, present, part.blocks)
             for part in together:
-                left += _solved(scene, there, part.blocks[there[part.blocks]])
+                left += _solved(scene, present, part.blocks[present[part.blocks]])
         parts = left
-    return Ravelling(tuple(sequence), tuple(replace(part, groups=None) for part in first), there, ended)
+    return Ravelling(tuple(sequence), tuple(replace(part, groups=None) for part in first), present, ended)
 
 
 def _is_chip(scene: WholeAssembly, part: Part, size: Floats, lightest: float) -> bool:
@@ -221,18 +224,20 @@ def _is_chip(scene: WholeAssembly, part: Part, size: Floats, lightest: float) ->
     return known and float(scene.loads.weights[blocks].sum()) < lightest
 
 
-def _sliding_alone(scene: WholeAssembly, there: Bools, parts: Sequence[Part], limit: float) -> tuple[int, Part] | None:
+def _sliding_alone(
+    scene: WholeAssembly, present: Bools, parts: Sequence[Part], limit: float
+) -> tuple[int, Part] | None:
     """Return the block that slides alone at the lowest factor by forces, as a part and the number of its part.
 
     None where no block does at less than the limit of all parts. Asked of blocks in space on which no other presses
     that may move, without dilation, passive bolts or curved strength: else forces alone have no one factor.
     """
     assembly, lowest, number = scene.assembly, limit * (1.0 - SAME_FACTOR), -1
-    gone, slider = ~there & ~assembly.fixed, -1
+    gone, slider = ~present & ~assembly.fixed, -1
     for k, part in enumerate(parts):
         if not _has_forces_alone(part):
             continue
-        alone = part.blocks[~_pressed_by_others(assembly, there, part)[part.blocks]]
+        alone = part.blocks[~_pressed_by_others(assembly, present, part)[part.blocks]]
         blocks, factors = slide_alone(assembly, scene.loads, scene.strength, gone, alone)
         if len(blocks) and factors[0] < lowest:
             slider, lowest, number = int(blocks[0]), float(factors[0]), k
@@ -257,31 +262,31 @@ def _has_forces_alone(part: Part) -> bool:
     return straight and model.unknowns == 6 and part.limit.factor is not None
 
 
-def _pressed_by_others(assembly: Assembly, there: Bools, part: Part) -> Bools:
+def _pressed_by_others(assembly: Assembly, present: Bools, part: Part) -> Bools:
     """Return which blocks (b,) of the assembly another one presses on at the limit of a part that may move as well."""
     patches, model = assembly.patches, part.model
     pressed = np.bincount(model.pair_contact, part.limit.normal_force, len(model.plus))[: len(part.patch)] > 0.0
     plus, minus = patches.plus[part.patch[pressed]], patches.minus[part.patch[pressed]]
-    moves = np.append(there & ~assembly.fixed, False)
+    moves = np.append(present & ~assembly.fixed, False)
     between = moves[plus] & moves[minus]
     crowded = np.zeros(len(assembly), dtype=bool)
     crowded[plus[between]] = crowded[minus[between]] = True
     return crowded
 
 
-def _let_go(loads: AssemblyLoads, there: Bools, fixed: Bools) -> Bools:
+def _let_go(loads: AssemblyLoads, present: Bools, fixed: Bools) -> Bools:
     """Blocks (n,) at whose anchors nothing pulls any more, as those at the other ends are gone."""
     head, toe = loads.anchors.head, loads.anchors.toe
-    out = np.append(~there & ~fixed, False)
-    freed = np.zeros(len(there), dtype=bool)
+    out = np.append(~present & ~fixed, False)
+    freed = np.zeros(len(present), dtype=bool)
     freed[head[out[toe]]] = freed[toe[out[head]]] = True
     return freed
 
 
-def _drained(scene: WholeAssembly, there: Bools) -> WholeAssembly:
+def _drained(scene: WholeAssembly, present: Bools) -> WholeAssembly:
     """The scene without water in the joints of blocks that are gone, and without the anchors to them."""
     assembly = scene.assembly
-    out = np.append(~there & ~assembly.fixed, False)
+    out = np.append(~present & ~assembly.fixed, False)
     opened = out[assembly.patches.plus] | out[assembly.patches.minus]
     return replace(scene, loads=without_anchors_of(assembly, drained(assembly, scene.loads, opened), out[:-1]))
 
@@ -318,49 +323,50 @@ def critical_load(
 
 def _critical_load(scene: WholeAssembly, reduction: float, lightest: float) -> tuple[float, Failure] | None:
     """The multiplier and the mechanism of `critical_load`."""
-    fixed, size, there = scene.assembly.fixed, block_sizes(scene.assembly), ~scene.assembly.fixed
-    found: list[tuple[float, Part]] = []
-    waiting = [np.flatnonzero(there)]
+    fixed, size, present = scene.assembly.fixed, block_sizes(scene.assembly), ~scene.assembly.fixed
+    by_load = partial(_by_load, reduction)
+    found: list[Part] = []
+    waiting = [np.flatnonzero(present)]
     while waiting:
         among = waiting.pop()
-        among = among[there[among]]
+        among = among[present[among]]
         blocks, *others = components(scene, among) or [among]
         waiting += others
-        model_patch = model_of(scene, there, blocks) if len(blocks) else None
-        gone = np.zeros(len(there), dtype=bool)
+        model_patch = model_of(scene, present, blocks) if len(blocks) else None
+        gone = np.zeros(len(present), dtype=bool)
         if model_patch is not None and model_patch[0].live.any():
-            model, path, limit = _load_limit(model_patch[0], reduction)
-            if path.parameter is not None and (path.found or path.outcome is PathOutcome.BRACKET):
-                found.append((path.parameter, Part(model, limit, blocks, model_patch[1])))
-            elif path.outcome is not PathOutcome.STANDS:
-                gone = _chips_at_once(scene, there, reduction, lightest)
+            part = by_load(scene, present, blocks, model_patch)
+            if part.limit.multiplier:
+                found.append(part)
+            elif part.rank < math.inf:
+                gone = _chips_at_once(scene, present, reduction, lightest)
                 if not gone[blocks].any():
                     return None
                 waiting.append(blocks)
-        found.sort(key=itemgetter(0))
-        if found and not waiting and _is_chip(scene, found[0][1], size, lightest):
-            _, chip = found.pop(0)
-            gone[_moving(chip, size)[0]] = True
-            waiting.append(chip.blocks)
+        if found and not waiting:
+            found = sorted(_refined(scene, present, found, by_load), key=attrgetter("rank"))
+            if _is_chip(scene, found[0], size, lightest):
+                chip = found.pop(0)
+                gone[_moving(chip, size)[0]] = True
+                waiting.append(chip.blocks)
         if gone.any():
-            there &= ~gone
-            freed = _let_go(scene.loads, there, fixed) | gone
-            waiting += [part.blocks for _, part in found if freed[part.blocks].any()]
-            found = [(multiplier, part) for multiplier, part in found if not freed[part.blocks].any()]
-            left = _drained(scene, there)
+            present &= ~gone
+            freed = _let_go(scene.loads, present, fixed) | gone
+            waiting += [part.blocks for part in found if freed[part.blocks].any()]
+            found = [part for part in found if not freed[part.blocks].any()]
+            left = _drained(scene, present)
             scene = replace(left, loads=replace(left.loads, live=scene.loads.live))
     if not found:
         return None
-    multiplier, part = found[0]
-    return multiplier, Failure((part,), *_moving(part, size))
+    return found[0].rank, Failure((found[0],), *_moving(found[0], size))
 
 
-def _chips_at_once(scene: WholeAssembly, there: Bools, reduction: float, lightest: float) -> Bools:
+def _chips_at_once(scene: WholeAssembly, present: Bools, reduction: float, lightest: float) -> Bools:
     """The chips (b,) that do not stand where nothing grows, with the strength reduced."""
-    gone = ~there & ~scene.assembly.fixed
+    gone = ~present & ~scene.assembly.fixed
     live = np.zeros_like(scene.loads.live[0]), np.zeros_like(scene.loads.live[1])
     still = replace(scene, assembly=scene.assembly.without(gone), loads=replace(scene.loads, live=live), ranged=False)
-    chips = np.zeros(len(there), dtype=bool)
+    chips = np.zeros(len(present), dtype=bool)
     for failure in _ravel(still, 1, lightest).chips:
         if failure.parts[0].rank * reduction >= 1.0:
             break
@@ -368,25 +374,40 @@ def _chips_at_once(scene: WholeAssembly, there: Bools, reduction: float, lightes
     return chips
 
 
-def _load_limit(model: AssemblyModel, reduction: float) -> tuple[AssemblyModel, PathLimit, BlocksLimit]:
-    """The limit in the live load, and the model: where laws are curved with the lines that it settled on."""
+def _by_load(
+    reduction: float,
+    scene: WholeAssembly,
+    present: Bools,
+    blocks: Ints,
+    model_patch: ModelPatch,
+    refine: Ints | None = None,
+) -> Part:
+    """A component at its limit in the live load, its strength reduced; where laws are curved on the lines of that."""
+    model, patch = model_patch
     if model.lines is None:
-        return model, *load_limit(model, model.live, reduction)
+        return Part(model, load_limit(model, model.live, reduction), blocks, patch, refine)
     from slopekit.preie.system.strength_lines import settled_load  # only curved laws pay for it
 
-    return settled_load(model, reduction)
+    return Part(*settled_load(model, reduction), blocks, patch, refine)
 
 
-def _solved(scene: WholeAssembly, there: Bools, among: Ints) -> Iterator[Part]:
+def _solved(scene: WholeAssembly, present: Bools, among: Ints) -> Iterator[Part]:
     """The components among some blocks, each solved; blocks that are not `there` nor fixed are gone."""
     for blocks in components(scene, among):
-        model_patch = model_of(scene, there, blocks)
+        model_patch = model_of(scene, present, blocks)
         if model_patch is None:
             yield Part(*_untouched(scene.loads, blocks), blocks, np.zeros(0, dtype=np.int64))
         else:
-            model, patch = model_patch
-            groups = Groups(scene, there, blocks, model) if _large(model) else None
-            yield Part(*component_limit(model, groups), blocks, patch, groups=groups)
+            yield _by_strength(scene, present, blocks, model_patch)
+
+
+def _by_strength(
+    scene: WholeAssembly, present: Bools, blocks: Ints, model_patch: ModelPatch, refine: Ints | None = None
+) -> Part:
+    """A component at its limit in strength."""
+    model, patch = model_patch
+    groups = Groups(scene, present, blocks, model, refine) if _large(model) else None
+    return Part(*component_limit(model, groups), blocks, patch, refine, groups=groups)
 
 
 def _large(model: AssemblyModel) -> bool:
@@ -427,6 +448,22 @@ def _ranged(scene: WholeAssembly, part: Part) -> Part:
     return replace(part, limit=limit, groups=None)
 
 
+def _with_lowest_alone(scene: WholeAssembly, present: Bools, part: Part, lightest: float) -> Part:
+    """A part whose lowest factor is no higher than that of a block that would slide alone by forces.
+
+    It may be held by what others press on it; it is no chip.
+    """
+    if not scene.ranged or not _has_forces_alone(part):
+        return part
+    assembly, heavy = scene.assembly, scene.loads.weights[part.blocks] >= lightest
+    gone = ~present & ~assembly.fixed
+    _, factors = slide_alone(assembly, scene.loads, scene.strength, gone, part.blocks[heavy])
+    lowest = part.limit.lowest or part.limit.factor or 0.0
+    if not len(factors) or factors[0] >= lowest * (1.0 - SAME_FACTOR):
+        return part
+    return replace(part, limit=replace(part.limit, lowest=float(factors[0])))
+
+
 def finer_model(
     assembly: Assembly, loads: AssemblyLoads, strength: JointStrength, part: Part, level: int
 ) -> AssemblyModel:
@@ -438,7 +475,7 @@ def finer_model(
     return model_patch[0]
 
 
-def _refined(scene: WholeAssembly, there: Bools, parts: list[Part]) -> list[Part]:
+def _refined(scene: WholeAssembly, present: Bools, parts: list[Part], solved: Callable[..., Part]) -> list[Part]:
     """The parts, those that come first with finer node pairs where contacts twist or are partly open."""
     done: set[int] = set()
     while True:
@@ -446,33 +483,29 @@ def _refined(scene: WholeAssembly, there: Bools, parts: list[Part]) -> list[Part
         if first is None or first in done:
             return parts
         done.add(first)
-        parts = [*parts[:first], _split(scene, there, parts[first]), *parts[first + 1 :]]
+        parts = [*parts[:first], _split(scene, present, parts[first], solved), *parts[first + 1 :]]
 
 
-def _split(scene: WholeAssembly, there: Bools, part: Part) -> Part:
-    """A part with contacts split where that matters until its factor stays, or its node pairs are too many."""
-    blocks = part.blocks
+def _split(scene: WholeAssembly, present: Bools, part: Part, solved: Callable[..., Part]) -> Part:
+    """A part with contacts split where that matters until its limit stays, or its node pairs are too many."""
     for level in range(1, _MOST_SPLIT + 1):
-        coarse, coarser = _too_coarse(part), part.limit
-        if not coarse.any() or (coarser.basis is Basis.PEAK and _large(part.model)):
+        coarse, is_peak = _too_coarse(part), part.limit.basis is Basis.PEAK
+        if not coarse.any() or (is_peak and _large(part.model)):
             break
         refine = np.zeros(len(scene.assembly.patches), dtype=np.int64) if part.refined is None else part.refined.copy()
         refine[part.patch[coarse[: len(part.patch)]]] = level
-        model_patch = model_of(scene, there, blocks, refine)
+        model_patch = model_of(scene, present, part.blocks, refine)
         if model_patch is None or len(model_patch[0].control_area) > _MOST_PAIRS:
             break
-        model = model_patch[0]
-        groups = Groups(scene, there, blocks, model, refine) if _large(model) else None
-        model, limit = component_limit(model, groups)
-        assert coarser.factor is not None  # what twists contacts has one
-        if not limit.factor:
+        finer = solved(scene, present, part.blocks, model_patch, refine)
+        if not 0.0 < finer.rank < math.inf:
             break
-        change = abs(limit.factor / coarser.factor - 1.0)
-        if limit.basis is Basis.PEAK and coarser.basis is not Basis.PEAK and limit.factor > coarser.factor:
+        if (finer.limit.multiplier or 0.0) > (1.0 + RESTS_NEAR) * part.rank:
+            break  # they rest past the load at which a motion ends the path on coarser pairs
+        change = abs(finer.rank / part.rank - 1.0)
+        if finer.limit.basis is Basis.PEAK and not is_peak and finer.rank > part.rank:
             return replace(part, mesh_change=change)  # a last rest raises no limit of a motion
-        part = replace(
-            part, model=model, patch=model_patch[1], limit=limit, refined=refine, mesh_change=change, groups=None
-        )
+        part = replace(finer, mesh_change=change, groups=None)
         if change < MESH_CHANGE:
             break
     return part

@@ -2,8 +2,8 @@
 
 A block has failed when no chain of sticking node pairs joins it to bedrock; one block alone, when every pair slips or
 debonds. A yielded pair still carries load: on a stiff bed all pairs yield well before the blocks move, so this factor
-depends on the stiffness (METHOD.md §3). It is reported beside the limit, never instead of it. A block that topples
-turns about a pair that sticks: nothing detaches it, and the search ends where the blocks no longer stand.
+depends on the stiffness (docs/theory/preie.md). It is reported beside the limit, never instead of it. A block that
+topples turns about a pair that sticks: nothing detaches it, and the search ends where the blocks no longer stand.
 """
 
 import math

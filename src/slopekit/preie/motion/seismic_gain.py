@@ -85,10 +85,9 @@ def _just_above(
     moves = limit.velocity[fastest, : 2 if model.unknowns == 3 else 3]
     faster = factor * _ABOVE * max(multiplier, _LEAST_LOAD)
     inertia = np.matmul(mass, limit.velocity[:, :, None])[:, :, 0] / float(np.sqrt(moves @ moves))
-    path_end, _ = load_limit(replace(model, load=model.load - faster * inertia), model.live, 1.0 / limit.factor)
-    if not path_end.found or path_end.parameter is None or path_end.parameter <= multiplier:
-        return None
-    return faster / (path_end.parameter - multiplier)
+    faster_limit = load_limit(replace(model, load=model.load - faster * inertia), model.live, 1.0 / limit.factor)
+    further = (faster_limit.multiplier or 0.0) - multiplier
+    return faster / further if faster_limit.basis is not Basis.PEAK and further > 0.0 else None
 
 
 def mass_of(model: AssemblyModel, weights: Floats, gyration: Floats) -> Floats:

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats
+from slopekit.core.arrays import Floats
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.bed_states import Drive
 from slopekit.preie.elastic_path.path import START, follow
@@ -60,17 +60,13 @@ def _bonded_limit(model: Model) -> Limit:
     while True:  # a bond changes three times at most
         limit = _elastic_path_limit(model, bond * model.cohesion, displacement)
         steps += limit.steps
-        parted = _parted(model, limit) & (model.cohesion > 0.0)
+        dilation = np.minimum(model.tan_dilation, model.tan_friction / (limit.factor or math.inf))
+        parted = opens(model, limit.velocity, dilation) & (model.cohesion > 0.0)
         parts += parted & (bond > 0.0)
         renewed = np.where(parted | (parts >= _MOST_PARTED), 0.0, 1.0)
         if limit.factor is None or (renewed == bond).all():
             return replace(limit, bond=bond, steps=steps)
         bond = renewed
-
-
-def _parted(model: Model, limit: Limit) -> Bools:
-    """Return the pairs (n,) that the motion of a limit opens, beyond what its slip does."""
-    return opens(model, limit.velocity, np.minimum(model.tan_dilation, model.tan_friction / (limit.factor or math.inf)))
 
 
 def _elastic_path_limit(model: Model, cohesion: Floats, displacement: Floats) -> Limit:

@@ -2,8 +2,8 @@
 
 A rigid mass slides on a surface without opening only along motions that are tangent to it everywhere: turning about a
 sphere's centre, along and about a cylinder's axis. On a measured or meshed surface the normals scatter by part of a
-degree, and at infinite slip the mass would ride on the few pairs where they lean against it (a ratchet, METHOD.md §5).
-The motions are found as in slippage analysis (Gelfand & Guibas 2004): the small eigenvalues of
+degree, and at infinite slip the mass would ride on the few pairs where they lean against it, as on a ratchet
+(docs/method.md). The motions are found as in slippage analysis (Gelfand & Guibas 2004), by the small eigenvalues of
 
     Σ A (n·v)² against Σ A |v|²,   v the velocity of a node pair,
 

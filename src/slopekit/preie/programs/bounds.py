@@ -9,7 +9,7 @@ convex set that grows with λ: Newton's method on how far forces are at one λ (
 in space of more than ten blocks with λ on its way in one run (`programs.bound_of_many`).
 
 **Range**: the factors that one mechanism v can have under any admissible forces, N = 0 where it opens and
-T = -λ r in the direction of its slip (METHOD-3.md §13, M): where how far forces are from it is no more than nothing.
+T = -λ r in the direction of its slip (docs/theory/many-blocks.md): where forces at no distance from it exist.
 """
 
 import math

@@ -13,7 +13,7 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.strength.mohr_coulomb import line
 
-#: k_t / k_n of the elastic path and bed, as the definition has it (METHOD-3 §13): from 0.1 to 1 the limit is the same
+#: k_t / k_n of the elastic path and bed, as the definition has it (docs/method.md): from 0.1 to 1 the limit is the same
 #: to 1 % in 635 of 683 sections.
 SHEAR_TO_NORMAL = 0.4
 

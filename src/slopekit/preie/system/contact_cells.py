@@ -1,4 +1,4 @@
-"""The pressed part of flat contacts: the area on which their cohesion acts (METHOD-4 §16).
+"""The pressed part of flat contacts: the area on which their cohesion acts (docs/theory/many-blocks.md).
 
 The gap of a flat contact between rigid blocks is linear. It is cut into triangles whose corners are node pairs (in a
 section the contact is one segment); the part of each where the gap is negative has a closed form: with the gaps

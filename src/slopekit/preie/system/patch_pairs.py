@@ -1,7 +1,8 @@
 """Node pairs on the contacts of an assembly, with the areas that they control.
 
 The rules are exact to degree two and their hull is the contact, so that overturning about an edge is exact with the
-coarsest of them (METHOD.md §5): Simpson's along a segment, 1/12 on each corner and 3/4 on the centroid of a triangle.
+coarsest of them (docs/theory/preie.md): Simpson's along a segment, 1/12 on each corner and 3/4 on the centroid of
+a triangle.
 """
 
 from functools import lru_cache

@@ -19,7 +19,6 @@ from typing import TypeVar
 import numpy as np
 
 from slopekit.core.arrays import Floats, Ints, frozen
-from slopekit.preie.elastic_path.path_limit import PathLimit
 from slopekit.preie.many_blocks.blocks import bound_of, load_limit
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit, Proposal
 from slopekit.preie.outcome import Outcome
@@ -303,20 +302,19 @@ def _with_bound(model: AssemblyModel, limit: BlocksLimit, other: float | None) -
     return replace(limit, static_bound=max(min(known), limit.factor) if known else None)
 
 
-def settled_load(model: AssemblyModel, reduction: float) -> tuple[AssemblyModel, PathLimit, BlocksLimit]:
-    """The limit in the live load of an assembly, every pair on the line of its own traction there, and the model."""
+def settled_load(model: AssemblyModel, reduction: float) -> tuple[AssemblyModel, BlocksLimit]:
+    """The model with every pair on the line of its own traction at the limit in the live load, and that limit."""
 
-    def forces(solution: tuple[PathLimit, BlocksLimit]) -> tuple[Floats, float, float] | None:
-        path_end, limit = solution
+    def forces(limit: BlocksLimit) -> tuple[Floats, float, float] | None:
         exact = SAME_LIMIT if model.unknowns == 6 else 0.0
-        return None if path_end.parameter is None else (limit.normal_force, path_end.parameter, exact)
+        return None if limit.multiplier is None else (limit.normal_force, limit.multiplier, exact)
 
     if not _might_dilate_by_friction(model):
-        path_end, limit = load_limit(model, model.live, reduction)
+        limit = load_limit(model, model.live, reduction)
         ended = by_lines(drawn(model, limit.normal_force))
-        if path_end.parameter is None or not _dilates_by_friction(ended, 1.0 / reduction):
-            return ended, path_end, limit
-    ended, (path_end, limit), _ = _rounds(
+        if limit.multiplier is None or not _dilates_by_friction(ended, 1.0 / reduction):
+            return ended, limit
+    ended, limit, _ = _rounds(
         by_lines(model), lambda drawn_model: load_limit(drawn_model, drawn_model.live, reduction), forces
     )
-    return ended, path_end, limit
+    return ended, limit

@@ -128,7 +128,7 @@ def _outcomes(combos: Combos) -> Table[tuple[str, int]]:
     ]  # fmt: skip
     return Table([
         Column("outcome", itemgetter(0), width=-58), Column("pairs", itemgetter(1), width=9),
-        Column("share", lambda row: 100.0 * row[1] / whole, "", "%", lambda share: f"{share:.2f} %", 11),
+        Column("share", lambda row: 100.0 * row[1] / whole, "", "%", lambda share: f"{share:.3g} %", 11),
     ], rows, headless=True)  # fmt: skip
 
 

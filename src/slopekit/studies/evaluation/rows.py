@@ -5,7 +5,6 @@ rows -> pieces -> outcomes of each, on arrays where the kind takes them, else de
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -15,13 +14,13 @@ from slopekit.core.options import Workplace
 from slopekit.design.common import Design
 from slopekit.evidence import WithoutBasal
 from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany
-from slopekit.studies.evaluation.vectorised import Vectorised
+from slopekit.studies.evaluation.vectorised import DesignRows
 from slopekit.studies.outcomes import NO_BLOCK, ByMethod, Outcomes, agreement, merged, outcomes_from_points
 from slopekit.studies.points import GIVEN_UP, Point, map_rows, point_with
 from slopekit.studies.running import Crew, Record, RowArrays
 
-#: Rows of a task that are taken at once, by both methods and by the closed form alone.
-PIECE, PIECE_OF_CLOSED_FORMS = 2**11, 2**16
+#: Rows of a task that are taken at once, by both methods and by the closed form alone: what stays small in memory.
+PIECE, PIECE_OF_CLOSED_FORMS = 2**11, 2**15
 
 
 class Rows:
@@ -144,25 +143,21 @@ def outcomes_of_part(pre_ie: bool, part: tuple[Rows, int, int]) -> Record:
     return merged(parts).record()
 
 
-def outcomes_on_arrays(
-    columns: Vectorised, values: Any, closed: ByMethod, pre_ie: bool
-) -> tuple[Outcomes, LimitsOfMany | None, Ints]:
+def outcomes_on_arrays(rows: DesignRows, closed: ByMethod, pre_ie: bool) -> tuple[Outcomes, LimitsOfMany | None, Ints]:
     """Return what both methods say of rows on arrays, all that PRE-IE says, and of which rows (b,) it says it.
 
     Parameters
     ----------
-    values : (n, k) of the columns; closed : what the closed form says of them
+    closed : what the closed form says of them
     """
-    also = columns.also(values)
-    whole = None if also is None else ByMethod(also.names, also.outcome.astype(np.int16), also.factor)
-    forming = np.flatnonzero(~closed.among(*NO_BLOCK))
+    whole, forming = rows.also(), np.flatnonzero(~closed.among(*NO_BLOCK))
     if not pre_ie:
         return Outcomes.by_closed_form(closed, whole), None, forming
     words = np.array(closed.names, dtype=object)[closed.outcome]
     factor, forces = np.full((2, len(words)), np.nan)
-    limits = columns.limits(values[forming]) if len(forming) else None
+    limits = rows.of(forming).limits() if len(forming) else None
     if limits is not None:
         words[forming], factor[forming], forces[forming] = limits.status, limits.limit, limits.forces
     limit = ByMethod.of(words.tolist(), factor)
-    within, compared = columns.design.analysis.agree_within, ~columns.dilation(values)[0]
-    return agreement(limit, forces, closed.refused(words), within, whole=whole, compared=compared), limits, forming
+    within, is_compared = rows.columns.design.analysis.agree_within, ~rows.dilation()[0]
+    return agreement(limit, forces, closed.refused(words), within, whole=whole, compared=is_compared), limits, forming

@@ -1,17 +1,19 @@
-"""The closed form of a design over arrays of samples: each key that scatters goes where its field says.
+"""A design over arrays of samples, by both methods: each key that varies goes where its field says.
 
 The arguments are asked of a design that has arrays in place of those numbers. At some samples the design is read as
 well: where it has another argument (a column of a joint list stands for the strength), or where a key is not one number
-of it (the direction of a force), there is no such evaluator, and the samples are read one by one.
+of it (the direction of a force), there is no such evaluator, and the samples are read one by one. The worst place of a
+crack is looked for in all samples at once: it is one more number of each.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats
+from slopekit.core.arrays import Bools, Floats, Ints, NDArray
 from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Plane
 from slopekit.design.common import Design
@@ -25,7 +27,8 @@ from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany, limits_on
 from slopekit.kinds.single_block.closed_forms import ClosedForms, OnArrays, passive_bolts
 from slopekit.kinds.single_block.held_bolts import has_heads, held, pulling, stand_off
 from slopekit.kinds.single_block.secants import secant_strength
-from slopekit.kinds.single_block.worst_crack import ENDLESS, Cracked, reach_of_many, worst_of_many
+from slopekit.kinds.single_block.worst_crack import ENDLESS, WHERE, Cracked, reach_of_many, worst_of_many
+from slopekit.studies.outcomes import ByMethod
 
 #: A design's values at a sample: what `with_values` takes.
 ValuesAt = Callable[[int], Mapping[str, object]]
@@ -33,102 +36,60 @@ _EXACT = 1e-12
 _SMALL = 1e-6  # kPa, kN, m or degrees: below it an argument is nothing but rounding
 _PROBES = 8
 _TRACTION_KPA = 100.0  # at which laws of samples are compared
-_CHUNK = 32768  # samples
+PLACE, ANYWHERE_M = "crack.distance", 1.0  # of a crack; and one that is looked for, before it is found
+NO_PLACE = "E459"
+"""The code of a crack of which no place gives a factor."""
 
 
 @dataclass(frozen=True)
 class Vectorised:
-    """A closed form over samples (n, k), whose columns are numbers of a design by their keys.
+    """A design whose numbers by their keys are columns of samples (n, k).
 
-    `before` (b,) is how far before the face the heads of its bolts were laid out; None where they stay where they are.
+    Attributes
+    ----------
+    before : (b,) how far before the face the heads of its bolts were laid out; None where they stay where they are
+    searches_crack : the worst place of the crack is looked for in each sample, and is one more column behind its own
+    forces : that act beside those of the design, on the crack that is worst without them
     """
 
     on_arrays: OnArrays[Any]
     design: Design
     keys: Sequence[str]
     before: Floats | None = None
+    searches_crack: bool = False
+    forces: tuple[Force, ...] = ()
 
-    def __call__(self, values: Floats) -> ClosedForms:
-        """Outcome and factor of every sample."""
-        return _chunked(lambda chunk: self.on_arrays.forms(*self.at(chunk)), values)
-
-    def also(self, values: Floats) -> ClosedForms | None:
-        """What acceptance of every sample is held against besides; None where there is nothing."""
-        also = self.on_arrays.also
-        if also is None or getattr(self.design, "basal", None) is None:
-            return None
-        return _chunked(lambda chunk: also(*self.at(chunk), self.before), values)
-
-    def dilation(self, values: Floats) -> tuple[Bools, Bools]:
-        """In which samples (n,) a joint dilates, and in which by more than its friction angle, which no design may."""
-        strengths = self._strengths(values)
-        each = [np.broadcast_to(strength.dilation_deg, len(values)) for strength in strengths]
-        most = [np.inf if strength.law else strength.friction_angle_deg for strength in strengths]
-        beyond = [dilation > greatest for dilation, greatest in zip(each, most, strict=True)]
-        return np.asarray(np.max(each, axis=0) > 0.0), np.asarray(np.any(beyond, axis=0))
-
-    def limits(self, values: Floats) -> LimitsOfMany:
-        """What PRE-IE says of some samples that form blocks by the closed form."""
-        design, strengths = self.at(values)
-        return limits_on_arrays(design, self.on_arrays, strengths, len(values))
-
-    def at(self, values: Floats) -> tuple[SlopeDesign, Sequence[Strength]]:
-        """The design and the strengths of its joints with arrays in place of what scatters."""
-        design = self._scattered(values)
-        assert isinstance(design, SlopeDesign)
-        if has_heads(design.bolts):  # bolts that do not hold the block of a sample pull nothing
-            design = replace(design, bolts=tuple(map(pulling, design.bolts, self.holds(values))))
-        return design, self._strengths(values)
-
-    def sizes(self, values: Floats, forms: Bools) -> dict[str, Floats]:
-        """The sizes of the blocks of every sample (n,) by their keys, nan where none forms; empty where none are known.
-
-        Parameters
-        ----------
-        forms : (n,) which samples form a block
-        """
-        sizes = self.on_arrays.sizes(self._scattered(values))
-        return {} if sizes is None else {key: np.where(forms, of, np.nan) for key, of in sizes.columns.items()}
-
-    def holds(self, values: Floats) -> Bools:
-        """Which bolts (b, n) hold the block of each sample; (b, 1) where they are the same ones in all."""
-        design = self._scattered(values)
-        return held(self.on_arrays.bounds(design), design.bolts, self.before)[0]
-
-    def worst_cracks(self, values: Floats) -> tuple[Floats, Bools]:
-        """Where the crack of each sample is worst, and in which of those that form a block no place gives a factor.
-
-        There, and without a block, it is where the design has it: any place says the same of a sample without a block.
-        Bolts pull as they were laid out: those that a place of the crack frees are found with it.
-        """
-        on_arrays = self.on_arrays
-        design: Any = self._scattered(values)
-        without, reach = reach_of_many(design, on_arrays, self._strengths(values))
+    def rows(self, values: Floats) -> "DesignRows":
+        """The designs of samples (n, k), with their cracks at the worst place."""
+        if not self.searches_crack:
+            return DesignRows(self, values, np.full(len(values), ""))
+        design: Any = self.scattered(_with_crack(values, ANYWHERE_M))
+        without, reach = reach_of_many(design, self.on_arrays, self.strengths(values))
         words = np.broadcast_to(np.array(without.names)[without.outcome], len(values))
-        endless = words == ENDLESS
-        reach = np.where(endless, np.nan, reach)
+        forms = ~np.char.startswith(words, "E")
 
         def cracked_at(rows: slice, places: Floats) -> Cracked:
-            repeated = np.repeat(values[rows], places.shape[1], axis=0)
-            cracked: Any = self._scattered(repeated)
-            cracked = replace(cracked, crack=replace(cracked.crack, distance_m=places.ravel()))
-            return cracked, self._strengths(repeated)
+            repeated = _with_crack(np.repeat(values[rows], places.shape[1], axis=0), places.ravel())
+            cracked: Any = self.scattered(repeated)
+            return cracked, self.strengths(repeated)
 
-        forms, found = ~np.char.startswith(words, "E") | endless, worst_of_many(design, on_arrays, cracked_at, reach)[0]
-        known = forms & np.isfinite(found)
-        return np.where(known, found, design.crack.distance_m), forms & ~known
+        places, where = worst_of_many(design, self.on_arrays, cracked_at, np.where(forms, reach, np.nan))
+        known = np.isfinite(places)
+        refused = np.where(forms | (words == ENDLESS), NO_PLACE, words)
+        cracks = np.where(known, np.array(WHERE)[where], refused)
+        return DesignRows(self, _with_crack(values, np.where(known, places, ANYWHERE_M)), cracks)
 
     def arguments(self, values: Floats) -> dict[str, Any]:
         """The arguments of all samples: (n,) of those that scatter; of curved strength at one traction."""
-        design, strengths = self.at(values)
+        design, strengths = DesignRows(self, values, np.full(len(values), "")).numbers
         lines = [secant_strength(strength, _TRACTION_KPA) for strength in strengths]
         pulls = {
             f"bolt{k}_{axis}": pull for k, bolt in enumerate(passive_bolts(design)) for axis, pull in enumerate(bolt)
         }
         return self.on_arrays.arguments(design) | self.on_arrays.strength_arguments(lines) | pulls
 
-    def _scattered(self, values: Floats) -> Design:
-        """The design with arrays in place of what scatters, but for its strengths."""
+    def scattered(self, values: Floats) -> Design:
+        """The design with columns of samples (n, k), or the numbers of one of them (k,), but for its strengths."""
         design, joints = self.design, self.design.wet_interfaces
         for path, column in zip(self.keys, values.T, strict=True):
             if not path.startswith("strength."):
@@ -138,14 +99,14 @@ class Vectorised:
             design = replace(design, rock=replace(design.rock, unit_weight_kn_m3=weight))
         return design
 
-    def _strengths(self, values: Floats) -> Sequence[Strength]:
-        """The strengths of its joints with arrays in place of what scatters."""
+    def strengths(self, values: Floats) -> Sequence[Strength]:
+        """The strengths of its joints with such columns, or numbers."""
         design, strengths, joints = self.design, self.design.joint_strengths, self.design.wet_interfaces
-        assert design.source is not None
-        used = [strength_of(design.source.root, joint) for joint in joints[: len(strengths)]]
-        for path, column in zip(self.keys, values.T, strict=True):
+        for path, column in zip(self.keys, values.T, strict=False):  # the place of a crack is no strength
             top, *below = path.split(".")
             if top == "strength":
+                assert design.source is not None  # of which that is a key
+                used = [strength_of(design.source.root, joint) for joint in joints[: len(strengths)]]
                 strengths = [
                     _stronger(strength, below[1:], column) if name == below[0] else strength
                     for name, strength in zip(used, strengths, strict=True)
@@ -153,23 +114,110 @@ class Vectorised:
         return strengths
 
 
-def _chunked(forms: Callable[[Floats], ClosedForms], values: Floats) -> ClosedForms:
-    """The closed forms of all samples, so many at once that the faces of their blocks stay small in memory."""
-    chunks = [values[first : first + _CHUNK] for first in range(0, len(values), _CHUNK)]
-    results = [_spread(forms(chunk), len(chunk)) for chunk in chunks]
-    outcome, factor = (np.concatenate([getattr(result, name) for result in results]) for name in ("outcome", "factor"))
-    return ClosedForms(results[0].names, outcome, factor)
+@dataclass(frozen=True, eq=False)
+class DesignRows:
+    """n designs at once, which differ in numbers.
+
+    Attributes
+    ----------
+    values : (n, k) of the columns, the places of cracks that were looked for behind them
+    cracks : (n,) of these where in its range each lies, as `WHERE` has it, or the code of why there is no worst place;
+        "" where none is looked for
+    """
+
+    columns: Vectorised
+    values: Floats
+    cracks: NDArray[np.str_]
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def of(self, rows: Ints) -> "DesignRows":
+        """Some of them, in the order of `rows`."""
+        return DesignRows(self.columns, self.values[rows], self.cracks[rows])
+
+    @cached_property
+    def numbers(self) -> tuple[SlopeDesign, Sequence[Strength]]:
+        """The design and the strengths of its joints with arrays in place of what differs.
+
+        Bolts that do not hold the block of a row pull nothing there.
+        """
+        columns = self.columns
+        design = columns.scattered(self.values)
+        assert isinstance(design, SlopeDesign)
+        bolts = map(pulling, design.bolts, self.holds) if has_heads(design.bolts) else design.bolts
+        design = replace(design, bolts=tuple(bolts), forces=(*design.forces, *columns.forces))
+        return design, columns.strengths(self.values)
+
+    def design_at(self, row: int) -> tuple[SlopeDesign, Sequence[Strength]]:
+        """One of the designs, with the bolts that hold its block, and the strengths of its joints."""
+        columns, values = self.columns, self.values[row]
+        design = columns.scattered(values)
+        assert isinstance(design, SlopeDesign)
+        holds = np.broadcast_to(self.holds, (len(design.bolts), len(self)))[:, row]
+        bolts = tuple(bolt for bolt, does_hold in zip(design.bolts, holds, strict=True) if does_hold)
+        return replace(design, bolts=bolts, crack_searched=str(self.cracks[row])), columns.strengths(values)
+
+    @cached_property
+    def holds(self) -> Bools:
+        """Which bolts (b, n) hold the block of each row; (b, 1) where they are the same ones in all."""
+        design = self.columns.scattered(self.values)
+        return held(self.columns.on_arrays.bounds(design), design.bolts, self.columns.before)[0]
+
+    @cached_property
+    def closed_form(self) -> ByMethod:
+        """What the closed form says of each; no strength at all is a status, no number."""
+        closed = self._each(self.columns.on_arrays.forms(*self.numbers))
+        closed = replace(closed, factor=np.where(closed.factor > 0.0, closed.factor, np.nan))
+        return closed.refused(self.cracks) if self.columns.searches_crack else closed
+
+    def also(self) -> ByMethod | None:
+        """What acceptance of each is held against besides; None where there is nothing."""
+        also = self.columns.on_arrays.also
+        if also is None or getattr(self.columns.design, "basal", None) is None:
+            return None
+        return self._each(also(*self.numbers, self.columns.before))
+
+    def _each(self, forms: ClosedForms) -> ByMethod:
+        """What a closed form says of each; where nothing that differs is an argument all are alike."""
+        outcome, factor = np.broadcast_to(forms.outcome, len(self)), np.broadcast_to(forms.factor, len(self))
+        return ByMethod(forms.names, outcome.astype(np.int16), factor)
+
+    def limits(self) -> LimitsOfMany:
+        """What PRE-IE says of rows that form blocks by the closed form."""
+        design, strengths = self.numbers
+        return limits_on_arrays(design, self.columns.on_arrays, strengths, len(self))
+
+    def dilation(self) -> tuple[Bools, Bools]:
+        """In which rows (n,) a joint dilates, and in which by more than its friction angle, which no design may."""
+        strengths = self.numbers[1]
+        each = [np.broadcast_to(strength.dilation_deg, len(self)) for strength in strengths]
+        most = [np.inf if strength.law else strength.friction_angle_deg for strength in strengths]
+        beyond = [dilation > greatest for dilation, greatest in zip(each, most, strict=True)]
+        return np.asarray(np.max(each, axis=0) > 0.0), np.asarray(np.any(beyond, axis=0))
+
+    def sizes(self, forms: Bools) -> dict[str, Floats]:
+        """The sizes of their blocks (n,) by their keys, nan where none forms; empty where none are known.
+
+        Parameters
+        ----------
+        forms : (n,) which of them form a block
+        """
+        sizes = self.columns.on_arrays.sizes(self.numbers[0])
+        return {key: np.where(forms, of, np.nan) for key, of in sizes.items()}
 
 
-def _spread(forms: ClosedForms, count: int) -> ClosedForms:
-    """The closed form of each sample where nothing that scatters is an argument: all are alike."""
-    return ClosedForms(forms.names, np.broadcast_to(forms.outcome, count), np.broadcast_to(forms.factor, count))
+def _with_crack(values: Floats, places: Any) -> Floats:
+    """Samples (n, k) with the places of their cracks behind them (n, k + 1)."""
+    return np.column_stack([values, np.broadcast_to(places, len(values))])
 
 
 def vectorised(
     design: Design, values: Floats, values_at: ValuesAt, keys: Sequence[str] | None = None
 ) -> Vectorised | None:
-    """The evaluator of a design over its samples, None where there is none.
+    """The columns of a design over its samples, None where there are none.
+
+    A crack that is looked for without partial factors stands where no column says: such designs have none.
 
     Parameters
     ----------
@@ -178,9 +226,16 @@ def vectorised(
     """
     if (on_arrays := kind_of(design).on_arrays) is None:
         return None
-    before = None if keys is not None else stand_off(on_arrays.bounds(design), design.bolts)
-    keys = [key for variable in design.variables for key in variable.columns] if keys is None else keys
-    made = Vectorised(on_arrays, design, keys, before)
+    before = None
+    if keys is None:
+        keys = [key for variable in design.variables for key in variable.columns]
+        before = stand_off(on_arrays.bounds(design), design.bolts)
+    searches_crack = bool(getattr(design, "crack_searched", ""))
+    if searches_crack and design.analysis.partial is not None:
+        return None
+    if searches_crack:
+        design, keys, values = with_values(design, {PLACE: ANYWHERE_M}), [*keys, PLACE], _with_crack(values, ANYWHERE_M)
+    made = Vectorised(on_arrays, design, keys, before, searches_crack)
     rows, read = [], []
     for row in dict.fromkeys([*range(min(_PROBES, len(values))), *values.argmin(axis=0), *values.argmax(axis=0)]):
         try:

@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from operator import attrgetter
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -26,7 +27,6 @@ from slopekit.studies.evaluation.rows import evaluated
 from slopekit.studies.marginals import checked_limits
 from slopekit.studies.outcomes import BothMethods, Outcomes, compared
 from slopekit.studies.points import Point, point_of
-from slopekit.studies.prob.cracks import FEW_ALONE
 from slopekit.studies.prob.estimates import Share, Summary, sample_statistics, share_of, summary_of
 from slopekit.studies.prob.judged import Judged, notices_of, sensitivities, with_whole
 from slopekit.studies.prob.rows import SampleRows
@@ -47,8 +47,9 @@ from slopekit.studies.protocol import (
 from slopekit.studies.running import checked_crew
 
 By = Literal["closed-form", "pre-ie"]
-#: Samples that are drawn where none are asked for, and where each takes milliseconds or is read by itself.
-MANY, FEW = 20_000, 1_000
+#: Samples that are drawn where none are asked for, where each takes milliseconds or is read by itself, and where the
+#: crack of each may be looked for by itself.
+MANY, FEW, FEWEST = 20_000, 1_000, 200
 _MOST, _MOST_BY_PRE_IE = 10_000_000, 1_000_000
 
 
@@ -121,7 +122,7 @@ class Probability(StudyOutcome):
 
         Where no block forms they are nan.
         """
-        return self.rows.sizes(slice(0, self.samples.count), self.judged.forms)
+        return self.rows.sizes(0, self.samples.count, self.judged.forms)
 
     @cached_property
     def summary(self) -> Summary | None:
@@ -150,8 +151,8 @@ class Probability(StudyOutcome):
     def scaled_down(self) -> int:
         """How many samples limits of size made smaller."""
         scaled = 0
-        for piece in self.rows.pieces(self.judged.forms):
-            scale = self.rows.sizes(*piece).get("scale")
+        for start, stop in pairwise(self.samples.ends):
+            scale = self.rows.sizes(start, stop, self.judged.forms[start:stop]).get("scale")
             if scale is None:  # no limits of size
                 break
             scaled += int((scale < 1.0).sum())
@@ -382,7 +383,7 @@ def _asked(
         faults.append(Fault("E126", f"{by} is not a method", "", "Known: closed-form, pre-ie."))
     if by == "closed-form" and not design.HAS_CLOSED_FORM:
         faults.append(Fault("E126", f"a {design.kind} has no closed form to sample", "", "Take pre-ie."))
-    few = FEW_ALONE if getattr(design, "crack_searched", "") else FEW
+    few = FEWEST if getattr(design, "crack_searched", "") else FEW
     n, most = few if n is None else n, _MOST if by == "closed-form" else _MOST_BY_PRE_IE
     for name, value, low, high in (
         ("n", n, 1, most), ("seed", seed, 0, 2**63 - 1), ("the target", target, 1e-6, 1e6),

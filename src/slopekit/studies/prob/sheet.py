@@ -62,11 +62,11 @@ def sheet_of(study: Probability) -> Sheet:
 
 def line_of(study: Probability) -> str:
     """The estimate on one line, with its limits."""
-    share = study.all_samples
+    share, accept = study.all_samples, study.asked.accept
     parts = [f"P(FoS < {study.asked.target:g})"]
-    if study.accepted is not None:  # the upper limit is what acceptance hangs on: it leads
-        doubt = " (in doubt)" if not study.accepted and share.high <= (study.asked.accept or 0.0) else ""
-        parts.append(f"at most {_percent(share.high)}, accepted {_percent(study.asked.accept)}")
+    if accept is not None:  # the upper limit is what acceptance hangs on: it leads
+        doubt = " (in doubt)" if not study.accepted and share.high <= accept else ""
+        parts.append(f"at most {_against(share.high, accept)}, accepted {number(accept * 100)} %")
         parts += ["met" if study.accepted else f"not met{doubt}", f"estimate {_percent(share.share)}"]
     else:
         parts += [_percent(share.share), _limits(share)]
@@ -81,7 +81,7 @@ def line_of(study: Probability) -> str:
 def _every_sample(study: Probability) -> Table[tuple[Any, ...]]:
     """Every sample on a line of its own, by its number: values, outcome, factors."""
     samples, by = study.samples, "fos_closed_form" if study.asked.by == "closed-form" else "fos_limit"
-    sizes = study.rows.sizes(slice(0, 1), study.judged.forms[:1])
+    sizes = study.rows.sizes(0, 1, study.judged.forms[:1])
     titles = [(name, name) for name in ("sample", *samples.names, "outcome", "fails", *sizes)]
     titles.insert(-1 - len(sizes), ("FoS", by))
     if study.closed_form is not None:
@@ -107,7 +107,7 @@ class _Lines(Sequence[tuple[Any, ...]]):
         names = np.array(judged.names, dtype=object)
         columns = [np.arange(start, stop), *study.samples.rows(start, stop).T, names[judged.outcome[rows]]]
         columns += [judged.factor[rows], judged.fails[rows].astype(int)]
-        columns += study.rows.sizes(rows, judged.forms[rows]).values()
+        columns += study.rows.sizes(start, stop, judged.forms[rows]).values()
         if outcomes is not None and study.closed_form is not None:
             columns += [study.closed_form.factor[rows], outcomes.moments_govern[rows].astype(int)]
         return list(zip(*(column.tolist() for column in columns), strict=True))
@@ -133,9 +133,9 @@ def _beyond_the_vertical(study: Probability) -> Iterator[str]:
     for variable in study.samples.variables:
         own = variable.distribution
         if variable.of == "plane" and isinstance(own, Angles) and isinstance(own.steep, Distribution):
-            flat, over = tails(own.steep, 0.0, 90.0)
-            if flat + over > NEVER:
-                yield f"{flat + over:.2%} of the dips of {variable.path} lie beyond 0 to 90°: those dip the other way"
+            beyond = sum(tails(own.steep, 0.0, 90.0))
+            if beyond > NEVER:
+                yield f"{_percent(beyond)} of the dips of {variable.path} lie beyond 0 to 90°: those dip the other way"
 
 
 def _outcomes(study: Probability) -> Table[tuple[str, int]]:
@@ -150,7 +150,7 @@ def _outcomes(study: Probability) -> Table[tuple[str, int]]:
     of = study.samples.count
     columns: list[Column[tuple[str, int]]] = [
         Column("samples", itemgetter(1), "samples", width=9),
-        Column("share", lambda outcome: outcome[1] / of * 100, "share", "%", lambda share: f"{share:.2f} %", 10),
+        Column("share", lambda outcome: outcome[1] / of * 100, "share", "%", lambda share: f"{share:.3g} %", 10),
         Column("outcome", itemgetter(0), "outcome", text=words, width=-1),
     ]
     return Table(columns, list(study.counts.items()), headless=True)
@@ -174,7 +174,12 @@ def _probabilities(study: Probability) -> Table[tuple[Share, str]]:
 
 
 def _percent(share: float | None) -> str:
-    return "none" if share is None else f"{share * 100:.4g} %"
+    return "none" if share is None else f"{share * 100:.3g} %"
+
+
+def _against(share: float, accept: float) -> str:
+    """An upper limit in per cent, in six digits where three would hide on which side of the accepted one it lies."""
+    return f"{share * 100:.6g} %" if _percent(share) == _percent(accept) else _percent(share)
 
 
 def _limits(share: Share) -> str:
@@ -207,8 +212,8 @@ def _methods(study: Probability) -> list[str]:
 
 
 def _accept(study: Probability) -> list[str]:
-    if study.asked.accept is None:
+    accept, met = study.asked.accept, "met" if study.accepted else "NOT MET"
+    if accept is None:
         return []
-    met = "met" if study.accepted else "NOT MET"
-    high = study.all_samples.high
-    return [f"upper limit {_percent(high)} <= {_percent(study.asked.accept)}: {', '.join([met, *study.doubts])}"]
+    high = _against(study.all_samples.high, accept)
+    return [f"upper limit {high} <= {number(accept * 100)} %: {', '.join([met, *study.doubts])}"]

@@ -160,7 +160,6 @@ def _six(quake: Quake) -> Table[Any]:
         Column("rotation °", of("rotation_deg"), "rotation_deg", "°", ".3f", 11),
         part("slips %", "slipped", 8), part("open %", "opened", 7), part("debonded %", "debonded", 11),
         Column("ended", of("ended"), "ended", width=-1, about="  {}"),
-        Column("", of("steps"), "steps"), Column("", of("halved"), "halved"),
     ]  # fmt: skip
     return Table(columns, [(one, newmark[one.record][one.way == "reversed"]) for one in quake.six])
 
@@ -170,7 +169,6 @@ def _six_notes(quake: Quake) -> list[str]:
     most: Shaking = max(quake.six, key=attrgetter("slid_m"))
     work = most.work_kj
     off = abs(work.unbalanced) / max(abs(work.put_in), 1e-300)
-    steps, halved = sum(one.steps for one in quake.six), sum(one.halved for one in quake.six)
     assert quake.in_six is not None
     pairs, percent = quake.in_six.pairs, quake.in_six.percent
     moved = f"the last refinement moved what slides by {percent} % at most"
@@ -178,7 +176,7 @@ def _six_notes(quake: Quake) -> list[str]:
         f"work in {most.record} ({most.way}), MJ: put in {work.put_in / 1e3:.5g} = friction {work.friction / 1e3:.5g}"
         f" + stored {work.stored / 1e3:.3g} + kinetic {work.kinetic / 1e3:.3f} + damped {work.damped / 1e3:.4g},"
         f" to {max(off, _EXACT):.0e}",
-        f"{springs_in_words(quake.design)}; {steps} steps, {halved} halved; the geometry stays as it is",
+        f"{springs_in_words(quake.design)}; the geometry stays as it is",
         f"{pairs} node pairs; {moved if percent else 'finer ones gave no answer'}",
     ]
 

@@ -105,8 +105,7 @@ class Shaking:
     displacement_m : (3,) of the centroid in the end, east, north, up (of a section: out of the slope, along it, up)
     slid_m : its size; rotation_deg : how much it has turned
     slipped, opened, debonded : shares of the joints' area: that slipped, open at once at most, that lost its cohesion
-    steps, halved : of time; ended : rest, moves (still), refused (a step did not settle: what stands here is up to it)
-    until_s : how far it got
+    ended : rest, moves (still), refused (a step did not settle: what stands here is up to it); until_s : how far it got
     """
 
     record: str
@@ -117,8 +116,6 @@ class Shaking:
     slipped: float
     opened: float
     debonded: float
-    steps: int
-    halved: int
     ended: str
     until_s: float
     work_kj: Work
@@ -188,7 +185,7 @@ def shaken_in_six(
             moved, turned = _in_space(out, block, made)
             shaken.append(Shaking(
                 record.name, way, moved[-1], float(np.linalg.norm(moved[-1])), float(np.linalg.norm(turned[-1])),
-                out.slipped, out.opened, out.debonded, out.steps, out.halved, out.ended, float(out.times[-1]), out.work,
+                out.slipped, out.opened, out.debonded, out.ended, float(out.times[-1]), out.work,
             ))  # fmt: skip
             columns = zip(_COLUMNS, np.hstack([moved, turned]).T, strict=True)
             motions.append({"record": record.name, "way": way, "t_s": out.times, **dict(columns)})

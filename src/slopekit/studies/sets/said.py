@@ -50,10 +50,9 @@ def _of_number(joint_sets: JointSets) -> list[Notice]:
         by = {len(one): one.bic for one in joint_sets.tried}
         chosen = min(by, key=lambda count: by[count])
         if chosen == 0:
-            message = (
-                f"the {counted(len(joint_sets.joints), 'joint')} of {joint_sets.joints.name} show no sets: no number of"
-            )
-            return [Notice("W404", f"{message} sets is likelier than uniform directions; --sets N divides them")]
+            message = f"no sets among the {counted(len(joint_sets.joints), 'joint')} of {joint_sets.joints.name}"
+            likelier = "no number of sets is likelier than uniform directions; --sets N divides them"
+            return [Notice("W404", f"{message}: {likelier}")]
         near = [count for count, bic in by.items() if count != chosen and bic - by[chosen] < _CLOSE]
         if near:
             others = " or ".join(map(str, near))

@@ -194,12 +194,13 @@ def _found(method: Method, asked: FactorRequest, crossing: Crossing[Point]) -> S
 
 def _refused(asked: FactorRequest, method: Method, samples: Samples) -> Iterator[tuple[float, float, str, str]]:
     """Stretches of neighbouring values that are refused for the same reason, with what is said in their middle."""
+    single = replace(asked, columns=None)
     runs = groupby(samples, key=lambda sample: "" if sample.level is not None else sample.label)
     for run in [list(run) for label, run in runs if label]:
         low, high = run[0].at, run[-1].at
         middle = min(run, key=lambda sample: abs(sample.at - 0.5 * (low + high)))
         message = NO_CONVERGENCE if middle.label == UNSETTLED else middle.found.message
-        yield low, high, middle.label, message or asked.alone.samples(method, [middle.at])[0].found.message
+        yield low, high, middle.label, message or single.samples(method, [middle.at])[0].found.message
 
 
 def _beside(asked: FactorRequest, solved: SolvedValue) -> Iterator[Notice]:

@@ -13,7 +13,7 @@ from slopekit.core.errors import Notice
 from slopekit.design.common import Design
 from slopekit.design.parts import Force
 from slopekit.kinds import kind_of
-from slopekit.studies.evaluation.columns import array_columns, may_be_on_arrays, points_on_arrays
+from slopekit.studies.evaluation.columns import array_columns, points_on_arrays
 from slopekit.studies.evaluation.vectorised import Vectorised
 from slopekit.studies.keys import Key, values_of
 from slopekit.studies.points import Method, Point, factor_at, point_of, status_of
@@ -81,14 +81,14 @@ class FactorRequest:
     def on_arrays(self) -> Vectorised | None:
         """The columns of its values, where the kind of the design takes them."""
         grid = np.array(self.grid(*FINE))[:, None]
-        return array_columns(self.design, [self.key], grid) if may_be_on_arrays(self.design) else None
+        return array_columns(self.design, [self.key], grid)
 
     def samples(self, method: Method, values: Sequence[float]) -> Samples:
         """What a method says at values: all at once on arrays, else as many at a time as the crew is."""
         pre_ie, found = method == "pre_ie", dict[float, Point]()
         if self.columns is not None:
-            columns = replace(self.columns, design=under_forces(self.forces, self.columns.design))
-            points = points_on_arrays(columns, self.design, [self.key], np.array(values)[:, None], pre_ie)
+            columns = replace(self.columns, forces=self.forces)
+            points = points_on_arrays(columns, [self.key], np.array(values)[:, None], pre_ie)
             found = {value: point for value, point in zip(values, points, strict=True) if point is not None}
             self.advance(1)
         rest = [value for value in values if value not in found]
@@ -101,15 +101,10 @@ class FactorRequest:
         found |= alone
         return [level_sample(value, found[value], method, self.target) for value in values]
 
-    @property
-    def alone(self) -> "FactorRequest":
-        """The same, of which every value is a design of its own."""
-        return replace(self, columns=None)
-
     def both(self, value: float) -> Point:
         """What both methods say at a value, as a design of its own."""
         if value not in self.points:
-            self.alone.samples("pre_ie", [value])
+            replace(self, columns=None).samples("pre_ie", [value])
         return self.points[value]
 
     def confirms(self, method: Method, search: RootSearch[Point]) -> bool:

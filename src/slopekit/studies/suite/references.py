@@ -6,12 +6,11 @@ A case is a design and what sources say of it. No reference value comes from slo
 import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault, did_you_mean
 
 #: What a row can hold against its reference, and its unit; {of} is what it is meant for.
 QUANTITIES: Mapping[str, str] = {
@@ -140,8 +139,7 @@ def chosen(only: str | Iterable[str] | None) -> tuple[ReferenceCase, ...]:
     faults = []
     for name in names:
         if name not in known:
-            near = get_close_matches(name, sorted(known), n=3, cutoff=0.4)
-            advice = f"Did you mean {' or '.join(near)}?" if near else f"There are the sources {', '.join(sources)}."
+            advice = did_you_mean(name, sorted(known), f"There are the sources {', '.join(sources)}.", cutoff=0.4)
             faults.append(Fault("E197", f"{name} is no case, source or kind of the suite", f"only = {name}", advice))
     if faults or not names:
         raise DesignError(faults or [Fault("E197", "no case is chosen", "only = ()", "Leave it out to run them all.")])

@@ -12,6 +12,7 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, frozen
 from slopekit.core.errors import Notice
+from slopekit.kinds.single_block.held_bolts import through
 from slopekit.studies.support.search import Site
 
 MOST_BOLTS = 5000
@@ -32,7 +33,7 @@ class Layout:
     Attributes
     ----------
     heads_m : (n, 3) in east, north, up of the design
-    middle_m : their middle in local axes, or the head nearest to it where a bolt from the middle is not anchored
+    middle_m : their middle from the origin, or the head nearest to it where a bolt from the middle is not anchored
     sound_m : (n,) from the head to where sound rock begins, behind the last joint
     rows, columns : how many
     across_m, up_m : spacing along the rows and from row to row
@@ -55,7 +56,7 @@ class Layout:
 
 
 def layout(site: Site, direction: Floats, force: float, capacity: float, spacing: float | None) -> Layout | Notice:
-    """Bolts of at most `capacity` that carry `force` along a direction (local axes), or why there are none."""
+    """Bolts of at most `capacity` that carry `force` along a direction, or why there are none."""
     if not float(site.inward @ direction) > 1e-6:
         return Notice("E211", "the force points out of the face: bolts with their heads on it pull the other way")
     if site.in_section:
@@ -67,14 +68,12 @@ def _laid(
     site: Site, heads: Floats, direction: Floats, count: tuple[int, int], spacing: tuple[float, float], left_out: int,
     needed: int | None,
 ) -> Layout:  # fmt: skip
-    """Bolts with their heads (n, 3) in local axes, in rows and columns, at a spacing across and up the face."""
+    """Bolts with their heads (n, 3) from the origin, in rows and columns, at a spacing across and up the face."""
     middle = heads.mean(axis=0)
-    if not site.passage(middle[None, :], direction)[1][0]:
+    if not through(site.bounds, middle[None, :], direction)[1][0]:
         middle = heads[((heads - middle) ** 2).sum(axis=1).argmin()]
-    sound, _ = site.passage(heads, direction)
-    return Layout(
-        frozen(site.world(heads) + site.origin), frozen(middle), frozen(sound), *count, *spacing, left_out, needed
-    )
+    sound, _ = through(site.bounds, heads, direction)
+    return Layout(frozen(heads + site.origin), frozen(middle), frozen(sound), *count, *spacing, left_out, needed)
 
 
 def _face_layout(
@@ -155,7 +154,7 @@ def _grids(site: Site, direction: Floats, axes: Floats, polygon: Floats, spacing
     start = np.repeat(np.arange(len(_STARTS)), len(lattice))
     clear = _clear_of_edges(points, polygon, _MARGIN * spacing)
     points, start = points[clear], start[clear]
-    _, anchored = site.passage(centre_of(site.face) + points @ axes, direction)
+    _, anchored = through(site.bounds, centre_of(site.face) + points @ axes, direction)
     choices: list[_Chosen] = []
     for k in range(len(_STARTS)):
         kept = points[anchored & (start == k)]
@@ -179,11 +178,11 @@ def _section_layout(
     site: Site, direction: Floats, force: float, capacity: float, spacing: float | None
 ) -> Layout | Notice:
     """Rows on the face of a section; `spacing` is that along the slope, else it is that from row to row."""
-    flat = site.face * [1.0, 0.0, 1.0]
+    flat = site.across(site.face)
     foot, top = flat[flat[:, 2].argmin()], flat[flat[:, 2].argmax()]
     length = math.sqrt(float((top - foot) @ (top - foot)))
     shares = np.linspace(0.0, 1.0, _PLACES)[1:-1]
-    _, anchored = site.passage(foot + shares[:, None] * (top - foot), direction)
+    _, anchored = through(site.bounds, foot + shares[:, None] * (top - foot), direction)
     if not anchored.any():
         return _NO_PLACE
     step = 1.0 / (_PLACES - 1)
@@ -203,11 +202,11 @@ def _section_layout(
         )
         return Notice("E328", message)
     shares = low + (np.arange(rows) + 0.5) / rows * (high - low)
-    local = foot + shares[:, None] * (top - foot)
-    if not site.passage(local, direction)[1].all():
+    heads = foot + shares[:, None] * (top - foot)
+    if not through(site.bounds, heads, direction)[1].all():
         return Notice("E211", "bolts that way come out of a free face from some of the rows")
     left_out = round((length - reach) / (reach / rows)) if reach < length * (1.0 - 3.0 * step) else 0
-    return _laid(site, local, direction, (rows, 1), (across, reach / rows), left_out, None)
+    return _laid(site, heads, direction, (rows, 1), (across, reach / rows), left_out, None)
 
 
 def centre_of(polygon: Floats) -> Floats:

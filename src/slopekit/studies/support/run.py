@@ -10,7 +10,7 @@
 """
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Annotated, Any
@@ -168,16 +168,19 @@ class _Search:
             message = f"no direction into the face that plunges {low:g} to {high:g}° reaches the target"
             return self._lacking(BoltCase(acts, None, Need(None, self.bare, notice=Notice("E322", message))))
         guess = self._guess(toward.vector()) * (self.goal if acts == "passive" else 1.0)
-        closed = self._need("closed_form", lambda force: site.with_bolts(Bolt(force, toward, acts)), guess)
+        key = f"support.bolts.{len(site.design.bolts)}.force"
+        closed = self._need("closed_form", site.with_bolts(Bolt(guess, toward, acts)), key, guess)
         case = BoltCase(acts, toward, closed, existing=site.design.bolts)
         if closed.force is None:
             return self._lacking(case)
         wanted = closed.force or guess
         for _ in range(_LAYOUTS):
-            laid = layout(site, site.local(toward.vector()), wanted, options.capacity, options.spacing)
+            laid = layout(site, site.across(toward.vector()), wanted, options.capacity, options.spacing)
             if isinstance(laid, Notice):
                 return self._lacking(replace(case, notices=(laid,)))
-            limit = self._need("pre_ie", partial(self._with_heads, acts, toward, laid), wanted)
+            # parallel bolts of one force are one through the middle of their heads
+            pulled = site.with_bolts(Bolt(wanted, toward, acts, site.place(laid.middle_m)))
+            limit = self._need("pre_ie", pulled, key, wanted)
             case = replace(case, pre_ie=limit, layout=laid, force=self._larger(closed, limit))
             if case.force is None:
                 return self._lacking(case)
@@ -188,10 +191,6 @@ class _Search:
             f"{wanted:.6g} {site.unit} are more than the bolts can take: with more of them the moments ask for more"
         )
         return self._lacking(replace(case, notices=(Notice("E328", message),)))
-
-    def _with_heads(self, acts: Acts, toward: Line, laid: Layout, force: float) -> Design:
-        """The design with a force on bolts: parallel bolts of one force are one through the middle of their heads."""
-        return self.site.with_bolts(Bolt(force, toward, acts, self.site.place(laid.middle_m)))
 
     def _slice_m(self, laid: Layout) -> float:
         """The length of slope that a bolt's force in the design stands for: in a section the spacing along it."""
@@ -209,17 +208,17 @@ class _Search:
             notices.append(Notice("W311", f"{message}; stronger bolts (--bolt-capacity) stand farther apart"))
         if options.length is not None:
             lengths = np.full(len(laid), options.length)
-            short = int((lengths < needed * (1.0 - 1e-12)).sum())
+        short = int((lengths < needed * (1.0 - 1e-12)).sum())
+        case = replace(case, layout=laid, each=each, lengths=lengths)
+        if short:
             message = f"{short} of {len(laid)} bolts are too short at {options.length:g} m"
-            notices += [Notice("E212", f"{message}: the longest needs {needed.max():.4g} m")] if short else []
-        case = replace(case, layout=laid, each=each, lengths=lengths, notices=tuple(notices))
-        if any(notice.code == "E212" for notice in notices):
-            return self._lacking(case)
+            notices.append(Notice("E212", f"{message}: the longest needs {needed.max():.4g} m"))
+            return self._lacking(replace(case, notices=tuple(notices)))
         bolts = tuple(
             written(Bolt(each / slice_m, toward, case.acts, (east, north, up), length))
             for (east, north, up), length in zip(laid.heads_m.tolist(), lengths.tolist(), strict=True)
         )
-        return replace(case, bolts=bolts).solved_in(self.site.design, self.target)
+        return replace(case, bolts=bolts, notices=tuple(notices)).solved_in(self.site.design, self.target)
 
     def _lacking(self, case: BoltCase) -> BoltCase:
         """A case without bolts to build, and why."""
@@ -229,12 +228,13 @@ class _Search:
 
     def pressure(self) -> float | None:
         """An even pressure on the face, kPa, that both methods need."""
-        site, middle = self.site, centre_of(self.site.face)
-        guess = self._guess(site.world(site.inward))
-        closed = self._need("closed_form", lambda force: site.pressed(force, middle), guess)
+        site = self.site
+        guess = self._guess(site.inward)
+        pressed, key = site.pressed(guess, centre_of(site.face)), f"loads.forces.{len(site.design.forces)}.force"
+        closed = self._need("closed_form", pressed, key, guess)
         if closed.force is None or not self.has_strength:
             return None
-        limit = self._need("pre_ie", lambda force: site.pressed(force, middle), closed.force or guess)
+        limit = self._need("pre_ie", pressed, key, closed.force or guess)
         force = self._larger(closed, limit)
         return None if force is None else force / site.area
 
@@ -248,17 +248,12 @@ class _Search:
             return None
         return limit.force if self.dilates else max(closed.force, limit.force)
 
-    def _need(self, method: Method, changed: Callable[[float], Design], guess: float) -> Need:
-        """The least force by a method, and what stands against it."""
+    def _need(self, method: Method, design: Design, key: str, guess: float) -> Need:
+        """The least force at a key of a design by a method, and what stands against it."""
         bare, pre_ie = self.bare_limit if method == "pre_ie" else self.bare, method == "pre_ie"
         if bare.reaches(self.target):
             return Need(0.0, bare)
-        need = least_force(
-            lambda force: method_answer(factors_of(changed(force), pre_ie), method),
-            self.target,
-            guess,
-            bare.search_level,
-        )
+        need = least_force(partial(self.site.answers, design, key, method), self.target, guess)
         level = need.answer.search_level
         if need.force is None:
             best = f"at best FoS {level:.4g} at {need.best:.4g} {self.site.unit}"

@@ -10,16 +10,18 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats
+from slopekit.core.arrays import Floats
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.orientation import Line, line_of
 from slopekit.design.common import Design
 from slopekit.design.parts import Bolt, Force
-from slopekit.kinds import kind_of
+from slopekit.kinds import factors_of, kind_of
 from slopekit.kinds.protocol import Factors
 from slopekit.kinds.single_block.closed_forms import OnArrays, passive_bolts
-from slopekit.kinds.single_block.held_bolts import Bounds, through
+from slopekit.kinds.single_block.held_bolts import Bounds
+from slopekit.studies.evaluation.columns import points_on_arrays
+from slopekit.studies.evaluation.vectorised import Vectorised
 from slopekit.studies.points import UNSETTLED, Method
 from slopekit.studies.roots import RootSearch, Sample, level_at
 from slopekit.studies.solve.factor_request import level_of
@@ -109,9 +111,9 @@ class Site:
     Attributes
     ----------
     design : as it stands; weight : kN
-    face : (k, 3) free face of the block in local axes, m, anticlockwise from outside; area : m² (a plane's: per metre)
-    axes : (3, 3) rows are the local axes, in east, north, up; origin : (3,) m of the local origin
-    in_section : what acts along the slope is left out, forces are per metre of slope
+    face : (k, 3) free face of the block from the origin, m, anticlockwise from outside; area : m² (a plane's: per
+        metre)
+    origin : (3,) m, of the block in the coordinates of the user
     on_arrays : the closed form of many such designs
     bounds : the planes that bolts meet
     """
@@ -120,11 +122,14 @@ class Site:
     weight: float
     face: Floats
     area: float
-    axes: Floats
     origin: Floats
-    in_section: bool
     on_arrays: OnArrays[Any]
     bounds: Bounds
+
+    @property
+    def in_section(self) -> bool:
+        """Whether what acts along the slope is left out, and forces are per metre of slope."""
+        return self.bounds.along is not None
 
     @property
     def unit(self) -> str:
@@ -133,38 +138,43 @@ class Site:
 
     @property
     def inward(self) -> Floats:
-        """Unit normal (3,) of the face into the rock, local axes."""
+        """Unit normal (3,) of the face into the rock."""
         normal = np.cross(self.face[2] - self.face[0], self.face[1] - self.face[0])
         return normal / math.sqrt(float(normal @ normal))
 
-    def local(self, vectors: Floats) -> Floats:
-        """Vectors (..., 3) in east, north, up as the block takes them: in a section without their part along it."""
-        turned: Floats = vectors @ self.axes.T
-        if self.in_section:
-            turned[..., 1] = 0.0
-        return turned
-
-    def world(self, vectors: Floats) -> Floats:
-        """Vectors (..., 3) in local axes as east, north, up."""
-        return vectors @ self.axes
-
-    def passage(self, heads: Floats, direction: Floats) -> tuple[Floats, Bools]:
-        """How bolts pass through the block, as `through` has it, in local axes."""
-        return through(self.bounds, self.world(heads), self.world(direction))
+    def across(self, vectors: Floats) -> Floats:
+        """Vectors (..., 3) as the block takes them: in a section without their part along it."""
+        along = self.bounds.along
+        return vectors if along is None else vectors - (vectors @ along[0])[..., None] * along[0]
 
     def with_bolts(self, *bolts: Bolt) -> Design:
         """The design with more bolts."""
         return replace(self.design, bolts=(*self.design.bolts, *bolts))
 
     def pressed(self, force: float, point: Floats) -> Design:
-        """The design with one more force, kN, normal to the face, through a point (3,) in local axes."""
-        east, north, up = (float(part) for part in self.world(force * self.inward))
-        return replace(self.design, forces=(*self.design.forces, Force((east, north, up), self.place(point))))
+        """The design with one more force, kN, normal to the face, through a point (3,) of it."""
+        east, north, up = (float(part) for part in force * self.inward)
+        pressing = Force((east, north, up), self.place(point), toward=line_of(self.inward))
+        return replace(self.design, forces=(*self.design.forces, pressing))
 
     def place(self, point: Floats) -> tuple[float, float, float]:
-        """A point in local axes in the coordinates of the user."""
-        east, north, up = (float(part) for part in self.world(point) + self.origin)
+        """A point from the origin in the coordinates of the user."""
+        east, north, up = (float(part) for part in point + self.origin)
         return east, north, up
+
+    def answers(self, design: Design, key: str, method: Method, forces: Sequence[float]) -> list[Answer]:
+        """What a method says of a design with a force of other sizes (kN) at a key, all at once on arrays."""
+        columns, sizes, pre_ie = (
+            Vectorised(self.on_arrays, design, [key]),
+            np.array(forces)[:, None],
+            method == "pre_ie",
+        )
+        points = points_on_arrays(columns, (), sizes, pre_ie)
+        every = [
+            (point and point.factors) or factors_of(columns.scattered(size), pre_ie)
+            for size, point in zip(sizes, points, strict=True)
+        ]
+        return [method_answer(factors, method) for factors in every]
 
 
 def method_answer(factors: Factors, method: Method) -> Answer:
@@ -201,10 +211,8 @@ def site_of(design: Design) -> Site:
     made = kind.cut(design)
     assert made.bounds is not None
     block = made.block
-    return Site(
-        design, design.rock.unit_weight_kn_m3 * block.volume, block.faces[made.face], block.areas[made.face],
-        made.axes, made.origin, design.section_share is not None, kind.on_arrays, made.bounds,
-    )  # fmt: skip
+    weight, face = design.rock.unit_weight_kn_m3 * block.volume, block.faces[made.face] @ made.axes
+    return Site(design, weight, face, block.areas[made.face], made.origin, kind.on_arrays, made.bounds)
 
 
 # -- directions ----------------------------------------------------------------------------------------------------
@@ -245,14 +253,14 @@ def best_direction(site: Site, goal: float, plunges: tuple[float, float]) -> Lin
     Directions are those that are set out, in steps of 5°; in a section they stay across the slope.
     """
     low, high = plunges
-    inward = line_of(site.world(site.inward))
+    inward = line_of(site.inward)
     steps = [_STEP_DEG * k for k in range(math.ceil(low / _STEP_DEG), math.floor(high / _STEP_DEG) + 1)]
     trends = [inward.trend_deg, (inward.trend_deg + 180.0) % 360.0]
     if not site.in_section:
         trends = np.arange(0.0, 360.0, _STEP_DEG).tolist()
     lines = [Line(round(trend, 10) % 360.0, plunge) for trend in trends for plunge in steps or [low, high]]
     vectors = np.array([line.vector() for line in lines])
-    into_face = vectors @ site.world(site.inward) >= math.sin(math.radians(_INTO_FACE_DEG)) - 1e-12
+    into_face = vectors @ site.inward >= math.sin(math.radians(_INTO_FACE_DEG)) - 1e-12
     if not into_face.any():
         return None
     forces = np.full(len(lines), np.inf)
@@ -264,20 +272,19 @@ def best_direction(site: Site, goal: float, plunges: tuple[float, float]) -> Lin
 # -- one direction -------------------------------------------------------------------------------------------------
 
 
-def least_force(ask: Callable[[float], Answer], target: float, guess: float, at_zero: float) -> Need:
+def least_force(ask: Callable[[Sequence[float]], list[Answer]], target: float, guess: float) -> Need:
     """The least force near a guess that gives a level of `target`, or more by at most 3e-7 of it.
 
     Parameters
     ----------
-    ask : force to answer; at_zero : the level without the force, less than the target
+    ask : forces to answers, without one less than the target
     """
     aim = target * (1.0 + _WITHIN)
 
     def samples(forces: Sequence[float]) -> list[Sample[Answer]]:
-        answers = [ask(force) if force else Answer(at_zero, "") for force in forces]
         return [
             Sample(force, level_of(answer.search_level, aim), answer.status, answer)
-            for force, answer in zip(forces, answers, strict=True)
+            for force, answer in zip(forces, ask(forces), strict=True)
         ]
 
     search = RootSearch(samples, guess, **_FINELY, **_ROUGHLY)

@@ -11,6 +11,7 @@ from slopekit.core.arrays import Bools, Floats, Ints, cross
 from slopekit.exchange.panels import triangles_of
 from slopekit.exchange.source import NUMBERED, bolt_of_load
 from slopekit.kinds.sheets.bolts import forces_in_words, schedule, without_head
+from slopekit.kinds.words import short
 from slopekit.views.solid.layers import (
     ACTIVE_BOLT,
     BLOCK,
@@ -130,8 +131,8 @@ class Scenery:
         """Volume and height in words."""
         geometry = self.stage.document.get("geometry") or {}
         volume, height = geometry.get("volume_m3"), geometry.get("total_height_m")
-        parts = [] if volume is None else [f"volume {volume:.6g} m³"]
-        parts += [] if height is None else [f"total height {height:.4g} m"]
+        parts = [] if volume is None else [f"volume {short(volume)} m³"]
+        parts += [] if height is None else [f"total height {short(height)} m"]
         if self.stage.document.get("assembly") is not None:
             count = int(self.stage.free.sum())
             parts.append(f"{count} {'block' if count == 1 else 'blocks'} that may move")

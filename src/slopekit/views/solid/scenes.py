@@ -18,6 +18,7 @@ from slopekit.core.orientation import parse_plane
 from slopekit.core.sheet import factor_text
 from slopekit.findings import MOTIONS
 from slopekit.kinds import status_text
+from slopekit.kinds.words import short
 from slopekit.views.solid.layers import (
     BLOCK,
     DARK,
@@ -84,13 +85,13 @@ def dimensions(stage: Stage) -> list[_Dimension]:
         back = corners[np.abs(depth - behind) < _SAME * size]
         back = back[back[:, 2] > back[:, 2].max() - _SAME * size].mean(axis=0)
         at = back + 0.55 * setback * out
-        measures.append((f"setback {setback:.4g} m", back, back + setback * out, at))
+        measures.append((f"setback {short(setback)} m", back, back + setback * out, at))
     if width:
         start, end = _across(corners, out, depth.min() + (setback or 0.0), width, size)
-        measures.append((f"width {width:.4g} m", start, end, start + 0.3 * (end - start)))
+        measures.append((f"width {short(width)} m", start, end, start + 0.3 * (end - start)))
     foot = corners[np.argmin(corners[:, 2])] + _ASIDE * size * out
     top = foot + np.array([0.0, 0.0, height])
-    return [*measures, (f"height {height:.4g} m", foot, top, foot + 0.45 * (top - foot))]
+    return [*measures, (f"height {short(height)} m", foot, top, foot + 0.45 * (top - foot))]
 
 
 def _across(corners: Floats, out: Floats, crest: float, width: float, size: float) -> tuple[Floats, Floats]:
