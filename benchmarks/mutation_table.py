@@ -436,6 +436,8 @@ MUTATIONS = (
          "if False:", _CHIPS),
         ("a block that others press on", "preie/many_blocks/ravelling.py",
          "replace(part.limit, lowest=float(factors[0]))", "part.limit", _CHIPS),
+        ("a load past which finer pairs rest", "preie/many_blocks/ravelling.py",
+         "> (1.0 + RESTS_NEAR) * part.rank:", "> 2.0 * part.rank:", ("tests/studies/test_solve_load.py",)),
         ("finer node pairs of a load", "preie/many_blocks/ravelling.py",
          "found = sorted(_refined(scene, present, found, by_load), key", "found = sorted(found, key",
          ("tests/studies/test_solve_load.py",)),

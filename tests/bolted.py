@@ -14,7 +14,7 @@ from slopekit.core.errors import SlopekitError
 from slopekit.design.reading.files import with_values
 from slopekit.design.templates import path_of
 from slopekit.kinds import kind_of
-from slopekit.kinds.single_block.held_bolts import held, stand_off
+from slopekit.kinds.single_block.held_bolts import holding_bolts, stand_off
 from slopekit.result import Result
 
 #: A head on the face, in the user's coordinates, that passes through the wedge.
@@ -68,7 +68,7 @@ def as_laid_out(design: Any) -> Floats:
 
 def standing(design: Any, before: Floats) -> Any:
     """A sample, read by itself, with the bolts that hold its block, their heads as far before its face as laid out."""
-    holds, moved = held(kind_of(design).on_arrays.bounds(design), design.bolts, before)
+    holds, moved = holding_bolts(kind_of(design).on_arrays.bounds(design), design.bolts, before)
     bolts = [
         bolt if bolt.head_m is None else replace(bolt, head_m=tuple(np.array(bolt.head_m) + by * bolt.toward.vector()))
         for bolt, by in zip(design.bolts, moved[:, 0], strict=True)
@@ -84,5 +84,5 @@ def holding(design: Any, samples: Sequence[Mapping[str, object]], before: Floats
             sample = with_values(design, values)
         except SlopekitError:
             continue
-        holds[:, row] = held(kind_of(design).on_arrays.bounds(sample), sample.bolts, before)[0][:, 0]
+        holds[:, row] = holding_bolts(kind_of(design).on_arrays.bounds(sample), sample.bolts, before)[0][:, 0]
     return holds

@@ -115,12 +115,12 @@ def test_many_stand_as_each_does_alone() -> None:
     moved = [ON_ARRAYS.bounds(with_values(design, {"slope.height": height})) for height in (22.0, 26.0, 33.0)]
     before = held_bolts.stand_off(bounds, design.bolts)
     for own in (bounds, *moved):
-        together = held_bolts.held(own, design.bolts, before)
+        together = held_bolts.holding_bolts(own, design.bolts, before)
         for k, bolt in enumerate(design.bolts):
-            alone = held_bolts.held(own, [bolt], held_bolts.stand_off(bounds, [bolt]))
+            alone = held_bolts.holding_bolts(own, [bolt], held_bolts.stand_off(bounds, [bolt]))
             assert alone[0].tolist() == together[0][k : k + 1].tolist()
             np.testing.assert_allclose(alone[1], together[1][k : k + 1], rtol=1e-12)
-    assert 0 < held_bolts.held(moved[0], design.bolts, before)[0].sum() < COUNT
+    assert 0 < held_bolts.holding_bolts(moved[0], design.bolts, before)[0].sum() < COUNT
 
 
 def test_each_has_to_reach_behind_its_joint() -> None:

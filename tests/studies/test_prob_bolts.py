@@ -10,7 +10,7 @@ import slopekit as sk
 from slopekit.core.errors import GeometryError
 from slopekit.design.reading.files import load, with_values
 from slopekit.kinds import cut, kind_of
-from slopekit.kinds.single_block.held_bolts import held
+from slopekit.kinds.single_block.held_bolts import holding_bolts
 from slopekit.studies.evaluation.vectorised import vectorised
 from slopekit.studies.prob import prob
 from slopekit.studies.prob.sampling import samples
@@ -78,7 +78,7 @@ def test_bolts_hold_whose_line_goes_in_by_a_free_face_and_out_by_a_joint(name, v
         except GeometryError:
             continue
         onward = cut(replace(sample, bolts=(), crack=None, water=replace(sample.water, mode="dry"))).block
-        holds, _ = held(kind.on_arrays.bounds(sample), sample.bolts, before)
+        holds, _ = holding_bolts(kind.on_arrays.bounds(sample), sample.bolts, before)
         for k, one in enumerate(sample.bolts):
             if one.head_m is None:
                 assert holds[k, 0]

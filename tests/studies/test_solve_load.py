@@ -133,8 +133,11 @@ def test_finer_node_pairs_do_not_rest_past_the_load_that_ends_a_motion() -> None
     """Bench 20 at 2 kPa falls below 1 at k 0.1848, is above it once more from 0.25 to 0.26: the first is the answer."""
     design = populations.bench(20)
     design["strength"]["joint"]["c"] = 2.0
-    found = sk.solve(sk.load(design, set={KEY: 0.0}), KEY, fos=1.0)
-    assert found.answer.value == pytest.approx(0.184755, rel=1e-4)
+    at = sk.solve(sk.load(design, set={KEY: 0.0}), KEY, fos=1.0).answer.value
+    before, after = (sk.run(design, set={KEY: by * at}).fos.limit for by in (0.99, 1.01))
+    assert after < 1.0 < before
+    assert at < 0.19
+    assert sk.run(design, set={KEY: 0.19}).fos.limit < 1.0
 
 
 @pytest.mark.slow

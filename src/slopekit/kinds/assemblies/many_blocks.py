@@ -257,7 +257,7 @@ class ManyBlocks(Kind[A]):
             warnings=(*notices_of(design, scene, ravelling, mechanisms), *of_kind),
             limit_state=LimitState(
                 assembly_pair_state(scene, components), assembly_arrows(scene, loads, components),
-                balance=balance_of(components), curved_strength=_curved(scene, components),
+                balance=force_balance(components), curved_strength=_curved(scene, components),
             ),
             displacements=Displacements(), comparisons=Comparisons(), findings=findings, timing_s=clock.done(),
         )  # fmt: skip
@@ -313,7 +313,7 @@ def _checks(scene: AssemblyScene, ravelling: Ravelling) -> dict[str, float]:
     return checks
 
 
-def balance_of(components: Sequence[Part], at_rest: bool = False) -> Balance | None:
+def force_balance(components: Sequence[Part], at_rest: bool = False) -> Balance | None:
     """How well the forces of the parts that have a factor balance the loads.
 
     Where the limit is that of a group of blocks, the forces are those of all blocks at their last rest, just before it:

@@ -7,7 +7,7 @@ from slopekit.core.onlooker import say
 from slopekit.kinds.assemblies.many_blocks import (
     MOST_FOLLOWED,
     SolvedAssembly,
-    balance_of,
+    force_balance,
 )
 from slopekit.kinds.assemblies.many_blocks_scene import scene_loads
 from slopekit.kinds.single_block.ladders import MOST_PAIRS, OTHER_STRENGTH, Ladder, Rung, timed
@@ -35,7 +35,7 @@ def ladder_of_blocks(solution: SolvedAssembly) -> Ladder:
     with one_thread():  # as the analysis
         rungs = tuple(_rungs(solution))
     components = solution.ravelling.parts
-    rest = balance_of(components, at_rest=True) if any(component.limit.width for component in components) else None
+    rest = force_balance(components, at_rest=True) if any(component.limit.width for component in components) else None
     return Ladder(solution.result, rungs, _others(solution), unrefined, rest=rest)
 
 

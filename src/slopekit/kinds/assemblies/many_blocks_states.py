@@ -159,13 +159,16 @@ def assembly_pair_state(scene: AssemblyScene, components: Sequence[Part]) -> Nod
     """The node pairs of the parts that were solved, each at the limit of its part."""
     vectors, none = np.zeros((0, 3)), np.zeros(0)
     empty = NodePairState(vectors, _whole(none), none, vectors, _whole(none), _whole(none), none, vectors, _whole(none))
-    states = [empty, *[_of_part(scene, component) for component in components if len(component.model.control_area)]]
+    states = [
+        empty,
+        *[_pair_states(scene, component) for component in components if len(component.model.control_area)],
+    ]
     return NodePairState(*(
         np.concatenate([getattr(state, name) for state in states]) for name in NodePairState.__dataclass_fields__
     ))  # fmt: skip
 
 
-def _of_part(scene: AssemblyScene, component: Part) -> NodePairState:
+def _pair_states(scene: AssemblyScene, component: Part) -> NodePairState:
     model, limit, patches = component.model, component.limit, scene.assembly.patches
     real = model.joint_pairs
     contact = model.pair_contact[real]

@@ -60,10 +60,10 @@ def has_heads(bolts: Sequence[Bolt]) -> bool:
 
 def stand_off(bounds: Bounds, bolts: Sequence[Bolt]) -> Floats:
     """How far (m) before its free face the head of each bolt (b,) was laid out; 0 where it does not enter by one."""
-    return held(bounds, bolts, np.zeros(len(bolts)))[1][:, 0]
+    return holding_bolts(bounds, bolts, np.zeros(len(bolts)))[1][:, 0]
 
 
-def held(bounds: Bounds, bolts: Sequence[Bolt], before: Floats | None) -> tuple[Bools, Floats]:
+def holding_bolts(bounds: Bounds, bolts: Sequence[Bolt], before: Floats | None) -> tuple[Bools, Floats]:
     """Which bolts (b, n) give their force in n blocks, and how far (b, n) their heads move along them, m.
 
     Those without a head always do.

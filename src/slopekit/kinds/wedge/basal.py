@@ -17,7 +17,7 @@ from slopekit.geometry.polytopes import Block
 from slopekit.geometry.rock.rockmass import traces_of
 from slopekit.geometry.tolerances import SAME_DIRECTION
 from slopekit.kinds.single_block.closed_forms import ClosedForms
-from slopekit.kinds.single_block.held_bolts import blocks_within, held, pulling, upward
+from slopekit.kinds.single_block.held_bolts import blocks_within, holding_bolts, pulling, upward
 from slopekit.kinds.sizes import on_plane
 from slopekit.kinds.wedge import ON_ARRAYS
 from slopekit.kinds.wedge.cutting import Shape
@@ -160,7 +160,7 @@ def notices(design: WedgeDesign) -> Iterator[Notice]:
     elif (closed := without_basal(design, design.joint_strengths, None).of()).status:
         whole = WithoutBasal(closed.status, closed.factor)
         too = "; acceptance is held against it too" if any(rule.is_least for rule in design.rules) else ""
-        bolts_lost = int((~held(bounds(_whole(design)), design.bolts, None)[0]).sum())
+        bolts_lost = int((~holding_bolts(bounds(_whole(design)), design.bolts, None)[0]).sum())
         without_bolts = (
             f" and {bolts_lost} of {counted(len(design.bolts), 'bolt')} (that end within it, or miss it)"
             if bolts_lost
@@ -198,7 +198,7 @@ def without_basal(design: WedgeDesign, strengths: Sequence[Strength], before: Fl
     assert basal is not None
     whole = _whole(design)
     if any(bolt.head_m is not None for bolt in design.bolts):
-        holds = held(bounds(whole), design.bolts, before)[0]
+        holds = holding_bolts(bounds(whole), design.bolts, before)[0]
         whole = replace(whole, bolts=tuple(map(pulling, design.bolts, holds)))
     forms = ON_ARRAYS.forms(whole, strengths[:2])
     names, outcome, factor = forms.names, forms.outcome, forms.factor

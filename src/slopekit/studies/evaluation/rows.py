@@ -150,7 +150,7 @@ def outcomes_on_arrays(rows: DesignRows, closed: ByMethod, pre_ie: bool) -> tupl
     ----------
     closed : what the closed form says of them
     """
-    whole, forming = rows.also(), np.flatnonzero(~closed.among(*NO_BLOCK))
+    whole, forming = rows.without_basal(), np.flatnonzero(~closed.among(*NO_BLOCK))
     if not pre_ie:
         return Outcomes.by_closed_form(closed, whole), None, forming
     words = np.array(closed.names, dtype=object)[closed.outcome]

@@ -25,7 +25,7 @@ from slopekit.design.reading.reader import strength_of
 from slopekit.kinds import kind_of
 from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany, limits_on_arrays
 from slopekit.kinds.single_block.closed_forms import ClosedForms, OnArrays, passive_bolts
-from slopekit.kinds.single_block.held_bolts import has_heads, held, pulling, stand_off
+from slopekit.kinds.single_block.held_bolts import has_heads, holding_bolts, pulling, stand_off
 from slopekit.kinds.single_block.secants import secant_strength
 from slopekit.kinds.single_block.worst_crack import ENDLESS, WHERE, Cracked, reach_of_many, worst_of_many
 from slopekit.studies.outcomes import ByMethod
@@ -162,7 +162,7 @@ class DesignRows:
     def holds(self) -> Bools:
         """Which bolts (b, n) hold the block of each row; (b, 1) where they are the same ones in all."""
         design = self.columns.scattered(self.values)
-        return held(self.columns.on_arrays.bounds(design), design.bolts, self.columns.before)[0]
+        return holding_bolts(self.columns.on_arrays.bounds(design), design.bolts, self.columns.before)[0]
 
     @cached_property
     def closed_form(self) -> ByMethod:
@@ -171,7 +171,7 @@ class DesignRows:
         closed = replace(closed, factor=np.where(closed.factor > 0.0, closed.factor, np.nan))
         return closed.refused(self.cracks) if self.columns.searches_crack else closed
 
-    def also(self) -> ByMethod | None:
+    def without_basal(self) -> ByMethod | None:
         """What acceptance of each is held against besides; None where there is nothing."""
         also = self.columns.on_arrays.also
         if also is None or getattr(self.columns.design, "basal", None) is None:

@@ -332,7 +332,7 @@ def prob(
         whose = " and ".join(["closed form"] * has_closed_form + ["PRE-IE"] * pre_ie)
         evaluator = f"{whose} of every sample{', all at once' if rows.is_on_arrays else ''}"
         judged = with_whole(Judged.by(outcomes.limit, fos, evaluator), outcomes.whole, fos)
-        of_bolts = tuple(_of_bolts(rows, outcomes, judged.forms))
+        bolt_notices = tuple(_bolt_notices(rows, outcomes, judged.forms))
     beside = (
         with_whole(Judged.by(outcomes.closed_form, fos, ""), outcomes.whole, fos)
         if pre_ie and has_closed_form
@@ -345,12 +345,12 @@ def prob(
     said = () if both is None else tuple(both.notices("samples", asked.n))
     return Probability(
         design, asked, rows, judged, all_samples, forming, outcomes, both, beside,
-        (*notices_of(fos, judged, rows.samples, all_samples), *said, *of_bolts, *not_as_given(design),
+        (*notices_of(fos, judged, rows.samples, all_samples), *said, *bolt_notices, *not_as_given(design),
          *likely_slips(design)), clock.done(),
     )  # fmt: skip
 
 
-def _of_bolts(rows: SampleRows, outcomes: Outcomes, forms: Bools) -> Iterator[Notice]:
+def _bolt_notices(rows: SampleRows, outcomes: Outcomes, forms: Bools) -> Iterator[Notice]:
     """W311 where bolts with heads do not hold the block of every sample."""
     if not has_heads(rows.design.bolts):
         return
