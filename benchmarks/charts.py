@@ -187,9 +187,9 @@ def speed_error_chart(
 ) -> None:
     """Error against time, both logarithmic, written as a PNG; see `draw_speed_error`."""
     check_curves(curves, path)
-    figure = new_figure(path)
-    draw_speed_error(figure, curves, title, wanted=wanted, against=against)
-    save(figure, path)
+    with new_figure(path) as figure:
+        draw_speed_error(figure, curves, title, wanted=wanted, against=against)
+        save(figure, path)
 
 
 def sweep_chart(
@@ -238,9 +238,9 @@ def sweep_chart(
             )  # fmt: skip
 
     check_curves(curves, path, logarithmic)
-    figure = new_figure(path)
-    draw_chart(figure, curves, title, dress, logarithmic=logarithmic, sizes=(5.0, 9.5), crosses=crosses)
-    save(figure, path)
+    with new_figure(path) as figure:
+        draw_chart(figure, curves, title, dress, logarithmic=logarithmic, sizes=(5.0, 9.5), crosses=crosses)
+        save(figure, path)
 
 
 def in_short(size: float) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 
 from benchmarks.fuzz_seeds import EXTREMES, FRAGMENTS, SEEDS, SPICES, WRONG
 from slopekit.design.reading.nodes import Node
-from slopekit.design.reading.yaml import SourceLines, TreeBuilder, composed
+from slopekit.design.reading.yaml import places_in, tree_of
 
 _PLAIN = re.compile(r"[A-Za-z0-9_.+/-][A-Za-z0-9_.+/ °%<>=@-]*[A-Za-z0-9_.+/°%-]|[A-Za-z0-9]")
 
@@ -39,8 +39,8 @@ def _tree(node: Node) -> Any:
 
 
 def _parsed(text: str) -> Any:
-    source = SourceLines("seed", text)
-    return _tree(TreeBuilder(source.place).build(composed(text, source), ""))
+    root, _ = tree_of(text, places_in("seed", text))
+    return None if root is None else _tree(root)
 
 
 def _holders(tree: Any) -> Iterator[Any]:

@@ -33,7 +33,7 @@ def tables() -> dict[str, str]:
 def _rows(record: Any) -> Iterator[str]:
     defaults = getattr(record, "DEFAULTS", {})
     for field in every_field(record):
-        is_angle = field.limits.turns and field.key in ("dip", "dip_direction", "plunge", "trend")
+        is_angle = field.turns and field.key in ("dip", "dip_direction", "plunge", "trend")
         if is_angle or field.is_refused or field.path.endswith("*"):
             continue
         path = ".".join(_NAMES.get(part, part) for part in field.path.split("."))
@@ -42,14 +42,14 @@ def _rows(record: Any) -> Iterator[str]:
 
 def _unit(field: Field) -> str:
     if field.is_number:
-        units = [field.unit, *(UNITS[other] for other in field.shape.or_measures)]
-        return ", or ".join(unit or "part" for unit in units) if field.shape.or_measures else field.unit
+        units = [field.unit, *(UNITS[other] for other in field.or_measures)]
+        return ", or ".join(unit or "part" for unit in units) if field.or_measures else field.unit
     return field.measures if field.measures in ("plane", "line", "point") else ""
 
 
 def _left_out(field: Field, defaults: Any) -> str:
-    if field.texts.left_out:
-        return field.texts.left_out
+    if field.left_out:
+        return field.left_out
     of_kind = field.path.count(".") == 1 or field.path in ("strength.*.c", "strength.*.phi")  # else a namesake
     value = defaults.get(field.key, field.default) if of_kind else field.default
     if field.is_required or (field.may_lack and value is None):
@@ -65,14 +65,14 @@ def _left_out(field: Field, defaults: Any) -> str:
 
 def _takes(field: Field) -> str:
     parts = []
-    if field.is_number and (field.limits.least > -1e300 or field.limits.most < 1e300):
+    if field.is_number and (field.least > -1e300 or field.most < 1e300):
         parts.append(_range(field))
     if field.words:
         parts.append(", ".join(f"`{word}`" for word in field.words))
-    if field.texts.doc:
-        parts.append(field.texts.doc)
-    if field.texts.example and not field.is_number and not field.words:
-        parts.append(f"`{field.texts.example}`")
+    if field.doc:
+        parts.append(field.doc)
+    if field.example and not field.is_number and not field.words:
+        parts.append(f"`{field.example}`")
     return "; ".join(parts)
 
 
@@ -83,9 +83,9 @@ def _limit(value: float) -> str:
 
 
 def _range(field: Field) -> str:
-    if field.limits.whole:
-        return f"{'odd' if field.limits.is_odd else 'whole'}, {_limit(field.limits.least)} to {int(field.limits.most)}"
-    low, high = (_limit(one) if isfinite(one) else "" for one in (field.limits.least, field.limits.most))
-    if field.limits.most > 1e300:
-        return f"{'above' if field.limits.above else 'from'} {low}"
-    return f"{'above ' if field.limits.above else ''}{low} to {'below ' if field.limits.below else ''}{high}"
+    if field.whole:
+        return f"{'odd' if field.is_odd else 'whole'}, {_limit(field.least)} to {int(field.most)}"
+    low, high = (_limit(one) if isfinite(one) else "" for one in (field.least, field.most))
+    if field.most > 1e300:
+        return f"{'above' if field.above else 'from'} {low}"
+    return f"{'above ' if field.above else ''}{low} to {'below ' if field.below else ''}{high}"

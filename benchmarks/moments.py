@@ -22,8 +22,8 @@ from slopekit.core.onlooker import Clock
 from slopekit.core.orientation import Line, Plane
 from slopekit.kinds import cut
 from slopekit.kinds.single_block.one_block_limit import find_limit
+from slopekit.kinds.wedge.cutting import J1, J2
 from slopekit.kinds.wedge.design import wedge_design
-from slopekit.kinds.wedge.planes import J1, J2
 from tests.closed_form.scalar_wedge import WedgeWater, hoek_bray_wedge
 from tests.preie.cracked_oracle import Block, springs_on
 from tests.support import random_wedge

@@ -9,7 +9,7 @@ import slopekit as sk
 from slopekit.design.templates import path_of
 from slopekit.kinds import cut
 from slopekit.kinds.assemblies.many_blocks_scene import last_left, scene_loads
-from slopekit.loads import PointForce, assembly_loads, drained, without_anchors_of
+from slopekit.loads import BlockLoad, PointForce, assembly_loads, drained, without_anchors_of
 
 BLOCKS = {
     "base": {"polygon": [[-9, -1], [9, -1], [9, 0], [-9, 0]], "fixed": True},
@@ -42,7 +42,7 @@ def test_every_load_at_its_place(scene) -> None:
     """A: 3 m² at its height of 1.5 m, B: 2 m² of the 2 m that they share; moments about y are z Fx - x Fz."""
     push = PointForce(np.array([-7.0, 0.0, -5.0]), np.array([2.0, 0.0, 2.5]))
     found = assembly_loads(
-        scene.assembly, scene.unit_weights, np.array([0.1, 0.0, 0.0]), sides(scene), ((1, push),)
+        scene.assembly, scene.unit_weights, np.array([0.1, 0.0, 0.0]), sides(scene), (BlockLoad("force 1", 1, push),)
     )  # fmt: skip
     a, b = 150.0, 150.0  # weights
     assert found.weights[1:] == pytest.approx([a, b])
@@ -157,7 +157,7 @@ def test_an_anchor_goes_with_the_block_at_either_end() -> None:
         assert left.forces[name] == pytest.approx(own.forces[name])
         assert left.moments[name] == pytest.approx(own.moments[name], abs=1e-9)
         assert left.live[0][name] == pytest.approx(own.live[0][name])
-        assert len(left.anchors.head) == 0
+        assert not left.pushes
     assert without_anchors_of(tied.assembly, loads, np.zeros(3, dtype=bool)) is loads
 
 

@@ -11,7 +11,6 @@ from slopekit.cli import main
 from slopekit.core.errors import DesignError
 from slopekit.core.explanations import explanation
 from slopekit.design.templates import path_of
-from slopekit.views.charts import drawing
 
 pytest.importorskip("matplotlib")
 
@@ -247,7 +246,7 @@ def test_pictures_of_studies_take_every_ending(ending, begins, monkeypatch, tmp_
 
 
 def test_without_the_extra(run, folder, monkeypatch) -> None:
-    monkeypatch.setattr(drawing, "find_spec", lambda name: None)
+    monkeypatch.setattr("slopekit.core.extras.find_spec", lambda name: None)
     left, _, err = run(folder / "sweep.json", "curve")
     assert left == 2
     assert err.startswith("E140 drawing needs the extra plot")

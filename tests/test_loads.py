@@ -7,9 +7,8 @@ import slopekit as sk
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.geometry.polytopes import Block
 from slopekit.geometry.pressure import Pieces, even, pyramid, resultant
-from slopekit.kinds.wedge.cutting import shape_of
+from slopekit.kinds.wedge.cutting import J1, J2, shape_of
 from slopekit.kinds.wedge.design import wedge_design
-from slopekit.kinds.wedge.planes import J1, J2
 from slopekit.loads import Loads, PointForce, block_loads
 
 

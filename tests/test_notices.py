@@ -16,8 +16,8 @@ from slopekit.design.templates import path_of
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.kinds import cut, kind_of
 from slopekit.kinds.protocol import ClosedForm
+from slopekit.kinds.single_block.one_block import block_notices
 from slopekit.kinds.single_block.one_block_limit import FoundLimit
-from slopekit.kinds.single_block.one_block_notices import notices
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import Loads
 from slopekit.preie.one_block.pairs_limit import pairs_limit
@@ -102,7 +102,7 @@ def facts(**changes) -> tuple[set[str], str]:
         governing = replace(analysis.governing, change=changes.pop("swings"))
         analysis = replace(analysis, governing=governing)
     found = replace(FoundLimit(scene, scene, analysis), **changes)
-    said = list(notices(design, made, found, ClosedForm(None, ""), kind_of(design).words))
+    said = list(block_notices(design, made, found, ClosedForm(None, ""), kind_of(design).words))
     return {notice.code for notice in said}, "\n".join(map(str, said))
 
 
@@ -177,11 +177,11 @@ def test_an_option_is_no_value_of_the_option_before_it(arguments, starts, tmp_pa
 
 @pytest.mark.parametrize("missing", ["pyvista", "matplotlib"])
 def test_drawing_without_its_extra_says_which(monkeypatch, tmp_path, missing) -> None:
-    from slopekit.views.solid import rendering
+    from slopekit.core import extras
     from slopekit.views.solid.scenes import draw
 
-    found = rendering.find_spec
-    monkeypatch.setattr(rendering, "find_spec", lambda name: None if name == missing else found(name))
+    found = extras.find_spec
+    monkeypatch.setattr(extras, "find_spec", lambda name: None if name == missing else found(name))
     with pytest.raises(sk.DesignError) as caught:
         draw(sk.wedge(dips=DIPS).to_dict(), "scene", tmp_path / "wedge.png")
     assert caught.value.codes == ("E140",)

@@ -20,6 +20,8 @@ from slopekit.core.errors import DesignError, Fault
 #: Contact modes of node pairs by their number.
 MODES = ("stick", "slip", "open")
 STICK, SLIP, OPEN = range(3)
+CLOSED = 1e-9  # normal force below this part of the largest is none
+SLIPS = 1e-4  # slip beyond this part of the fastest motion is slip
 _TYPES = {"float64": np.float64, "int32": np.int32, "uint8": np.uint8}
 _LEVEL = 4  # of zlib: beyond it costs more time than it saves room
 

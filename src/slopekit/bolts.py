@@ -6,11 +6,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from slopekit.block_scene import Bolts, Shapes
-from slopekit.core.arrays import Bools, Floats, Ints, cross
+from slopekit.core.arrays import Floats, Ints, cross
 from slopekit.design.parts import Bolt
+from slopekit.geometry.rays import line_triangle_intersections
 
 _CLEAR = 1e-9  # of the size of the blocks: a head this near to a face lies on it
-_ON_EDGE = 1e-9  # of a triangle: a line through its edge meets it
 _SIDES = 12  # of a rod
 
 
@@ -53,7 +53,7 @@ def _through(
     corners : (t, 3, 3) and normals : (t, 3) of the triangles of the blocks `owner` (t,); own : the block that is
         known to be its own, -1 for none; size : m
     """
-    at, met = _meetings(head, way, corners, normals)
+    at, met = line_triangle_intersections(head, way, corners)
     into = (normals[met] @ way) < 0.0
     first: dict[int, float] = {}
     for block in np.unique(owner[met]).tolist() if own < 0 else [own]:
@@ -71,19 +71,6 @@ def _through(
         return block, None, leaves
     normal = normals[met[enters[np.argmin(np.abs(at[enters]))]]]
     return block, normal / math.sqrt(float(normal @ normal)), leaves
-
-
-def _meetings(head: Floats, way: Floats, corners: Floats, normals: Floats) -> tuple[Floats, Ints]:
-    """Where a line meets triangles (t, 3, 3): how far from the head (k,), m, and which (k,)."""
-    slope = normals @ way
-    met = np.flatnonzero(np.abs(slope) > 1e-12 * np.sqrt((normals * normals).sum(axis=1)))
-    arms = corners[met] - head
-    at = (arms[:, 0] * normals[met]).sum(axis=1) / slope[met]
-    points = arms - at[:, None, None] * way
-    size = (normals[met] ** 2).sum(axis=1)
-    parts = [(cross(points[:, k], points[:, (k + 1) % 3]) * normals[met]).sum(axis=1) / size for k in range(3)]
-    inside: Bools = np.min(parts, axis=0) > -_ON_EDGE
-    return at[inside], met[inside]
 
 
 def nearest(points: Floats) -> float:

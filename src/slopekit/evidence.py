@@ -1,6 +1,6 @@
 """What stands beside the status of a result: its factors of safety, forces, movements and what they rest on."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -8,6 +8,8 @@ import numpy as np
 
 from slopekit.block_scene import Arrows, NodePairState
 from slopekit.core.arrays import Floats
+from slopekit.core.codec import NO_JSON
+from slopekit.core.errors import Notice
 from slopekit.design.parts import ROUNDING, Rule
 
 if TYPE_CHECKING:
@@ -104,18 +106,6 @@ class ReductionStep:
 
 
 @dataclass(frozen=True)
-class ResidualFactors:
-    """The factors on residual strength, after slip: both methods, and whether they agree."""
-
-    status: str
-    limit: float | None
-    closed_form: float | None
-    difference: float | None
-    agree: bool | None
-    moments_govern: bool
-
-
-@dataclass(frozen=True)
 class WithoutBasal:
     """What the whole wedge on J1 and J2 does by its closed form, where a basal joint cuts its toe off.
 
@@ -156,6 +146,38 @@ class WithoutBasal:
         if self.closed_form is None:
             return self.status in ("lifted", "falls")
         return self.closed_form < target * (1.0 - ROUNDING)
+
+
+@dataclass(frozen=True)
+class Factors:
+    """What the two methods say of a design.
+
+    Attributes
+    ----------
+    status : of PRE-IE, as `Result.status`; that of the closed form where PRE-IE was not asked; not_converged where
+        neither settled to a factor nor to none
+    limit : PRE-IE's factor of safety, None where nothing moves, or it was not asked
+    closed_status, closed_form : of the closed form, None where the kind has none
+    difference, agree : of the two on the same assumptions, None where they are not compared
+    moments_govern : the limit lies below what the forces alone give
+    notes : what a run says of the factor: how it was found, what it rests on, and what it leaves out
+    also : what acceptance of a run is held against besides
+    """
+
+    status: str
+    limit: float | None
+    closed_status: str | None = field(metadata=NO_JSON)
+    closed_form: float | None
+    difference: float | None
+    agree: bool | None
+    moments_govern: bool
+    notes: Sequence[Notice] = field(default=(), kw_only=True, metadata=NO_JSON)
+    also: WithoutBasal | None = field(default=None, kw_only=True, metadata=NO_JSON)
+
+    @property
+    def factor(self) -> float | None:
+        """The limit where there is one, else the closed form's factor."""
+        return self.limit if self.limit is not None else self.closed_form
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,5 +231,5 @@ class Comparisons:
     methods: Mapping[str, float | None] = field(default_factory=dict)
     governs: tuple[tuple[str, float | None, str], ...] = ()
     without_basal: WithoutBasal | None = None
-    residual: ResidualFactors | None = None
+    residual: Factors | None = None
     elastic: "ElasticBlocks | None" = None

@@ -130,7 +130,7 @@ def judge_bolt(name: str, sound: float | None, anchored: bool, length: float | N
 
 @dataclass(frozen=True)
 class PassiveBolts:
-    """Bolts of an assembly, passive ones or anchors, each along a line between two blocks or a block and bedrock.
+    """Passive bolts of an assembly, each along a line between two blocks or a block and bedrock.
 
     Attributes
     ----------
@@ -153,14 +153,31 @@ NO_BOLTS = PassiveBolts(
 )
 
 
+@dataclass(frozen=True, eq=False)
+class BlockLoad:
+    """A force on one block of an assembly.
+
+    Attributes
+    ----------
+    name : as pictures call it; block : its number
+    tied : the block at the other end of an anchor, which goes with either of them; -1 for none
+    is_live : whether it is a force, a bolt or a surcharge: loads that come after weight and water
+    """
+
+    name: str
+    block: int
+    push: PointForce
+    tied: int = -1
+    is_live: bool = True
+
+
 @dataclass(frozen=True)
 class AssemblyLoads:
     """Loads on the blocks of an assembly: forces (n, 3) kN and moments (n, 3) kNm about their centroids.
 
-    `weights` (n,) kN; `water` (k,) kN, what pushes on each side of a
-    patch through `water_points` (None: its middle); `live` forces and moments that are part of
-    them and neither weight nor water. Passive `bolts` are strength and no part of them; active `anchors` between two
-    blocks are, and pull both of them.
+    `weights` (n,) kN; `water` (k,) kN, what pushes on each side of a patch through `water_points` (k, 3); `live` forces
+    and moments that are part of them and neither weight nor water. Passive `bolts` are strength and no part of them;
+    `pushes` are.
     """
 
     forces: Floats
@@ -168,51 +185,34 @@ class AssemblyLoads:
     weights: Floats
     water: Floats
     live: tuple[Floats, Floats]
-    bolts: PassiveBolts = NO_BOLTS
-    water_points: Floats | None = None
-    anchors: PassiveBolts = NO_BOLTS
-
-    def water_at(self, assembly: "Assembly") -> Floats:
-        """The points (k, 3) that the water of each patch acts through."""
-        return assembly.patches.centroids if self.water_points is None else self.water_points
+    bolts: PassiveBolts
+    water_points: Floats
+    pushes: tuple[BlockLoad, ...]
 
 
 def drained(assembly: "Assembly", loads: AssemblyLoads, patches: Bools) -> AssemblyLoads:
     """The loads without the water on some patches (k,): a joint that a block has left stands open."""
-    at = np.flatnonzero(patches & (loads.water != 0.0))
-    if len(at) == 0:
+    lost = np.where(patches, loads.water, 0.0)
+    if not lost.any():
         return loads
-    forces, moments, water = loads.forces.copy(), loads.moments.copy(), loads.water.copy()
-    for side, sign in ((assembly.patches.plus, 1.0), (assembly.patches.minus, -1.0)):
-        own = at[side[at] >= 0]
-        push = sign * water[own, None] * assembly.patches.normals[own]
-        np.subtract.at(forces, side[own], push)
-        arms = loads.water_at(assembly)[own] - assembly.centroids[side[own]]
-        np.subtract.at(moments, side[own], cross(arms, push))
-    water[at] = 0.0
-    return replace(loads, forces=frozen(forces), moments=frozen(moments), water=frozen(water))
+    forces, moments = loads.forces.copy(), loads.moments.copy()
+    _add_water(assembly, forces, moments, -lost, loads.water_points)
+    return replace(loads, forces=frozen(forces), moments=frozen(moments), water=frozen(loads.water - lost))
 
 
 def without_anchors_of(assembly: "Assembly", loads: AssemblyLoads, gone: Bools) -> AssemblyLoads:
     """The loads without the anchors of blocks (n,) that are gone: at their other ends nothing pulls any more."""
-    anchors = loads.anchors
-    lost = np.flatnonzero(gone[anchors.head] | gone[anchors.toe])
-    if len(lost) == 0:
+    lost = [load for load in loads.pushes if load.tied >= 0 and (gone[load.block] or gone[load.tied])]
+    if not lost:
         return loads
-    live, turning = (part.copy() for part in loads.live)
-    forces, moments = loads.forces.copy(), loads.moments.copy()
-    for ends, sign in ((anchors.head, 1.0), (anchors.toe, -1.0)):
-        own, pull = ends[lost], sign * anchors.forces[lost]
-        turn = cross(anchors.points[lost] - assembly.centroids[own], pull)
-        for sums, part in ((live, pull), (forces, pull), (turning, turn), (moments, turn)):
-            np.subtract.at(sums, own, part)
-    left = np.setdiff1d(np.arange(len(anchors.head)), lost)
+    forces, moments = np.zeros((2, len(assembly), 3))
+    _add_pushes(assembly, forces, moments, lost)
     return replace(
         loads,
-        forces=frozen(forces),
-        moments=frozen(moments),
-        live=(frozen(live), frozen(turning)),
-        anchors=anchors.chosen(left),
+        forces=frozen(loads.forces - forces),
+        moments=frozen(loads.moments - moments),
+        live=(frozen(loads.live[0] - forces), frozen(loads.live[1] - moments)),
+        pushes=tuple(load for load in loads.pushes if load not in lost),
     )
 
 
@@ -221,11 +221,9 @@ def assembly_loads(
     unit_weights: Floats,
     seismic: Floats,
     pressures: Floats,
-    pushes: Sequence[tuple[int, PointForce]] = (),
+    pushes: Sequence[BlockLoad] = (),
     bolts: PassiveBolts = NO_BOLTS,
     water_points: Floats | None = None,
-    pond: Sequence[tuple[int, PointForce]] = (),
-    anchors: PassiveBolts = NO_BOLTS,
 ) -> AssemblyLoads:
     """Add up the loads on the blocks of an assembly.
 
@@ -234,39 +232,36 @@ def assembly_loads(
     unit_weights : (n,) kN/m³
     seismic : (3,) parts of the weight, acting at the centroids
     pressures : (k,) mean water pressure on each patch (kPa); water_points : (k, 3) where it acts, None: in its middle
-    pushes : forces and the blocks they act on; bolts : the passive ones
-    pond : forces through the centroids with their couples: water, too
-    anchors : between two blocks, whose pull on the first is one of the pushes
+    bolts : the passive ones
     """
-    weights = unit_weights * assembly.volumes
+    weights, water = unit_weights * assembly.volumes, pressures * assembly.patches.areas
+    points = assembly.patches.centroids if water_points is None else water_points
     live, turning = weights[:, None] * seismic, np.zeros((len(weights), 3))
-    for block, push_on in pushes:
-        live[block] += push_on.force
-        if push_on.at is not None:
-            turning[block] += cross(push_on.at - assembly.centroids[block], push_on.force)
-    np.subtract.at(live, anchors.toe, anchors.forces)
-    np.subtract.at(turning, anchors.toe, cross(anchors.points - assembly.centroids[anchors.toe], anchors.forces))
-    forces = live + weights[:, None] * np.array([0.0, 0.0, -1.0])
-    moments = turning.copy()
-    patches = assembly.patches
-    water = pressures * patches.areas
-    for side, sign in ((patches.plus, 1.0), (patches.minus, -1.0)):
-        at = np.flatnonzero((side >= 0) & (water != 0.0))
-        if len(at):
-            push = sign * water[at, None] * patches.normals[at]
-            np.add.at(forces, side[at], push)
-            middles = patches.centroids if water_points is None else water_points
-            np.add.at(moments, side[at], cross(middles[at] - assembly.centroids[side[at]], push))
-    for block, push_on in pond:
-        forces[block] += push_on.force
-        moments[block] += 0.0 if push_on.couple is None else push_on.couple
+    _add_pushes(assembly, live, turning, [load for load in pushes if load.is_live])
+    forces, moments = live + weights[:, None] * np.array([0.0, 0.0, -1.0]), turning.copy()
+    _add_water(assembly, forces, moments, water, points)
+    _add_pushes(assembly, forces, moments, [load for load in pushes if not load.is_live])
     return AssemblyLoads(
-        frozen(forces),
-        frozen(moments),
-        frozen(weights),
-        frozen(water),
-        (frozen(live), frozen(turning)),
-        bolts,
-        water_points,
-        anchors,
-    )
+        frozen(forces), frozen(moments), frozen(weights), frozen(water), (frozen(live), frozen(turning)), bolts, points,
+        tuple(pushes),
+    )  # fmt: skip
+
+
+def _add_pushes(assembly: "Assembly", forces: Floats, moments: Floats, pushes: Sequence[BlockLoad]) -> None:
+    """Add single forces on the blocks to forces and moments (n, 3)."""
+    for load in pushes:
+        block, push = load.block, load.push
+        forces[block] += push.force
+        if push.at is not None:
+            moments[block] += cross(push.at - assembly.centroids[block], push.force)
+        if push.couple is not None:
+            moments[block] += push.couple
+
+
+def _add_water(assembly: "Assembly", forces: Floats, moments: Floats, thrusts: Floats, points: Floats) -> None:
+    """Add water that pushes (k,) kN on each side of the patches through points (k, 3) to forces and moments (n, 3)."""
+    for side, sign in ((assembly.patches.plus, 1.0), (assembly.patches.minus, -1.0)):
+        wet = np.flatnonzero((side >= 0) & (thrusts != 0.0))
+        push = sign * thrusts[wet, None] * assembly.patches.normals[wet]
+        np.add.at(forces, side[wet], push)
+        np.add.at(moments, side[wet], cross(points[wet] - assembly.centroids[side[wet]], push))

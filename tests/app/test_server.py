@@ -324,6 +324,12 @@ def test_what_governs_is_the_difference_that_another_design_makes(desk):
     assert (answer["net"]["friction"], net_of(scattered, None)["friction"]) == (20.0, 24.0)
 
 
+def test_the_net_sets_the_planes_of_joint_sets():
+    """Those of a bench stand under `sets`, those of a wedge under `joints`."""
+    net = net_of(Session(opened_template("bench")).now, None)
+    assert [one["path"] for one in net["planes"]] == ["sets.S1.plane", "sets.S2.plane", "sets.S3.plane"]
+
+
 #: Above it the wedge slides on J1 and the basal joint without turning: the closed form governs, as it must for a link.
 BASAL = ("basal", {"plane": "25/180", "height": "3 m", "strength": "stepped"})
 SHARED = [("joints.J2.strength", "rough"), BASAL]

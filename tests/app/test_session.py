@@ -152,7 +152,7 @@ def test_a_plane_that_the_design_leaves_to_a_default_is_written_out():
     session.set({"slope.face.dip": 65}, final=True)
     assert session.now.document.root.get("slope").plain() == {"face": "65/180.0"}
     session.reset("slope.face.dip")
-    assert session.now.document.root.get("slope") is None
+    assert not session.now.document.root.get("slope")
 
 
 def test_what_is_different_is_named_as_high_as_it_differs():
@@ -165,7 +165,7 @@ def test_what_is_different_is_named_as_high_as_it_differs():
 def test_load_cases_stand_aside():
     text = path_of("wedge").read_text(encoding="utf-8") + "cases: {wet: {set: {water.mode: full}}}\n"
     session = Session(opened_text(text, "cases.yaml"))
-    assert session.now.document.root.get("cases") is None
+    assert not session.now.document.root.get("cases")
     session.set({DIP: 50}, final=True)
     assert session.now.faults == ()
     with pytest.raises(DesignError, match="E471"):

@@ -1,13 +1,12 @@
 """The widget of notebooks: what `Result.view` holds, and how it looks in a real browser."""
 
-import importlib
 import json
 import shutil
+import sys
 
 import pytest
 
 import slopekit as sk
-from slopekit.app import notebook
 from slopekit.core.errors import DesignError
 
 pytestmark = pytest.mark.slow
@@ -24,15 +23,7 @@ def test_a_scene_is_that_of_the_page() -> None:
 
 
 def test_the_missing_extra_is_named(monkeypatch) -> None:
-    real = importlib.import_module
-    missing = {"anywidget"}
-
-    def without(name: str, *rest: str) -> object:
-        if name in missing:
-            raise ImportError(name)
-        return real(name, *rest)
-
-    monkeypatch.setattr(notebook, "import_module", without)
+    monkeypatch.setitem(sys.modules, "anywidget", None)
     with pytest.raises(DesignError, match=r"E140 .*\(anywidget\)"):
         sk.wedge(dips=("45/115", "45/245")).view()
 

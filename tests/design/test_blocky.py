@@ -10,7 +10,6 @@ import slopekit as sk
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.units import quantity
 from slopekit.design.parts import Strength, Water
-from slopekit.design.reading.yaml import SourceLines, TreeBuilder, _composed, composed
 from slopekit.design.templates import path_of
 from slopekit.geometry.sections.polygons import fault_of_polygon
 from slopekit.kinds.bench import BenchDesign, JointSetInput
@@ -419,31 +418,6 @@ def _large(count: int) -> str:
     head = "slopekit: 1\nkind: blocks\ntitle: a [1, 2] b  # of [[1, 2], [3, 4]]\nblocks:\n"
     base = "  base: {polygon: [[0, 0],\n    [9, 0], [9, -1]], fixed: true}\n"
     return head + base + "\n".join(rows) + "\nstrength: {joint: {c: 0, phi: 30}}\nrock: {unit_weight: 25}\n"
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        ("a [1, 2] b", "plain"),
-        ("a [1, 2] b", "'[1, 2]'"),
-        ("a [1, 2] b", "&a [1, 2]"),
-        ("a [1, 2] b", "!!seq [1, 2]"),
-        ("a [1, 2] b", "[1, 2]\n[1, 2]: x"),
-        ("a [1, 2] b", "|\n  [1, 2]"),
-        ("a [1, 2] b", '{"a":[1, 2],"b": [[1,2] , [3]]}'),
-        ("title: a", "\r\ntitle: a"),
-    ],
-)
-def test_large_files_give_the_tree_of_small_ones(old, new) -> None:
-    """Lists of numbers go through ruamel as one word each; the tree, its places and its faults stay the same."""
-    text = _large(50).replace(old, new, 1) + f"# {20_000 * 'x'}\n"  # more than 20,000 characters are large
-    source = SourceLines("wall.yaml", text)
-    trees = []
-    for top in (composed(text, source), _composed(text, source)):
-        builder = TreeBuilder(source.place)
-        trees.append((builder.build(top, "", source.place(0, 0)), builder.faults))
-    assert trees[0] == trees[1]
 
 
 def test_a_slip_in_a_large_file_is_found_where_it_stands(tmp_path) -> None:

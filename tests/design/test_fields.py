@@ -30,7 +30,7 @@ CURVED = (
 )  # fmt: skip
 #: The other laws, at the examples of their own fields.
 OF_EXAMPLES = [
-    {"law": name} | {one.path: quantity(one.texts.example, one.measures, name) for one in fields_of_law(law).values()}
+    {"law": name} | {one.path: quantity(one.example, one.measures, name) for one in fields_of_law(law).values()}
     for name, law in LAWS.items() if law is not MohrCoulomb and name not in {given["law"] for given in CURVED}
 ]  # fmt: skip
 LOADS = {"seismic": {"k": 0.1, "toward": 180}, "forces": [{"force": 5, "toward": LINE}]}
@@ -170,10 +170,10 @@ def test_units_and_limits_are_those_of_the_reader(kind, design, path, value, exp
     """Just beyond a limit a value is refused; the limit itself or what lies just within is taken."""
     assert _accepts(kind, design, path, value)
     assert _accepts(kind, design, path, f"{value} {_UNITS[expected.measures]}")
-    wrong = "deg" if expected.shape.or_measures else _WRONG.get(expected.measures, "m")
+    wrong = "deg" if expected.or_measures else _WRONG.get(expected.measures, "m")
     assert not _accepts(kind, design, path, f"{value} {wrong}")
 
-    for limit, inward in ((expected.limits.least, 1.0), (expected.limits.most, -1.0)):
+    for limit, inward in ((expected.least, 1.0), (expected.most, -1.0)):
         if abs(limit) == float("inf"):
             assert _accepts(kind, design, path, value - 1000.0 * inward) or path == "columns.base_step"
             continue

@@ -3,6 +3,7 @@
 `python -m benchmarks.fuzz` runs ten thousand of the same kind; here the designs that take longest are left out.
 """
 
+import inspect
 import re
 
 import pytest
@@ -31,6 +32,12 @@ _OF_BLOCKS = tuple(name for name, text in SEEDS.items() if re.search("kind: (top
 _OF_CASES = ("cases plane",)
 _WET = ("wet footing", "deep crack")
 _NAMES = tuple(name for name in SEEDS if name not in (*_SLOW, *_OF_BLOCKS, *_OF_CASES, *_WET))
+
+
+def keyword_only(function) -> set[str]:
+    """The names of the parameters that a function takes by name alone."""
+    parameters = inspect.signature(function).parameters.values()
+    return {one.name for one in parameters if one.kind is one.KEYWORD_ONLY}
 
 
 @pytest.fixture(scope="module")
@@ -86,7 +93,7 @@ def test_surveys_and_options_of_two_studies_are_run_or_refused(tmp_path) -> None
     assert sum(one.stage == "result" for one in each) >= 10
     assert len({code for one in each for code in one.codes}) >= 14
     for study, function in (("bench-design", bench_design), ("sets", sets)):
-        assert set(OPTIONS[study]) == set(function.__kwdefaults__) - {"desk", "jobs", "scheduler"}
+        assert set(OPTIONS[study]) == keyword_only(function) - {"desk", "jobs", "scheduler"}
 
 
 def test_files_with_load_cases_are_run_or_refused(tmp_path) -> None:

@@ -3,9 +3,9 @@
 import pytest
 
 from slopekit.core.errors import DesignError
+from slopekit.design.reading.document import with_overrides
 from slopekit.design.reading.files import load, with_values
 from slopekit.design.reading.nodes import document_from
-from slopekit.design.reading.overrides import with_overrides
 
 WEDGE = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": [45, 245]}}}
 

@@ -104,7 +104,7 @@ def test_two_formats_in_one_list_are_refused(tmp_path) -> None:
     ],
 )
 def test_what_a_preamble_says(lines, expected) -> None:
-    from slopekit.design.survey.preamble import preamble_of
+    from slopekit.design.survey.columns import preamble_of
 
     found = preamble_of(lines)
     assert (found.columns, found.convention, found.declination_deg) == expected

@@ -7,9 +7,9 @@ import pytest
 from scipy import sparse
 
 import slopekit as sk
+from slopekit.elastic.condensed import ElasticModel
 from slopekit.elastic.flexibility import Elements, body
-from slopekit.elastic.meshing import cells_of, fanned, measures, mesh_of, split_evenly
-from slopekit.elastic.model import ElasticModel
+from slopekit.elastic.meshing import cells_of, fanned, halvings, measures, mesh_of
 from slopekit.elastic.rest import RestSearch
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.preie.system.contact import JointStiffness
@@ -21,7 +21,8 @@ FACES = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [
 
 
 def box_mesh(edge: float):
-    return split_evenly(mesh_of(BOX, cells_of(BOX, fanned(FACES))), edge)
+    mesh = mesh_of(BOX, cells_of(BOX, fanned(FACES)))
+    return mesh.refined(halvings(mesh, edge))
 
 
 def on_its_base(elements: Elements, pairs) -> ElasticModel:

@@ -48,7 +48,7 @@ def flexibilities(model):
     """
     size, unknowns = model.rows.shape
     by_force, by_load = np.zeros((size, size)), np.zeros((size, unknowns))
-    for one, pairs, own in model.bodies:
+    for one, pairs, own in model.blocks:
         rows, shapes = model.rows[pairs][:, own].toarray(), one.shapes.toarray()
         inverse, normal = np.linalg.pinv(one.stiffness, rcond=1e-12, hermitian=True), np.linalg.pinv(rows)
         free = np.eye(len(pairs)) - rows @ normal

@@ -1,5 +1,7 @@
 """Elastic blocks at rest, against the rigid code, against displacements on nodes, and as the world turns."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import sparse
@@ -8,12 +10,13 @@ from scipy.sparse.linalg import splu
 import slopekit as sk
 from benchmarks.elastic_oracle import last_rest, state_of
 from slopekit.elastic.flexibility import Elements, body
-from slopekit.elastic.meshing import cells_of, fanned, mesh_of, numbered, split_evenly
+from slopekit.elastic.meshing import convex_mesh, halvings
 from slopekit.elastic.rest import RestSearch
 from slopekit.kinds import cut
 from slopekit.kinds.elastic import elastic_model
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.preie.motion.equilibrium import equilibrium
+from slopekit.preie.system.assembly import one_block
 from slopekit.preie.system.contact import JointStiffness, tractions
 from slopekit.preie.system.model import local_axes
 
@@ -27,11 +30,12 @@ def blocks(modulus: float, order: int = 2, **more):
     """The wedge on its pairs, elastic, with its elements."""
     made = cut(wedge_design({**WEDGE, **more}))
     scene = made.scene_at(2)
-    points, faces = numbered(made.block.faces.values())
-    mesh = split_evenly(mesh_of(points, cells_of(points, fanned(faces))), 25.0)
-    elements, model = Elements(mesh, modulus, 0.25, order=order), scene.model
+    mesh, model = convex_mesh(made.block.faces.values(), made.block.volume), scene.model
+    elements = Elements(mesh.refined(halvings(mesh, 25.0)), modulus, 0.25, order=order)
     give = body(elements, scene.pairs.points, local_axes(scene.pairs.normals), model.length_scale)
-    return elastic_model(model, give), elements, scene, model
+    none, points = np.zeros(len(scene.pairs)), scene.pairs.points
+    whole = elastic_model(one_block(model), points, none, {0: mesh}, {0: 25.0}, (modulus, 0.25))
+    return replace(whole, blocks=((give, *whole.blocks[0][1:]),)), elements, scene, model
 
 
 @pytest.mark.parametrize("more", [{}, {"water": "50%", "bolts": ["3000@5/-10,passive"], "crack": "80/180@8"}])

@@ -294,7 +294,7 @@ def test_the_limit_never_lies_above_the_bound_and_full_reduction_gives_one() -> 
 def test_what_the_results_of_hard_scenes_say() -> None:
     """A motion that does not settle, contacts that open, loads that tip, no bound: each has its notice."""
     from slopekit.kinds.assemblies import many_blocks as room
-    from slopekit.kinds.assemblies.many_blocks_notices import notices_of
+    from slopekit.kinds.assemblies.many_blocks import notices_of
     from slopekit.kinds.assemblies.many_blocks_states import mechanism
 
     design = sk.load(on_incline({"B": box(0, 0, 4, 1)}, 20, 35, c=1))

@@ -137,7 +137,7 @@ def test_a_bench_below_its_ground() -> None:
     first, second = (kind_named("bench").cut(sk.load({**BENCH, "water": water})) for water in waters)
     assert first.pressures == pytest.approx(second.pressures, abs=1e-9)
     loaded = kind_named("bench").cut(sk.load({**BENCH, "loads": {"surcharge": 20}}))
-    on_top = sum(float(push.force[2]) for _, push in loaded.acting.surcharge)
+    on_top = sum(float(load.push.force[2]) for load in loaded.acting.pushes)
     plan = 0.0
     for corners in loaded.assembly.vertices[loaded.assembly.triangles[~loaded.assembly.fixed[
         loaded.assembly.triangle_block]]]:  # fmt: skip

@@ -12,8 +12,8 @@ from benchmarks.wedge_paths import as_assembly
 from slopekit.geometry.interfaces import BEDROCK, NodePairs, node_pairs
 from slopekit.kinds import cut, factors_of, wedge
 from slopekit.kinds.single_block.one_block_limit import FoundLimit, moment_limit
+from slopekit.kinds.wedge.cutting import J1, J2
 from slopekit.kinds.wedge.design import wedge_design
-from slopekit.kinds.wedge.planes import J1, J2
 from slopekit.loads import Loads
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
 from slopekit.preie.one_block import bed_path

@@ -81,7 +81,7 @@ def test_with_enough_work_nothing_changes() -> None:
 
 
 @pytest.mark.parametrize(("units", "static_bound", "known"), [
-    (5e6, 0.965924, ["were last at rest with their strength divided by 0.5682", "beyond 0.9659, the upper bound"]),
+    (4e6, 0.965924, ["were last at rest with their strength divided by 0.5682", "beyond 0.9659, the upper bound"]),
     (1e6, None, ["no rest of all blocks that would say anything was seen", "no upper bound was found"]),
 ])  # fmt: skip
 def test_the_sheet_says_what_is_known(units: float, static_bound: float | None, known: list[str]) -> None:

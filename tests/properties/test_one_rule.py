@@ -98,14 +98,12 @@ def test_the_limit_is_the_lower_of_hoek_and_bray_and_an_independent_bed(case) ->
     assert found.fos.limit <= found.fos.static_bound
 
 
-def test_more_strength_hardly_ever_lowers_the_limit_of_ordinary_cuts() -> None:
-    """Some 500 random cuts, every change of `stronger`: the bed itself, as springs do, falls by 1 % in 1 of 300."""
+def test_more_strength_does_not_lower_the_limits_of_ordinary_cuts() -> None:
+    """Some 500 random cuts, every change of `stronger`; of 8,026 the bed itself lowers 15 (`test_falling_limits`)."""
     looked_at, broken = broken_rules(500, 7)
-    lower = [(change, before, after) for change, before, after in broken if change[0] in "cφ"]
     assert looked_at > 400
-    assert len(lower) <= 0.01 * looked_at
-    assert [said for said in lower if not said[2] > 0.99 * said[1]] == []
-    assert len(broken) <= 0.02 * looked_at
+    assert {change for change, _, _ in broken} <= {"water - 0.1 %"}
+    assert len(broken) <= 0.01 * looked_at
 
 
 def test_strength_divided_by_a_number_has_the_limit_divided_by_it() -> None:

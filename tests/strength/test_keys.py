@@ -143,8 +143,8 @@ def test_the_limits_for_studies_are_those_of_the_laws() -> None:
         if said["key"] in KEYS:
             field = field_at(WedgeDesign, f"strength.any.{said['key']}")
             ends = said.get("least", said.get("above")), said.get("most", said.get("below", inf))
-            assert (field.measures, field.limits.least, field.limits.most) == (said["unit"], *ends)
-            assert (field.limits.above, field.limits.below) == ("above" in said, "below" in said)
+            assert (field.measures, field.least, field.most) == (said["unit"], *ends)
+            assert (field.above, field.below) == ("above" in said, "below" in said)
 
 
 @dataclass(frozen=True)
@@ -173,9 +173,9 @@ def test_a_key_of_two_laws_has_the_limits_and_the_unit_of_the_law_that_is_named(
             sk.load(power, set={"strength.joint.b": {"dist": "normal", "mean": 0.9, "sd": 0.3}}), 20, by="closed-form"
         )
     merged = keys_of_laws([PowerCurve, Rooted])
-    assert (merged["b"].limits.least, merged["b"].limits.most, merged["b"].texts.axis) == (0.0, 1000.0, "")
-    assert keys_of_laws([Rooted, PowerCurve])["b"].limits.most == 1000.0
-    assert keys_of_laws([PowerCurve])["b"].limits.most == 1.0
+    assert (merged["b"].least, merged["b"].most, merged["b"].axis) == (0.0, 1000.0, "")
+    assert keys_of_laws([Rooted, PowerCurve])["b"].most == 1000.0
+    assert keys_of_laws([PowerCurve])["b"].most == 1.0
 
 
 def test_what_scatters_is_read_anew() -> None:

@@ -25,7 +25,7 @@ EVERY = [
     PowerCurve(2.0, 0.75), PowerCurve(1.5, 0.6, 10.0), Bilinear(25.0, 15.0, 300.0),
     Wavy(BartonBandis(8.0, 50e3, 25.0), 5.0), Bridged(10.0, 30.0, 2e3, 45.0, 0.97),
     *(law(**{
-        name: quantity(field.texts.example, field.measures, name) for name, field in fields_of_law(law).items()
+        name: quantity(field.example, field.measures, name) for name, field in fields_of_law(law).items()
     }) for law in LAWS.values()),
 ]  # fmt: skip
 TRACTIONS = np.array([0.5, 20.0, 299.0, 301.0, 2000.0])

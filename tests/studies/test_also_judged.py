@@ -184,8 +184,8 @@ def test_charts_of_a_sweep_show_what_acceptance_asks_besides() -> None:
 
     design = sk.load(CUT)
     one = sk.sweep(design, {"strength.joint.phi": [30, 44]}, closed_form=True)
-    figure = new_figure("a.png")
-    sweep_charts.draw_curve(figure, one.to_dict())
+    with new_figure("a.png") as figure:
+        sweep_charts.draw_curve(figure, one.to_dict())
     (axes,) = figure.axes
     (drawn,) = (line for line in axes.lines if line.get_linestyle() == "--" and len(line.get_xdata()) == 2
                 and line.get_marker() == "s")  # fmt: skip
@@ -193,7 +193,7 @@ def test_charts_of_a_sweep_show_what_acceptance_asks_besides() -> None:
     keys = {"strength.joint.phi": [30, 40, 50], "strength.bedding.phi": [30, 35, 40]}
     two = sk.sweep(design, keys, closed_form=True)
     assert "not of the whole wedge without the basal joint: W507" in str(two.sheet)
-    figure = new_figure("a.png")
-    sweep_charts.draw_contour(figure, two.to_dict())
+    with new_figure("a.png") as figure:
+        sweep_charts.draw_contour(figure, two.to_dict())
     assert figure.axes[1].get_ylabel() == "factor of safety (closed form, or whole wedge where lower)"
     assert figure.axes[1].get_ylim()[0] < min(point.factors.also.closed_form for point in two.points) * 1.05

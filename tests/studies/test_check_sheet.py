@@ -70,7 +70,7 @@ def test_without_matplotlib_the_rest_is_written(tmp_path, monkeypatch) -> None:
     """E140 before any work where a picture is all that is asked for."""
     from slopekit.views.charts import drawing as room
 
-    monkeypatch.setattr(room, "find_spec", lambda name: None)
+    monkeypatch.setattr("slopekit.core.extras.find_spec", lambda name: None)
     with pytest.raises(sk.DesignError) as caught:
         room.require_matplotlib(tmp_path / "a.png")
     assert caught.value.codes == ("E140",)

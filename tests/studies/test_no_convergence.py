@@ -21,7 +21,8 @@ from slopekit.studies.points import Point
 from slopekit.studies.quake import yielding
 from slopekit.studies.roots import Sample
 from slopekit.studies.running import ALONE
-from slopekit.studies.solve import by_factor, factor_request
+from slopekit.studies.solve import factor_request
+from slopekit.studies.solve import run as solving
 from tests.commands import slopekit
 from tests.studies.test_solve_load import _slab
 
@@ -115,7 +116,7 @@ def test_an_earthquake_on_a_slope_without_a_factor(monkeypatch) -> None:
 
 def test_no_k_is_found_where_pre_ie_does_not_converge(monkeypatch) -> None:
     """It is not said that no earthquake moves the blocks; a sound input is not refused."""
-    monkeypatch.setattr(by_factor, "end_of_path", lambda _: None)
+    monkeypatch.setattr(solving, "end_of_path", lambda _: None)
     without_a_number(monkeypatch, 0.01, 10.0)
     with pytest.raises(DesignError) as error:
         yielding.yields_of(_slab(), ALONE, lambda _: None)

@@ -148,7 +148,7 @@ ALONE = CUT | {"curved strength": {"strength": {"s": CURVED}}}
 def test_few_samples_are_drawn_where_the_crack_is_looked_for_in_each(why) -> None:
     """None are refused; where no number is given as many are drawn as a minute or two takes."""
     design = sk.load(WEDGE | ALONE[why])
-    assert _asked(design, None, 1, "monte-carlo", "pre-ie", 1.0, 0.95, None).n == 200
+    assert _asked(design, None, 1, "monte-carlo", "pre-ie", 1.0, 0.95, None, str).n == 200
     found = sk.prob(design, n=2, by="closed-form")
     assert found.judged.evaluator == "closed form of every sample, all at once"
     for row, factor in enumerate(found.judged.factor):

@@ -336,12 +336,12 @@ def test_json_sheet_and_files(tmp_path) -> None:
 @pytest.mark.parametrize("arguments", [(), ("--ignore-sets", "--scanline", "090/0")])
 def test_the_picture(tmp_path, arguments) -> None:
     from slopekit.views.charts.drawing import new_figure
-    from slopekit.views.charts.set_charts import draw_sets
+    from slopekit.views.charts.survey_charts import draw_sets
 
     run = slopekit("sets", LIST, *arguments, "--json")
     document = json.loads(run.stdout)
-    figure = new_figure("x")
-    draw_sets(figure, document)
+    with new_figure("x") as figure:
+        draw_sets(figure, document)
     said = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
     assert sum(text.startswith("mean S") for text in said) == len(document["sets"])
     assert sum("S1 (" in text for text in said) == 1

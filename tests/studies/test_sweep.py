@@ -80,7 +80,7 @@ def test_points_without_a_block_are_kept_and_counted(curve) -> None:
     assert curve.points[0].code == "E203"
     assert curve.counts == {"slides_on_both": 4, "E203": 1}
     assert [notice.code for notice in curve.warnings] == ["W359"]
-    assert "1 of 5 points have no factor of safety: E203 1" in curve.warnings[0].message
+    assert "1 of 5 points have no factor of safety: E203 1 (first at slope.face.dip = " in curve.warnings[0].message
     sheet = str(curve)
     assert "E203 the line plunges 22.9°, steeper than the face (20°)" in sheet
     assert len(list(csv.reader(StringIO(curve.sheet.tables["sweep.csv"].csv())))) == 6

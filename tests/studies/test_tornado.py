@@ -101,7 +101,7 @@ def test_ends_without_a_number_are_told() -> None:
     assert ends["slope.face.dip"].at_low.code == "E203"
     assert ends["slope.face.dip"].swings["closed_form"] is None
     assert found.bars[-1].key.path == "slope.face.dip"  # behind those that have a swing
-    assert "slope.face.dip at 20° (E203)" in " ".join(str(found).split())
+    assert "E203 1 (first at slope.face.dip = 20°)" in " ".join(str(found).split())
     assert found.exit_code == 0
     lifted = tornado(sk.load(WEDGE, {"water": {"pressures": {"J1": 10, "J2": 900}}}), {"water.pressures.J1": "0:900"},
                      closed_form=True)  # fmt: skip

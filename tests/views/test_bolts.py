@@ -107,8 +107,8 @@ def overlaps(boxes: list[Any]) -> list[tuple[str, str]]:
 
 def figure_of(picture: Picture) -> Any:
     """The picture without a pixel of the scene, laid out."""
-    figure = drawing.new_figure("a.png")
-    lay_out(figure, picture, Camera.of(picture), np.ones((4, 5, 3)))
+    with drawing.new_figure("a.png") as figure:
+        lay_out(figure, picture, Camera.about(picture.points, picture.eye), np.ones((4, 5, 3)))
     figure.draw_without_rendering()
     return figure
 
@@ -161,8 +161,8 @@ def test_legend_scale_compass_and_bar_never_overlap(lines: int) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [*NAMES, "two hundred"])
 def test_the_elevation_has_heads_at_their_places_and_numbers_that_can_be_read(name: str) -> None:
-    figure = new_figure("x")
-    draw_elevation(figure, document(name))
+    with new_figure("x") as figure:
+        draw_elevation(figure, document(name))
     (axes,) = figure.axes
     bolts = bolted(name).scene.bolts
     heads = np.concatenate([part.get_offsets() for part in axes.collections if part.get_zorder() == 5])
@@ -187,8 +187,8 @@ def test_the_elevation_has_heads_at_their_places_and_numbers_that_can_be_read(na
 
 
 def test_a_pattern_is_numbered_at_the_ends_of_its_rows() -> None:
-    figure = new_figure("x")
-    draw_elevation(figure, document("two hundred"))
+    with new_figure("x") as figure:
+        draw_elevation(figure, document("two hundred"))
     written = {text.get_text() for text in figure.axes[0].texts if text.get_gid() == "number"}
     assert {str(20 * row + end) for row in range(10) for end in (1, 20)} <= written
     assert "200 bolts in 10 rows" in figure.axes[0].get_title()
@@ -254,8 +254,8 @@ def test_crowded_heads_leave_numbers_out_and_say_how_many() -> None:
     heads = bolted("two hundred").scene.bolts.heads_m.copy()
     heads[:-1] += (heads[:-1].mean(axis=0) - heads[:-1]) * 0.85
     crowded["scene"]["bolts"]["heads_m"] = packed(heads)
-    figure = new_figure("x")
-    draw_elevation(figure, crowded)
+    with new_figure("x") as figure:
+        draw_elevation(figure, crowded)
     (axes,) = figure.axes
     figure.draw_without_rendering()
     renderer = figure.canvas.get_renderer()

@@ -16,9 +16,9 @@ def drawn(monkeypatch) -> list[Figure]:
     figures = []
     save = Figure.savefig
 
-    def kept(figure: Figure, path: object) -> None:
+    def kept(figure: Figure, path: object, **more: object) -> None:
         figures.append(figure)
-        save(figure, path)
+        save(figure, path, **more)
 
     monkeypatch.setattr(Figure, "savefig", kept)
     return figures

@@ -114,12 +114,11 @@ def test_studies_of_a_coordinate(tmp_path) -> None:
 def test_the_ticks_of_charts_have_no_offset() -> None:
     """What matplotlib would write as +4.18764e6 at the end of the axis."""
     pytest.importorskip("matplotlib")
-    from slopekit.views.charts.drawing import new_figure, plain_numbers
+    from slopekit.views.charts.drawing import new_figure
     from slopekit.views.charts.sweep_charts import draw_curve
 
     swept = sk.sweep(sk.load(WEDGE), {KEY: f"{RANGE}:3"}, closed_form=True)
-    figure = new_figure("x")
-    with plain_numbers():
+    with new_figure("x") as figure:
         draw_curve(figure, json.loads(json.dumps(swept.to_dict())))
     figure.canvas.draw()
     axis = figure.axes[0].xaxis

@@ -348,7 +348,7 @@ def test_the_factor_at_the_top_is_never_more_than_it_is_and_notices_raise_a_badg
 
 
 def test_without_jinja_the_extra_is_named(monkeypatch) -> None:
-    monkeypatch.setattr(room, "find_spec", lambda name: None)
+    monkeypatch.setattr("slopekit.core.extras.find_spec", lambda name: None)
     with pytest.raises(DesignError, match=r"\[report\]") as caught:
         report_of(document("wedge"))
     assert caught.value.codes == ("E140",)

@@ -14,11 +14,11 @@ from dataclasses import fields
 from functools import cache
 from typing import Any
 
-from slopekit.app.controls import text_at, values_of
-from slopekit.app.session import Moment, at
+from slopekit.app.controls import text_at, tree, values_of
+from slopekit.app.session import Moment
 from slopekit.core.codec import json_of
 from slopekit.core.errors import Fault, Notice, SlopekitError
-from slopekit.core.orientation import parse_plane
+from slopekit.core.orientation import Plane
 from slopekit.core.sheet import factor_text
 from slopekit.design.common import Design
 from slopekit.design.fields import words_of
@@ -30,6 +30,7 @@ from slopekit.result import JUDGED, Result
 from slopekit.strength.registry import LAWS
 from slopekit.strength.waviness import Wavy
 from slopekit.studies.keys import Key
+from slopekit.views.charts.orientation_charts import orientations_of
 from slopekit.views.solid.stage import Stage
 from slopekit.views.solid.viewer_data import data_of
 
@@ -147,7 +148,7 @@ def fault_of(fault: Fault, root: Node | None = None) -> dict[str, Any]:
         path, where = where.removeprefix("--set ").partition("=")[0].strip() or None, ""
     elif root is not None and where:
         path = next((node.path for node in _every(root) if where in (str(node.place), str(node.key_place))), None)
-        if path is None and at(root, where) is not None:
+        if path is None and root.at(where):
             path, where = where, ""
     return {"code": fault.code, "message": fault.message, "where": where, "advice": fault.advice, "path": path}
 
@@ -218,14 +219,13 @@ def _signs() -> Mapping[str, tuple[str, ...]]:
 
 def _held(design: Design, joints: str) -> list[str]:
     """The strengths of the joints of a change, `J1 and basal`, all where it names none; as the file calls them."""
-    assert design.source is not None
-    root = design.source.root
+    root = tree(design).root
     of, strengths = root.get("joints"), root.get("strength")
-    holders = {joint: f"joints.{joint}" for joint, _ in (of.items() if of is not None else ())}
-    holders |= {part: part for part in ("basal", "weak_plane", "slip") if root.get(part) is not None}
+    holders = {joint: f"joints.{joint}" for joint, _ in of.items()}
+    holders |= {part: part for part in ("basal", "weak_plane", "slip") if root.get(part)}
     named = [holders[joint] for joint in joints.split(" and ") if joint in holders] or list(holders.values())
-    known = [text for holder in named if (text := text_at(design.source, f"{holder}.strength"))]
-    return list(dict.fromkeys(known)) or [own for own, _ in (strengths.items() if strengths is not None else ())]
+    known = [text for holder in named if (text := text_at(tree(design), f"{holder}.strength"))]
+    return list(dict.fromkeys(known)) or [own for own, _ in strengths.items()]
 
 
 # -- the net ----------------------------------------------------------------------------------------------------------
@@ -234,47 +234,34 @@ def _held(design: Design, joints: str) -> list[str]:
 def net_of(moment: Moment, result: Result | None) -> dict[str, Any]:
     """The planes of a design for the stereonet, each with the path that its angles are set by."""
     design, root = moment.design, moment.document.root
-    inputs = design.inputs()
-    planes: list[tuple[str, Any, str]] = []
-    joints, sets, basal = inputs.get("joints"), inputs.get("sets"), inputs.get("basal")
-    if joints is None and inputs.get("joint") is not None:
-        joints = {inputs.get("joint_name", "J1"): inputs["joint"]}
-    if isinstance(joints, Mapping):
-        own = [(design.in_own_names(name), text) for name, text in joints.items()]
-        planes += [(name, text, f"joints.{name}.plane") for name, text in own]
-    if isinstance(sets, list):
-        planes += [(one["name"], one["plane"], f"sets.{one['name']}.plane") for one in sets]
-    if isinstance(basal, Mapping):
-        planes.append(("basal", basal.get("plane"), "basal.plane"))
-    crack = inputs.get("crack")
-    if isinstance(crack, Mapping) and crack.get("plane"):
-        planes.append(("crack", crack["plane"], "crack.plane"))
+    found = orientations_of({"kind": design.kind, "inputs": design.inputs()})
+    face, upper, crack = (found.slope.get(name) for name in ("face", "upper", "crack"))
+    planes = {design.in_own_names(name): plane for name, plane in found.joints.items()}
+    planes |= {} if crack is None else {"crack": crack}
+    of = "joints" if root.get("joints") else "sets"
     return {
-        "face": _plane(inputs.get("face")), "upper": _plane(inputs.get("upper")),
+        "face": _plane(face), "upper": _plane(upper),
         "planes": [
-            {"name": name, **plane, "path": _prefix(root, path)}
-            for name, text, path in planes if (plane := _plane(text)) is not None
+            {"name": name, **(_plane(plane) or {}),
+             "path": _prefix(root, f"{name if name in ('basal', 'crack') else f'{of}.{name}'}.plane")}
+            for name, plane in planes.items()
         ],
         "line": _line(result), "friction": _friction(design),
     }  # fmt: skip
 
 
-def _plane(text: object) -> dict[str, float] | None:
-    if not isinstance(text, str):
-        return None
-    plane = parse_plane(text, "plane")
-    return {"dip": plane.dip_deg, "dip_direction": plane.dip_direction_deg}
+def _plane(plane: Plane | None) -> dict[str, float] | None:
+    return None if plane is None else {"dip": plane.dip_deg, "dip_direction": plane.dip_direction_deg}
 
 
 def _prefix(root: Node, path: str) -> str | None:
     """The path whose `.dip` and `.dip_direction` can be set: of a distribution that of its mean."""
-    node = at(root, path)
-    if node is None:
+    node = root.at(path)
+    if not node:
         return None
-    if node.get("dist") is not None:
-        return f"{path}.mean" if node.get("mean") is not None else None
-    angles = [node.get(name) for name in ("dip", "dip_direction")]
-    scatters = any(angle is not None and angle.is_mapping for angle in angles)  # each for itself
+    if node.get("dist"):
+        return f"{path}.mean" if node.get("mean") else None
+    scatters = any(node.get(angle).is_mapping for angle in ("dip", "dip_direction"))  # each for itself
     return None if scatters else path
 
 

@@ -19,8 +19,8 @@ from slopekit.core.errors import DesignError
 from slopekit.core.units import quantity, unit_of
 from slopekit.design.common import Design
 from slopekit.design.fields import Field, every_field, field_in, in_degrees, words_of
+from slopekit.design.reading.document import ALTERNATIVES
 from slopekit.design.reading.nodes import Document, Node
-from slopekit.design.reading.overrides import ALTERNATIVES
 from slopekit.design.reading.structure import WRITTEN, orientation_kind, spread
 from slopekit.design.scatter.distributions import Distribution, Fisher
 from slopekit.studies.keys import Key, keys_of
@@ -85,6 +85,12 @@ def values_of(design: Design) -> Mapping[str, Key]:
     return numbers
 
 
+def tree(design: Design) -> Document:
+    """Return the document of a design; every design of the app has one."""
+    assert design.source is not None
+    return design.source
+
+
 def text_at(document: Document, path: str) -> str | None:
     """What the file has at a path, an angle of an orientation by its own path; None where nothing stands there.
 
@@ -92,32 +98,21 @@ def text_at(document: Document, path: str) -> str | None:
     >>> text_at(document_from({"joints": {"J1": {"plane": "045/115"}}}), "joints.J1.plane.dip")
     '045'
     """
-    node: Node | None = document.root
+    node = document.root
     parts = path.split(".")
     for k, part in enumerate(parts):
-        if node is None:
-            return None
-        of = orientation_kind(node) or (orientation_kind(_at(document, parts[: k - 1])) if part in _ANGLES else None)
+        of = orientation_kind(node)
         if of is not None and k == len(parts) - 1 and part in WRITTEN[of] and not node.is_mapping:
             texts = [one.text or "" for one in node.elements] or [one.strip() for one in (node.text or "").split("/")]
             return texts[WRITTEN[of].index(part)] if len(texts) == 2 else None
-        node = _below(node, part)
-    return None if node is None else node.text
-
-
-_ANGLES = frozenset(angle for angles in WRITTEN.values() for angle in angles)
-
-
-def _below(node: Node, part: str) -> Node | None:
-    if isinstance(node.value, list):
-        return node.value[int(part)] if part.isdigit() and int(part) < len(node.value) else None
-    return spread(node).get(part)
+        node = spread(node).get(part)
+    return node.text
 
 
 def _at(document: Document, parts: Sequence[str]) -> Node:
     node = document.root
     for part in parts:
-        node = _below(node, part) or node
+        node = spread(node).get(part) or node
     return node
 
 
@@ -125,28 +120,26 @@ def _at(document: Document, parts: Sequence[str]) -> Node:
 
 
 def _numbers(design: Design, opened: Design, before: Mapping[str, Key]) -> Iterator[Control]:
-    assert design.source is not None
-    assert opened.source is not None
     scatter = {key.path: key.scatters for key in keys_of(design)}
     for path, key in values_of(design).items():
         if key.value is None and key.role == "setting":
             continue  # of the elastic blocks, which the app does not ask for
-        field = field_in(type(design), design.source.root, path.removesuffix(".mean"))
+        field = field_in(type(design), tree(design).root, path.removesuffix(".mean"))
         old = before.get(path)
         low, high = ends(key if old is None or old.value is None else old)
         value = key.value
         if value is not None:
             low, high = min(low, key.reduced(value)), max(high, key.reduced(value))
-        written = text_at(design.source, path)
+        written = text_at(tree(design), path)
         logarithmic = is_logarithmic(key) and low > 0.0
         yield {
             "path": path, "label": words_of(type(design), path), "doc": _doc(field),
-            "example": "" if field is None else field.texts.example, "type": "count" if key.whole else "number",
+            "example": "" if field is None else field.example, "type": "count" if key.whole else "number",
             "unit": key.with_unit or key.unit, "value": value, "text": shown(key, written),
             "low": low, "high": high, "step": 1.0 if key.whole else _step(low, high, key.kind),
             "log": logarithmic, "words": [], "given": key.given, "is_default": not key.given,
             "changed": is_changed(key, old),
-            "opened": None if old is None else shown(old, text_at(opened.source, path)),
+            "opened": None if old is None else shown(old, text_at(tree(opened), path)),
             "scatter": _scatter(scatter.get(path) or scatter.get(path.removesuffix(".mean"))), "period": key.period,
             "place": key.is_place,
         }  # fmt: skip
@@ -230,8 +223,8 @@ def _scatter(of: Distribution | Fisher | None) -> dict[str, Any] | None:
 def _doc(field: Field | None) -> str:
     if field is None:
         return ""
-    parts = [field.texts.doc, f"left out: {field.texts.left_out}" if field.texts.left_out else ""]
-    if math.isfinite(field.limits.least) and field.is_number:
+    parts = [field.doc, f"left out: {field.left_out}" if field.left_out else ""]
+    if math.isfinite(field.least) and field.is_number:
         parts.append(field.limits_in_words())
     return "; ".join(part for part in parts if part)
 
@@ -246,7 +239,6 @@ def written(design: Design, key: Key | None, path: str, value: float) -> str:
     >>> [written(wedge, keys[path], path, new) for path, new in (("water.fill", 0.25), ("slope.height", 12.5))]
     ['25 %', '12.5 m']
     """
-    assert design.source is not None
     if key is None:
         return _plain(value)
     if key.whole and value == int(value):
@@ -254,7 +246,7 @@ def written(design: Design, key: Key | None, path: str, value: float) -> str:
     value = key.reduced(value)
     if key.with_unit:
         return f"{_plain(value)} {key.with_unit}"
-    text = text_at(design.source, path) or ""
+    text = text_at(tree(design), path) or ""
     unit = re.sub(r"^\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*", "", text).strip() if unit_of(text) else ""
     if unit:
         try:
@@ -263,8 +255,8 @@ def written(design: Design, key: Key | None, path: str, value: float) -> str:
                 return text
         except DesignError:
             pass
-    field = field_in(type(design), design.source.root, path.removesuffix(".mean"))
-    slip = field is not None and field.limits.check is in_degrees and in_degrees(value, path, "", str) is not None
+    field = field_in(type(design), tree(design).root, path.removesuffix(".mean"))
+    slip = field is not None and field.check is in_degrees and in_degrees(value, path, "", str) is not None
     return f"{_plain(value)} deg" if slip else _plain(value)
 
 
@@ -277,23 +269,21 @@ def _plain(value: float) -> str:
 
 def _words(design: Design, opened: Design) -> Iterator[Control]:
     """The title, the words of the language, and where a name under `strength` stands."""
-    assert design.source is not None
-    assert opened.source is not None
-    strengths = design.source.root.get("strength")
-    names = [name for name, _ in strengths.items()] if strengths is not None else []
+    strengths = tree(design).root.get("strength")
+    names = [name for name, _ in strengths.items()]
     for path, field in _texts(design):
         told = field.words or _WORDS.get(field.key, ())
         if field.key in _NAMES_STRENGTH:
             told = tuple(names) if len(names) > 1 else ()
         if (not told and path != "title") or (field.key in ("strength", "by") and not _is_there(design, path)):
             continue
-        value, before = text_at(design.source, path), text_at(opened.source, path)
+        value, before = text_at(tree(design), path), text_at(tree(opened), path)
         default = field.default if isinstance(field.default, str) else None
         instead = None if value is not None else _instead(design, path)
         yield {
-            "path": path, "label": field.texts.axis or path.rpartition(".")[2].replace("_", " "),
-            "doc": field.texts.doc,
-            "example": field.texts.example, "type": "words" if told else "text", "unit": "",
+            "path": path, "label": field.axis or path.rpartition(".")[2].replace("_", " "),
+            "doc": field.doc,
+            "example": field.example, "type": "words" if told else "text", "unit": "",
             "value": value if value is not None else None if instead else default, "instead": instead,
             "text": value or "", "low": None, "high": None,
             "step": None, "log": False, "words": list(told), "given": value is not None, "is_default": value is None,
@@ -304,31 +294,28 @@ def _words(design: Design, opened: Design) -> Iterator[Control]:
 
 def _instead(design: Design, path: str) -> str | None:
     """The key that the design has in place of one that it excludes: `fill`, where `mode` says nothing then."""
-    assert design.source is not None
     above, _, key = path.rpartition(".")
-    keys, holder = ALTERNATIVES.get(above, ()), design.source.root.get(above)
-    if key not in keys or holder is None:
+    keys, holder = ALTERNATIVES.get(above, ()), tree(design).root.get(above)
+    if key not in keys or not holder:
         return None
     others = [one for one in keys if one != key]
     if not holder.is_mapping:  # water: 50 %
-        return next((one for one in others if text_at(design.source, f"{above}.{one}") is not None), None)
-    return next((one for one in others if holder.get(one) is not None), None)
+        return next((one for one in others if text_at(tree(design), f"{above}.{one}") is not None), None)
+    return next((one for one in others if holder.get(one)), None)
 
 
 def _is_there(design: Design, path: str) -> bool:
     """Whether what a word is said of is there."""
-    assert design.source is not None
     above = path.split(".")[:-1]
-    return not above or _at(design.source, above).path == ".".join(above)
+    return not above or _at(tree(design), above).path == ".".join(above)
 
 
 def _texts(design: Design) -> Iterator[tuple[str, Field]]:
     """Where words can stand, with the names and numbers that this design has in place of stars."""
-    assert design.source is not None
     for field in every_field(type(design)):
         if field.measures != "text" or field.is_refused or field.many:
             continue
-        places: list[tuple[str, Node | None]] = [("", design.source.root)]
+        places = [("", tree(design).root)]
         for part in field.path.split("."):
             places = [
                 (f"{path}.{name}" if path else name, below)
@@ -338,9 +325,7 @@ def _texts(design: Design) -> Iterator[tuple[str, Field]]:
         yield from ((path, field) for path, _ in places if field.path.count("*") == 0 or path)
 
 
-def _named(node: Node | None, part: str) -> list[tuple[str, Node | None]]:
+def _named(node: Node, part: str) -> list[tuple[str, Node]]:
     if part != "*":
-        return [(part, None if node is None or isinstance(node.value, str) else node.get(part))]
-    if node is None:
-        return []
+        return [(part, node.get(part))]
     return list(node.items()) if node.is_mapping else [(str(k), one) for k, one in enumerate(node.elements)]

@@ -174,17 +174,6 @@ class Desk:
         for pool in (self.thread, self.slow, self.readers):
             pool.shutdown(wait=False, cancel_futures=True)
 
-    async def aside(self, link: "Link", message: Message, work: Callable[[], Message]) -> None:
-        """Do something that takes a while beside the messages, and answer with what it returns."""
-
-        async def answer(found: Message) -> None:
-            link.answer(message, found)
-
-        try:
-            await self.apart(link, message, self.slow, work, answer)
-        finally:
-            self.waiting -= 1
-
     async def apart(
         self, link: "Link", message: Message, pool: ThreadPoolExecutor, work: Callable[[], T],
         then: Callable[[T], Coroutine[Any, Any, None]],
@@ -198,11 +187,14 @@ class Desk:
             link.refuse(message, (bug(error),))
 
     def later(self, link: "Link", message: Message, work: Callable[[], Message]) -> None:
-        """The same, where not too much waits. Raises DesignError E544."""
+        """Answer with what takes a while beside the messages, where not too much waits. Raises DesignError E544."""
         if self.waiting >= _MOST_SLOW:
             raise wrong("too much waits already", "Wait for it.", "E544")
         self.waiting += 1
-        self.start(self.aside(link, message, work))
+        self.start(self.apart(link, message, self.slow, work, link.answering(message))).add_done_callback(self._done)
+
+    def _done(self, _: "asyncio.Task[None]") -> None:
+        self.waiting -= 1
 
     def result_document(self) -> Mapping[str, Any]:
         """The JSON of the result of the present design: in a thread.
@@ -301,6 +293,14 @@ class Link:
         """Send what came of a message; without an id it is an event."""
         head = {"id": message["id"], "of": message.get("do")} if message.get("id") is not None else {"of": "answer"}
         self.send({**body, **head})
+
+    def answering(self, message: Message) -> Callable[[Mapping[str, Any]], Coroutine[Any, Any, None]]:
+        """Return what answers a message with a body, for `Desk.apart`."""
+
+        async def answer(body: Mapping[str, Any]) -> None:
+            self.answer(message, body)
+
+        return answer
 
     def refuse(self, message: Message, faults: tuple[Fault, ...]) -> None:
         """Say what is wrong with a message."""

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from slopekit.app.saving import digest_of_file, edited, in_brackets
-from slopekit.app.session import Session, at, different
+from slopekit.app.session import Session, different
 from slopekit.core.errors import DesignError, Fault
 from slopekit.design import templates
 from slopekit.design.reading.nodes import Node
@@ -114,11 +114,11 @@ def _template(session: Session) -> Path | None:
 def settings(session: Session) -> list[str]:
     """What `--set` is given so that the file becomes the design."""
     before, now = session.opened.document.root, session.now.document.root
-    return [f"{path}={_value(at(now, path))}" for path in different(before, now)]
+    return [f"{path}={_value(now.at(path))}" for path in different(before, now)]
 
 
-def _value(node: Node | None) -> str:
-    if node is None or node.value is None:
+def _value(node: Node) -> str:
+    if node.value is None:
         return "null"
     if node.text is None:
         return in_brackets(node)

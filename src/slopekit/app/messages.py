@@ -1,10 +1,10 @@
 """What comes over the app's socket and goes back: JSON of bounded size, refused by faults where it is none."""
 
 import json
-import math
 from collections.abc import Mapping
 from typing import Any
 
+from slopekit.core.codec import finite
 from slopekit.core.errors import DesignError, Fault
 from slopekit.design.reading.nodes import cut, printable
 
@@ -31,7 +31,7 @@ def parsed(text: str) -> Message:
     if len(text) > LARGEST_SURVEY or (len(text) > LARGEST and '"survey"' not in text[:400]):
         raise wrong(f"the message has {len(text)} letters: too many", f"The most are {LARGEST}.", "E541")
     try:
-        message = json.loads(text, parse_constant=_no_constant, parse_float=_finite, parse_int=_whole)
+        message = json.loads(text, parse_constant=finite, parse_float=finite, parse_int=_whole)
     except RecursionError:
         raise wrong("the message is nested too deep", "", "E541") from None
     except ValueError as error:
@@ -42,17 +42,6 @@ def parsed(text: str) -> Message:
     if len(text) > LARGEST and message.get("do") != "survey":
         raise wrong(f"the message has {len(text)} letters: too many", f"The most are {LARGEST}.", "E541")
     return message
-
-
-def _no_constant(name: str) -> float:
-    raise ValueError(f"{name} is no number of JSON")
-
-
-def _finite(text: str) -> float:
-    value = float(text)
-    if not math.isfinite(value):
-        raise ValueError(f"{cut(text)} is larger than any number")
-    return value
 
 
 def _whole(text: str) -> int:

@@ -5,7 +5,7 @@ from importlib.resources import files
 from typing import Any
 
 from slopekit.app.answers import scene_of
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.extras import require_extra
 from slopekit.result import Result
 
 Widget = Any  # of anywidget, which has no types
@@ -19,13 +19,8 @@ def view_of(result: Result) -> Widget:
     DesignError
         E140 without the extra notebook (anywidget).
     """
-    try:
-        anywidget, traitlets = import_module("anywidget"), import_module("traitlets")
-    except ImportError:
-        advice = "pip install 'slopekit[notebook]'"
-        raise DesignError(
-            [Fault("E140", "views in a notebook need the extra notebook (anywidget)", "", advice)]
-        ) from None
+    require_extra("notebook", "views in a notebook need", "anywidget")
+    anywidget, traitlets = import_module("anywidget"), import_module("traitlets")
     scene = traitlets.Any(scene_of(result)).tag(sync=True)
     return type("SlopekitWidget", (anywidget.AnyWidget,), {"_esm": _script(), "scene": scene})()
 

@@ -117,10 +117,10 @@ def _of_mapping(text: _Text, item: Any, before: Node, after: Node) -> Iterator[_
     flow = bool(item.flow_style)
     for key, one in before.items():
         other = after.get(key)
-        if other is not None:
+        if other:
             yield from _edits(text, pairs[key][1], one, other)
-    gone = [key for key, _ in before.items() if after.get(key) is None]
-    new = [key for key, _ in after.items() if before.get(key) is None]
+    gone = [key for key, _ in before.items() if not after.get(key)]
+    new = [key for key, _ in after.items() if not before.get(key)]
     for old, other_key in zip(gone, new, strict=False):  # another key in its place
         key, value = pairs[old]
         yield key.start_mark.index, _end(value), _entry(other_key, after)
@@ -169,9 +169,7 @@ def _end(item: Any) -> int:
 
 
 def _entry(key: str, holder: Node) -> str:
-    below = holder.get(key)
-    assert below is not None
-    return f"{_scalar(key)}: {in_brackets(below)}"
+    return f"{_scalar(key)}: {in_brackets(holder.get(key))}"
 
 
 def in_brackets(node: Node) -> str:

@@ -178,15 +178,12 @@ def _cancel(link: Link, message: Message) -> None:
     desk = link.desk
     if number != desk.jobs.running:
         raise wrong("this job does not run", "", "E544")
-    desk.start(_ended(link, message, number))
 
+    def work() -> Message:
+        desk.jobs.cancel(number)  # refused where it ended by itself meanwhile
+        return {}
 
-async def _ended(link: Link, message: Message, number: int) -> None:
-    try:
-        await asyncio.get_running_loop().run_in_executor(None, link.desk.jobs.cancel, number)
-        link.answer(message, {})
-    except DesignError as error:  # it ended by itself meanwhile
-        link.refuse(message, error.faults)
+    desk.start(desk.apart(link, message, desk.readers, work, link.answering(message)))
 
 
 def _survey(link: Link, message: Message) -> None:
@@ -218,13 +215,16 @@ def _file_of(message: Message) -> str | None:
 
 
 def _diff(link: Link, message: Message) -> None:
-    async def answer(change: saving.SavedChange) -> None:
-        link.answer(message, {
+    session, file = link.desk.session.snapshot(), _file_of(message)
+
+    def work() -> Message:
+        change = saving.change_of(session, file)
+        return {
             "diff": change.diff, "file": None if change.target is None else str(change.target),
             "changed_on_disk": change.changed_on_disk, "lines": change.lines,
-        })  # fmt: skip
+        }  # fmt: skip
 
-    link.in_turn(message, partial(saving.change_of, link.desk.session.snapshot(), _file_of(message)), answer)
+    link.in_turn(message, work, link.answering(message))
 
 
 def _save(link: Link, message: Message) -> None:

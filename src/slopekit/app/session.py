@@ -24,10 +24,9 @@ from slopekit.app import controls
 from slopekit.core.errors import DesignError, Fault
 from slopekit.design import templates
 from slopekit.design.common import Design
-from slopekit.design.reading.document import read_text
+from slopekit.design.reading.document import ALTERNATIVES, read_text, with_overrides
 from slopekit.design.reading.files import design_of, load_document_design
 from slopekit.design.reading.nodes import Document, Node
-from slopekit.design.reading.overrides import ALTERNATIVES, with_overrides
 from slopekit.design.reading.structure import WRITTEN
 from slopekit.studies.keys import Key
 
@@ -88,8 +87,7 @@ def opened_text(text: str, name: str, path: Path | None = None, digest: str = ""
     document, faults = read_text(text, name, path)
     design = load_document_design(document, faults)
     assert design.source is not None
-    cases = document.root.get("cases")
-    names = tuple(name for name, _ in cases.items()) if cases is not None else ()
+    names = tuple(name for name, _ in document.root.get("cases").items())
     return Opened(text, path, digest, name, design.source, design, names)
 
 
@@ -277,10 +275,10 @@ class Session:
         keys, before = ALTERNATIVES.get(top, ()), self.opened.document.root.get(top)
         if rest.partition(".")[0] not in keys:
             return [(path, None)]
-        if before is not None and not before.is_mapping:
+        if before and not before.is_mapping:
             return [(top, before)]
-        given = [(f"{top}.{key}", before.get(key)) for key in keys] if before is not None else []
-        return [*((f"{top}.{key}", None) for key in keys), *((key, node) for key, node in given if node is not None)]
+        given = [(f"{top}.{key}", node) for key in keys if (node := before.get(key))]
+        return [*((f"{top}.{key}", None) for key in keys), *given]
 
     def restore(self, document: Document) -> None:
         """Put another tree in place of the design's: what was not saved in an earlier session."""
@@ -335,15 +333,15 @@ class Session:
     def _oriented(self, document: Document, path: str, value: Any) -> tuple[Document, str]:
         """Where an angle is put: 45/115 is the whole plane; beside what is no pair, the last sound one."""
         above, _, angle = path.rpartition(".")
-        node = at(document.root, above) if angle in _ANGLES else None
-        if node is None or node.text is None:
+        node = document.root.at(above)
+        if angle not in _ANGLES or node.text is None:
             return document, path
         if isinstance(value, str) and "/" in value:
             return document, above
         if node.text.count("/") != 1 and self.design.source is not None:
-            last = at(self.design.source.root, above)
-            if last is not None and last.text is not None:
-                return with_overrides(document, [(above, last.text)]), path
+            last = self.design.source.root.at(above).text
+            if last is not None:
+                return with_overrides(document, [(above, last)]), path
         return document, path
 
     def _become(self, document: Document) -> None:
@@ -370,7 +368,7 @@ def _titled(document: Document, text: str) -> Document:
     return with_overrides(document, [("title", Node(printable(text), place, "title", place))])
 
 
-def different(one: Node | None, other: Node | None) -> list[str]:
+def different(one: Node, other: Node) -> list[str]:
     """The paths at which two trees differ, each as high up as one of them has nothing or a value of another shape.
 
     >>> from slopekit.design.reading.nodes import document_from
@@ -380,9 +378,8 @@ def different(one: Node | None, other: Node | None) -> list[str]:
     """
     if one is other:
         return []
-    if one is None or other is None:
-        there = one or other
-        return [there.path] if there is not None else []
+    if not one or not other:
+        return [(one or other).path]
     if one.is_mapping and other.is_mapping:
         keys = dict.fromkeys([*(key for key, _ in one.items()), *(key for key, _ in other.items())])
         return [path for key in keys for path in different(one.get(key), other.get(key))]
@@ -391,32 +388,10 @@ def different(one: Node | None, other: Node | None) -> list[str]:
     return [] if one.plain() == other.plain() else [other.path or one.path]
 
 
-def _without_empty(node: Node, before: Node | None) -> Node:
+def _without_empty(node: Node, before: Node) -> Node:
     """A tree without mappings that hold nothing and were not there before."""
     if not node.is_mapping:
         return node
-    made = {key: _without_empty(below, None if before is None else before.get(key)) for key, below in node.items()}
-    kept = {
-        key: below for key, below in made.items()
-        if below.value != {} or (before is not None and before.get(key) is not None)
-    }  # fmt: skip
+    made = {key: _without_empty(below, before.get(key)) for key, below in node.items()}
+    kept = {key: below for key, below in made.items() if below.value != {} or before.get(key)}
     return node if all(kept.get(key) is below for key, below in node.items()) else replace(node, value=kept)
-
-
-def at(root: Node, path: str) -> Node | None:
-    """The node at a dotted path; keys may have dots (of correlations)."""
-    node: Node | None = root
-    parts = path.split(".") if path else []
-    while parts and node is not None:
-        if isinstance(node.value, list):
-            part = parts.pop(0)
-            node = node.value[int(part)] if part.isdigit() and int(part) < len(node.value) else None
-            continue
-        for count in range(1, len(parts) + 1):
-            below = node.get(".".join(parts[:count]))
-            if below is not None:
-                node, parts = below, parts[count:]
-                break
-        else:
-            return None
-    return node

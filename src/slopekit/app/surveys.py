@@ -14,7 +14,6 @@ strength:
 """
 
 import json
-import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -31,6 +30,7 @@ from slopekit.design.reading.nodes import as_text
 from slopekit.design.survey import MeasuredJoint, read_joints_text
 from slopekit.kinds import status_text
 from slopekit.studies.combos import Combos, combos
+from slopekit.studies.kinematic.criteria import planes_of_poles
 
 _MOST_PAIRS = 200  # that the page is sent
 _BY_BOTH = 100  # joints: pairs of more are ranked by the closed form, while somebody waits
@@ -190,9 +190,9 @@ def _sets(joints: JointList) -> Iterator[dict[str, Any]]:
         poles = normals(np.array([one.dip_deg for one in own]), np.array([one.dip_direction_deg for one in own]))
         poles = np.where((poles @ poles[0] < 0.0)[:, None], -poles, poles)
         mean = poles.sum(axis=0)
-        east, north, up = (mean if mean[2] >= 0.0 else -mean).tolist()
-        dip, way = math.degrees(math.atan2(math.hypot(east, north), up)), math.degrees(math.atan2(east, north))
-        yield {"name": name, "dip": dip, "dip_direction": way % 360.0, "count": len(own)}
+        found = planes_of_poles((mean if mean[2] < 0.0 else -mean)[None])
+        dip, way = float(found.dips_deg[0]), float(found.dip_directions_deg[0])
+        yield {"name": name, "dip": dip, "dip_direction": way, "count": len(own)}
 
 
 def _pairs(combinations: Combos) -> Iterator[dict[str, Any]]:

@@ -56,7 +56,7 @@ except KeyboardInterrupt:  # before the handler above stood
 _FIRST = ("wedge", "run", "lint")
 #: Where the commands stand that are written by hand; those of results and studies are made of their functions.
 _WRITTEN: Mapping[str, str] = {
-    "lint": "designs", "plot": "outputs", "export": "outputs", "report": "outputs",
+    "lint": "tools", "plot": "outputs", "export": "outputs", "report": "outputs",
     "app": "tools", "templates": "tools", "doctor": "tools", "explain": "tools",
 }  # fmt: skip
 

@@ -14,7 +14,6 @@ import typer
 from slopekit._version import __version__
 from slopekit.cli.progress import aside
 from slopekit.core.errors import DesignError, Fault, Faults, SlopekitError, writing
-from slopekit.core.onlooker import say
 from slopekit.core.sheet import WIDTH
 from slopekit.core.synonyms import synonym
 
@@ -56,8 +55,8 @@ def canonical_options(declared: Iterable[Any], arguments: Sequence[str]) -> list
 
 def load_design(design: str, sets: list[str] | None, case: str | None = None) -> "Design":
     """The design of a file, with what `--set` replaces in it; the load case that `--case` names."""
+    from slopekit.design.reading.document import parse_override
     from slopekit.design.reading.files import load
-    from slopekit.design.reading.overrides import parse_override
 
     faults, overrides = Faults(), list[tuple[str, object]]()
     for text in sets or []:
@@ -81,47 +80,6 @@ def folder_of(folder: Path) -> Path:
         with tempfile.TemporaryFile(dir=folder):
             pass
     return folder
-
-
-def picture_of(picture: str | None, of_result: bool) -> Path | None:
-    """The picture asked for, of a result or a study, refused before any work is done where it cannot be made."""
-    if picture is None:
-        return None
-    from slopekit.views.charts.drawing import FORMATS, require_matplotlib
-
-    path, endings = Path(picture), (".png", ".glb", ".gltf") if of_result else FORMATS
-    if path.suffix.lower() not in endings:
-        known = f"{', '.join(endings[:-1])} or {endings[-1]}"
-        advice = f"Give it one of these endings: {', '.join(endings)}."
-        raise DesignError([Fault("E141", f"the picture {path} is not a {known} file", str(path), advice)])
-    if not path.parent.is_dir():
-        raise DesignError([Fault("E129", f"there is no folder {path.parent} for the picture", str(path))])
-    folder_of(path.parent)
-    if not of_result:
-        require_matplotlib(path)
-    elif path.suffix.lower() == ".png":
-        from slopekit.views.solid.rendering import require_drawing
-
-        require_drawing(path)
-    return path
-
-
-def draw_to(document: dict[str, Any], what: str, *paths: Path | None) -> None:
-    """Draw a study to the picture asked for and into its folder; what cannot be drawn is said, all else is there.
-
-    A file that cannot be written ends the command with exit code 2.
-    """
-    from slopekit.views.plots import draw
-
-    for path in paths:
-        try:
-            if path is not None:
-                say(what)
-                draw(document, what, path)
-        except DesignError as error:
-            print_faults(error, plainly=True)
-            if "E129" in error.codes:
-                raise typer.Exit(error.exit_code) from None
 
 
 def json_text(document: Any) -> str:

@@ -9,17 +9,16 @@ from typing import Annotated, Any, get_args, get_type_hints
 import typer
 
 from slopekit import api
-from slopekit.cli import results
+from slopekit.cli import pictures
 from slopekit.cli.common import (
     CASE,
+    FOLDER,
     JSON,
+    QUIET,
     SET,
-    draw_to,
     folder_of,
     json_text,
     load_design,
-    picture_of,
-    print_faults,
     repeats,
 )
 from slopekit.cli.progress import aside, progress, watched
@@ -32,7 +31,7 @@ from slopekit.studies.protocol import VARIANTS, StudyOutcome, function_of
 
 #: The functions that give a result; all other commands that are made so are studies.
 _RESULTS: Mapping[str, Callable[..., Any]] = {"wedge": api.wedge, "run": api.run}
-#: What every command has, by the parameter of the driver: those of studies.
+#: What every command has, by the parameter of the driver: those of studies, and what is another for results.
 _OPTIONS = {
     "picture": typer.Option(help="Draw it to a .png, .svg or .pdf file (extra: plot)."),
     "as_json": JSON,
@@ -40,6 +39,11 @@ _OPTIONS = {
     "quiet": typer.Option("--quiet", help="One line."),
     "output": typer.Option("-o", help="Folder for the JSON, the sheet, tables as .csv and pictures."),
 }
+_OF_RESULTS = {
+    "picture": typer.Option(help="Draw the slope and its blocks to a .png, .glb or .gltf file (extra: plot)."),
+    "no_pictures": typer.Option("--no-pictures", help="With -o: draw nothing."),
+    "quiet": QUIET, "output": FOLDER,
+}  # fmt: skip
 _ORDER = ("sets", "case", "picture", "no_pictures", "as_json", "full", "quiet", "output")
 
 
@@ -58,7 +62,7 @@ def command_of(name: str) -> Callable[..., None]:
     for flag, function in variants.items():
         first_line = (inspect.getdoc(function) or "").partition("\n")[0]
         declared[flag] = _parameter(flag, bool, typer.Option(f"--{flag}", help=first_line), False)
-    options = dict(_OPTIONS) | (results.OPTIONS if name in _RESULTS else {})
+    options = dict(_OPTIONS) | (_OF_RESULTS if name in _RESULTS else {})
     if name not in _RESULTS and not any(map(_draws, functions)):
         del options["picture"]
     if with_design := _takes_design(main):
@@ -142,7 +146,7 @@ def _drive(function: Callable[..., Any], given: Mapping[str, Any], variant: str)
     is_twice = bool(faults)
     if given["output"] is not None:
         folder = faults.of(folder_of, Path(given["output"]))
-    image = faults.of(picture_of, given.get("picture"), "no_pictures" in given)
+    image = faults.of(pictures.picture_of, given.get("picture"), "no_pictures" in given)
     values, taken = dict[str, Any](), {*_ORDER, *VARIANTS}
     parameters = inspect.signature(function).parameters
     for key, parameter in parameters.items():
@@ -217,16 +221,17 @@ def _deliver(outcome: Shown, folder: Path | None, image: Path | None, given: Map
     if folder is not None:
         with writing(folder, "the folder "), whole_files(folder) as staging:
             _write(outcome, staging, document)
-            removed = _without_older(outcome, folder)
+            removed = pictures.remove_older(outcome, folder)
     with aside():
         typer.echo(document if as_json else outcome.line if quiet else text)
+    if folder is None and image is None:
+        return
     say("pictures", head=True)
-    for name, part in outcome.parts.items():
-        record_of_part = record["cases"][name] if record else {}
-        picture = image and image.with_name(f"{image.stem}-{name}{image.suffix}")
-        _draw(part, record_of_part, folder and folder / name, picture, given, removed)
-    if not outcome.parts:
-        _draw(outcome, record, folder, image, given, removed)
+    plain = bool(given.get("no_pictures"))
+    for name, part in outcome.parts.items() or [("", outcome)]:
+        own = record["cases"][name] if name else record
+        beside = image and image.with_name(f"{image.stem}-{name}{image.suffix}") if name else image
+        pictures.draw(part, own, folder and folder / name, beside, removed, plain=plain)
 
 
 def _write(outcome: Shown, folder: Path, document: str) -> None:
@@ -241,27 +246,3 @@ def _write(outcome: Shown, folder: Path, document: str) -> None:
     for name, part in outcome.parts.items():
         (folder / name).mkdir()
         _write(part, folder / name, json_text(part.to_dict()))
-
-
-def _without_older(outcome: Shown, folder: Path) -> list[Path]:
-    """Remove the pictures of an earlier outcome, once all of this one is written; what was removed."""
-    if outcome.parts:
-        return [path for name, part in outcome.parts.items() for path in _without_older(part, folder / name)]
-    if isinstance(outcome, StudyOutcome):
-        return results.remove([folder / f"{what}.png" for what in outcome.charts], "pictures")
-    return results.remove_older(outcome.to_dict(), folder)
-
-
-def _draw(
-    outcome: Shown, record: dict[str, Any], folder: Path | None, image: Path | None, given: Mapping[str, Any],
-    removed: list[Path],
-) -> None:  # fmt: skip
-    """The pictures of what a function came to."""
-    if not isinstance(outcome, StudyOutcome):
-        results.finish(record, folder, image, given["no_pictures"], removed)
-        return
-    if image is not None and not outcome.charts:
-        message = f"this {outcome.name} has nothing to draw: {image} is not written"
-        print_faults(DesignError([Fault("E273", message, "--picture")]), plainly=True)
-    for k, what in enumerate(outcome.charts):
-        draw_to(record, what, image if k == 0 else None, folder / f"{what}.png" if folder else None)

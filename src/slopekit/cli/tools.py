@@ -1,4 +1,4 @@
-"""Commands beside analyses: the app, templates, doctor, explain."""
+"""Commands beside analyses: lint, the app, templates, doctor, explain."""
 
 from pathlib import Path
 from shlex import quote
@@ -6,9 +6,51 @@ from typing import Annotated
 
 import typer
 
+from slopekit._version import __version__
+from slopekit.cli.common import CASE, FILE, JSON, SET, json_text, load_design
 from slopekit.cli.progress import watched
+from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, Faults, writing
+from slopekit.core.extras import require_extra
 from slopekit.core.whole_files import whole_file
+
+
+def lint(
+    design: Annotated[str, FILE],
+    sets: Annotated[list[str] | None, SET] = None,
+    case: Annotated[str | None, CASE] = None,
+    as_json: Annotated[bool, JSON] = False,
+) -> None:
+    """Read and test a design file, run nothing."""
+    from slopekit.kinds import likely_slips
+
+    read = load_design(design, sets, case)
+    slips = likely_slips(read)
+    if as_json:
+        document = {
+            "slopekit": __version__, "kind": read.kind, "input_sha256": read.input_hash(), "inputs": read.inputs(),
+            "assumed": dict(read.assumed), "defaults": list(read.reading.defaults), "warnings": json_of(slips),
+            "errors": [],
+            **({"cases": {one.name: {
+                "sets": dict(one.sets), "rules": [str(rule) for rule in one.design.rules],
+                "input_sha256": one.design.input_hash(), "inputs": one.design.inputs(),
+            } for one in read.cases}} if read.cases else {}),
+        }  # fmt: skip
+        typer.echo(json_text(document))
+        return
+    head = f"ok   {Path(design).name}: a {read.kind} design, sha {read.input_hash()[:6]}"
+    typer.echo(f"{head} (whether it forms a block, run says)")
+    if read.analysis.partial is not None:
+        typer.echo(f"     partial factors: {read.analysis.partial.called}")
+    for one in read.cases:
+        rules = ", ".join(str(rule) for rule in one.design.rules) or "nothing"
+        typer.echo(f"     case {one.name}: sets {one.in_words or 'nothing'}; asks for {rules}")
+    for name, value in read.assumed:
+        typer.echo(f"     {name} is a distribution: run takes {value}")
+    if read.reading.defaults:
+        typer.echo(f"     left out, taken by default: {', '.join(read.reading.defaults)}")
+    for notice in slips:
+        typer.echo(f"     {notice}")
 
 
 def _template_names(incomplete: str) -> list[str]:
@@ -74,15 +116,6 @@ def new_template(
     typer.echo(f"wrote {path}; try: slopekit run {quote(str(path))}")
 
 
-def _is_there(name: str) -> bool:
-    from importlib.util import find_spec
-
-    try:
-        return find_spec(name) is not None
-    except ValueError:  # what was put out of reach
-        return False
-
-
 def app(
     design: Annotated[str | None, typer.Argument(help="A design file (YAML) [the paper's wedge].")] = None,
     port: Annotated[int, typer.Option(help="Port to listen on; 0: any that is free.")] = 0,
@@ -91,11 +124,7 @@ def app(
     """Interactive app in the browser, on this machine alone (extra: app)."""
     if not 0 <= port <= 65535:
         raise DesignError([Fault("E106", f"--port is {port}, a port lies between 0 and 65535", f"--port {port}")])
-    missing = [name for name in ("starlette", "uvicorn", "websockets", "jinja2") if not _is_there(name)]
-    if missing:
-        advice = "pip install 'slopekit[app]'"
-        message = f"the app needs the extra app ({', '.join(missing)})"
-        raise DesignError([Fault("E140", message, "slopekit app", advice)])
+    require_extra("app", "the app needs", "starlette", "uvicorn", "websockets", "jinja2", where="slopekit app")
     from slopekit.app.server import serve
     from slopekit.app.session import opened_file, opened_template
 

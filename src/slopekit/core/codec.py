@@ -70,6 +70,18 @@ def json_of(value: Any) -> Any:
     raise TypeError(f"{type(value).__name__} has no JSON")
 
 
+def finite(text: str) -> float:
+    """A number of JSON, for `parse_float` and `parse_constant`. Raises ValueError for one beyond floats, and for NaN.
+
+    >>> finite("1.5e3")
+    1500.0
+    """
+    value = float(text)
+    if not math.isfinite(value):
+        raise ValueError(f"{text} is no number of JSON")
+    return value
+
+
 def record_of(value: Any) -> dict[str, Any]:
     """The fields of a dataclass as JSON values, and what it lists besides."""
     record = {name: json_of(getattr(value, own)) for own, name in _names(type(value))}
@@ -138,4 +150,4 @@ def is_of_document(error: Exception) -> bool:
     return isinstance(error, MISREAD)
 
 
-__all__ = ["MISREAD", "NO_JSON", "dataclass", "field", "from_json", "is_of_document", "json_of", "record_of"]
+__all__ = ["MISREAD", "NO_JSON", "dataclass", "field", "finite", "from_json", "is_of_document", "json_of", "record_of"]

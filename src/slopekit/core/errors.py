@@ -7,7 +7,7 @@ texts that `slopekit explain CODE` prints stand in `messages.toml` and load only
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
-from typing import ParamSpec, TypeVar
+from typing import NoReturn, ParamSpec, TypeVar
 
 T = TypeVar("T")
 P = ParamSpec("P")
@@ -188,10 +188,24 @@ class Faults(list[Fault]):
             self += error.faults
             return None
 
+    def add(self, code: str, message: str, where: str = "", advice: str = "") -> None:
+        """Add a fault."""
+        self.append(Fault(code, message, where, advice))
+
     def refuse(self) -> None:
         """Raise DesignError with all of them, if there are any."""
         if self:
             raise DesignError(self)
+
+
+def fail(code: str, message: str, where: str = "", advice: str = "") -> NoReturn:
+    """Raise DesignError with one fault.
+
+    >>> fail("E101", "dip of J1 is 95, a dip lies between 0 and 90")
+    Traceback (most recent call last):
+    slopekit.core.errors.DesignError: E101 dip of J1 is 95, a dip lies between 0 and 90
+    """
+    raise DesignError([Fault(code, message, where, advice)])
 
 
 def did_you_mean(name: str, known: Iterable[str], otherwise: str = "", cutoff: float = 0.6) -> str:

@@ -3,9 +3,8 @@
 A table knows its rows as they are and, by column, what a cell holds, its unit and how many digits are shown; no
 writing reads what another has written.
 
->>> from operator import itemgetter
->>> table = Table((Column("joint", itemgetter(0), width=-8), Column("FoS", itemgetter(1), "fos", show=".2f", width=6)),
-...               [("J1", 1.234), ("J2", None)])
+>>> rows = [{"name": "J1", "fos": 1.234}, {"name": "J2", "fos": None}]
+>>> table = Table((Column("joint", "name", width=-8), Column("FoS", "fos", "fos", show=".2f", width=6)), rows)
 >>> print(Sheet("slopekit   demo", (Section("JOINTS", (table,)),)))
 slopekit   demo
 JOINTS    joint      FoS
@@ -19,6 +18,7 @@ import math
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from io import StringIO
 from typing import Any, Generic, TextIO, TypeAlias, TypeVar
 
@@ -41,10 +41,12 @@ class Column(Generic[Row]):
     Attributes
     ----------
     title : its head, in text with the blanks that set it off
-    of : what a cell of a row holds: a number, words, None where there is nothing
+    of : what a cell of a row holds, a number, words, None where there is nothing: a function of the row, the path of an
+        attribute or of an entry of it (`axes.k`), or the values of all rows, which are then numbered
     key : its name in CSV and JSON; empty: it is not there
     unit : of its numbers
-    show : how a cell is written for a person: a format of its numbers, or a function of the cell
+    show : how a cell is written for a person: a format of its numbers (`.1f`, `{:.1f}°`), or a function of the cell
+    blank : what stands for None, and for what is not a number
     text : or a function of the row, where more than the cell is shown
     width : characters in text, negative to the left; 1: as it comes; 0: not there; a title alone puts it in JSON
     exact : format of its numbers in CSV, empty for every digit
@@ -53,7 +55,7 @@ class Column(Generic[Row]):
     """
 
     title: str
-    of: Callable[[Row], Any]
+    of: Any
     key: str = ""
     unit: str = ""
     show: str | Callable[[Any], str] = ""
@@ -62,16 +64,22 @@ class Column(Generic[Row]):
     text: Callable[[Row], str] | None = None
     timed: bool = False
     about: str = "{}"
+    blank: str = ""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "of", _reader(self.of))
 
     def shown(self, row: Row) -> str:
         """The cell of a row for a person."""
         if self.text is not None:
             return self.text(row)
         value = self.of(row)
+        if (value is None or value != value) and (self.blank or not callable(self.show)):
+            return self.blank
         if callable(self.show):
             return self.show(value)
-        if value is None:
-            return ""
+        if "{" in self.show:
+            return self.show.format(value)
         return format(value, self.show) if isinstance(value, int | float) else str(value)
 
     def _written(self, value: Any) -> str:
@@ -97,6 +105,27 @@ class Column(Generic[Row]):
         if abs(self.width) == 1:
             return text
         return f"{text:<{-self.width}}" if self.width < 0 else f"{text:>{self.width}}"
+
+
+def _reader(of: Any) -> Callable[[Any], Any]:
+    """Return the function that reads a cell from a row: from the path of its value, or from the values of all rows.
+
+    >>> _reader("axes.k")({"axes": {"k": 3.0}}), _reader("axes.k")({"axes": None}), _reader([1.0, 2.0])(1)
+    (3.0, None, 2.0)
+    """
+    if isinstance(of, str):
+        return partial(value_at, of.split("."))
+    values = of.tolist() if hasattr(of, "tolist") else of
+    read: Callable[[Any], Any] = of if callable(of) else values.__getitem__
+    return read
+
+
+def value_at(path: Sequence[str], row: Any) -> Any:
+    """Return the value at a path below a row, None where something on the way is."""
+    for name in path:
+        if row is not None:
+            row = row.get(name) if isinstance(row, Mapping) else getattr(row, name)
+    return row
 
 
 def without_formula(text: str) -> str:

@@ -13,8 +13,8 @@ from dataclasses import replace
 
 from slopekit.core.errors import DesignError, Fault, did_you_mean
 from slopekit.design.common import Design, LoadCase
+from slopekit.design.reading.document import with_overrides
 from slopekit.design.reading.nodes import Document, Node, cut
-from slopekit.design.reading.overrides import with_overrides
 
 _NOT_SET = ("slopekit", "kind", "cases")
 _NAME = re.compile(r"[^\W_](?:[\w -]{0,38}\w)?")  # of files and folders on every system, too
@@ -41,7 +41,7 @@ def read_cases(
         key: node for key, node in document.root.items() if key != "cases"
     }))  # fmt: skip
     cases, faults, names = list[LoadCase](), list[Fault](), dict[str, str]()
-    for name, node in group.items() if group is not None else ():
+    for name, node in group.items():
         if not node.is_mapping and node.value is not None:
             continue  # the structure says what it is
         own = [*_misnamed(name, node, names), *_unsettable(name, node)]
@@ -82,11 +82,11 @@ def _misnamed(name: str, node: Node, names: dict[str, str]) -> Iterator[Fault]:
 
 def _unsettable(name: str, node: Node) -> Iterator[Fault]:
     sets, accept = node.get("set"), node.get("accept")
-    if (sets is None or not sets.value) and (accept is None or not accept.value):
+    if not sets.value and not accept.value:
         message = f"the load case {name} is empty: it sets no key and accepts nothing of its own"
         advice = f'Write {name}: {{set: {{loads.seismic.k: 0.1}}}}, or {name}: {{accept: "fos >= 1.5"}}'
         yield Fault("E471", message, str(node.key_place), advice)
-    for path, below in sets.items() if sets is not None else ():
+    for path, below in sets.items():
         if (top := path.partition(".")[0].strip()) in _NOT_SET:
             what = "cases within a case" if top == "cases" else f"{top} of the design"
             advice = "A case sets keys of the one design: its slope, strengths, water, loads, support, analysis."
@@ -97,20 +97,17 @@ def _case(
     bare: Document, name: str, node: Node, design_of: Callable[[Document, bool], Design]
 ) -> LoadCase | None:  # fmt: skip
     sets, accept, title = node.get("set"), node.get("accept"), bare.root.get("title")
-    if (sets is not None and sets.value is not None and not sets.is_mapping) or (
-        accept is not None and accept.is_mapping
-    ):
+    if (sets.value is not None and not sets.is_mapping) or accept.is_mapping:
         return None  # the structure says so
-    values: list[tuple[str, object]] = [(path.strip(), below) for path, below in (sets.items() if sets else ())]
-    shown = tuple((path, _shown(below)) for path, below in (sets.items() if sets else ()))
-    if accept is not None and accept.value:
+    values: list[tuple[str, object]] = [(path.strip(), below) for path, below in sets.items()]
+    shown = tuple((path, _shown(below)) for path, below in sets.items())
+    if accept.value:
         values.append(("acceptance.rules", accept))
     elif any(
-        f"{path}.".startswith("analysis.partial_factors.") and below.value
-        for path, below in (sets.items() if sets else ())
+        f"{path}.".startswith("analysis.partial_factors.") and below.value for path, below in sets.items()
     ):  # the design's rules ask for a factor of safety, this for 1
         values.append(("acceptance", None))
-    said = "" if title is None or not title.text else f"{title.text}, "
+    said = f"{title.text}, " if title.text else ""
     if not any(path == "title" for path, _ in values):
         values.append(("title", replace(title or node, value=f"{said}case {name}")))
     document = with_overrides(bare, values)

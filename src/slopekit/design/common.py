@@ -306,11 +306,9 @@ class Design(DesignKeys):
 
     def place_of(self, above: str, key: str, number: int, count: int) -> str:
         """Where the item of that number (from 1) of a list of `count` was written: its line; empty where none knows."""
-        root = None if self.source is None else self.source.root
-        section = None if root is None else root.get(above)
-        listed = None if section is None else section.get(key)
-        if listed is None:
+        if self.source is None:
             return ""
+        listed = self.source.root.at(f"{above}.{key}")
         items = listed.elements
         return str((items[number - 1] if len(items) == count else listed).place)
 

@@ -24,7 +24,7 @@ from typing import Any, Literal, TypeVar, cast
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import number as shown
 from slopekit.core.units import quantity, unit_of
-from slopekit.design.reading.nodes import Node
+from slopekit.design.reading.nodes import NOTHING, Node
 from slopekit.design.reading.structure import ANGLES, VALUE, OrientationKind, Spec, either
 
 #: What a number is: of the slope itself, a coordinate, how something scatters, or how the analysis is done.
@@ -48,7 +48,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 Check = Callable[[float, str, str, Callable[[str], str]], tuple[str, str, str] | None]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Limits:
     """Which numbers a value takes: from `least` to `most`, themselves not where `above`, `below`.
 
@@ -76,7 +76,7 @@ class Limits:
         return low and high and (not self.whole or (value == int(value) and (value % 2 == 1 or not self.is_odd)))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Shape:
     """How a value is written beside a number, a text or a group of keys.
 
@@ -97,7 +97,7 @@ class Shape:
     or_measures: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class KeyTexts:
     """What is said of a key.
 
@@ -118,7 +118,7 @@ class KeyTexts:
 
 
 @dataclass(frozen=True)
-class Field:
+class Field(Limits, Shape, KeyTexts):
     """One value of a design, as `declare` makes it.
 
     Attributes
@@ -144,9 +144,6 @@ class Field:
     many: Many = ""
     is_attribute: bool = False
     is_refused: bool = False
-    limits: Limits = Limits()
-    shape: Shape = Shape()
-    texts: KeyTexts = KeyTexts()
 
     @property
     def key(self) -> str:
@@ -166,12 +163,12 @@ class Field:
     @property
     def in_words(self) -> str:
         """What it is, for messages."""
-        return self.texts.label or self.key
+        return self.label or self.key
 
     @property
     def period(self) -> float | None:
         """After which it is the same again; None of all but directions."""
-        return 360.0 if self.limits.turns and self.limits.most == 360.0 else None
+        return 360.0 if self.turns and self.most == 360.0 else None
 
     def limits_in_words(self) -> str:
         """What a value has to be.
@@ -181,14 +178,14 @@ class Field:
         >>> declare("height", "length", 0.0, above=True).limits_in_words()
         'it must be more than 0'
         """
-        low, high = shown(self.limits.least), shown(self.limits.most)
-        if self.limits.says:
-            return self.limits.says.format(least=low, most=high)
-        if self.limits.whole:
-            what = "an odd" if self.limits.is_odd else "a whole"
-            return f"it must be {what} number from {int(self.limits.least)} to {int(self.limits.most)}"
-        if not isfinite(self.limits.most):
-            return f"it must be more than {low}" if self.limits.above else "it is never negative"
+        low, high = shown(self.least), shown(self.most)
+        if self.says:
+            return self.says.format(least=low, most=high)
+        if self.whole:
+            what = "an odd" if self.is_odd else "a whole"
+            return f"it must be {what} number from {int(self.least)} to {int(self.most)}"
+        if not isfinite(self.most):
+            return f"it must be more than {low}" if self.above else "it is never negative"
         return f"it lies between {low} and {high}"
 
     def checked(
@@ -207,17 +204,15 @@ class Field:
         DesignError
             The field's code, or that of its `check`.
         """
-        wrong = None if self.limits.check is None else self.limits.check(value, name, written, called)
+        wrong = None if self.check is None else self.check(value, name, written, called)
         if wrong is not None:
             code, message, advice = wrong
             raise DesignError([Fault(code, message, where, advice)])
-        if not self.limits.takes(value):
-            unit = "" if self.limits.above and not isfinite(self.limits.most) else self.unit
+        if not self.takes(value):
+            unit = "" if self.above and not isfinite(self.most) else self.unit
             size = shown(value) + (unit if unit in ("", "°") else f" {unit}")
-            raise DesignError(
-                [Fault(self.limits.code, f"{name} is {size}, {self.limits_in_words()}", where, self.limits.advice)]
-            )
-        return int(value) if self.limits.whole else value
+            raise DesignError([Fault(self.code, f"{name} is {size}, {self.limits_in_words()}", where, self.advice)])
+        return int(value) if self.whole else value
 
     def read(
         self, value: object, name: str, where: str, written: str = "", called: Callable[[str], str] = str
@@ -229,42 +224,23 @@ class Field:
     def sought(self) -> tuple[float, float]:
         """Between what a study looks for it: what it may be, and what slopes have."""
         far = _MOST.get(self.measures, inf)
-        low = self.limits.least if isfinite(self.limits.least) else -far
-        if (self.limits.above or low > 0.0) and not self.limits.turns:
+        low = self.least if isfinite(self.least) else -far
+        if (self.above or low > 0.0) and not self.turns:
             low = max(low, _LEAST.get(self.measures, 0.0))
-        high = self.limits.most - _JUST_BELOW if self.limits.below and self.measures == "angle" else self.limits.most
+        high = self.most - _JUST_BELOW if self.below and self.measures == "angle" else self.most
         return low, min(high, far)
 
-
-#: The groups of a field's attributes.
-_GROUPS: Mapping[str, Any] = {"limits": Limits, "shape": Shape, "texts": KeyTexts}
-_GROUP_OF = {name: group for group, record in _GROUPS.items() for name in get_annotations(record)}
 
 # -- declaring --------------------------------------------------------------------------------------------------------
 
 
-def _grouped(said: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
-    """What is said of a field: its own attributes, and those of its groups by the group."""
-    parts: dict[str, dict[str, Any]] = {}
-    for name in [name for name in said if name in _GROUP_OF]:
-        parts.setdefault(_GROUP_OF[name], {})[name] = said[name]
-    return {name: value for name, value in said.items() if name not in _GROUP_OF}, parts
-
-
 def declare(path: str, measures: str = "ratio", least: float = -inf, most: float = inf, **said: Any) -> Field:
-    """A field, of its attributes and those of its groups alike.
+    """A field; `said` as its attributes.
 
-    >>> declare("fill", "ratio", 0.0, 1.0, code="E118").limits.most
+    >>> declare("fill", "ratio", 0.0, 1.0, code="E118").most
     1.0
     """
-    own, parts = _grouped({"least": least, "most": most} | said)
-    return Field(path, measures, **own, **{group: _GROUPS[group](**part) for group, part in parts.items()})
-
-
-def changed(field: Field, **said: Any) -> Field:
-    """A field with other attributes, or with others of its groups."""
-    own, parts = _grouped(said)
-    return replace(field, **own, **{group: replace(getattr(field, group), **part) for group, part in parts.items()})
+    return Field(path, measures, least=least, most=most, **said)
 
 
 def _declared(path: str, measures: str, default: Any, *, may_lack: bool = False, **more: Any) -> Any:
@@ -378,8 +354,8 @@ def fields_of(record: Any) -> Mapping[str, Field]:
 
 def _angle(above: Field, key: str) -> Field:
     low, high = {"dip": (0.0, 90.0), "plunge": (-90.0, 90.0)}.get(key, (0.0, 360.0))
-    of = f" of {above.texts.axis}" if above.texts.axis else ""
-    return changed(above, path=f"{above.path}.{key}", measures="angle", least=low, most=high, turns=True, label="",
+    of = f" of {above.axis}" if above.axis else ""
+    return replace(above, path=f"{above.path}.{key}", measures="angle", least=low, most=high, turns=True, label="",
                    axis=f"{key.replace('_', ' ')}{of}")  # fmt: skip
 
 
@@ -392,15 +368,15 @@ def every_field(record: Any, path: str = "") -> Iterator[Field]:
         if one.measures in ANGLES:
             angles = ANGLES[one.measures]
             yield from (_angle(own, key) for key in angles)
-        if one.is_number and (one.many or one.shape.each):
+        if one.is_number and (one.many or one.each):
             yield replace(own, path=f"{own.path}.*")
-        if one.shape.coordinates:
-            measures = one.measures if one.is_number else next(iter(one.shape.or_measures), "length")
-            below = own.path + ".*" * one.shape.coordinates
-            yield changed(own, path=below, measures=measures, role="coordinate", coordinates=0, scatters=False)
+        if one.coordinates:
+            measures = one.measures if one.is_number else next(iter(one.or_measures), "length")
+            below = own.path + ".*" * one.coordinates
+            yield replace(own, path=below, measures=measures, role="coordinate", coordinates=0, scatters=False)
         if one.of is not None:
             below = own.path + {"": "", "list": ".*", "names": ".*", "pairs": ".*"}[one.many]
-            yield from (part for part in every_field(one.of, below) if part.key not in one.shape.without)
+            yield from (part for part in every_field(one.of, below) if part.key not in one.without)
 
 
 @_remembered
@@ -438,10 +414,8 @@ def field_in(record: Any, root: Node | None, path: str) -> Field | None:
     `field_at` knows the kind of a design alone: two laws may have a key of one name with limits of their own.
     """
     parts = path.split(".")
-    strengths = root.get("strength") if root is not None and parts[0] == "strength" and len(parts) > 2 else None
-    strength = strengths.get(parts[1]) if strengths is not None else None
-    law = strength.get("law") if strength is not None else None
-    if law is not None and len(parts) == 3:
+    law = NOTHING if root is None or len(parts) != 3 else root.at(f"strength.{parts[1]}.law")
+    if law and parts[0] == "strength":
         from slopekit.design.strength_laws import key_of_law  # most designs name no law
 
         declared = key_of_law(law.text, parts[2])
@@ -481,19 +455,15 @@ def words_of(record: Any, path: str) -> str:
         numbers.insert(0, int(parts.pop()) + 1)
         names.pop()
     what = next(name for name in reversed(names) if name != "*").replace("_", " ")
-    said = declared.texts.axis or declared.texts.label.format(k=str(numbers[:1])[1:-1]).replace("_", " ") or what
+    said = declared.axis or declared.label.format(k=str(numbers[:1])[1:-1]).replace("_", " ") or what
     first = names.index("*") if "*" in names else 0
     if first:
         own, item = parts[first], _LISTED.get(parts[first - 1])
         own = f"{item} {int(own) + 1}" if item and own.isdigit() else own
         said += f"{', ' if ' of ' in said or said.count(' ') > _SHORT else ' of '}{own}"
-    elif (
-        len(parts) > 1
-        and not (declared.texts.axis or declared.texts.label)
-        and (declared.role == "quantity" or numbers)
-    ):
+    elif len(parts) > 1 and not (declared.axis or declared.label) and (declared.role == "quantity" or numbers):
         said += f" of the {parts[-2].replace('_', ' ')}"
-    if not numbers or "{k}" in declared.texts.label:
+    if not numbers or "{k}" in declared.label:
         return said
     each = ("point", "coordinate") if declared.role == "coordinate" else ("number", "number")
     return said + "".join(f", {one} {k}" for one, k in zip(each[-len(numbers) :], numbers, strict=True))
@@ -529,45 +499,44 @@ def _section(parts: Sequence[tuple[Sequence[str], Field]]) -> Spec:
         keys[key] = inner
         for one in [one for below, one in fields_below if not below]:
             spec = _spec(one)
-            keys[key] = replace(spec, keys={**spec.known_keys(), **inner.known_keys()}) if inner.keys else spec
+            keys[key] = replace(spec, keys={**spec.keys, **inner.keys}) if inner.keys else spec
             required += [key] if one.is_required else []
-            examples |= {key: f"{key}: {one.texts.example}"} if one.texts.example else {}
+            examples |= {key: f"{key}: {one.example}"} if one.example else {}
     shown_ones = [examples[key] for key in required if key in examples] or list(examples.values())[:1]
     return Spec(keys=keys, required=tuple(required), example=f"{{{', '.join(shown_ones)}}}" if shown_ones else "")
 
 
 def _spec(one: Field) -> Spec:
     """What may stand at the key of a field."""
-    shape, example = one.shape, one.texts.example
-    forms = shape.forms if one.many not in ("names", "pairs") else ()
+    forms = one.forms if one.many not in ("names", "pairs") else ()
     if one.measures in ANGLES:
         return orientation_spec(one)
     if one.measures == "point":
-        return Spec(items=VALUE, at_least=3, at_most=3, example=example)
+        return Spec(items=VALUE, at_least=3, at_most=3, example=one.example)
     spec = Spec()
     if one.is_number:
         spec = Spec("number" if one.scatters else "value")
-    elif one.of is None and not shape.forms:
+    elif one.of is None and not one.forms:
         spec = VALUE
-    own = Spec() if one.of is None else record_spec(one.of, without=shape.without)
+    own = Spec() if one.of is None else record_spec(one.of, without=one.without)
     spec = either(spec, *forms, own)
-    if shape.each:
+    if one.each:
         spec = replace(spec, names=spec, items=spec, at_least=1)
     elif one.many == "list":
-        spec = Spec(items=spec, at_least=shape.at_least, at_most=shape.at_most)
+        spec = Spec(items=spec, at_least=one.at_least, at_most=one.at_most)
     elif one.many:
-        spec = Spec(names=spec, at_least=shape.at_least, pairs=one.many == "pairs")
-        spec = either(spec, *shape.forms)
-    return replace(spec, example=example) if example else spec
+        spec = Spec(names=spec, at_least=one.at_least, pairs=one.many == "pairs")
+        spec = either(spec, *one.forms)
+    return replace(spec, example=one.example) if one.example else spec
 
 
 def orientation_spec(one: Field) -> Spec:
     """Two angles with a slash, a pair, a distribution, or the two angles by name, each a number or a distribution."""
     of: OrientationKind = "plane" if one.measures == "plane" else "line"
-    first, _, second = one.texts.example.partition("/")
+    first, _, second = one.example.partition("/")
     examples = (first, second) if of == "plane" else (second, first)
     angles = {key: Spec("number", example=value) for key, value in zip(ANGLES[of], examples, strict=True)}
-    return Spec("orientation", keys=angles, required=ANGLES[of], example=one.texts.example)
+    return Spec("orientation", keys=angles, required=ANGLES[of], example=one.example)
 
 
 # -- checks that several fields share ---------------------------------------------------------------------------------

@@ -91,40 +91,40 @@ def read_table(reader: Reader) -> Water | None:
     E112 for what excludes each other, E454 for a table that is not given or points that do not ascend.
     """
     node = reader.at("water")
-    if node is None or not node.is_mapping:
+    if not node.is_mapping:
         return None
     known = [key for key in _TABLE_KEYS if key != "depth" or field_at(reader.record, "water.depth") is not None]
-    said, mode, pond = [key for key in known if node.get(key) is not None], node.get("mode"), node.get("pond")
-    is_table = mode is not None and mode.text == TABLE
-    if not (is_table or said or pond is not None):
+    said, mode, pond = [key for key in known if node.get(key)], node.get("mode"), node.get("pond")
+    is_table = mode.text == TABLE
+    if not (is_table or said or pond):
         return None
-    others = [] if mode is None or is_table else [f"mode: {mode.text}"]
-    others += [key for key in ("fill", "pressures") if node.get(key) is not None]
+    others = [f"mode: {mode.text}"] if mode and not is_table else []
+    others += [key for key in ("fill", "pressures") if node.get(key)]
     if others:
-        table = said[0] if said else "pond" if pond is not None else "mode: table"
+        table = said[0] if said else "pond" if pond else "mode: table"
         message = f"water has {others[0]} and {table}: they exclude each other"
         reader.fault("E112", message, node, "Keep one of them; a table says how high the water stands.")
     elif len(said) > 1:
         message = f"the water table has {' and '.join(said)}: they exclude each other"
         reader.fault("E112", message, node.get(said[1]), "Keep one of them.")
-    elif not said and pond is None:
+    elif not said and not pond:
         advice = f"Add {', '.join(_TABLE_KEYS[key] for key in known)} or pond: 3 m."
         reader.fault("E454", "water is a table, and nothing says where it lies", mode, advice)
     elif said and not is_table:
-        in_crack = said[0] == "depth" and reader.at("crack") is not None
+        in_crack = said[0] == "depth" and reader.at("crack")
         advice = "Add mode: table" + ("; a depth in the crack is crack: {water: 2 m}." if in_crack else ".")
         reader.fault("E454", f"water.{said[0]} is of a water table", node.get(said[0]), advice)
     below = node.get("plane")
-    value = None if below is None else reader.value(below)
-    plane = None if value is None or below is None else reader.kept(_plane, value, str(below.place))
+    value = reader.value(below)
+    plane = None if value is None else reader.faults.of(_plane, value, str(below.place))
     lengths = reader.fields(Water, node, only=("table_depth_m", "pond_m"))
     return Water(TABLE, table_points_m=_points(reader, node.get("points")), table_plane=plane, **lengths)
 
 
-def _points(reader: Reader, node: Node | None) -> tuple[tuple[float, float], ...] | None:
+def _points(reader: Reader, node: Node) -> tuple[tuple[float, float], ...] | None:
     points = reader.points(node, "the water table")
     for k, (before, after) in enumerate(pairwise(points), 2):
-        if after[0] <= before[0] and node is not None:
+        if after[0] <= before[0]:
             message = f"point {k} of the water table lies at {shown(after[0])} m, not beyond {shown(before[0])} m"
             advice = "Distances from the toe into the slope ascend from point to point."
             reader.fault("E454", message, node.elements[k - 1], advice)

@@ -13,8 +13,8 @@ from slopekit.core.orientation import Plane, parse_face, parse_plane
 from slopekit.design.reading.nodes import fail
 from slopekit.design.survey import JointList as JointList
 from slopekit.design.survey import MeasuredJoint, read_frame, read_joints
-from slopekit.design.survey.bad_rows import BadRow, grouped_faults
 from slopekit.design.survey.columns import checked_convention
+from slopekit.design.survey.joint_list import BadRow, grouped_faults
 from slopekit.design.survey.tables import is_frame
 
 _GIVE = 'Give "joints.csv" or ["45/115", "45/245"].'

@@ -8,7 +8,7 @@ from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Plane
 from slopekit.design.fields import count, declare, keys_of
 from slopekit.design.parts import Strength
-from slopekit.design.reading.nodes import Node
+from slopekit.design.reading.nodes import NOTHING, Node
 from slopekit.design.reading.reader import Reader
 from slopekit.design.reading.structure import VALUE, Spec
 from slopekit.design.sections import read_strength, standard_strength, strength_names
@@ -58,7 +58,7 @@ class GivenJoint:
 
     name: str
     plane: Plane | None
-    strength: Node | None
+    strength: Node
     at: Node
     listed: Mapping[str, float | None]
 
@@ -69,9 +69,9 @@ def joints_of(reader: Reader, count: int) -> list[GivenJoint]:
     Faults: E109 another number of joints, E197 no such joint in the list, and those of the planes.
     """
     node = reader.at("joints")
-    if node is None or not node.is_mapping:
+    if not node.is_mapping:
         return []
-    if node.get("csv") is not None:
+    if node.get("csv"):
         return _from_csv(reader, node, count)
     entries = reader.names("joints")
     if count not in (len(entries), len(node.items())):
@@ -82,7 +82,7 @@ def joints_of(reader: Reader, count: int) -> list[GivenJoint]:
     joints = []
     for name, below in entries if len(entries) == count else ():
         plane = below.get("plane")
-        orientation = None if plane is None or plane.value is None else reader.plane(plane, name)
+        orientation = None if plane.value is None else reader.plane(plane, name)
         joints.append(GivenJoint(name, orientation, below.get("strength"), below, {}))
     return joints
 
@@ -92,16 +92,15 @@ def _from_csv(reader: Reader, node: Node, count: int) -> list[GivenJoint]:
     from slopekit.design.survey import read_joints
 
     file, pick, convention, order = (node.get(key) for key in ("csv", "pick", "convention", "columns"))
-    assert file is not None
     try:
         survey = read_joints(
             beside(reader, file),
-            convention.text if convention is not None else None,
-            columns=None if order is None else order.text or [item.text or "" for item in order.elements or ()],
+            convention.text,
+            columns=order.text or [item.text or "" for item in order.elements] if order else None,
         )
     except DesignError as error:
         # a list that cannot be opened, or a convention that is none, is a slip in the design; a bad row is the list's
-        slips = dict.fromkeys(("E147", "E148", "E149"), file) | ({} if convention is None else {"E192": convention})
+        slips = dict.fromkeys(("E147", "E148", "E149"), file) | ({"E192": convention} if convention else {})
         for fault in error.faults:
             at = slips.get(fault.code)
             reader.faults.append(fault if at is None else replace(fault, where=str(at.place)))
@@ -111,8 +110,8 @@ def _from_csv(reader: Reader, node: Node, count: int) -> list[GivenJoint]:
         reader.left_out.append(f"quantities of {file.text}")
     reader.read_as += [f"{file.text}: {part}" for part in survey.read_as]
     names = [joint.name for joint in survey.joints]
-    wanted = names if pick is None else [item.text or "" for item in (pick.elements or (pick,))]
-    shared = [name for name in wanted if pick is not None and name in survey.shared_names]
+    wanted = [item.text or "" for item in (pick.elements or (pick,))] if pick else names
+    shared = [name for name in wanted if pick and name in survey.shared_names]
     for name in shared:
         advice = "Give each joint a name of its own, in a column called name or id."
         reader.fault("E151", f"{name} names more than one joint of {file.text}", pick, advice)
@@ -137,18 +136,18 @@ def _from_csv(reader: Reader, node: Node, count: int) -> list[GivenJoint]:
 def strengths_of(reader: Reader, joints: Sequence[GivenJoint]) -> list[Strength | None]:
     """The strength of each joint: columns of a joint list where they are filled, else those of the design."""
     names = strength_names(reader, [(joint.name, joint.strength, joint.at) for joint in joints])
-    of_design = [None if name is None else reader.at(f"strength.{name}") for name in names]
+    in_design = reader.at("strength")
+    of_design = [NOTHING if name is None else in_design.get(name) for name in names]
     measured = {key for joint in joints for key in joint.listed}
-    has_strengths = reader.at("strength") is not None
-    standard = standard_strength(reader, [own for own in of_design if own is not None], beside=measured)
+    standard = standard_strength(reader, [own for own in of_design if own], beside=measured)
     strengths: list[Strength | None] = []
     for joint, name, own in zip(joints, names, of_design, strict=True):
-        if name is None and has_strengths and not joint.listed:
+        if name is None and in_design and not joint.listed:
             strengths.append(None)
             continue
         listed = {key: value for key, value in joint.listed.items() if value is not None}
         for key in joint.listed:
-            given = own is not None and own.get(key) is not None
+            given = own.get(key)
             if key in listed and given:
                 reader.left_out.append(f"{key} of the design for {joint.name}: {joint.at.text} has its own")
             elif key not in listed and not given:

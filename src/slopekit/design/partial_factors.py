@@ -47,11 +47,11 @@ def read_factors(document: Document, node: Node) -> PartialFactors:
         return _set_of(document, node.text, node)
     faults = Faults()
     base, named = PartialFactors(), node.get("set")
-    if named is not None and named.text is not None:
-        base = faults.of(lambda: _set_of(document, named.text or "", named)) or base
+    if named.text is not None:
+        base = faults.of(_set_of, document, named.text, named) or base
     own = _numbers(node, faults)
     forces = node.get("forces")
-    if forces is not None and forces.text is not None:
+    if forces.text is not None:
         if forces.text not in ("permanent", "variable"):
             faults.append(Fault("E127", f"forces are {forces.text}, they are permanent or variable", str(forces.place)))
         own["forces"] = forces.text
@@ -66,7 +66,7 @@ def _numbers(node: Node, faults: Faults) -> dict[str, Any]:
     factors: dict[str, Any] = {}
     for path, name in _NUMBERS.items():
         below = node.get(path)
-        if below is not None and below.text is not None:
+        if below.text is not None:
             read = fields_of(PartialFactors)[name].read
             value = faults.of(read, below.text, f"the partial factor {path}", str(below.place))
             factors |= {} if value is None else {name: value}
@@ -105,11 +105,11 @@ def _sets(path: Path) -> Mapping[str, PartialFactors]:
 
     root = load_document(path).root
     faults, factor_sets = Faults(), dict[str, PartialFactors]()
-    title, source, date = (getattr(root.get(key), "text", None) or "" for key in ("title", "source", "date"))
+    title, source, date = (root.get(key).text or "" for key in ("title", "source", "date"))
     sets = root.get("sets")
-    groups = dict(sets.items()) if sets is not None else {title or path.stem: root}
+    groups = dict(sets.items()) if sets else {title or path.stem: root}
     for name, node in groups.items():
-        known = set(_NUMBERS) | ({"title", "source", "date"} if sets is None else set())
+        known = set(_NUMBERS) | (set() if sets else {"title", "source", "date"})
         for key, below in node.items():
             if key not in known:
                 advice = did_you_mean(key, _NUMBERS, f"Known: {', '.join(_NUMBERS)}.")

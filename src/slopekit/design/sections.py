@@ -22,12 +22,11 @@ from slopekit.design.parts import (
     Strength,
     Water,
 )
-from slopekit.design.reading.nodes import Node, Place
+from slopekit.design.reading.nodes import NOTHING, Node
 from slopekit.design.reading.reader import Reader
 from slopekit.design.reading.structure import is_distribution, spread, without_name
 
 _MOST_FACTORS = 200
-_NOTHING = Node({}, Place("", 0, 0, ""), "", Place("", 0, 0, ""))
 
 # -- what every kind has ------------------------------------------------------------------------------------------
 
@@ -39,7 +38,6 @@ def read_common(reader: Reader, on_blocks: bool = False) -> dict[str, Any]:
     ----------
     on_blocks : whether forces and bolts name their blocks, and are read with them
     """
-    title = reader.at("title")
     attributes = reader.fields(Design, only=(
         "gravity_m_s2", "water_unit_weight_kn_m3", "criterion", "agree_within",
         "modulus_kpa", "poisson", "elastic_edge_m",
@@ -55,31 +53,24 @@ def read_common(reader: Reader, on_blocks: bool = False) -> dict[str, Any]:
     attributes["rules"] = reader.many("acceptance.rules", read_rule)
     attributes["factors"] = read_factors(reader) if "factors" in own else ()
     return attributes | {
-        "title": title.text if title is not None and title.text else "",
-        "project": read_project(reader),
+        "title": reader.at("title").text or "",
+        "project": Project(**reader.fields(Project, reader.at("project"))),
         "stiffness": read_stiffness(reader),
     }
-
-
-def read_project(reader: Reader) -> Project:
-    """Whose design it is: texts, as they are written."""
-    node = reader.at("project")
-    texts = {key: below.text or "" for key, below in node.items()} if node is not None and node.is_mapping else {}
-    return Project(**{key: text for key, text in texts.items() if key in fields_of(Project)})
 
 
 def read_weight(reader: Reader, gravity: float | None) -> dict[str, Any]:
     """Unit weight (kN/m³) and, where that was given, the density (kg/m³): one of the two, E112."""
     own = fields_of(reader.record)
     weight, density = reader.at("rock.unit_weight"), reader.at("rock.density")
-    if weight is not None and density is not None:
+    if weight and density:
         where = f"{density.place}, {weight.place}"
         reader.faults.append(Fault("E112", "density and unit weight are both given", where, "Give one of the two."))
         return {"unit_weight_kn_m3": None, "density_kg_m3": None}
-    if weight is not None:
+    if weight:
         return {"unit_weight_kn_m3": reader.field(own["unit_weight_kn_m3"], weight), "density_kg_m3": None}
     density_kg_m3 = reader.field(own["density_kg_m3"], density)
-    if density is None and density_kg_m3 is None and reader.at("rock") is not None and "rock" in reader.record.REQUIRED:
+    if not density and density_kg_m3 is None and reader.at("rock") and "rock" in reader.record.REQUIRED:
         reader.fault("E143", "rock.density is missing", reader.at("rock"), "Give rock.density.")
     by_density = None if density_kg_m3 is None or gravity is None else density_kg_m3 * gravity / 1e3
     return {"unit_weight_kn_m3": by_density, "density_kg_m3": density_kg_m3}
@@ -88,41 +79,41 @@ def read_weight(reader: Reader, gravity: float | None) -> dict[str, Any]:
 def read_seismic(reader: Reader) -> Seismic:
     """The seismic load as a number, in words (0.1@180), or by its keys."""
     node = reader.at("loads.seismic")
-    if node is None or node.value is None:
+    if node.value is None:
         return Seismic()
     own = fields_of(Seismic)
     given = spread(node, "loads.seismic")
     k = given.get("k") if given.is_mapping and not is_distribution(node) else node
-    if k is None:
+    if not k:
         advice = "Add k: 0.1, a fraction of gravity, or leave loads.seismic out."
         reader.fault("E143", "loads.seismic.k is missing", node, advice)
-    coefficient = None if k is None else reader.field(own["coefficient"], k)
+    coefficient = reader.field(own["coefficient"], k) if k else None
     toward = given.get("toward")
     trend = reader.field(own["trend_deg"], toward)
-    if coefficient and toward is None:
+    if coefficient and not toward:
         reader.defaults.append("seismic.trend")
-    return Seismic() if coefficient is None or (toward is not None and trend is None) else Seismic(coefficient, trend)
+    return Seismic() if coefficient is None or (toward and trend is None) else Seismic(coefficient, trend)
 
 
 def read_rule(reader: Reader, node: Node) -> Rule | None:
     """An acceptance rule."""
-    return reader.kept(words.rule, reader.written(node), str(node.place))
+    return reader.faults.of(words.rule, reader.written(node), str(node.place))
 
 
 def read_force(reader: Reader, node: Node) -> Force | None:
     """A force: its components, or its size and direction, in words or by its keys."""
     own, keys = fields_of(Force), spread(node, "loads.forces.0")
     size, toward = keys.get("force") if keys.is_mapping else node, keys.get("toward")
-    if size is not None and toward is None:  # force: 300 kN@180/10, with its place beside it
+    if size and not toward:  # force: 300 kN@180/10, with its place beside it
         written = spread(size, "loads.forces.0")
         size, toward = written.get("force") or size, written.get("toward")
     components: Any = None
     line: Line | None = None
-    if size is not None and toward is not None:
+    if size and toward:
         amount, line = reader.number(own["components_kn"], size, "force"), reader.field(own["toward"], toward)
         components = None if amount is None or line is None else tuple((amount * line.vector()).tolist())
-    elif size is not None and size.elements and _has_keys_of(keys, Force):
-        components = reader.kept(words.point, reader.value(size), "force", str(node.place), "force")
+    elif size.elements and _has_keys_of(keys, Force):
+        components = reader.faults.of(words.point, reader.value(size), "force", str(node.place), "force")
     else:
         message = (
             f"force is {words.shown(reader.written(size or node))}, it is written 500kN@180/10 or (east, north, up)"
@@ -140,7 +131,7 @@ def read_bolt(reader: Reader, node: Node) -> Bolt | None:
         reader.fault("E124", f"bolt is {words.shown(reader.written(node))}, {said}", node)
         return None
     values = reader.fields(Bolt, keys)
-    if values["length_m"] is not None and keys.get("head") is None:
+    if values["length_m"] is not None and not keys.get("head"):
         reader.fault("E124", "a bolt with a length needs its head", node)
     needed = (values["force_kn"], values["toward"], values["acts"])
     return None if None in needed else Bolt(**values)
@@ -166,11 +157,11 @@ def read_factors(reader: Reader) -> tuple[float, ...]:
 
 def read_strength(
     reader: Reader,
-    node: Node | None,
+    node: Node,
     owner: str,
     standard: Mapping[str, float] | None = None,
     listed: Mapping[str, float | None] | None = None,
-    beside: Node | None = None,
+    beside: Node = NOTHING,
 ) -> Strength | None:
     """One strength: E143 without c or φ, E115 a dilation above φ.
 
@@ -179,46 +170,44 @@ def read_strength(
     owner : its name; standard : what it takes by key where it says nothing
     listed : what a joint list says in its place, from the file `beside`
     """
-    if (node is None or not node.is_mapping) and not listed and not standard:
+    if not node.is_mapping and not listed and not standard:
         return None
     peak = _peak_strength(reader, node, owner, standard, listed, beside)
-    below = None if node is None else node.get("residual")
-    return peak if below is None else _with_residual(reader, below, owner, peak)
+    return _with_residual(reader, node.get("residual"), owner, peak)
 
 
 def _peak_strength(
     reader: Reader,
-    node: Node | None,
+    node: Node,
     owner: str,
     standard: Mapping[str, float] | None,
     listed: Mapping[str, float | None] | None,
-    beside: Node | None,
+    beside: Node,
 ) -> Strength | None:
-    own = node if node is not None and node.is_mapping and _is_curved(node) else None
-    if own is not None:
+    is_curved = _is_curved(node)
+    if is_curved:
         from slopekit.design.strength_laws import named_law, refuse_keys, with_waves
 
-        if named_law(own) is not None:
-            return _curved_strength(reader, own, owner)
-        refuse_keys(reader, own)
-    attributes = reader.fields(Strength, node or _NOTHING, owner)
+        if named_law(node) is not None:
+            return _curved_strength(reader, node, owner)
+        refuse_keys(reader, node)
+    attributes = reader.fields(Strength, node, owner)
     for name, field in fields_of(Strength).items():
-        given = node is not None and node.get(field.path) is not None
-        if listed is not None and field.path in listed:
+        given = node.get(field.path)
+        if listed and field.path in listed:
             attributes[name] = listed[field.path]
-        elif not given and standard is not None and field.path in standard:
+        elif not given and standard and field.path in standard:
             attributes[name] = standard[field.path]
-        elif not given and field.may_lack and not (listed and beside is not None and node is None):
-            at = node or beside
-            path = f"{node.path}.{field.path}" if node is not None else f"{field.path} of {owner}"
-            reader.fault("E143", f"{path} is missing", at, f"Add {field.path}.")
+        elif not given and field.may_lack and (node or not (listed and beside)):
+            path = f"{node.path}.{field.path}" if node else f"{field.path} of {owner}"
+            reader.fault("E143", f"{path} is missing", node or beside, f"Add {field.path}.")
     friction, dilation = attributes["friction_angle_deg"], attributes["dilation_deg"]
-    below = node.get("dilation") if node is not None else None
-    if friction is not None and dilation is not None and below is not None and dilation > friction:
+    below = node.get("dilation")
+    if friction is not None and dilation is not None and below and dilation > friction:
         message = f"dilation of {owner} is {shown(dilation)}°, it lies between 0 and the friction angle"
         reader.fault("E115", f"{message} {shown(friction)}°", below)
     straight = None if None in attributes.values() else Strength(**attributes)
-    return with_waves(reader, own, owner, straight) if own is not None and straight is not None else straight
+    return with_waves(reader, node, owner, straight) if is_curved and straight is not None else straight
 
 
 def _with_residual(reader: Reader, below: Node, owner: str, peak: Strength | None) -> Strength | None:
@@ -257,18 +246,18 @@ def _curved_strength(reader: Reader, node: Node, owner: str) -> Strength | None:
 
 def standard_strength(reader: Reader, nodes: Iterable[Node], beside: Collection[str] = ()) -> dict[str, float]:
     """What c and φ are, by key, where none of the strengths says so: a wedge takes the paper's."""
-    given = [node for node in nodes if node.get("law") is None or node.get("c") is not None]
+    given = [node for node in nodes if not node.get("law") or node.get("c")]
     if not given and list(nodes):
         return {}
     defaults = {
         key: value for key, value in reader.record.DEFAULTS.items()
-        if key in ("c", "phi") and key not in beside and all(node.get(key) is None for node in given)
+        if key in ("c", "phi") and key not in beside and not any(node.get(key) for node in given)
     }  # fmt: skip
     reader.defaults += defaults
     return defaults
 
 
-def strength_names(reader: Reader, users: Sequence[tuple[str, Node | None, Node]]) -> list[str | None]:
+def strength_names(reader: Reader, users: Sequence[tuple[str, Node, Node]]) -> list[str | None]:
     """The name of each interface's strength: the one it names, or the only one there is; E176, E195.
 
     None where it has none, as all have none where the design gives no strengths.
@@ -278,15 +267,15 @@ def strength_names(reader: Reader, users: Sequence[tuple[str, Node | None, Node]
     users : name of the interface, the node of its `strength` key, the node of the interface itself
     """
     strengths = reader.at("strength")
-    if strengths is None or without_name(strengths, record_spec(Strength)):  # the structure says so
+    if not strengths or without_name(strengths, record_spec(Strength)):  # the structure says so
         return [None] * len(users)
-    named = {wanted.text for _, wanted, _ in users if wanted is not None}
+    named = {wanted.text for _, wanted, _ in users}
     slips = [name for name, node in strengths.items() if str(node.key_place).startswith("--set") and name not in named]
     names = [name for name, _ in strengths.items() if name not in slips] or slips
     assigned: list[str | None] = []
     for user, wanted, own in users:
         name = names[0] if len(names) == 1 else None
-        if wanted is not None and wanted.text is not None:
+        if wanted.text is not None:
             name = wanted.text if wanted.text in names else None
             if name is None:
                 message = f"{user} has the strength {wanted.text}, which is not under strength"
@@ -303,10 +292,11 @@ def strength_names(reader: Reader, users: Sequence[tuple[str, Node | None, Node]
     return assigned
 
 
-def read_strengths(reader: Reader, users: Sequence[tuple[str, Node | None, Node]]) -> list[Strength | None]:
+def read_strengths(reader: Reader, users: Sequence[tuple[str, Node, Node]]) -> list[Strength | None]:
     """The strength of each interface."""
     names = strength_names(reader, users)
-    nodes = {name: node for name in names if name is not None and (node := reader.at(f"strength.{name}")) is not None}
+    strengths = reader.at("strength")
+    nodes = {name: node for name in names if name is not None and (node := strengths.get(name))}
     standard = standard_strength(reader, nodes.values()) if None not in names else {}
     read = {name: read_strength(reader, node, name, standard) for name, node in nodes.items()}
     return [None if name is None else read.get(name) for name in names]
@@ -314,7 +304,7 @@ def read_strengths(reader: Reader, users: Sequence[tuple[str, Node | None, Node]
 
 def read_stiffness(reader: Reader) -> Stiffness:
     """The stiffness that is one for all strengths; E112 where it is not."""
-    given = [node for _, own in reader.names("strength") if (node := own.get("stiffness")) is not None]
+    given = [node for _, own in reader.names("strength") if (node := own.get("stiffness"))]
     if len({str(node.plain()) for node in given}) > 1:
         advice = "Give both strengths the same stiffness; the limit factor does not depend on it."
         message = "the strengths have different stiffness: displacements take one for all"
@@ -324,9 +314,9 @@ def read_stiffness(reader: Reader) -> Stiffness:
     own = fields_of(Stiffness)
     normal = reader.field(own["normal_kn_m3"], given[0].get("normal")) or Stiffness().normal_kn_m3
     shear = given[0].get("shear")
-    if shear is not None and shear.is_mapping and not is_distribution(shear):
+    if shear.is_mapping and not is_distribution(shear):
         law = shear.get("law")
-        if law is not None and str(law.text).lower() != "clough-duncan":
+        if law and str(law.text).lower() != "clough-duncan":
             advice = "Leave law out: it is clough-duncan (k1, n, Rf, phi)."
             reader.fault("E127", f"{law.text} is no shear law", law, advice)
         return Stiffness(normal, None, HyperbolaParameters(**reader.fields(HyperbolaParameters, shear)))
@@ -336,7 +326,7 @@ def read_stiffness(reader: Reader) -> Stiffness:
 # -- water --------------------------------------------------------------------------------------------------------
 
 
-def read_water(reader: Reader, order: Sequence[str], joints: int) -> tuple[Water, Node | None]:
+def read_water(reader: Reader, order: Sequence[str], joints: int) -> tuple[Water, Node]:
     """Water of the interfaces in `order`: dry, a fraction of full, or pressures; and where it stands.
 
     Parameters
@@ -344,9 +334,9 @@ def read_water(reader: Reader, order: Sequence[str], joints: int) -> tuple[Water
     joints : of how many of the first interfaces one pressure is
     """
     node = reader.at("water")
-    if node is None or node.value is None:
-        return Water(), None
-    said = {key: below for key in ("mode", "fill", "pressures") if (below := node.get(key)) is not None}
+    if node.value is None:
+        return Water(), NOTHING
+    said = {key: below for key in ("mode", "fill", "pressures") if (below := node.get(key))}
     said = said if node.is_mapping else {"mode": node}
     if said.keys() == {"mode", "fill"} and said["mode"].text == "full":
         del said["mode"]  # so much of full
@@ -358,10 +348,10 @@ def read_water(reader: Reader, order: Sequence[str], joints: int) -> tuple[Water
         return Water(), node
     ((key, only),) = said.items()
     pressures = only if key == "pressures" or only.elements else spread(only, "water").get("pressures")
-    if pressures is not None:
+    if pressures:
         return _by_pressures(reader, pressures, order, joints), only
     value = reader.value(only)
-    part = None if value is None else reader.kept(words.fill, value, str(only.place))
+    part = None if value is None else reader.faults.of(words.fill, value, str(only.place))
     return (Water("full", part) if part else Water()), only
 
 

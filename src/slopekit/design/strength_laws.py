@@ -10,7 +10,7 @@ from typing import Any
 
 from slopekit.core.errors import did_you_mean
 from slopekit.core.orientation import number
-from slopekit.design.fields import Field, changed, declare, fields_of
+from slopekit.design.fields import Field, declare, fields_of
 from slopekit.design.parts import Strength
 from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.reader import Reader
@@ -51,11 +51,11 @@ def keys_of_laws(laws: Iterable[Any]) -> Mapping[str, Field]:
         for own in fields_of_law(law).values():
             if own.path in ("c", "phi"):
                 continue
-            field, other = changed(own, is_required=False, left_out=""), keys.get(own.path)
+            field, other = replace(own, is_required=False, left_out=""), keys.get(own.path)
             if other is not None and replace(other, default=None) != replace(field, default=None):
-                low, high = min(field.limits.least, other.limits.least), max(field.limits.most, other.limits.most)
-                doc = f"{other.texts.doc}; {law.name}: {own.texts.doc}"
-                field = changed(other, least=low, most=high, above=False, below=False, axis="", doc=doc, check=None)
+                low, high = min(field.least, other.least), max(field.most, other.most)
+                doc = f"{other.doc}; {law.name}: {own.doc}"
+                field = replace(other, least=low, most=high, above=False, below=False, axis="", doc=doc, check=None)
             keys[own.path] = field
     return keys
 
@@ -70,10 +70,10 @@ def key_of_law(law: str | None, key: str) -> Field | None:
     return next((field for field in declared.values() if field.path == key), None)
 
 
-def named_law(node: Node | None) -> str | None:
+def named_law(node: Node) -> str | None:
     """The law that a strength names, None where that is Mohr-Coulomb."""
-    law = node.get("law") if node is not None else None
-    return None if law is None or law.text in (None, MohrCoulomb.name) else law.text
+    law = node.get("law").text
+    return None if law == MohrCoulomb.name else law
 
 
 def read_law(reader: Reader, node: Node, owner: str) -> StrengthLaw | None:
@@ -89,11 +89,11 @@ def read_law(reader: Reader, node: Node, owner: str) -> StrengthLaw | None:
         if key not in known and key not in BESIDE:
             reader.fault("E142", f"{key} is not a key of the law {name}", below, f"It takes {', '.join(known)}.")
     for key, field in known.items():
-        if field.is_required and node.get(key) is None:
-            advice = f"Add {key}: {field.texts.example} ({field.texts.doc})."
+        if field.is_required and not node.get(key):
+            advice = f"Add {key}: {field.example} ({field.doc})."
             reader.fault("E143", f"{node.path}.{key} is missing", node, advice)
     values = {part: reader.field(field, node.get(field.path), owner) for part, field in declared.items()}
-    given = {part: field.is_required or node.get(field.path) is not None for part, field in declared.items()}
+    given = {part: field.is_required or bool(node.get(field.path)) for part, field in declared.items()}
     if any(values[part] is None and is_given for part, is_given in given.items()):
         return None
     steepest = (values.get("phi_deg") or 0.0) + (values.get("i_deg") or 0.0)
@@ -107,7 +107,7 @@ def read_law(reader: Reader, node: Node, owner: str) -> StrengthLaw | None:
 def with_waves(reader: Reader, node: Node, owner: str, strength: Strength) -> Strength:
     """The strength with the waves that its node adds to its law, or to its line."""
     waves = reader.field(fields_of_law(Wavy)["waviness_deg"], node.get("waviness"), owner)
-    if node.get("waviness") is None or waves is None:
+    if not node.get("waviness") or waves is None:
         return strength
     law = strength.named_law or MohrCoulomb(strength.cohesion_kpa, strength.friction_angle_deg)
     return Strength.by_law(Wavy(law, waves) if waves else law, strength.dilation_deg, strength.tension_kpa)

@@ -228,3 +228,15 @@ def body(elements: Elements, points: Floats, axes: Floats, length: float) -> Con
         shapes[:, kept], frozen(where), frozen(stiffness), frozen(load), frozen(rigid), frozen(seen), frozen(by_load),
         elements.degrees, int(elements.mesh.t.shape[1]),
     )  # fmt: skip
+
+
+def rigid_body(rows: Any, where: Floats) -> CondensedBlock:
+    """A rigid block in the same form: one node at a point (d,), whose unknowns are the motion of the block.
+
+    Parameters
+    ----------
+    rows : (3m, u) sparse, relative displacement of its pairs per unknown
+    """
+    motion = np.eye(rows.shape[1])
+    none = np.zeros((3, len(motion)))
+    return CondensedBlock(rows, where[None], 0.0 * motion, motion, motion, none, none, 0, 0)

@@ -4,18 +4,20 @@ Faces are fanned from their lowest-numbered corner and the body is the cone from
 faces that do not hold it: blocks that share numbered corners fit together.
 """
 
+import math
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.errors import DesignError, Fault
 
 _SAME = 1e-9  # corners nearer than this part of the size are one
+_CONVEX = 1e-6  # of the size of a body: by so much its hull may be larger
 _FLAT = 1e-12  # volume of a cell, in parts of the cube of the size, that is none
-_CONVEX = 1e-7  # how far a corner may lie beyond a face, in parts of the size
 
 
 def required() -> None:
@@ -85,27 +87,6 @@ def measures(points: Floats, cells: Ints) -> Floats:
     return sizes
 
 
-def is_convex(points: Floats, faces: Sequence[Sequence[int]]) -> bool:
-    """Whether no corner of a body lies beyond the plane of a face, corners anticlockwise seen from outside."""
-    for face in faces:
-        own = points[list(face)]
-        around = own - own.mean(axis=0)
-        normal = np.cross(around, np.roll(around, -1, axis=0)).sum(axis=0)
-        size = float(np.sqrt(normal @ normal))
-        if size and float(((points - own.mean(axis=0)) @ normal).max()) > _CONVEX * size * float(np.ptp(points)):
-            return False
-    return True
-
-
-def is_convex_outline(outline: Floats) -> bool:
-    """Whether a polygon (k, 2) turns one way only."""
-    sides = np.roll(outline, -1, axis=0) - outline
-    following = np.roll(sides, -1, axis=0)
-    turns = sides[:, 0] * following[:, 1] - sides[:, 1] * following[:, 0]
-    most = float(np.abs(turns).max())
-    return bool((turns >= -_CONVEX * most).all() or (turns <= _CONVEX * most).all())
-
-
 def mesh_of(points: Floats, cells: Ints) -> Any:
     """The mesh of cells, tetrahedra or triangles in the plane."""
     from skfem import MeshTet, MeshTri
@@ -113,6 +94,20 @@ def mesh_of(points: Floats, cells: Ints) -> Any:
     used, numbers = np.unique(cells, return_inverse=True)
     kind = MeshTet if points.shape[1] == 3 else MeshTri
     return kind(np.ascontiguousarray(points[used].T), np.ascontiguousarray(numbers.reshape(cells.shape).T))
+
+
+def convex_mesh(polygons: Iterable[Floats], size: float) -> Any:
+    """The mesh of a convex body by its faces (k, 3), or of a convex outline (k, 2) alone; None where it is not convex.
+
+    Parameters
+    ----------
+    size : its volume, m³, or its area, m²
+    """
+    points, faces = numbered(polygons)
+    if ConvexHull(points - points.mean(axis=0)).volume > size * (1.0 + _CONVEX):
+        return None
+    triangles = fanned(faces)
+    return mesh_of(points, triangles if points.shape[1] == 2 else cells_of(points, triangles))
 
 
 def edges_of(mesh: Any) -> Floats:
@@ -123,7 +118,6 @@ def edges_of(mesh: Any) -> Floats:
     return longest
 
 
-def split_evenly(mesh: Any, edge: float) -> Any:
-    """Every cell in 8 (4 in the plane) until none has an edge longer than `edge` (m)."""
-    times = max(0, int(np.ceil(np.log2(float(edges_of(mesh).max()) / edge * (1.0 - 1e-9)))))
-    return mesh.refined(times) if times else mesh
+def halvings(mesh: Any, edge: float) -> int:
+    """How often the edges of a mesh are halved until none is longer than `edge` (m): a cell becomes 8, 4 in a plane."""
+    return max(0, math.ceil(math.log2(float(edges_of(mesh).max()) / edge * (1.0 - 1e-9))))

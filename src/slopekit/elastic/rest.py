@@ -12,8 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
-from slopekit.elastic.condensed import Condensed, Place
-from slopekit.elastic.model import ElasticModel
+from slopekit.elastic.condensed import Condensed, ElasticModel, Place
 from slopekit.preie.system.contact import CloughDuncan, ContactMode, JointStiffness, Tractions, breaks, tractions
 
 BALANCED = 1e-8  # residual, in parts of the load and of the first displacement, that counts as rest
@@ -108,11 +107,10 @@ class RestSearch:
         self.model = model
         self.stiffness = replace(stiffness, debonded=_HARDLY * stiffness.normal)
         self.bare = replace(stiffness, debonded=0.0)
-        self.weight = float(np.sqrt(model.load @ model.load)) + float(model.bolt_capacity.sum())
-        self.rounding = 1e-9 * self.weight / float(model.area.sum())
         self.steps, self.most = 0, int(min(_MOST_STEPS, _WORK / model.rows.shape[0]))
         self.releases = _RELEASES
         self.equations = Condensed(model)
+        self.rounding = 1e-9 * self.equations.weight / float(model.area.sum())
         self.first = self._linear()
 
     @property
@@ -145,7 +143,7 @@ class RestSearch:
         onward = self.onward(state, factor)
         return replace(onward or replace(state, factor=factor, residual=math.inf), steps=self.steps)
 
-    def onward(self, here: Rest, factor: float, shortest: float = _SHORTEST) -> Rest | None:
+    def onward(self, here: Rest, factor: float) -> Rest | None:
         """Rest at a higher factor, from a state at rest; None where no step leads on."""
         stride = math.log(factor / here.factor)
         while here.factor < factor:
@@ -155,7 +153,7 @@ class RestSearch:
                 here, stride = trial, 2.0 * stride
             else:
                 stride = min(stride, left) / 3.0
-                if stride < shortest:
+                if stride < _SHORTEST:
                     return None
         return here
 
@@ -195,9 +193,7 @@ class RestSearch:
             relative, stiffness, model.cohesion, model.tan_friction, model.tan_dilation, at.factor, at.parted
         )
         forces = (law.tractions * model.area[:, None]).ravel()
-        loads = model.load
-        if len(model.bolt_capacity):
-            loads = loads + model.pulls(at.motion, at.factor)[0] @ model.bolt_rows
+        loads = model.load + model.pulls(at.motion, at.factor)[0] @ model.bolt_rows
         off = self.equations.off(at.bent, forces, loads)
         return _RestState(self.equations.size(off), at, off, law)
 
@@ -218,7 +214,7 @@ class RestSearch:
                 break
             if k >= _LOOK and best.size > _FALLEN * first:
                 break
-            here = self._state(self._moved(here.at, self._step(here), 1.0), given)
+            here = self._state(self._moved(here.at, self._step(here)), given)
             best = min(best, here, key=lambda one: one.size)
         return best
 
@@ -263,7 +259,7 @@ class RestSearch:
             if best.size <= _AIM or not here.size < _LOST or self.spent:
                 break
             braked = np.maximum(dashpots, every if here.size > bounds.nearly else 0.0)
-            trial = self._state(self._moved(here.at, self._step(here, braked), 1.0), given)
+            trial = self._state(self._moved(here.at, self._step(here, braked)), given)
             changed = trial.law.modes != here.law.modes
             dashpots = np.where(changed, np.clip(2.0 * dashpots, 3.0 * _DASHPOT, 100.0 * _DASHPOT), 0.3 * dashpots)
             dashpots[dashpots < 0.1 * _DASHPOT] = 0.0
@@ -285,9 +281,9 @@ class RestSearch:
         memory[open_] = at.relative[open_, 1:]
         return replace(at, memory=memory)
 
-    def _moved(self, at: Rest, step: Place, length: float) -> Rest:
+    def _moved(self, at: Rest, step: Place) -> Rest:
         old = at.relative.ravel(), at.motion, at.bent
-        relative, motion, bent = (own + length * by for own, by in zip(old, step, strict=True))
+        relative, motion, bent = (own + by for own, by in zip(old, step, strict=True))
         relative, motion, bent = self.equations.fitting((relative, motion, bent))
         return replace(at, relative=relative.reshape(-1, 3), motion=motion, bent=bent)
 

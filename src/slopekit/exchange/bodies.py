@@ -1,11 +1,11 @@
-"""The blocks of a scene as they are written to files of other programs: bodies, states, line of intersection."""
+"""A scene as it is written to files of other programs: bodies, states, line of intersection, interfaces as panels."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.block_scene import BlockScene
-from slopekit.core.arrays import Floats, Ints
+from slopekit.block_scene import BlockScene, Contacts
+from slopekit.core.arrays import Floats, Ints, cross
 from slopekit.geometry.solids.sliding_mass import volume_moments
 
 
@@ -61,3 +61,25 @@ def line_of_intersection(scene: BlockScene) -> Floats | None:
     near = np.sqrt(((first[:, None] - second[None]) ** 2).sum(axis=2)) <= 1e-9 * size + 1e-8
     shared = first[near.any(axis=1)]
     return shared if len(shared) == 2 else None
+
+
+# -- interfaces as panels ----------------------------------------------------------------------------------------------
+
+
+def triangles_of(contacts: Contacts) -> tuple[Ints, Ints]:
+    """Triangles (t, 3), indices into the corners, and the panel (t,) of each: fans, for every panel is convex."""
+    sizes = np.diff(contacts.first)
+    fans = np.maximum(sizes - 2, 0)
+    panel = np.repeat(np.arange(len(sizes)), fans)
+    step = np.arange(len(panel)) - np.repeat(np.cumsum(fans) - fans, fans)
+    start = contacts.first[panel]
+    triangles = np.stack([start, start + step + 1, start + step + 2], axis=1)
+    return triangles.astype(np.int64), panel.astype(np.int64)
+
+
+def areas_of(contacts: Contacts) -> Floats:
+    """The areas (k,) of the panels, m²."""
+    triangles, panel = triangles_of(contacts)
+    a, b, c = (contacts.corners[triangles[:, k]] for k in range(3))
+    twice = cross(b - a, c - a)
+    return np.bincount(panel, np.sqrt((twice * twice).sum(axis=1)) / 2.0, len(contacts)).astype(np.float64)

@@ -1,12 +1,12 @@
 """JSON that slopekit wrote, read again: of a file, a folder, a result or a study."""
 
 import json
-import math
 import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from slopekit.core.codec import finite
 from slopekit.core.errors import DesignError, Fault
 from slopekit.design.reading.nodes import cut
 from slopekit.design.reading.on_disk import read_bytes
@@ -44,13 +44,6 @@ def read_document(path: Path) -> Document:
         E147 to E149 for the file, E340 no JSON of slopekit's.
     """
     content = read_bytes(path, _MOST_BYTES)
-
-    def finite(text: str) -> float:
-        value = float(text)
-        if not math.isfinite(value):
-            raise ValueError(f"{text} is no number of JSON")
-        return value
-
     try:
         document = json.loads(content.decode("utf-8-sig"), parse_float=finite, parse_constant=finite)
     except (ValueError, RecursionError) as error:  # UnicodeDecodeError among them

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from slopekit.core.errors import DesignError, Fault, Notice, did_you_mean, writing
+from slopekit.core.extras import require_extra
 from slopekit.core.whole_files import whole_files
 from slopekit.exchange.bodies import block_bodies
 from slopekit.exchange.dxf import write_dxf
@@ -154,11 +155,7 @@ def _target(path: Path) -> Path:
         advice = f"There are: {' '.join(FORMATS)}. {did_you_mean(suffix, FORMATS)}".rstrip()
         raise DesignError([Fault("E141", f"{shown} is no format that slopekit writes", str(path), advice)])
     if suffix == ".dxf":
-        try:
-            __import__("ezdxf")
-        except ImportError:
-            message = "DXF files need the extra cad (ezdxf)"
-            raise DesignError([Fault("E140", message, str(path), "pip install 'slopekit[cad]'")]) from None
+        require_extra("cad", "DXF files need", "ezdxf", where=path)
     if path.is_dir():
         raise DesignError([Fault("E129", f"{path} cannot be written: it is a folder", str(path))])
     _refuse_unwritable(path.parent)

@@ -14,8 +14,7 @@ import numpy as np
 
 from slopekit.block_scene import MODES, BlockScene, Bolts
 from slopekit.core.arrays import Floats, Ints
-from slopekit.exchange.bodies import block_bodies
-from slopekit.exchange.panels import areas_of
+from slopekit.exchange.bodies import areas_of, block_bodies
 from slopekit.exchange.solids import Files
 from slopekit.exchange.source import ExportSource
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from slopekit.core.errors import Notice, SlopekitError
 from slopekit.design import registry
 from slopekit.design.common import Design
-from slopekit.evidence import ResidualFactors, WithoutBasal
+from slopekit.evidence import WithoutBasal
 from slopekit.notices import (
     means_taken,
     not_as_given,
@@ -74,12 +74,9 @@ def with_all_said(result: Result) -> Result:
     """Return what a kind found with what is said of all kinds: W302 of its size, the factors on residual strength."""
     notices = _of_size(result.design, result.geometry.total_height_m)
     result = replace(result, warnings=(*result.warnings, *notices)) if notices else result
-    factors = _at_residual(result.design)
-    if factors is None:
+    residual = _at_residual(result.design)
+    if residual is None:
         return result
-    residual = ResidualFactors(
-        factors.status, factors.limit, factors.closed_form, factors.difference, factors.agree, factors.moments_govern
-    )
     compared = replace(result, comparisons=replace(result.comparisons, residual=residual))
     return replace(compared, warnings=(*compared.warnings, *_residual_notices(compared, residual)))
 
@@ -91,7 +88,7 @@ def _at_residual(design: Design) -> "Factors | None":
     return kind_of(design).factors(replace(design.at_residual(), rules=()))
 
 
-def _residual_notices(result: Result, residual: ResidualFactors) -> Iterator[Notice]:
+def _residual_notices(result: Result, residual: "Factors") -> Iterator[Notice]:
     """Yield W417 of a result beside its factors on residual strength."""
     peak = result.fos.limit
     if residual.limit is not None and peak is not None and residual.limit > peak * (1.0 + _SAME):

@@ -156,14 +156,13 @@ def read_bench(reader: Reader) -> BenchDesign:
     """
     values = reader.fields(BenchDesign)
     face, height = values["face"], values["height_m"]
-    if values["upper"] is None and reader.at("slope.upper") is None and face is not None:
+    if values["upper"] is None and not reader.at("slope.upper") and face is not None:
         values["upper"] = reader.default("upper", Plane(0.0, face.dip_direction_deg))
     for key, factor in (("length", 2.0), ("depth", 1.0)):
         node = reader.at(f"slope.{key}")
-        if node is None or node.value is None:
+        if node.value is None:
             values[f"{key}_m"] = reader.default(key, None if height is None else factor * height)
-    sets = reader.at("sets")
-    names = [name for name, _ in sets.items()] if sets is not None else []
+    names = [name for name, _ in reader.at("sets").items()]
     water = read_pressures(reader, names)
     values["sets"] = tuple(_sets(reader, dict(zip(names, water.pressures_kpa, strict=False))))
     toward = 0.0 if face is None else face.dip_direction_deg

@@ -15,7 +15,7 @@ from slopekit.core.sheet import Section, counted
 from slopekit.design.fields import Field, declare, fields_of, group, number, text
 from slopekit.design.parts import Action, MeshFile, Water, axis_key
 from slopekit.design.reading.named_files import mesh_file
-from slopekit.design.reading.nodes import Node
+from slopekit.design.reading.nodes import NOTHING, Node
 from slopekit.design.reading.reader import Reader
 from slopekit.design.reading.structure import VALUE, Spec
 from slopekit.design.sections import strength_names
@@ -173,9 +173,9 @@ def read_blocks(reader: Reader) -> BlocksDesign:
     _something_moves(reader, group, fixed)
     default, interfaces = _interfaces(reader, nodes)
     water = read_pressures(reader, [name for name, _ in named_pressures(reader)])
-    in_section = any(node.get("polygon") is not None for node in nodes.values())
+    in_section = any(node.get("polygon") for node in nodes.values())
     section = reader.at("section")
-    if section is not None and nodes and all(node.get("mesh") is not None for node in nodes.values()):
+    if section and nodes and all(node.get("mesh") for node in nodes.values()):
         reader.fault("E112", "section says nothing beside meshes", section, "Leave it out.")
     own = reader.fields(BlocksDesign, only=("thickness_m", "contact_tolerance_m", "mechanisms", "smallest_block"))
     moves = {name: not is_fixed for name, is_fixed in fixed.items()}
@@ -202,7 +202,7 @@ def _one_kind(reader: Reader, nodes: Mapping[str, Node]) -> None:
     """Each block is a polygon or a mesh, and all of them are the same; E112, E143."""
     kinds: dict[str, str] = {}
     for name, node in nodes.items():
-        shapes = [key for key in ("polygon", "mesh") if node.get(key) is not None]
+        shapes = [key for key in ("polygon", "mesh") if node.get(key)]
         if len(shapes) == 2:
             reader.fault("E112", f"{name} has polygon and mesh", node.get("mesh"), "Keep one of them.")
         elif not shapes and all(key in _KEYS for key, _ in node.items()):  # else a slip in that key is said already
@@ -221,7 +221,7 @@ def _block(reader: Reader, name: str, node: Node, is_fixed: bool) -> BlockInput 
     """One block; None where a fault stands for it."""
     weight = reader.field(fields_of(BlockInput)["unit_weight_kn_m3"], node.get("unit_weight"))
     points, polygon = None, node.get("polygon")
-    if polygon is not None and len(polygon.elements) >= 3 and reader.is_sound(polygon):
+    if len(polygon.elements) >= 3 and reader.is_sound(polygon):
         points = _polygon(reader, name, polygon)
     mesh = mesh_file(reader, node)
     return None if points is None and mesh is None else BlockInput(name, points, mesh, weight, is_fixed)
@@ -242,7 +242,7 @@ def _polygon(reader: Reader, name: str, node: Node) -> tuple[Point2, ...] | None
     return tuple(points)
 
 
-def _something_moves(reader: Reader, group: Node | None, fixed: Mapping[str, bool]) -> None:
+def _something_moves(reader: Reader, group: Node, fixed: Mapping[str, bool]) -> None:
     if not fixed:
         return
     if all(fixed.values()):
@@ -258,9 +258,9 @@ def _weight(
 ) -> float | None:
     """Without `rock` every block that moves has a unit weight of its own; the first of them stands for the rock's."""
     rock = reader.at("rock")
-    if rock is not None and (not rock.is_mapping or {"unit_weight", "density"} & {key for key, _ in rock.items()}):
+    if rock and (not rock.is_mapping or rock.get("unit_weight") or rock.get("density")):
         return None
-    lacking = [name for name, node in nodes.items() if not fixed[name] and node.get("unit_weight") is None]
+    lacking = [name for name, node in nodes.items() if not fixed[name] and not node.get("unit_weight")]
     if lacking:
         more = f" (and {len(lacking) - 1} more)" if len(lacking) > 1 else ""
         message = f"{lacking[0]}{more} has no unit weight, and rock gives none"
@@ -275,13 +275,13 @@ def _weight(
 def _interfaces(reader: Reader, nodes: Mapping[str, Node]) -> tuple[str | None, tuple[tuple[str, str, str], ...]]:
     """The strength of every interface: the default, and those of the pairs that are named; E151, E176, E247."""
     group, strengths = reader.at("interfaces"), reader.at("strength")
-    nodes_of_pairs = {key: node for key, node in group.items() if node.text is not None} if group is not None else {}
-    default = nodes_of_pairs.pop("default", None)
+    nodes_of_pairs = {key: node for key, node in group.items() if node.text is not None}
+    default = nodes_of_pairs.pop("default", NOTHING)
     pairs = _pairs(reader, list(nodes_of_pairs.items()), nodes)
-    if strengths is None:
+    if not strengths:
         return None, ()
-    users: list[tuple[str, Node | None, Node]] = [("/".join(pair), node, node) for pair, node in pairs.items()]
-    has_default = default is not None or len(strengths.items()) < 2
+    users: list[tuple[str, Node, Node]] = [("/".join(pair), node, node) for pair, node in pairs.items()]
+    has_default = bool(default) or len(strengths.items()) < 2
     if has_default:
         users.append(("interfaces.default", default, group or strengths))
     else:

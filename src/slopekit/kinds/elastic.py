@@ -7,7 +7,7 @@ it against the factor at which elastic blocks no longer come to rest.
 
 import math
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -18,18 +18,9 @@ from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.onlooker import say
 from slopekit.design.common import Design
-from slopekit.elastic.flexibility import ORDER, CondensedBlock, Elements, body
-from slopekit.elastic.meshing import (
-    cells_of,
-    edges_of,
-    fanned,
-    is_convex,
-    is_convex_outline,
-    mesh_of,
-    numbered,
-    split_evenly,
-)
-from slopekit.elastic.model import ElasticModel
+from slopekit.elastic.condensed import ElasticModel
+from slopekit.elastic.flexibility import ORDER, Elements, body
+from slopekit.elastic.meshing import convex_mesh, edges_of, halvings
 from slopekit.elastic.outcome import ElasticBlocks, ElasticMesh, OnElasticJoint
 from slopekit.elastic.rest import Rest, RestSearch
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
@@ -38,9 +29,8 @@ from slopekit.kinds.protocol import Kind
 from slopekit.kinds.single_block.one_block_limit import Cut
 from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
 from slopekit.preie.one_block.pairs_limit import pairs_limit
-from slopekit.preie.system.assembly import section_axes
+from slopekit.preie.system.assembly import AssemblyModel, one_block
 from slopekit.preie.system.contact import SHEAR_TO_NORMAL, CloughDuncan, JointStiffness
-from slopekit.preie.system.model import Model, local_axes
 from slopekit.result import Result
 
 MODULUS_KPA, POISSON = 2e7, 0.25
@@ -93,21 +83,6 @@ def rock_of(design: Design) -> tuple[float, float]:
     return design.rock.modulus_kpa or MODULUS_KPA, POISSON if poisson is None else poisson
 
 
-def _meshed(mesh: Any, edge: float, name: str) -> Any:
-    """A mesh with no edge longer than `edge`; E125 where that are too many elements."""
-    cells = mesh.t.shape[1] * (2.0 ** len(mesh.p)) ** _times(mesh, edge)
-    if cells > _MOST_CELLS:
-        raise _too_many(
-            f"edges of {edge:.4g} m make {cells:.3g} finite elements of {name}, at most {_MOST_CELLS} are taken"
-        )
-    return split_evenly(mesh, edge)
-
-
-def _times(mesh: Any, edge: float) -> int:
-    """How often the edges of a mesh are halved until none is longer than `edge`."""
-    return max(0, math.ceil(math.log2(float(edges_of(mesh).max()) / edge * (1.0 - 1e-9))))
-
-
 def _auto(mesh: Any, halved: int) -> float:
     """The longest edge of elements that is taken where none is given: fewer are taken of a body of many faces."""
     while halved > 0 and mesh.t.shape[1] * 2 ** (len(mesh.p) * halved) > _AUTO_CELLS:
@@ -123,35 +98,82 @@ def _too_many(what: str, advice: str = "Give a longer edge, or auto.") -> Design
     return DesignError([Fault("E125", what, "analysis.elastic.edge", advice)])
 
 
-def _flat(outline: Floats, name: str) -> Any:
-    """The mesh of a convex outline (k, 2)."""
-    if not is_convex_outline(outline):
+def _mesh(polygons: Iterable[Floats], size: float, name: str) -> Any:
+    """`convex_mesh`, refused where the block is not convex."""
+    mesh = convex_mesh(polygons, size)
+    if mesh is None:
         raise _refuse(f"{name} is not convex")
-    return mesh_of(outline, fanned([range(len(outline))]))
+    return mesh
 
 
-def _solid(polygons: Iterable[Floats], name: str) -> Any:
-    """The mesh of a convex block, from its faces."""
-    points, faces = numbered(polygons)
-    if not is_convex(points, faces):
-        raise _refuse(f"{name} is not convex")
-    return mesh_of(points, cells_of(points, fanned(faces)))
+def elastic_model(
+    joined: AssemblyModel, points: Floats, tension: Floats, meshes: Mapping[int, Any], edges: Mapping[int, float],
+    rock: tuple[float, float], thickness: float = 1.0,
+) -> ElasticModel:  # fmt: skip
+    """The model of elastic blocks in kN, m and kPa.
+
+    Parameters
+    ----------
+    joined : of the rigid blocks; points : (n, 3) m of their node pairs; tension : (n,) kPa
+    meshes, edges : of each block its mesh, and the longest edge (m) that its elements may have
+    rock : Young's modulus (kPa) and Poisson's ratio; thickness : m, of a section
+
+    Raises
+    ------
+    DesignError
+        E125 where that are too many elements.
+    """
+    times = {block: halvings(mesh, edges[block]) for block, mesh in meshes.items()}
+    cells = sum(mesh.t.shape[1] * 2.0 ** (len(mesh.p) * times[block]) for block, mesh in meshes.items())
+    if cells > _MOST_CELLS:
+        longest = float(np.median(list(edges.values())))
+        raise _too_many(f"edges of {longest:.4g} m make {cells:.3g} finite elements, at most {_MOST_CELLS} are taken")
+    pairs = joined.joint_pairs.stop
+    contact, group = joined.pair_contact[:pairs], joined.group_of_pair[:pairs]
+    plus, minus, axes = joined.plus[contact], joined.minus[contact], joined.axes[contact]
+    condensed = []
+    for k, block in enumerate(joined.moving.tolist()):
+        touching = np.flatnonzero((plus == k) | (minus == k))
+        sides = np.where(plus[touching] == k, 1.0, -1.0)[:, None, None] * axes[touching]
+        elements = Elements(meshes[block].refined(times[block]), *rock, thickness, ORDER)
+        rows_of_block = (3 * touching[:, None] + np.arange(3)).ravel()
+        unknowns = k * joined.unknowns + np.arange(joined.unknowns)
+        condensed.append((body(elements, points[touching], sides, joined.length_scale), rows_of_block, unknowns))
+    rows, bolt_rows = _rows(joined, pairs)
+    area, strength = joined.control_area[:pairs] * joined.area_scale, joined.cohesion * joined.force_scale
+    return ElasticModel(
+        sparse.csr_matrix(rows), joined.load.ravel() * joined.force_scale, area, strength[:pairs] / area, tension,
+        joined.tan_friction[group], joined.tan_dilation[group], bolt_rows, strength[pairs:], tuple(condensed),
+    )  # fmt: skip
+
+
+def _rows(model: AssemblyModel, pairs: int) -> tuple[Any, Floats]:
+    """B with three rows a pair, and the rows of passive bolts."""
+    every, tangents, groups = len(model.control_area), model.slip_rows.shape[1], len(model.group_contact)
+    padded = sparse.vstack([model.kinematics, sparse.csr_matrix((1, model.kinematics.shape[1]))]).tocsr()
+    index = np.full((pairs, 3), padded.shape[0] - 1)
+    index[:, 0] = np.arange(pairs)
+    slip = every + tangents * model.group_of_pair[:pairs]
+    for k in range(tangents):
+        index[:, 1 + k] = slip + k
+    bolts = every + tangents * np.arange(groups - len(model.bolts), groups)
+    return padded[index.ravel()], padded[bolts].toarray()
+
+
+# -- one block --------------------------------------------------------------------------------------------------------
 
 
 def scene_of_one(design: Design, cut: Cut) -> ElasticScene:
     """A convex block on flat joints."""
-    block = cut.block
     if not cut.loads.parts["weight"].any():
         raise _refuse("the block has no weight, and what loads it stands on its surface")
     coarse = cut.scene_at(0)
     if coarse.bedding is None:
         raise _refuse("the block lies on a curved surface, and is not convex")
-    polygons = list(block.faces.values())
+    polygons = list(cut.block.faces.values())
     if coarse.model.translations == 2:
-        side = next(np.asarray(face) for face in polygons if np.ptp(np.asarray(face)[:, 1]) < 1e-9)
-        mesh = _flat(side[:, [0, 2]], "the block")
-    else:
-        mesh = _solid(polygons, "the block")
+        polygons = [side[:, [0, 2]] for side in polygons if np.ptp(side[:, 1]) < 1e-9][:1]
+    mesh = _mesh(polygons, cut.block.volume, "the block")
     edge = design.analysis.elastic_edge_m or _auto(mesh, _HALVED["one"])
     joint_edge = max(float(np.sqrt((np.diff(corners, axis=0, append=corners[:1]) ** 2).sum(axis=1)).max())
                      for corners in map(np.asarray, coarse.bedding.polygons.values()))  # fmt: skip
@@ -159,30 +181,17 @@ def scene_of_one(design: Design, cut: Cut) -> ElasticScene:
     scene = cut.scene_at(min(max(refine, 0), _MOST_REFINED))
     if len(scene.pairs) > _MOST_PAIRS:
         raise _too_many(f"edges of {edge:.4g} m make {len(scene.pairs)} node pairs, at most {_MOST_PAIRS} are taken")
-    elements, model = Elements(_meshed(mesh, edge, "the block"), *rock_of(design), order=ORDER), scene.model
-    axes = local_axes(scene.pairs.normals)
-    rigid = pairs_limit(model)
-    elastic = elastic_model(model, body(elements, scene.pairs.points, axes, model.length_scale))
+    model = scene.model
+    tension = model.tension * model.force_scale / (model.control_area * model.area_scale)
+    elastic = elastic_model(one_block(model), scene.pairs.points, tension, {0: mesh}, {0: edge}, rock_of(design))
 
     def limit_without(parted: Bools) -> tuple[float | None, bool]:
         return pairs_limit(replace(model, cohesion=frozen(model.cohesion * ~parted))).governing.factor or None, False
 
     names = {interface.key: interface.name for interface in cut.interfaces}
     return ElasticScene(
-        elastic, elastic_stiffness(design, False), rigid.governing.factor or None, limit_without,
+        elastic, elastic_stiffness(design, False), pairs_limit(model).governing.factor or None, limit_without,
         [names[key] for key in scene.pairs.interface.tolist()], cut.axes, (), edge,
-    )  # fmt: skip
-
-
-def elastic_model(model: Model, block: CondensedBlock) -> ElasticModel:
-    """The model of one block in kN, m and kPa."""
-    area = model.control_area * model.area_scale
-    per_area = model.force_scale / area
-    rows = sparse.csr_matrix(model.flat_rows)
-    return ElasticModel(
-        rows, model.load * model.force_scale, area, model.cohesion * per_area, model.tension * per_area,
-        model.tan_friction, model.tan_dilation, model.bolt_rows, model.bolt_capacity * model.force_scale,
-        ((block, np.arange(rows.shape[0]), np.arange(model.unknowns)),),
     )  # fmt: skip
 
 
@@ -202,16 +211,14 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
         raise DesignError([Fault("E125", message, "--elastic", "Leave --elastic out, or make the slope smaller.")])
     meshes = {block: _mesh_of_block(scene, block) for block in np.flatnonzero(~assembly.fixed).tolist()}
     halved = _HALVED["section"] if assembly.in_section else _HALVED["space"] * (moving <= _FEW)
-    own_edges = {block: design.analysis.elastic_edge_m or _auto(mesh, halved) for block, mesh in meshes.items()}
-    edge = float(np.median(list(own_edges.values())))
+    edges = {block: design.analysis.elastic_edge_m or _auto(mesh, halved) for block, mesh in meshes.items()}
     halved_by = np.zeros(len(assembly) + 1, dtype=np.int64)  # bedrock last
-    for block, mesh in meshes.items():
-        halved_by[block] = _times(mesh, own_edges[block])
+    halved_by[list(meshes)] = [halvings(mesh, edges[block]) for block, mesh in meshes.items()]
     levels = np.maximum(halved_by[assembly.patches.plus], halved_by[assembly.patches.minus])
     split, origin = _split(scene, 2**levels) if assembly.in_section else (scene, np.arange(len(assembly.patches)))
-    strength, loads = joint_strength(scene.strengths), scene_loads(split)
+    strength = joint_strength(scene.strengths)
     refine = None if assembly.in_section else np.minimum(levels, _MOST_REFINED)
-    joined = whole_model(split.assembly, loads, strength, refine)
+    joined = whole_model(split.assembly, scene_loads(split), strength, refine)
     if joined is None:
         raise _refuse("its blocks touch nothing")
     pairs = joined.joint_pairs.stop
@@ -220,38 +227,11 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
             f"{pairs} node pairs between elastic blocks, at most {_MOST_OF_MANY} are taken",
             "Give a longer edge, or fewer blocks.",
         )
-    rows, bolt_rows = _rows(joined, pairs)
-    contact = joined.pair_contact[:pairs]
-    patch = joined.patch[contact]
-    patches = split.assembly.patches
-    plus, minus = joined.plus[contact], joined.minus[contact]
-    is_reversed = joined.moving[plus] != patches.plus[patch]
-    normals = patches.normals[patch] * np.where(is_reversed, -1.0, 1.0)[:, None]
-    axes = section_axes(normals) if assembly.in_section else local_axes(normals)
-    area = joined.control_area[:pairs] * joined.area_scale
-    condensed, cells = list[tuple[CondensedBlock, Ints, Ints]](), 0
-    for k, block in enumerate(joined.moving.tolist()):
-        pairs_of_block = np.flatnonzero((plus == k) | (minus == k))
-        rows_of_block = (3 * pairs_of_block[:, None] + np.arange(3)).ravel()
-        unknowns = k * joined.unknowns + np.arange(joined.unknowns)
-        mesh = _meshed(meshes[block], own_edges[block], scene.names[block])
-        cells += mesh.t.shape[1]
-        if cells > _MOST_CELLS:
-            raise _too_many(f"edges of {edge:.4g} m make more than {_MOST_CELLS} finite elements")
-        sides = np.where(plus[pairs_of_block] == k, 1.0, -1.0)[:, None, None] * axes[pairs_of_block]
-        elements = Elements(mesh, *rock_of(design), scene.thickness or 1.0, ORDER)
-        condensed.append(
-            (body(elements, joined.points[pairs_of_block], sides, joined.length_scale), rows_of_block, unknowns)
-        )
-    group = joined.group_of_pair[:pairs]
-    bolted = slice(pairs, None)
-    model = ElasticModel(
-        sparse.csr_matrix(rows), joined.load.ravel() * joined.force_scale, area,
-        joined.cohesion[:pairs] * joined.force_scale / area, np.array(strength.tension)[patches.joint[patch]],
-        joined.tan_friction[group], joined.tan_dilation[group], bolt_rows, joined.cohesion[bolted] * joined.force_scale,
-        tuple(condensed),
-    )  # fmt: skip
-
+    patch = joined.patch[joined.pair_contact[:pairs]]
+    joint, area = split.assembly.patches.joint[patch], joined.control_area[:pairs] * joined.area_scale
+    model = elastic_model(
+        joined, joined.points, strength.tension[joint], meshes, edges, rock_of(design), scene.thickness or 1.0
+    )
     loads_of_all = scene_loads(scene)
     assert isinstance(design, AssemblyDesign)  # blocks have no other
     lightest = least_counted_weight(design, scene, loads_of_all)
@@ -259,24 +239,19 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
     def limit_without(parted: Bools) -> tuple[float | None, bool]:
         lost = np.bincount(origin[patch], area * parted, len(assembly.patches))
         share = np.divide(lost, assembly.patches.areas, out=np.zeros_like(lost), where=assembly.patches.areas > 0.0)
-        strength_of_joints = joint_strength(scene.strengths)
-        joint = assembly.patches.joint
-        if not (share * strength_of_joints.cohesion[joint]).any():
+        by_patch = joint_strength([scene.strengths[joint] for joint in assembly.patches.joint.tolist()])
+        if not (share * by_patch.cohesion).any():
             return result.fos.limit, False
-        each = replace(
-            strength_of_joints, cohesion=strength_of_joints.cohesion[joint] * np.clip(1.0 - share, 0.0, 1.0),
-            tan_friction=strength_of_joints.tan_friction[joint], tan_dilation=strength_of_joints.tan_dilation[joint],
-            tension=strength_of_joints.tension[joint],
-        )  # fmt: skip
-        pairs_of_block = replace(assembly, patches=replace(assembly.patches, joint=np.arange(len(joint))))
+        weaker = replace(by_patch, cohesion=by_patch.cohesion * np.clip(1.0 - share, 0.0, 1.0))
+        each = replace(assembly, patches=replace(assembly.patches, joint=np.arange(len(share))))
         with work_limit.allowed(_WITHOUT * work_limit.MOST):
-            failures = ravel(pairs_of_block, loads_of_all, each, ranged=False, lightest=lightest).failures
+            failures = ravel(each, loads_of_all, weaker, ranged=False, lightest=lightest).failures
         return (failures[0].limit.factor, failures[0].limit.spent) if failures else (None, False)
 
     names = [scene.names[block] for block in joined.moving.tolist()]
     return ElasticScene(
         model, elastic_stiffness(design, True), result.fos.limit, limit_without,
-        [scene.joints[joint] for joint in patches.joint[patch].tolist()], np.eye(3), names, edge,
+        [scene.joints[key] for key in joint.tolist()], np.eye(3), names, float(np.median(list(edges.values()))),
     )  # fmt: skip
 
 
@@ -289,9 +264,10 @@ def _gone(scene: AssemblyScene, result: Result) -> Bools:
 def _mesh_of_block(scene: AssemblyScene, block: int) -> Any:
     """The mesh of a block, one element where it can be; refused where it is not convex."""
     assembly, name = scene.assembly, scene.names[block]
+    size = float(assembly.volumes[block])
     if assembly.in_section:
-        return _flat(np.asarray(scene.outlines[name]), name)
-    return _solid(assembly.vertices[assembly.triangles[assembly.triangle_block == block]], name)
+        return _mesh([np.asarray(scene.outlines[name])], size / (scene.thickness or 1.0), name)
+    return _mesh(assembly.vertices[assembly.triangles[assembly.triangle_block == block]], size, name)
 
 
 def _split(scene: AssemblyScene, counts: Ints) -> tuple[AssemblyScene, Ints]:
@@ -314,19 +290,6 @@ def _split(scene: AssemblyScene, counts: Ints) -> tuple[AssemblyScene, Ints]:
     return replace(
         scene, assembly=finer_assembly, pressures=scene.pressures[origin], water_points=points[origin]
     ), origin
-
-
-def _rows(model: Any, pairs: int) -> tuple[Any, Floats]:
-    """B with three rows a pair, and the rows of passive bolts."""
-    every, tangents, groups = len(model.control_area), model.slip_rows.shape[1], len(model.group_contact)
-    padded = sparse.vstack([model.kinematics, sparse.csr_matrix((1, model.kinematics.shape[1]))]).tocsr()
-    index = np.full((pairs, 3), padded.shape[0] - 1)
-    index[:, 0] = np.arange(pairs)
-    slip = every + tangents * model.group_of_pair[:pairs]
-    for k in range(tangents):
-        index[:, 1 + k] = slip + k
-    bolts = every + tangents * np.arange(groups - len(model.bolts), groups)
-    return padded[index.ravel()], padded[bolts].toarray()
 
 
 _BELOW = 0.95  # of a limit below 1: where the state is looked at

@@ -20,9 +20,9 @@ from slopekit.geometry.sections.section import J1, PlaneSection, footing_section
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.single_block.closed_forms import DILATES, ClosedForms
 from slopekit.kinds.single_block.one_block import SingleBlock
-from slopekit.kinds.single_block.one_block_limit import Cut, Interface
+from slopekit.kinds.single_block.one_block_limit import Cut, Interface, bedding_on
 from slopekit.kinds.single_block.secants import on_secants, other_strengths
-from slopekit.kinds.solver_inputs import section_bedding, section_geometry
+from slopekit.kinds.solver_inputs import section_geometry
 from slopekit.kinds.words import size_number, slope_sections, strength_in_words
 from slopekit.loads import PointForce, block_loads
 from slopekit.result import Result, Words
@@ -143,7 +143,7 @@ def read_footing(reader: Reader) -> FootingDesign:
     common = read_common(reader)
     if common["unit_weight_kn_m3"] is None:
         common["unit_weight_kn_m3"] = 0.0  # the paper leaves the weight out
-    if all(reader.at(f"strength.{name}.stiffness.shear") is None for name, _ in reader.names("strength")):
+    if not any(node.at("stiffness.shear") for _, node in reader.names("strength")):
         # a seam with a modulus: G is a third of E for ν = 0.5, as the paper has it
         normal = common["stiffness"].normal_kn_m3
         common["stiffness"] = Stiffness(normal, normal / 3.0)
@@ -152,14 +152,14 @@ def read_footing(reader: Reader) -> FootingDesign:
 
 def _uplift(reader: Reader) -> Uplift | None:
     node = reader.at("uplift")
-    if node is None or not node.is_mapping or not node.items():
+    if not node.items():
         return None
     values = reader.fields(Uplift, node)
-    ends = [key for key in ("toe", "heel") if node.get(key) is not None]
-    if node.get("fill") is not None and ends:
+    ends = [key for key in ("toe", "heel") if node.get(key)]
+    if node.get("fill") and ends:
         message = f"uplift has fill and {' and '.join(ends)}: they exclude each other"
         reader.fault("E112", message, node.get(ends[0]), "Keep one of them.")
-    elif node.get("fill") is None and not ends:
+    elif not node.get("fill") and not ends:
         advice = "Write uplift: {toe: 20 kPa, heel: 5 kPa} or {fill: 100 %}."
         reader.fault("E118", "uplift says no pressure", node, advice)
     return None if values["drain"] is None else Uplift(**values)
@@ -175,7 +175,7 @@ def cut(design: FootingDesign) -> Cut:
     x, _, z = section.bottom / section.length  # up along the plane, into the slope
     uplift = {f"water {J1}": PointForce(thrust * np.array([z, 0.0, -x]), point)} if thrust else {}
     acting = block_loads(section.block, design.rock.unit_weight_kn_m3, np.zeros(3), pushes={"footing": push} | uplift)
-    bed = section_bedding(section, acting, design.strength)
+    bed = bedding_on({J1: section.ends}, acting, section.block.centroid, [design.strength], in_section=True)
     left_out = [
         "bedrock (no unknowns)",
         "deformation of the footing and the rock",

@@ -18,7 +18,7 @@ from slopekit.design.fields import Field, declare, fields_of, group, number, ori
 from slopekit.design.ground_water import WORST, SlopeDesign, read_table
 from slopekit.design.joints import JOINTS, joints_of, refinements, strengths_of
 from slopekit.design.parts import Strength, Water
-from slopekit.design.reading.nodes import Node
+from slopekit.design.reading.nodes import NOTHING, Node
 from slopekit.design.reading.reader import Reader
 from slopekit.design.sections import read_common, read_water
 from slopekit.extents import SectionGeometry
@@ -35,9 +35,9 @@ from slopekit.kinds.single_block.closed_forms import (
 )
 from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of, upward
 from slopekit.kinds.single_block.one_block import SingleBlock, left_out_of_slope
-from slopekit.kinds.single_block.one_block_limit import Cut, Interface
+from slopekit.kinds.single_block.one_block_limit import Cut, Interface, bedding_on
 from slopekit.kinds.single_block.secants import other_strengths, steeper
-from slopekit.kinds.solver_inputs import loads_in_slope, section_bedding, section_geometry
+from slopekit.kinds.solver_inputs import loads_in_slope, section_geometry
 from slopekit.kinds.water import LocalSlope, OnFaces, standing_in_crack
 from slopekit.kinds.words import (
     short,
@@ -134,48 +134,47 @@ def read_plane(reader: Reader) -> PlaneDesign:
     """
     joints = joints_of(reader, 1)
     values = reader.fields(PlaneDesign)
-    if values["upper"] is None and reader.at("slope.upper") is None:
+    if values["upper"] is None and not reader.at("slope.upper"):
         values["upper"] = reader.default("upper", Plane(0.0, 0.0 if values["face"] is not None else 180.0))
     node = reader.at("crack")
-    if node is not None and not ({"depth", "distance"} & {key for key, _ in node.items()}):
+    if node and not (node.get("depth") or node.get("distance")):
         reader.fault("E143", "crack.depth is missing", node, "Add depth: 4.35 m, or distance: 4 m from the crest.")
-        node = None
-    crack = None if node is None else VerticalCrack(**reader.fields(VerticalCrack, node))
+        node = NOTHING
+    crack = VerticalCrack(**reader.fields(VerticalCrack, node)) if node else None
     strengths = strengths_of(reader, joints)
     names = [joint.name for joint in joints] or ["J1"]
     water = _water_of_plane(reader, names, node)
     common = read_common(reader)
-    searched = node is not None and (distance := node.get("distance")) is not None and distance.text == WORST
-    if searched and node is not None and node.get("depth") is not None:
+    searched = node.get("distance").text == WORST
+    if searched and node.get("depth"):
         reader.fault("E112", "crack has depth and distance: worst: they exclude each other", node, "Keep one of them.")
     design: PlaneDesign = reader.made(
         PlaneDesign, values, common, joint=joints[0].plane if joints else None, joint_name=names[0], crack=crack,
         strength=strengths[0] if strengths else None, water=water,
     )  # fmt: skip
-    if node is None or not searched:
+    if not searched:
         return design
     return worst_crack.with_worst_crack(design, ON_ARRAYS, str(node.place))
 
 
-def _water_of_plane(reader: Reader, names: Sequence[str], crack: Node | None) -> Water:
+def _water_of_plane(reader: Reader, names: Sequence[str], crack: Node) -> Water:
     """Water as the design has it, or the crack: how full it is, its mean pressure, or the depth of its water."""
-    in_crack, has_crack = None if crack is None else crack.get("water"), crack is not None
-    interfaces = [*names, "crack"] if has_crack else names
+    in_crack, interfaces = crack.get("water"), [*names, "crack"] if crack else names
     water = read_table(reader) or read_water(reader, interfaces, len(interfaces))[0]
-    if in_crack is None or in_crack.value is None:
+    if in_crack.value is None:
         return water
     value = reader.value(in_crack)
     unit = unit_of(value)
     is_pressure = is_unit_of(unit, "pressure")
     fills = in_crack.text in ("dry", "full") or unit == "%" or is_pressure
-    if reader.at("water") is not None if fills else water != Water():
+    if reader.at("water") if fills else water != Water():
         reader.fault("E112", "crack.water and water both say how full it is", in_crack, "Keep one of them.")
     if not fills:
         return Water(crack_water_m=reader.field(fields_of(VerticalCrack)["water"], in_crack))
     if is_pressure:
         mean = reader.number(fields_of(Water)["pressures_kpa"], in_crack, "water pressure")
         return Water("pressures", 0.0, (0.0, mean)) if mean else Water()
-    share = reader.kept(words.fill, value, str(in_crack.place))
+    share = reader.faults.of(words.fill, value, str(in_crack.place))
     return Water("full", share) if share else Water()
 
 
@@ -191,7 +190,7 @@ def cut(design: PlaneDesign) -> Cut:
     name, axes, around = design.joint_name, _axes(design.face), bounds(design)
     flat = axes * [[1.0], [0.0], [1.0]]  # where along the slope says nothing
     acting = loads_in_slope(design, section.block, around, _full_water, axes[0], flat)
-    bed = section_bedding(section, acting, design.strength)
+    bed = bedding_on({J1: section.ends}, acting, section.block.centroid, [design.strength], in_section=True)
     is_cracked = section.crack_depth is not None
     left_out = ["the ends of the slope (per metre)", "deformation of the rock"]
     return Cut(

@@ -5,10 +5,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
-from slopekit.core.codec import NO_JSON
 from slopekit.core.errors import Notice
 from slopekit.design.common import Design
 from slopekit.design.reading.reader import Reader
+from slopekit.evidence import Factors as Factors
 from slopekit.evidence import WithoutBasal
 from slopekit.result import Result, Words
 
@@ -46,38 +46,6 @@ class ClosedForm:
     def seismic_gain(self, k: float) -> "Gain | None":
         """Return how fast the mechanism at a yield coefficient gains on the ground; None where that is not known."""
         return None
-
-
-@dataclass(frozen=True)
-class Factors:
-    """What the two methods say of a design.
-
-    Attributes
-    ----------
-    status : of PRE-IE, as `Result.status`; that of the closed form where PRE-IE was not asked; not_converged where
-        neither settled to a factor nor to none
-    limit : PRE-IE's factor of safety, None where nothing moves, or it was not asked
-    closed_status, closed_form : of the closed form, None where the kind has none
-    difference, agree : of the two on the same assumptions, None where they are not compared
-    moments_govern : the limit lies below what the forces alone give
-    notes : what a run says of the factor: how it was found, what it rests on, and what it leaves out
-    also : what acceptance of a run is held against besides
-    """
-
-    status: str
-    limit: float | None
-    closed_status: str | None
-    closed_form: float | None
-    difference: float | None
-    agree: bool | None
-    moments_govern: bool
-    notes: Sequence[Notice] = field(default=(), kw_only=True, metadata=NO_JSON)
-    also: WithoutBasal | None = field(default=None, kw_only=True, metadata=NO_JSON)
-
-    @property
-    def factor(self) -> float | None:
-        """The limit where there is one, else the closed form's factor."""
-        return self.limit if self.limit is not None else self.closed_form
 
 
 @dataclass(frozen=True)

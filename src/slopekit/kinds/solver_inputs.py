@@ -14,11 +14,10 @@ from slopekit.design.parts import Force, Strength
 from slopekit.extents import SectionGeometry
 from slopekit.geometry.polytopes import Block
 from slopekit.kinds.single_block.held_bolts import Bounds, through
-from slopekit.kinds.single_block.one_block_states import Bedding
 from slopekit.kinds.sizes import sizes_of_section
 from slopekit.loads import Loads, PointForce, block_loads, judge_bolt
 from slopekit.preie.system.contact import CloughDuncan, JointStiffness
-from slopekit.preie.system.model import JointStrength, build_model
+from slopekit.preie.system.model import JointStrength
 
 if TYPE_CHECKING:
     from slopekit.geometry.sections.section import PlaneSection
@@ -109,17 +108,6 @@ def point_force(force: Force, origin: Floats, turn: Floats | None = None) -> Poi
     axes = np.eye(3) if turn is None else turn
     at = None if force.at_m is None else axes @ (np.array(force.at_m) - origin)
     return PointForce(axes @ np.array(force.components_kn), at)
-
-
-def section_bedding(section: "PlaneSection", loads: Loads, given: Strength) -> Bedding:
-    """The plane of a section as the bed of the block on it."""
-    from slopekit.geometry.sections.section import J1
-
-    strength, centroid = joint_strength([given]), section.block.centroid
-    return Bedding(
-        {J1: np.array([np.zeros(3), section.bottom])}, centroid,
-        lambda pairs: build_model(pairs, loads, centroid, strength, in_section=True),
-    )  # fmt: skip
 
 
 def section_geometry(

@@ -156,7 +156,7 @@ def read_topple(reader: Reader) -> ToppleDesign:
     if step is not None and shortest is not None and step >= shortest:
         limits = f"from 0 to less than the lowest column ({number_text(shortest)} m)"
         reader.fault("E240", f"base_step is {number_text(step)}, it lies {limits}", below)
-    users = [] if node is None else [(name, node.get(name), node) for name in ("base", "sides")]
+    users = [(name, node.get(name), node) for name in ("base", "sides")] if node else []
     base, sides = strength_names(reader, users) or (None, None)
     interfaces = dict.fromkeys(("base", "sides", *(name for name, _ in named_pressures(reader))))
     water = read_pressures(reader, list(interfaces))
@@ -173,16 +173,16 @@ def _from_slope(reader: Reader, values: Mapping[str, Any]) -> dict[str, Any]:
     heights, slope = reader.at("columns.heights"), reader.at("slope")
     step, angle = reader.at("columns.base_step"), reader.at("columns.base_angle")
     faults_before = len(reader.faults)
-    if heights is None and slope is None:
+    if not heights and not slope:
         advice = "Give columns.heights, or slope: {height: 92.5 m, face: 56.6, upper: 4}."
-        reader.fault("E448", "the columns have no heights, and there is no slope to make them from", None, advice)
-    if heights is not None and slope is not None:
+        reader.fault("E448", "the columns have no heights, and there is no slope to make them from", slope, advice)
+    if heights and slope:
         reader.fault("E448", "columns.heights and slope both say how high the columns are", slope, "Keep one of them.")
-    if step is not None and angle is not None:
+    if step and angle:
         message = "columns.base_step and columns.base_angle both say how the base is stepped"
         reader.fault("E448", message, angle, "Keep one of them.")
-    for key in ("height", "face") if slope is not None else ():
-        if reader.at(f"slope.{key}") is None:
+    for key in ("height", "face") if slope else ():
+        if not slope.get(key):
             reader.fault("E448", f"slope.{key} is missing: the columns are made from height and face", slope)
     dip, width = values["dip_deg"], values["width_m"]
     if len(reader.faults) > faults_before or dip is None or width is None:
@@ -190,14 +190,14 @@ def _from_slope(reader: Reader, values: Mapping[str, Any]) -> dict[str, Any]:
     attributes: dict[str, Any] = {}
     base = 90.0 - dip
     stepped = values["base_step_m"]
-    if angle is not None and values["base_angle_deg"] is not None:
+    if angle and values["base_angle_deg"] is not None:
         stepped = width * math.tan(math.radians(values["base_angle_deg"] - base))
         attributes["base_step_m"] = stepped
         if stepped < 0.0:
             message = f"base angle is {number_text(values['base_angle_deg'])}°, it is not below the dip of the bases"
             reader.fault("E450", f"{message}, {number_text(base)}°", angle, "They dip 90° less than the columns.")
             return {"base_step_m": None}
-    if slope is None or values["slope_height_m"] is None or values["slope_face_deg"] is None or stepped is None:
+    if not slope or values["slope_height_m"] is None or values["slope_face_deg"] is None or stepped is None:
         return attributes
     upper = values["slope_upper_deg"] or 0.0
     base_angle = base + math.degrees(math.atan(stepped / width))

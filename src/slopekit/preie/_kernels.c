@@ -429,7 +429,7 @@ static PyObject *longest_step(PyObject *self, PyObject *const *a, Py_ssize_t n)
 
 typedef struct {
     const char *touching, *slips;
-    const double *direction, *friction, *slip, *elastic;
+    const double *direction, *friction, *slip, *elastic, *share_slopes, *cohesion;
     double reduction, viscosity;
     int coupled, turning;
 } There;
@@ -458,13 +458,17 @@ INLINE void tangent_in(const Law *l, const There *at, double *out, const int u, 
                 for (int j = 0; j < t; j++)
                     T[i * t + j] = (i == j ? sideways : 0.0) - (slips ? sideways * e[i] * e[j] : 0.0);
             add_slip(rows, T, s, is, ns, u, t);
-            if (!slips || !at->coupled) continue;
-            double gain = at->reduction * l->friction[g];
+            if (!slips) continue;
             for (int a = 0; a < ns; a++) {
                 along[a] = 0.0;
                 for (int i = 0; i < t; i++) along[a] += e[i] * rows[i * ns + a];
-                for (int b = 0; b < nn; b++) s[is[a] * u + in[b]] -= along[a] * gain * pressing[b];
             }
+            const double gain = at->coupled ? at->reduction * l->friction[g] : 0.0;
+            for (int a = 0; gain != 0.0 && a < ns; a++)
+                for (int b = 0; b < nn; b++) s[is[a] * u + in[b]] -= along[a] * gain * pressing[b];
+            const double bond = at->share_slopes ? at->reduction * at->cohesion[g] : 0.0;
+            for (int a = 0; bond != 0.0 && a < ns; a++)
+                for (int b = 0; b < u; b++) s[is[a] * u + b] += along[a] * bond * at->share_slopes[g * u + b];
         }
     }
 }
@@ -529,10 +533,11 @@ static PyObject *pressed_share(PyObject *self, PyObject *const *a, Py_ssize_t n)
     return failed ? NULL : Py_NewRef(Py_None);
 }
 
-/* tangent(law, reduction, viscosity, coupled, turning, touching, slips, direction, friction, slip, elastic, out) */
+/* tangent(law, reduction, viscosity, coupled, turning, touching, slips, direction, friction, slip, elastic,
+   slopes of the pressed share or None, cohesion, out) */
 static PyObject *tangent(PyObject *self, PyObject *const *a, Py_ssize_t n)
 {
-    if (!enough(n, 12)) return NULL;
+    if (!enough(n, 14)) return NULL;
     const Law *l = PyCapsule_GetPointer(a[0], LAW);
     if (!l) return NULL;
     const Contacts *c = l->of;
@@ -545,7 +550,8 @@ static PyObject *tangent(PyObject *self, PyObject *const *a, Py_ssize_t n)
     at.touching = BOOLS(a[5], c->pairs), at.slips = BOOLS(a[6], c->groups);
     at.direction = FLOATS(a[7], c->groups * c->t), at.friction = FLOATS(a[8], c->groups * c->t);
     at.slip = FLOATS(a[9], c->groups), at.elastic = at.viscosity != 0.0 ? FLOATS(a[10], entries) : NULL;
-    double *out = OUT(a[11], entries);
+    at.share_slopes = FLOATS(a[11], c->groups * c->u), at.cohesion = FLOATS(a[12], c->groups);
+    double *out = OUT(a[13], entries);
     if (!failed && c->u == 6) tangent_in(l, &at, out, 6, 2);
     else if (!failed) tangent_in(l, &at, out, 3, 1);
     released(kept);

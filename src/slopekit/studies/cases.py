@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Generic, TypeAlias, TypeVar
 
 from slopekit._version import FORMAT, __version__
-from slopekit.core.errors import DesignError, Fault, GeometryError, Notice, did_you_mean
+from slopekit.core.errors import DesignError, Fault, GeometryError, Notice, did_you_mean, fail
 from slopekit.core.sheet import Column, Section, Sheet, Table
 from slopekit.core.shown import Shown
 from slopekit.design.common import Design, LoadCase
@@ -195,16 +195,15 @@ def of_cases(document: Mapping[str, Any], case: str | None = None, name: str = "
     called, cases = name or "the document", document.get("cases")
     if document.get("study") != "cases":
         if case is not None:
-            message = f"{called} has no load cases, {case} is none"
-            raise DesignError([Fault("E313", message, f"--case {case}", "Leave --case out.")])
+            fail("E313", f"{called} has no load cases, {case} is none", f"--case {case}", "Leave --case out.")
         return {"": document}
     if not isinstance(cases, Mapping) or not cases:
-        raise DesignError([Fault("E340", f"{called} has lost its load cases", name)])
+        fail("E340", f"{called} has lost its load cases", name)
     if case is None:
         return {str(own): below for own, below in cases.items()}
     if case not in cases:
         advice = did_you_mean(case, map(str, cases), f"There are: {', '.join(map(str, cases))}.")
-        raise DesignError([Fault("E197", f"{case} is no load case of {called}", f"--case {case}", advice)])
+        fail("E197", f"{case} is no load case of {called}", f"--case {case}", advice)
     return {case: cases[case]}
 
 

@@ -12,16 +12,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass, replace
 from typing import Any
 
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault, fail
 from slopekit.core.orientation import Plane, millimetre
 from slopekit.core.synonyms import nearest
 from slopekit.core.units import is_unit_of, quantity, unit_of
 from slopekit.design.common import Design
-from slopekit.design.fields import UNITS, Field, Role, changed, declare, field_at, field_in, fields_of, value_of
+from slopekit.design.fields import UNITS, Field, Role, declare, field_at, field_in, fields_of, value_of
 from slopekit.design.parts import Strength
-from slopekit.design.reading.canonical import canonical_path
+from slopekit.design.reading.document import canonical_path
 from slopekit.design.reading.files import with_values
-from slopekit.design.reading.nodes import Node
+from slopekit.design.reading.nodes import NOTHING, Node
 from slopekit.design.reading.structure import WRITTEN, OrientationKind, is_distribution, orientation_kind, spread
 from slopekit.design.scatter.distributions import Distribution, Fisher, read_distribution, read_orientation
 
@@ -105,7 +105,7 @@ def values_of(design: Design, keys: Sequence[Key], values: Sequence[float]) -> d
     settings: dict[str, object] = {path: text for key in keys for path, text in key.written_out}
     root = design.source.root if design.source is not None else None
     named = [key.path for key in keys]
-    if any(key.scatters is not None for key in keys) and root is not None and root.get("correlation") is not None:
+    if any(key.scatters is not None for key in keys) and root is not None and root.get("correlation"):
         settings["correlation"] = None  # one of those that it names scatters no longer
     return settings | {path: key.written(value) for path, key, value in zip(named, keys, values, strict=True)}
 
@@ -125,13 +125,14 @@ def key_of(design: Design, path: str) -> Key:
         return known[path]
     node = _at(design, path)
     below = [name for name in known if name.startswith(f"{path}.")]
-    if node is not None or below:
+    if node or below:
         what = _what(node, below)
         advice = f"Name one of {listed(below)}." if below else _as_number(design, node)
-        raise DesignError([Fault("E311", f"{path} is {what}: a study changes one number", path, advice)])
+        fail("E311", f"{path} is {what}: a study changes one number", path, advice)
     advice = _nearest(path, known)
-    message = f"{path or 'an empty text'} is no number of this {design.kind} design"
-    raise DesignError([Fault("E310", message, "", advice)])
+    raise DesignError(
+        [Fault("E310", f"{path or 'an empty text'} is no number of this {design.kind} design", "", advice)]
+    )
 
 
 def keys_of(design: Design) -> tuple[Key, ...]:
@@ -228,7 +229,7 @@ def _absent(design: Design) -> Iterator[_Absent]:
     yield "rock.unit_weight", weight, ()
     yield "rock.density", None if weight is None else weight / design.rock.gravity_m_s2 * 1e3, ()
     for name, field in fields_of(type(design)).items():
-        value = value_of(design, field.texts.taken or name) if field.is_attribute else None
+        value = value_of(design, field.taken or name) if field.is_attribute else None
         if field.path == "loads.seismic":
             yield "loads.seismic.k", design.seismic.coefficient, ()
         elif field.path == "loads.surcharge":
@@ -257,10 +258,9 @@ def _of_named(field: Field, records: Sequence[Any], weight: float | None) -> Ite
 def _strengths(design: Design) -> Iterator[_Absent]:
     assert design.source is not None
     strengths = design.source.root.get("strength")
-    names = [name for name, _ in strengths.items()] if strengths is not None else []
+    names = [name for name, _ in strengths.items()]
     for name in names or ["joints"]:
-        node = None if strengths is None else strengths.get(name)
-        curved = node is not None and node.get("law") is not None
+        curved = strengths.get(name).get("law")
         for field in fields_of(Strength).values():
             if field.is_number and not (field.may_lack and curved):
                 value = design.DEFAULTS.get(field.path, None if field.may_lack else field.default)
@@ -280,15 +280,13 @@ def _water(design: Design) -> Iterator[_Absent]:
     root, water = design.source.root, design.water
     if "water_unit_weight_kn_m3" in fields_of(type(design)):
         yield "water.unit_weight", design.water_unit_weight_kn_m3, ()
-    crack = root.get("crack")
-    if field_at(type(design), "crack.depth") is not None and crack is not None and crack.get("water") is not None:
+    if field_at(type(design), "crack.depth") is not None and root.at("crack.water"):
         return  # which says it all
     if design.FILLS:
         yield "water.fill", {"dry": 0.0, "full": water.fill}.get(water.mode), ()
-    node = root.get("water")
-    given = spread(node).get("pressures") if node is not None else None
-    if given is None or given.is_mapping:
-        dry = water.mode == "dry" or given is not None
+    given = spread(root.get("water")).get("pressures")
+    if not given or given.is_mapping:
+        dry = water.mode == "dry" or given
         for name in design.wet_interfaces:
             yield f"water.pressures.{name}", 0.0 if dry else None, ()
 
@@ -302,8 +300,8 @@ def _field(design: Design, path: str, text: str = "") -> Field | None:
     unit = unit_of(text)
     if field is None or unit in ("", "%"):
         return field
-    other = next((other for other in field.shape.or_measures if is_unit_of(unit, other)), None)
-    return field if other is None else changed(field, measures=other, most=math.inf)
+    other = next((other for other in field.or_measures if is_unit_of(unit, other)), None)
+    return field if other is None else replace(field, measures=other, most=math.inf)
 
 
 def _root(design: Design) -> Node | None:
@@ -315,7 +313,7 @@ def _key(
 ) -> Key:
     assert field is not None
     low, high = field.sought
-    return Key(path, field.measures, value, low, high, field.role, field.limits.whole, field.period, given, None, out)
+    return Key(path, field.measures, value, low, high, field.role, field.whole, field.period, given, None, out)
 
 
 def _number(text: str, kind: str) -> float | None:
@@ -325,18 +323,12 @@ def _number(text: str, kind: str) -> float | None:
         return None
 
 
-def _at(design: Design, path: str) -> Node | None:
-    node: Node | None = design.source.root if design.source is not None else None
-    for part in path.split("."):
-        if node is not None and part.isdigit() and int(part) < len(node.elements):
-            node = node.elements[int(part)]
-        else:
-            node = node.get(part) if node is not None else None
-    return node
+def _at(design: Design, path: str) -> Node:
+    return NOTHING if design.source is None else design.source.root.at(path)
 
 
-def _what(node: Node | None, below: Sequence[str]) -> str:
-    if node is None or node.is_mapping:
+def _what(node: Node, below: Sequence[str]) -> str:
+    if not node or node.is_mapping:
         return "a group"
     if isinstance(node.value, list):
         return f"a list of {len(node.value)}"
@@ -345,10 +337,10 @@ def _what(node: Node | None, below: Sequence[str]) -> str:
     return f"the text {node.text!r}"
 
 
-def _as_number(design: Design, node: Node | None) -> str:
+def _as_number(design: Design, node: Node) -> str:
     """Return the advice for a text that stands where a number may: `50 %` or `full` where metres are meant too."""
-    field = _field(design, node.path) if node is not None and node.text is not None else None
-    units = [UNITS[measure] for measure in (field.measures, *field.shape.or_measures)] if field is not None else []
+    field = _field(design, node.path) if node.text is not None else None
+    units = [UNITS[measure] for measure in (field.measures, *field.or_measures)] if field is not None else []
     if not units or not all(units):
         return ""
     return f"Write it in {' or '.join(units)} in the design, then a study can change it."

@@ -31,15 +31,24 @@ class Marginal:
 
     Attributes
     ----------
-    of_normal : of standard normals (n,)
-    of_tail : of tail probabilities (n,), more than 0 and about one half at most, and the side each is of: below 0 the
-        lower end, above 0 the upper one (0 counts by its sign); one for all, or (n,)
-    is_normal : whether the first is the shorter way
+    quantiles : of standard normals (n,) where `is_normal`, the shorter way there; else of tail probabilities and sides
     """
 
-    of_normal: Callable[[Floats], Floats]
-    of_tail: Callable[[Floats, Floats | float], Floats]
+    quantiles: Callable[..., Floats]
     is_normal: bool
+
+    def of_normal(self, normal: Floats) -> Floats:
+        """The values at standard normals (n,)."""
+        return self.quantiles(normal) if self.is_normal else self.quantiles(ndtr(-np.abs(normal)), normal)
+
+    def of_tail(self, p: Floats, side: Floats | float) -> Floats:
+        """The values at tail probabilities (n,), more than 0 and about one half at most, on the side each is of.
+
+        Parameters
+        ----------
+        side : below 0 the lower end, above 0 the upper one (0 counts by its sign); one for all, or (n,)
+        """
+        return self.quantiles(_toward(ndtri(p), side)) if self.is_normal else self.quantiles(p, side)
 
 
 def marginal(distribution: Distribution) -> Marginal:
@@ -51,17 +60,17 @@ def marginal(distribution: Distribution) -> Marginal:
     """
     given = distribution.parameters
     if distribution.name == "uniform":
-        return _by_tail(partial(_uniform, given["min"], given["max"]))
+        return Marginal(partial(_uniform, given["min"], given["max"]), is_normal=False)
     if distribution.name == "triangular":
-        return _by_tail(partial(_triangular, given["min"], given["mode"], given["max"]))
+        return Marginal(partial(_triangular, given["min"], given["mode"], given["max"]), is_normal=False)
     if given["sd"] == 0.0:
-        return _by_normal(partial(_normal, given["mean"], 0.0, False, (-math.inf, math.inf)))
+        return Marginal(partial(_normal, given["mean"], 0.0, False, (-math.inf, math.inf)), is_normal=True)
     mean, sd, low, high = _standard(distribution)
     bounds = (given.get("min", -math.inf), given.get("max", math.inf))
     of_normal = partial(_normal, mean, sd, distribution.name == "lognormal", bounds)
     if low < -_BEYOND_DRAWING and high > _BEYOND_DRAWING:
-        return _by_normal(of_normal)
-    return _by_tail(partial(_truncated, low, high, of_normal))
+        return Marginal(of_normal, is_normal=True)
+    return Marginal(partial(_truncated, low, high, of_normal), is_normal=False)
 
 
 def standard_normal() -> Marginal:
@@ -70,7 +79,7 @@ def standard_normal() -> Marginal:
     >>> standard_normal().of_tail(np.array([0.5]), -1.0).tolist()
     [0.0]
     """
-    return _by_normal(partial(_normal, 0.0, 1.0, False, (-math.inf, math.inf)))
+    return Marginal(partial(_normal, 0.0, 1.0, False, (-math.inf, math.inf)), is_normal=True)
 
 
 def tails(distribution: Distribution, least: float, most: float) -> tuple[float, float]:
@@ -79,22 +88,21 @@ def tails(distribution: Distribution, least: float, most: float) -> tuple[float,
     >>> tails(Distribution("uniform", {"min": -1.0, "max": 9.0}, "pressure"), 0.0, math.inf)
     (0.1, 0.0)
     """
+    from scipy import stats
+
     given = distribution.parameters
-    if distribution.name == "uniform":
-        width = given["max"] - given["min"]
-        below, above = (least - given["min"]) / width, (given["max"] - most) / width
-        return min(max(below, 0.0), 1.0), min(max(above, 0.0), 1.0)
-    if distribution.name == "triangular":
-        ends, mode = (given["min"], given["max"]), given["mode"]
-        return _triangle(least, *ends, mode), _triangle(-most, -ends[1], -ends[0], -mode)
+    if "sd" not in given:
+        low, width = given["min"], given["max"] - given["min"]
+        mode = (given["mode"] - low) / width if "mode" in given else None
+        spread = stats.uniform(low, width) if mode is None else stats.triang(mode, low, width)
+        return float(spread.cdf(least)), float(spread.sf(most))
     if given["sd"] == 0.0:
         return float(given["mean"] < least), float(given["mean"] > most)
     mean, sd, low, high = _standard(distribution)
-    is_log = distribution.name == "lognormal"
-    at = [(_log(value) if is_log else value) for value in (least, most)]
-    first, last = (min(max((value - mean) / sd, low), high) for value in at)
-    whole = _between(low, high)
-    return _between(low, first) / whole, _between(last, high) / whole
+    if distribution.name == "lognormal":
+        least, most = _log(least), _log(most)
+    spread = stats.truncnorm(low, high, mean, sd)
+    return float(spread.cdf(least)), float(spread.sf(most))
 
 
 # -- beyond the limits of a design -------------------------------------------------------------------------------------
@@ -125,10 +133,10 @@ def checked_limits(design: Design) -> None:
     root = None if design.source is None else design.source.root
     for variable in design.variables:
         own, limits = variable.distribution, field_in(type(design), root, variable.path) or declare(variable.path)
-        if isinstance(own, Distribution) and not limits.limits.turns:
-            below, above = tails(own, limits.limits.least, limits.limits.most)
+        if isinstance(own, Distribution) and not limits.turns:
+            below, above = tails(own, limits.least, limits.most)
             if below + above > MOST_BEYOND:
-                faults.append(_fault(variable, own, (below, limits.limits.least), (above, limits.limits.most)))
+                faults.append(_fault(variable, own, (below, limits.least), (above, limits.most)))
     if faults:
         raise DesignError(faults)
 
@@ -142,27 +150,15 @@ def _fault(variable: Variable, own: Distribution, below: tuple[float, float], ab
             cures.append(f"{key}: {number(limit)}")
     verb = "Give it" if any(cure.partition(":")[0] in own.parameters for cure in cures) else "Add"
     to = "" if verb == "Give it" else " to the distribution"
-    advice = f"{verb} {' and '.join(cures)}{to}, or make it narrower."
-    return Fault("E281", f"{', '.join(ends)}, where no design can be", variable.where, advice)
+    return Fault(
+        "E281",
+        f"{', '.join(ends)}, where no design can be",
+        variable.where,
+        f"{verb} {' and '.join(cures)}{to}, or make it narrower.",
+    )
 
 
 # -- the ways to a value ----------------------------------------------------------------------------------------------
-
-
-def _by_normal(of_normal: Callable[[Floats], Floats]) -> Marginal:
-    return Marginal(of_normal, partial(_through_normal, of_normal), True)
-
-
-def _by_tail(of_tail: Callable[[Floats, Floats | float], Floats]) -> Marginal:
-    return Marginal(partial(_through_tail, of_tail), of_tail, False)
-
-
-def _through_normal(of_normal: Callable[[Floats], Floats], p: Floats, side: Floats | float) -> Floats:
-    return of_normal(_toward(ndtri(p), side))
-
-
-def _through_tail(of_tail: Callable[[Floats, Floats | float], Floats], normal: Floats) -> Floats:
-    return of_tail(ndtr(-np.abs(normal)), normal)
 
 
 def _toward(lower: Floats, side: Floats | float) -> Floats:
@@ -239,14 +235,3 @@ def _between(low: float, high: float) -> float:
     if high < 0.0:
         return float(ndtr(high) - ndtr(low))
     return float(erf(high * math.sqrt(0.5)) + erf(-low * math.sqrt(0.5))) / 2.0
-
-
-def _triangle(value: float, low: float, high: float, mode: float) -> float:
-    """The share of a triangle below a value."""
-    if value <= low:
-        return 0.0
-    if value >= high:
-        return 1.0
-    if value < mode:
-        return (value - low) ** 2 / ((high - low) * (mode - low))
-    return 1.0 - (high - value) ** 2 / ((high - low) * (high - mode))

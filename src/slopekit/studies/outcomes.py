@@ -333,8 +333,9 @@ class BothMethods:
     def notices(self, called: str, of: int) -> Iterator[Notice]:
         """Yield W353 where moments change the judgement; `called`: what was judged, `of` so many."""
         if self.unsafe:
-            message = f"{self.unsafe} of {of} {called} fail by PRE-IE alone: the closed form balances no moments"
-            yield Notice("W353", message)
+            yield Notice(
+                "W353", f"{self.unsafe} of {of} {called} fail by PRE-IE alone: the closed form balances no moments"
+            )
 
 
 def compared(outcomes: Outcomes, fails: Bools, fails_by_closed_form: Bools) -> BothMethods:

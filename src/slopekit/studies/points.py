@@ -9,9 +9,10 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from slopekit.core.codec import json_of, record_of
-from slopekit.core.errors import DesignError, Fault, MisfitError, Notice, SlopekitError
+from slopekit.core.errors import MisfitError, Notice, SlopekitError, fail
 from slopekit.core.options import Workplace
 from slopekit.core.orientation import number
+from slopekit.core.sheet import is_number
 from slopekit.design.common import Design
 from slopekit.design.parts import Bolt
 from slopekit.design.reading.files import with_values
@@ -260,23 +261,36 @@ def lower_of(point: Point, method: Method) -> float | None:
     return min(factor, also.factor or 0.0)
 
 
-def also_short(
-    points: Sequence[Point], where: Callable[[int], str], method: Method, level: float, called: str = "points"
-) -> Iterator[Notice]:
-    """W507: points that have a level, where what acceptance is held against besides has not.
+def notices_of_points(
+    points: Sequence[Point], where: Callable[[int], str], method: Method, levels: Iterable[float],
+    of_inputs: Sequence[Notice],
+) -> Iterator[Notice]:  # fmt: skip
+    """Yield W359 of points without a factor, W507 of what acceptance is held against besides, and what runs say.
 
     Parameters
     ----------
-    where, called : as `said_at` has them
+    where : as `said_at` has it; method : that counts; levels : what factors are held against
+    of_inputs : what is said of all points
     """
-    short = [
-        (k, also) for k, point in enumerate(points)
-        if (also := point.also) is not None and also.falls_short(level)
-        and (factor_at(point, method) or 0.0) >= level
-    ]  # fmt: skip
-    if short:
-        (first, also), many = short[0], f"{len(short)} of {len(points)} {called}, "
-        yield from also_falls_short(also, level, f"{many if len(points) > 1 else ''}{where(first)}:")
+    bare: dict[str, list[int]] = {}
+    for k, point in enumerate(points):
+        if not is_number(factor_at(point, method)):
+            bare.setdefault(status_of(point, method), []).append(k)
+    if bare:
+        most_first = sorted(bare.items(), key=lambda entry: -len(entry[1]))
+        text = ", ".join(f"{status} {len(at)} (first {where(at[0])})" for status, at in most_first)
+        yield Notice("W359", f"{sum(map(len, bare.values()))} of {len(points)} points have no factor of safety: {text}")
+    for level in levels:
+        short = [
+            (k, also) for k, point in enumerate(points)
+            if (also := point.also) is not None and also.falls_short(level)
+            and (factor_at(point, method) or 0.0) >= level
+        ]  # fmt: skip
+        if short:
+            (first, also), many = short[0], f"{len(short)} of {len(points)} points, "
+            yield from also_falls_short(also, level, f"{many if len(points) > 1 else ''}{where(first)}:")
+    yield from said_at(points, where, of_inputs)
+    yield from of_inputs
 
 
 def rules_left_out(design: Design, judged: Container[str]) -> tuple[Notice, ...]:
@@ -287,15 +301,17 @@ def rules_left_out(design: Design, judged: Container[str]) -> tuple[Notice, ...]
     judged : the names of those that it does
     """
     others = [str(rule) for rule in design.rules if rule.name not in judged]
-    text = f"acceptance also asks for {', '.join(others)}: not looked at here, run judges it"
-    return (Notice("W332", text),) if others else ()
+    return (
+        (Notice("W332", f"acceptance also asks for {', '.join(others)}: not looked at here, run judges it"),)
+        if others
+        else ()
+    )
 
 
 def checked_target(fos: float, advice: str) -> None:
     """Refuse a target that is no factor of safety: E314."""
     if not (math.isfinite(fos) and 1e-6 <= fos <= 1e6):
-        message = f"the target is a factor of safety of {number(fos)}, it lies between 1e-6 and 1e6"
-        raise DesignError([Fault("E314", message, "", advice)])
+        fail("E314", f"the target is a factor of safety of {number(fos)}, it lies between 1e-6 and 1e6", "", advice)
 
 
 def falls_short(status: str, factor: float | None, target: float) -> bool:

@@ -5,14 +5,16 @@ The command of a study is made of its function (`slopekit.cli.study_command`): e
 """
 
 import inspect
+import time
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import wraps
 from importlib import import_module
 from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, TypeVar
 
 from slopekit._version import FORMAT, __version__
-from slopekit.core.codec import json_of
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.codec import NO_JSON, json_of
+from slopekit.core.errors import Faults, fail
 from slopekit.core.options import (
     DESIGN,
     DESK,
@@ -28,6 +30,7 @@ from slopekit.core.options import (
 from slopekit.core.shown import Shown
 from slopekit.core.units import quantity
 from slopekit.design.common import Design
+from slopekit.design.fields import Field
 
 if TYPE_CHECKING:
     from slopekit.core.sheet import Sheet
@@ -46,25 +49,36 @@ VARIANTS: Mapping[str, tuple[str, str]] = {
     "suite": ("check", "slopekit.studies.suite"), "tornado": ("sweep", "slopekit.studies.tornado"),
 }  # fmt: skip
 Asked = ParamSpec("Asked")
-Found = TypeVar("Found", bound=Shown)
+Outcome = TypeVar("Outcome", bound="StudyOutcome")
+
+
+def timed(function: Callable[Asked, Outcome]) -> Callable[Asked, Outcome]:
+    """The function of a study, whose outcome knows how long it took."""
+
+    @wraps(function)
+    def with_seconds(*values: Asked.args, **named: Asked.kwargs) -> Outcome:
+        began = time.perf_counter()
+        outcome = function(*values, **named)
+        return replace(outcome, seconds=time.perf_counter() - began)
+
+    return with_seconds
 
 
 def study(
-    function: Callable[Concatenate[Design, Asked], Found],
-) -> "Callable[Concatenate[Source, Asked], Found | Cases[Found]]":
+    function: Callable[Concatenate[Design, Asked], Outcome],
+) -> "Callable[Concatenate[Source, Asked], Outcome | Cases[Outcome]]":
     """A study of a design: its docstring lists its parameters, and a design with load cases goes through case by case.
 
     The design may be given by its path, or as a dict.
     What it returns is known when the design is read, not before: hence the two types. A study of something else is
-    `documented`.
+    `timed` and `documented`.
     """
-    documented(function)
-    called: Callable[..., Found] = function
+    called: Callable[..., Outcome] = timed(documented(function))
     parameters = inspect.signature(function).parameters
     place = next(key for key, one in parameters.items() if given_by(one) == DESIGN)
 
     @wraps(function)
-    def through_cases(*values: Any, **named: Any) -> "Found | Cases[Found]":
+    def through_cases(*values: Any, **named: Any) -> "Outcome | Cases[Outcome]":
         from slopekit.design.reading.files import design_from  # which a wedge of options does not need
 
         given = dict(zip(parameters, values, strict=False)) | named
@@ -73,15 +87,16 @@ def study(
             return called(design, **given)
         from slopekit.studies.cases import each_case
 
-        return each_case(function, function.__name__, design, given, place)
+        return each_case(called, function.__name__, design, given, place)
 
     return through_cases
 
 
+@dataclass(frozen=True, repr=False)
 class StudyOutcome(Shown):
-    """What a study comes to."""
+    """What a study comes to, and how long it took: see `timed`."""
 
-    __slots__ = ()
+    seconds: float = field(default=0.0, compare=False, kw_only=True, metadata=NO_JSON)
 
     @property
     def sheet(self) -> "Sheet":
@@ -140,8 +155,26 @@ def whole_number(text: str, option: str) -> int:
     """
     value = number_of(text, option)
     if value != int(value):
-        raise DesignError([Fault("E106", f"{option} is {text}, a whole number is needed", f"{option} {text}")])
+        fail("E106", f"{option} is {text}, a whole number is needed", f"{option} {text}")
     return int(value)
+
+
+def numbers_given(
+    fields: Mapping[str, Field], given: Mapping[str, object], option: Callable[[str], str], faults: Faults
+) -> dict[str, float | None]:
+    """The numbers that options give, by their parameters; the default of its field where nothing was said.
+
+    Parameters
+    ----------
+    fields : what each measures, its limits and its default; option : how a fault names a parameter
+    """
+
+    def read(name: str, field: Field) -> float:
+        return float(field.read(given[name], field.path, f"{option(name)} {given[name]}"))
+
+    return {
+        name: field.default if given[name] is None else faults.of(read, name, field) for name, field in fields.items()
+    }
 
 
 ADesign = Annotated[Design, DESIGN]
@@ -154,6 +187,7 @@ Scheduler = Annotated[
         metavar="ADDRESS",
     ),
 ]
+MOST_SEED = 10**18
 Seed = Annotated[int, Option("Seed of the random numbers: the same seed gives the same numbers [1].", whole_number)]
 
 
@@ -183,6 +217,8 @@ __all__ = [
     "function_of",
     "given_by",
     "number_of",
+    "numbers_given",
     "study",
+    "timed",
     "whole_number",
 ]  # fmt: skip

@@ -5,7 +5,7 @@ import re
 from collections.abc import Sequence
 from typing import NoReturn, TypeAlias
 
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import fail
 from slopekit.core.orientation import number
 from slopekit.core.units import unit_of
 from slopekit.studies.keys import Key
@@ -40,18 +40,17 @@ def parse_values(key: Key, given: object, most: int = MOST) -> tuple[float, ...]
         if isinstance(given, str) and _DASHED.fullmatch(given.strip()):
             message = f"{key.path}: {given} is no range, ends are separated by a colon"
             first, last = re.findall(r"\d+(?:\.\d+)?", given)
-            advice = f"Write {key.path}={first}:{last}:5 (from, to, how many)."
-            raise DesignError([Fault("E312", message, f"{key.path}={given}", advice)])
+            fail("E312", message, f"{key.path}={given}", f"Write {key.path}={first}:{last}:5 (from, to, how many).")
         parts = _parts(given)
         _one_spelling(key, parts, given)
         values = tuple(key.read(part) for part in parts)
     if not values:
-        raise DesignError([Fault("E312", f"{key.path} has no values", f"{key.path}={given}", how_written(key.path))])
+        fail("E312", f"{key.path} has no values", f"{key.path}={given}", how_written(key.path))
     if len(values) > most:
-        raise DesignError([Fault("E312", f"{key.path} has {len(values)} values, more than {most}", key.path)])
+        fail("E312", f"{key.path} has {len(values)} values, more than {most}", key.path)
     twice = next((value for k, value in enumerate(values) if value in values[:k]), None)
     if twice is not None:
-        raise DesignError([Fault("E312", f"{key.path} has the value {key.shown(twice)} twice", f"{key.path}={given}")])
+        fail("E312", f"{key.path} has the value {key.shown(twice)} twice", f"{key.path}={given}")
     return values
 
 
@@ -75,14 +74,17 @@ def parse_within(key: Key, given: Within | None) -> tuple[float, float]:
     parts = [part.strip() for part in given.split(":")] if isinstance(given, str) else list(given)
     where = f"{key.path}={given}" if isinstance(given, str) else key.path
     if len(parts) != 2 or any(part == "" for part in parts):
-        message = f"{given} is no range of {key.path}: two ends are needed"
-        raise DesignError([Fault("E312", message, where, "Write KEY=lo:hi, for example strength.weak.phi=10:40.")])
+        fail(
+            "E312",
+            f"{given} is no range of {key.path}: two ends are needed",
+            where,
+            "Write KEY=lo:hi, for example strength.weak.phi=10:40.",
+        )
     _one_spelling(key, parts, given)
     low, high = (key.read(part) for part in parts)
     high += _turn(key, low, high)
     if not low < high:
-        message = f"{key.path} runs from {key.shown(low)} to {key.shown(high)}: the lower end comes first"
-        raise DesignError([Fault("E312", message, where)])
+        fail("E312", f"{key.path} runs from {key.shown(low)} to {key.shown(high)}: the lower end comes first", where)
     return low, high
 
 
@@ -101,7 +103,7 @@ def _evenly(key: Key, given: str, most: int) -> tuple[float, ...]:
     parts = [part.strip() for part in given.split(":")]
 
     def refuse(message: str) -> NoReturn:
-        raise DesignError([Fault("E312", f"{key.path}: {message}", f"{key.path}={given}", how_written(key.path))])
+        fail("E312", f"{key.path}: {message}", f"{key.path}={given}", how_written(key.path))
 
     if len(parts) != 3 or any(part == "" for part in parts):
         refuse(f"{given} is not from:to:how many, nor from:to:+step")
@@ -145,5 +147,9 @@ def _one_spelling(key: Key, parts: Sequence[object], given: object) -> None:
         return
     units = {unit_of(part) for part in parts if str(part).strip() not in ("0", "0.0")}
     if len(units) > 1 and "" in units:
-        message = f"{key.path}: some values carry a unit and others do not"
-        raise DesignError([Fault("E312", message, f"{key.path}={given}", "Write the unit with each of them.")])
+        fail(
+            "E312",
+            f"{key.path}: some values carry a unit and others do not",
+            f"{key.path}={given}",
+            "Write the unit with each of them.",
+        )

@@ -25,7 +25,7 @@ import numpy as np
 
 from slopekit._version import __version__
 from slopekit.core.arrays import NDArray
-from slopekit.core.errors import DesignError, Fault, SlopekitError, SolverError, writing
+from slopekit.core.errors import DesignError, Fault, SlopekitError, SolverError, fail, writing
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -217,12 +217,12 @@ def checked_crew(jobs: object = 1, scheduler: str | None = None) -> Crew:
     text = str(jobs).strip()
     if not text.isdigit() or not 1 <= int(text) <= _MOST_JOBS:
         message = f"--jobs is {text}, a whole number from 1 to {_MOST_JOBS} is needed"
-        raise DesignError([Fault("E313", message, "", "As many as there are cores is a good choice.")])
+        fail("E313", message, "", "As many as there are cores is a good choice.")
     if scheduler is not None and int(text) > 1:
-        raise DesignError([Fault("E313", "--jobs and --scheduler exclude each other", "", "Keep one of them.")])
+        fail("E313", "--jobs and --scheduler exclude each other", "", "Keep one of them.")
     if scheduler is not None and "://" not in scheduler:
         message = f"{scheduler} is not the address of a scheduler"
-        raise DesignError([Fault("E313", message, "", "Write --scheduler tcp://host:8786.")])
+        fail("E313", message, "", "Write --scheduler tcp://host:8786.")
     return Crew(int(text), scheduler)
 
 
@@ -436,7 +436,7 @@ def _dask(address: str) -> Iterator[Executor]:
         wrong = sorted({str(answer) for answer in answers if answer != __version__ and not isinstance(answer, OSError)})
         if wrong:
             message = f"workers of {address} have not this slopekit ({__version__}): {', '.join(wrong)}"
-            raise DesignError([Fault("E301", message, "", "Install the same slopekit on every worker.")])
+            fail("E301", message, "", "Install the same slopekit on every worker.")
         yield _Cluster(client)
 
 

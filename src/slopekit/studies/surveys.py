@@ -1,23 +1,23 @@
 """What studies of joint lists share: how a list is given, what its document and its sheet say of it first."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from types import MappingProxyType
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Any, Literal
 
 from slopekit._version import FORMAT, __version__
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Section, Sheet, Table, counted
-from slopekit.core.units import quantity
+from slopekit.design.fields import Field, declare
 from slopekit.design.joint_lists import JointList, own_or_given
 from slopekit.design.words import shown
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.studies.protocol import Argument, Option
 
 MOST_JOINTS = 100_000  # that studies take which need not look at every pair
+MOST_NAMES = 24  # of joints, that a sheet lists
 _STRENGTHS: tuple[Literal["c", "phi"], ...] = ("c", "phi")
 
 
@@ -41,36 +41,13 @@ Columns = Annotated[Any, Option("What the columns hold, in order, in place of th
 SkipBad = Annotated[bool, Option("Leave bad rows out, listed, where they would stop the run.")]
 
 
-#: A number that an option gives: what it measures, between which it lies, what it is, what is taken without it.
-NumberGiven: TypeAlias = tuple[str, float, float, str, float | None]
 LATERAL_DEG = 20.0
-LATERAL_LIMITS: Mapping[str, NumberGiven] = {
-    "lateral": ("angle", 0.0, 90.0, "an angle beside the dip direction of the face", LATERAL_DEG),
-    "lateral_toppling": ("angle", 0.0, 90.0, "an angle beside the dip direction of the face", 30.0),
+#: Limits beside the dip direction of the face.
+_BESIDE = "It is an angle beside the dip direction of the face."
+LATERAL_LIMITS: Mapping[str, Field] = {
+    "lateral": declare("lateral", "angle", 0.0, 90.0, default=LATERAL_DEG, code="E307", advice=_BESIDE),
+    "lateral_toppling": declare("lateral toppling", "angle", 0.0, 90.0, default=30.0, code="E307", advice=_BESIDE),
 }
-
-
-def numbers_given(
-    numbers: Mapping[str, NumberGiven], given: Mapping[str, Any], option: Callable[[str], str], faults: Faults
-) -> dict[str, float | None]:
-    """Numbers by their parameters, None where nothing was said; faults E106, E116 of lengths and E307 of others."""
-    return {
-        name: faults.of(partial(_number, name, given[name], option(name), kinds)) for name, kinds in numbers.items()
-    }
-
-
-def _number(name: str, given: object, where: str, kinds: NumberGiven) -> float | None:
-    kind, low, high, what, default = kinds
-    if given is None:
-        return default
-    value = quantity(given, "ratio" if kind == "count" else kind, name.replace("_", " "), f"{where} {given}")
-    if kind == "count" and value != int(value):
-        raise DesignError([Fault("E106", f"{where} is {number(value)}, a whole number is needed", f"{where} {given}")])
-    if not low <= value <= high:
-        code = "E116" if kind == "length" else "E307"
-        message = f"{where} is {number(value)}, {what} lies between {number(low)} and {number(high)}"
-        raise DesignError([Fault(code, message, f"{where} {given}")])
-    return value
 
 
 def survey_head(study: str, joints: JointList, sha: str) -> dict[str, Any]:
@@ -178,9 +155,12 @@ def slope_of(given: Mapping[str, Any], option: Callable[[str], str]) -> tuple[We
         value = own[key]
         parts = value.split(",") if isinstance(value, str) else value if isinstance(value, list | tuple) else ()
         if any(part != parts[0] for part in parts):
-            message = f"{key} has two values: the joints of a list are no J1 and J2"
-            advice = "Give one value for all; columns c and phi of the list give each joint its own."
-            faults.append(Fault("E109", message, f"{option(key)} {shown(value)}", advice))
+            faults.add(
+                "E109",
+                f"{key} has two values: the joints of a list are no J1 and J2",
+                f"{option(key)} {shown(value)}",
+                "Give one value for all; columns c and phi of the list give each joint its own.",
+            )
             own[key] = None
     try:
         return wedge_design(own, option), faults
@@ -194,11 +174,9 @@ def codes_of(notices: Sequence[Notice]) -> list[str]:
     return list(dict.fromkeys(notice.code for notice in notices))
 
 
-def left_out(joints: JointList) -> list[Notice]:
-    """What is not used of the list, and how it was read."""
-    notices = []
+def left_out(joints: JointList) -> Iterator[Notice]:
+    """Yield what is not used of the list, and how it was read."""
     if joints.left_out:
-        notices.append(Notice("W366", f"not used of {joints.name}: {'; '.join(joints.left_out)}"))
+        yield Notice("W366", f"not used of {joints.name}: {'; '.join(joints.left_out)}")
     if joints.read_as:
-        notices.append(Notice("W373", f"read of {joints.name}: {'; '.join(joints.read_as)}"))
-    return notices
+        yield Notice("W373", f"read of {joints.name}: {'; '.join(joints.read_as)}")

@@ -14,10 +14,8 @@ from slopekit.core.options import DESIGN
 from slopekit.core.taken import wrong_kind
 from slopekit.design.common import Design
 from slopekit.design.fields import field_in, in_degrees, record_spec
-from slopekit.design.reading.canonical import with_canonical_keys
-from slopekit.design.reading.document import read_document
-from slopekit.design.reading.nodes import Document, Node, document_from
-from slopekit.design.reading.overrides import with_overrides
+from slopekit.design.reading.document import read_document, with_overrides
+from slopekit.design.reading.nodes import Document, Node
 from slopekit.design.reading.reader import Reader
 from slopekit.design.reading.structure import Spec, check_structure
 from slopekit.design.registry import KINDS, kind_named, record_of
@@ -43,15 +41,8 @@ def load(
     DesignError
         With every fault found.
     """
-    faults = Faults()
-    if isinstance(source, Mapping):
-        document = document_from(source)
-        root, wrong = with_canonical_keys(document.root)
-        faults += wrong
-        document = with_overrides(replace(document, root=root), overrides)
-    else:
-        document, wrong = read_document(source, overrides)
-        faults += wrong
+    document, wrong = read_document(source, overrides)
+    faults = Faults(wrong)
     design = faults.of(_set_over, source, overrides, document)
     design = _with_cases(document, faults, design)
     if case is not None:
@@ -63,7 +54,7 @@ def load(
 
 def _with_cases(document: Document, faults: Faults, design: Design | None) -> Design:
     """The design of a document with its load cases, or every fault of both."""
-    if document.root.get("cases") is not None:
+    if document.root.get("cases"):
         from slopekit.design import cases  # most designs have none
 
         document, load_cases, of_cases = cases.read_cases(document, faults, design_of)
@@ -138,17 +129,15 @@ def design_of(document: Document, other_values: bool = False) -> Design:
         E174 results, another version or an unknown kind, and what structure, names and values are wrong.
     """
     root = document.root
-    if root.get("input_sha256") is not None:
+    if root.get("input_sha256"):
         advice = "Run the design that it was made from."
         raise DesignError([Fault("E174", "these are results of slopekit, not a design", str(root.place), advice)])
     kind = kind_named(_kind(root))
     spec = record_spec(kind.record, kind.record.REQUIRED)
     faults = Faults(check_structure(root, spec, kind.name, partial(_others, kind.name)))
     faults += _version(root)
-    analysis = root.get("analysis")
-    wanted = analysis.get("partial_factors") if analysis is not None else None
-    factors = None
-    if wanted is not None and wanted.value is not None:
+    wanted, factors = root.at("analysis.partial_factors"), None
+    if wanted.value is not None:
         from slopekit.design import partial_factors  # most designs have none
 
         factors = faults.of(partial_factors.read_factors, document, wanted)
@@ -159,7 +148,7 @@ def design_of(document: Document, other_values: bool = False) -> Design:
         # what the structure has said of a place is not said again by the reader
         faults += [fault for fault in error.faults if fault.where not in unsound]
         raise DesignError(dict.fromkeys(faults or error.faults)) from None
-    if wanted is not None and factors is not None:
+    if factors is not None:
         design = partial_factors.factored(design, kind, factors, str(wanted.place))
     return replace(design, source=document)
 
@@ -192,15 +181,15 @@ def with_values(design: Design, values: Mapping[str, object]) -> Design:
 def _with_unit(design: Design, path: str, value: object) -> object:
     root = None if design.source is None else design.source.root
     field = field_in(type(design), root, path) if isinstance(value, float) else None
-    return f"{value!r} deg" if field is not None and field.limits.check is in_degrees else value
+    return f"{value!r} deg" if field is not None and field.check is in_degrees else value
 
 
 def _kind(root: Node) -> str:
     node = root.get("kind")
     known = ", ".join(KINDS)
-    if node is None or node.text is None:
-        where = str(node.place if node else root.place)
-        many = node is not None and (node.is_mapping or isinstance(node.value, list))
+    if node.text is None:
+        where = str((node or root).place)
+        many = node.is_mapping or isinstance(node.value, list)
         message = "kind is one word, not a list or keys" if many else "kind is missing: it says what the design is"
         raise DesignError([Fault("E174", message, where, f"Known: {known}.")])
     if node.text not in KINDS:
@@ -211,7 +200,7 @@ def _kind(root: Node) -> str:
 
 def _version(root: Node) -> list[Fault]:
     node = root.get("slopekit")
-    if node is None or node.text is None or node.text == str(VERSION):
+    if node.text in (None, str(VERSION)):
         return []
     message = f"slopekit: {node.text} is not a version of design files that this slopekit reads"
     return [Fault("E174", message, str(node.place), f"Write slopekit: {VERSION}.")]

@@ -48,9 +48,9 @@ def mesh_file(reader: Reader, holder: Node) -> MeshFile | None:
     None where it names none, or with the fault E172 where it cannot be read.
     """
     node, up = holder.get("mesh"), holder.get("up")
-    axis: str | None = None if up is None else reader.field(axis_key(up.path), up)
-    if node is None or node.text is None:
-        if up is not None:
+    axis: str | None = reader.field(axis_key(up.path), up)
+    if node.text is None:
+        if up:
             reader.fault("E172", f"{up.path} says nothing without a mesh", up, "Leave it out.")
         return None
     try:

@@ -7,12 +7,13 @@ made of a file (`yaml.py`) and of a Python mapping (`document_from`).
 import os
 import re
 from collections.abc import Callable, ItemsView, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from numbers import Real
 from pathlib import Path
 from typing import Any, Generic, NoReturn, TypeAlias, TypeVar
 
 from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import fail as fail
 from slopekit.core.orientation import Line, Plane
 
 Value: TypeAlias = "dict[str, Node] | list[Node] | str | None"
@@ -67,13 +68,17 @@ class Place:
 class Node:
     """A value of a design: keys with nodes, a list of nodes, the text as written, or None where nothing was written.
 
-    `place` is where the value begins, `key_place` where its key stands (for a list item, the item itself).
+    `place` is where the value begins, `key_place` where its key stands (for a list item, the item itself). A key that
+    is not there has the node `NOTHING`, which alone is false.
     """
 
     value: Value
     place: Place
     path: str
     key_place: Place
+
+    def __bool__(self) -> bool:
+        return self is not NOTHING
 
     @property
     def is_mapping(self) -> bool:
@@ -95,9 +100,20 @@ class Node:
         """The items of a list; nothing for anything else."""
         return tuple(self.value) if isinstance(self.value, list) else ()
 
-    def get(self, key: str) -> "Node | None":
-        """The node of a key, None where there is none or where the value has no keys."""
-        return self.value.get(key) if isinstance(self.value, dict) else None
+    def get(self, key: str) -> "Node":
+        """The node of a key, of a list that of an item by its number from 0; `NOTHING` where there is none."""
+        if isinstance(self.value, list):
+            return self.value[int(key)] if key.isdecimal() and int(key) < len(self.value) else NOTHING
+        return self.value.get(key, NOTHING) if isinstance(self.value, dict) else NOTHING
+
+    def at(self, path: str) -> "Node":
+        """The node at a dotted path; keys may have dots (of correlations)."""
+        parts = path.split(".")
+        for count in range(1, len(parts) + 1):
+            below = self.get(".".join(parts[:count]))
+            if below:
+                return below.at(".".join(parts[count:])) if parts[count:] else below
+        return NOTHING
 
     def items(self) -> "ItemsView[str, Node]":
         """Keys and their nodes, in the order of the file; nothing where the value has no keys."""
@@ -108,6 +124,16 @@ class Node:
         yield self
         for part in self.value.values() if isinstance(self.value, dict) else self.elements:
             yield from part.walk()
+
+    def at_path(self, path: str) -> "Node":
+        """The value as it stands at another path."""
+        if isinstance(self.value, dict):
+            made: Value = {key: below.at_path(joined(path, key)) for key, below in self.value.items()}
+        elif isinstance(self.value, list):
+            made = [below.at_path(joined(path, str(k))) for k, below in enumerate(self.value)]
+        else:
+            made = self.value
+        return replace(self, value=made, path=path)
 
     def plain(self) -> Plain:
         """The value as dicts, lists, texts and None.
@@ -120,6 +146,11 @@ class Node:
         if isinstance(self.value, list):
             return [node.plain() for node in self.value]
         return self.value
+
+
+_NOWHERE = Place("", 0, 0, "")
+#: What stands at a key that is not there.
+NOTHING = Node(None, _NOWHERE, "", _NOWHERE)
 
 
 class Kept(Generic[T]):
@@ -282,7 +313,3 @@ def cut(text: str) -> str:
 
 def printable(text: str) -> str:
     return text if text.isprintable() else "".join(c if c.isprintable() else " " if c.isspace() else "�" for c in text)
-
-
-def fail(code: str, message: str, where: str = "", advice: str = "") -> NoReturn:
-    raise DesignError([Fault(code, message, where, advice)])

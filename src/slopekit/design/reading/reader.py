@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
-from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
 from slopekit.core.orientation import Plane, parse_face, parse_plane
@@ -13,7 +13,7 @@ from slopekit.design import words
 from slopekit.design.common import Design, Reading
 from slopekit.design.fields import Field, declare, every_field, field_in, fields_of, with_parts
 from slopekit.design.parts import Strength
-from slopekit.design.reading.nodes import Document, Kept, Node, as_text
+from slopekit.design.reading.nodes import NOTHING, Document, Kept, Node, as_text
 from slopekit.design.reading.structure import MOST_FAULTS, has_angles, is_distribution, orientation_kind
 
 if TYPE_CHECKING:
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from slopekit.design.scatter.distributions import Variable
 
 T = TypeVar("T")
-P = ParamSpec("P")
 D = TypeVar("D", bound=Design)
 _BARE_NUMBER = r"^[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?$"  # a text: compiled when first used
 _DRAWN = (
@@ -64,26 +63,17 @@ class Reader:
 
     # -- the tree -----------------------------------------------------------------------------------------------------
 
-    def at(self, path: str) -> Node | None:
+    def at(self, path: str) -> Node:
         """The node of a dotted path."""
-        return _below(self.root, path)
+        return self.root.at(path)
 
     def names(self, path: str) -> list[tuple[str, Node]]:
         """What stands under names of the user's, where each is a group of keys."""
-        node = self.at(path)
-        return [] if node is None else [(name, below) for name, below in node.items() if below.is_mapping]
+        return [(name, below) for name, below in self.at(path).items() if below.is_mapping]
 
-    def called(self, path: str) -> str:
-        """How a path is called where the design was written: itself, or `--unit-weight`."""
-        return self.document.called(path)
-
-    def fault(self, code: str, message: str, node: Node | None, advice: str = "") -> None:
-        """Keep a fault of a value."""
+    def fault(self, code: str, message: str, node: Node, advice: str = "") -> None:
+        """Keep a fault of a value; of the whole design where that is not there."""
         self.faults.append(Fault(code, message, str((node or self.root).place), advice))
-
-    def kept(self, read: Callable[P, T], *args: P.args, **more: P.kwargs) -> T | None:
-        """What a reading function returns of these; its faults are kept, and None returned, where it raises them."""
-        return self.faults.of(read, *args, **more)
 
     def nearest(self, name: str, known: Collection[str]) -> str:
         """An advice for a name that is not known."""
@@ -154,19 +144,19 @@ class Reader:
         owner : the user's name for it, for messages: spacing of S1
         only : attributes, where not all
         """
-        wanted, holder = tuple(only), holder or self.root
+        wanted, holder = tuple(only), self.root if holder is None else holder
         return {
-            name: self.field(field, _below(holder, field.path), owner)
+            name: self.field(field, holder.at(field.path), owner)
             for name, field in _plain_fields(record)
             if not wanted or name in wanted
         }
 
-    def field(self, field: Field, node: Node | None, owner: str = "") -> Any:
+    def field(self, field: Field, node: Node, owner: str = "") -> Any:
         """The value of one field where `node` gives it, else its default."""
-        if node is None or node.value is None or (node.text or "").lower() in field.words:
-            if field.measures == "text" and node is not None and node.text is not None:
+        if node.value is None or (node.text or "").lower() in field.words:
+            if field.measures == "text" and node.text is not None:
                 return node.text.lower()
-            if "." in field.path and field.key in self.record.DEFAULTS and (node is None or node.value is None):
+            if "." in field.path and field.key in self.record.DEFAULTS and node.value is None:
                 return self.default(field.key, self.record.DEFAULTS[field.key])
             return field.default
         if field.many:
@@ -184,9 +174,9 @@ class Reader:
         if field.measures == "plane":
             return self.plane(node, owner or field.in_words)
         if field.measures == "line":
-            return self.kept(words.line_of_words, value, owner or field.in_words, field.limits.code, str(node.place))
+            return self.faults.of(words.line_of_words, value, owner or field.in_words, field.code, str(node.place))
         if field.measures == "point":
-            return self.kept(words.point, value, field.in_words, str(node.place))
+            return self.faults.of(words.point, value, field.in_words, str(node.place))
         return self.word(field, node)
 
     def default(self, key: str, value: T) -> T:
@@ -199,33 +189,32 @@ class Reader:
         written, name = node.text, name or field.in_words
         if written is not None and re.match(_BARE_NUMBER, written) and not self.misshapen:
             bare_number = float(written)  # most numbers of ten thousand blocks are this
-            if abs(bare_number) <= LARGEST and field.limits.takes(bare_number) and field.limits.check is None:
-                return int(bare_number) if field.limits.whole else bare_number
+            if abs(bare_number) <= LARGEST and field.takes(bare_number) and field.check is None:
+                return int(bare_number) if field.whole else bare_number
         value = self.value(node)
         if value is None:
             return None
         if is_distribution(node):
-            mean = node.get("mean")
-            written = mean.text if mean is not None else None
+            written = node.get("mean").text
         where = str(node.place)
         known = self._found.of(node)
         if known is not None:
             return None if known is False else float(known)  # one value of several interfaces is judged once
 
         def read() -> float:
-            number = _other_kind(value, field, name, where, self.called)
-            return field.read(number, name, where, written or "", self.called)
+            number = _other_kind(value, field, name, where, self.document.called)
+            return field.read(number, name, where, written or "", self.document.called)
 
-        checked = self.kept(read)
+        checked = self.faults.of(read)
         self._found.keep(node, False if checked is None else checked)
         return checked
 
-    def each(self, field: Field, node: Node | None, names: Sequence[str]) -> list[float | None]:
+    def each(self, field: Field, node: Node, names: Sequence[str]) -> list[float | None]:
         """One number for all of these interfaces, or one for each of them as a list or by name: None for the others.
 
         Faults: E197 an interface that is none of them, E109 more numbers than interfaces.
         """
-        if node is None or node.value is None:
+        if node.value is None:
             return []
         if node.is_mapping and not is_distribution(node):
             for name, below in node.items():
@@ -235,7 +224,7 @@ class Reader:
             given = {name: self.number(field, below, f"{field.in_words} on {name}") for name, below in node.items()}
             return [given.get(name) for name in names]
         if len(node.elements) > len(names):
-            there = f"are {', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else f"is {names[0]} alone"
+            there = f"are {', '.join(names[:-1])} and {names[-1]}" if names[1:] else f"is {[*names, 'none'][0]} alone"
             self.fault("E109", f"{len(node.elements)} {field.in_words}s given, there {there}", node)
             return []
         if not node.elements:
@@ -243,9 +232,9 @@ class Reader:
         named = zip(names, node.elements, strict=False)
         return [self.number(field, below, f"{field.in_words} on {name}") for name, below in named]
 
-    def points(self, node: Node | None, of: str) -> list[tuple[float, float]]:
+    def points(self, node: Node, of: str) -> list[tuple[float, float]]:
         """Points of a section, place and elevation in m; none where there is a fault in any."""
-        if node is None or not self.is_sound(node):
+        if not self.is_sound(node):
             return []
         points = list[tuple[float, float]]()
         for k, item in enumerate(node.elements, 1):
@@ -258,7 +247,7 @@ class Reader:
         """An orientation as a plane."""
         value = self.written(node)
         parse = parse_face if node.name in ("face", "upper") else parse_plane
-        return None if value is None else self.kept(parse, value, name, str(node.place))
+        return None if value is None else self.faults.of(parse, value, name, str(node.place))
 
     def word(self, field: Field, node: Node) -> str | None:
         """A text; one of the words that the field knows."""
@@ -268,7 +257,7 @@ class Reader:
         if written.lower() not in field.words:
             known = " or ".join(field.words)
             self.fault(
-                field.limits.code,
+                field.code,
                 f"{field.in_words} is {written!r}, it is {known}",
                 node,
                 did_you_mean(written, field.words),
@@ -279,7 +268,7 @@ class Reader:
     def items(self, path: str) -> tuple[Node, ...]:
         """The items of a list; one thing alone counts as a list of one."""
         node = self.at(path)
-        if node is None or node.value is None:
+        if node.value is None:
             return ()
         return node.elements if isinstance(node.value, list) else (node,)
 
@@ -329,7 +318,7 @@ class Reader:
     def correlation(self) -> "tuple[Pair, ...]":
         """The correlation between what scatters, by its coordinates; what is wrong with it becomes faults."""
         node = self.at("correlation")
-        if node is None or not node.is_mapping:
+        if not node.is_mapping:
             return ()
         from slopekit.design.scatter.correlation import check_correlation
 
@@ -348,7 +337,7 @@ class Reader:
             names[path] = path if variable.of is None else variable
             names |= {angle: angle for angle in variable.angles if angle}
         joints = self.at("joints") or self.at("sets")
-        for joint, _ in joints.items() if joints is not None else ():
+        for joint, _ in joints.items():
             name = strength_of(self.root, joint)
             for path in _strength_paths():
                 if (own := f"strength.{name}.{path}") in self.variables:
@@ -367,7 +356,7 @@ def _plain_fields(record: Any) -> tuple[tuple[str, Field], ...]:
         for name, field in fields_of(record).items()
         if field.measures != "group"
         and field.of is None
-        and not field.shape.each
+        and not field.each
         and field.is_attribute
         and field.many != "names"
         and shared.get(name) is not field
@@ -383,16 +372,10 @@ def _strength_paths() -> tuple[str, ...]:
 def strength_of(root: Node, joint: str) -> str | None:
     """The strength that a joint (a set; all of a joint list) names, or the only one there is."""
     joints, strengths = root.get("joints") or root.get("sets"), root.get("strength")
-    of_basal = root.get("basal") if joint == "basal" else None
-    own = None if joints is None else (joints.get(joint) or of_basal or joints).get("strength")
-    names = [name for name, _ in strengths.items()] if strengths is not None else []
-    return own.text if own is not None else names[0] if len(names) == 1 else None
-
-
-def _below(node: Node | None, path: str) -> Node | None:
-    for part in path.split("."):
-        node = node.get(part) if node is not None else None
-    return node
+    of_basal = root.get("basal") if joint == "basal" and joints else NOTHING
+    own = (joints.get(joint) or of_basal or joints).get("strength")
+    names = [name for name, _ in strengths.items()]
+    return own.text if own else names[0] if len(names) == 1 else None
 
 
 def _drawn_order(variable: "Variable") -> tuple[int, int]:

@@ -3,7 +3,7 @@
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from difflib import SequenceMatcher
 from typing import Any, Literal
 
@@ -39,7 +39,7 @@ class Spec:
     """
 
     value: Literal["", "value", "number", "orientation"] = ""
-    keys: Mapping[str, "Spec"] | None = None
+    keys: Mapping[str, "Spec"] = field(default_factory=dict)
     required: tuple[str, ...] = ()
     names: "Spec | None" = None
     pairs: bool = False
@@ -49,10 +49,6 @@ class Spec:
     is_anything: bool = False
     example: str = ""
 
-    def known_keys(self) -> Mapping[str, "Spec"]:
-        """The keys, none where it takes no group of them."""
-        return self.keys or {}
-
     def may_scatter(self) -> bool:
         """Whether a distribution may stand there."""
         return self.value in ("number", "orientation")
@@ -60,15 +56,15 @@ class Spec:
     def may_be_empty(self) -> bool:
         """Whether nothing behind the key says the same as no entries."""
         lists = self.names is not None or self.items is not None
-        return self.is_anything or (self.keys is not None and not self.required) or (lists and not self.at_least)
+        return self.is_anything or (bool(self.keys) and not self.required) or (lists and not self.at_least)
 
     def in_words(self) -> str:
         """What is needed, for messages."""
-        keys = list(self.known_keys())
+        keys = list(self.keys)
         words = [_VALUES[self.value]] if self.value or self.is_anything else []
         words += ["a list"] if self.items is not None else []
         words += ["a group of names"] if self.names is not None else []
-        words += [_listed(keys)] if self.keys is not None else []
+        words += [_listed(keys)] if keys else []
         return " or ".join(words)
 
 
@@ -118,18 +114,18 @@ def check_structure(root: Node, spec: Spec, kind: str, others: Callable[[], Mapp
 
 def is_distribution(node: Node) -> bool:
     """Whether the value is a mapping that gives a distribution."""
-    return node.get("dist") is not None
+    return bool(node.get("dist"))
 
 
 def orientation_kind(node: Node) -> OrientationKind | None:
-    """What an orientation of a design is one of, by its key; None for a key of anything else."""
-    return _ORIENTATIONS.get(node.name)
+    """What an orientation of a design, or the mean of one that scatters, is one of, by its key; None: no such."""
+    return _ORIENTATIONS.get(node.path.removesuffix(".mean").rpartition(".")[2])
 
 
 def has_angles(node: Node) -> bool:
     """Whether an orientation is written by its two angles: `{dip: 45, dip_direction: 115}`."""
     kind = orientation_kind(node)
-    return kind is not None and not is_distribution(node) and any(node.get(angle) is not None for angle in ANGLES[kind])
+    return kind is not None and not is_distribution(node) and any(node.get(angle) for angle in ANGLES[kind])
 
 
 #: Items of lists that were found to have the shape that they need, with that shape.
@@ -170,7 +166,7 @@ class _Checker:
         elif isinstance(node.value, list):
             self.check_list(node, spec)
         elif node.is_mapping and not (spec.may_scatter() and is_distribution(node)):
-            has_keys = spec.keys is not None and any(node.get(key) is not None for key in spec.required)
+            has_keys = spec.keys and any(node.get(key) for key in spec.required)
             if spec.names is not None and not has_keys:
                 self.named(node, spec, spec.names)
             else:
@@ -179,7 +175,7 @@ class _Checker:
     def section(self, node: Node, spec: Spec) -> None:
         holder = f"of {node.path}" if node.path else f"of a {self.kind} design"
         remedies = set()
-        keys = spec.known_keys()
+        keys = spec.keys
         for key, below in node.items():
             if key in keys:
                 self.check(below, keys[key])
@@ -192,7 +188,7 @@ class _Checker:
         for key in spec.required:
             path = f"{node.path}.{key}" if node.path else key
             is_misplaced = any(remedy.endswith((f"mean {key}?", f"under {path}.")) for remedy in remedies)
-            if node.get(key) is None and not is_misplaced:
+            if not node.get(key) and not is_misplaced:
                 example = keys[key].example
                 self.fault("E143", f"{path} is missing", node, f"Add {key}: {example}" if example else "")
 
@@ -240,11 +236,11 @@ class _Checker:
     def remedy(self, key: str, node: Node, above: Node, spec: Spec) -> str:
         """What to type instead of an unknown key: the likeliest slip."""
         name, colon, value = key.partition(":")
-        keys = spec.known_keys()
+        keys = spec.keys
         if colon and node.value is None and name.strip() in keys:
             return f"Put a space behind the colon: {name.strip()}: {value.strip()}"
         for known, below in keys.items():
-            meant = key if key in below.known_keys() else synonym(key, below.known_keys())
+            meant = key if key in below.keys else synonym(key, below.keys)
             if above.path and meant is not None:
                 return f"{meant} belongs under {above.path}.{known}."
         places = [path for path in self.places_of().get(key, ()) if path != above.path]
@@ -258,9 +254,7 @@ class _Checker:
         if places and not sure and not (near and len(key) == 1):  # one letter is more likely a slip than a law's a or b
             return f"{key} belongs under {' or '.join(places[:3])}." if all(places) else f"{key} belongs at the top."
         # the other kinds are loaded only here
-        if not (above.path or sure) and (
-            kinds := [kind for kind, other in self.others().items() if key in other.known_keys()]
-        ):
+        if not (above.path or sure) and (kinds := [kind for kind, other in self.others().items() if key in other.keys]):
             return f"{key} is a key of kind: {' and of kind: '.join(kinds)}."
         if near:
             return f"Did you mean {near[0]}?"
@@ -282,8 +276,8 @@ def _fits(node: Node, spec: Spec) -> bool:
     if is_distribution(node) and spec.may_scatter():
         return True
     if spec.value == "orientation":  # keys of which none is an angle's are a distribution gone wrong
-        return any(key in spec.known_keys() for key, _ in node.items())
-    return spec.keys is not None or spec.names is not None
+        return any(key in spec.keys for key, _ in node.items())
+    return bool(spec.keys) or spec.names is not None
 
 
 def _given(node: Node) -> str:
@@ -313,7 +307,7 @@ def _rewritten(node: Node, spec: Spec) -> str:
         return "" if is_pair or not parts or not all(parts) else (
             "{" + ", ".join(f"J{number}: {part}" for number, part in enumerate(parts, 1)) + "}"
         )  # fmt: skip
-    keys = spec.known_keys()
+    keys = spec.keys
     if len(keys) == 1 and (node.text is not None or node.elements):
         texts = [node.text] if node.text is not None else [part.text or "" for part in node.elements]
         listed = ", ".join(f'"{text}"' for text in texts)
@@ -342,7 +336,7 @@ def _of_distribution(node: Node, is_number: bool) -> str:
 
 def without_name(node: Node, spec: Spec) -> dict[str, str]:
     """The keys of a thing, with their values, that stand where its name should: `strength: {c: 50, phi: 20}`."""
-    keys = spec.known_keys()
+    keys = spec.keys
     return {key: below.text for key, below in node.items() if below.text is not None and (
         key in keys or synonym(key, keys) is not None
     )}  # fmt: skip
@@ -354,7 +348,7 @@ def _count(number: int) -> str:
 
 def _walk(spec: Spec, path: str = "") -> Iterator[tuple[str, str]]:
     """Every known key with the path it stands under; free names as <name>."""
-    for key, below in spec.known_keys().items():
+    for key, below in spec.keys.items():
         yield key, path
         yield from _walk(below, joined(path, key))
     if spec.names is not None:

@@ -94,12 +94,18 @@ class Angles:
     direction: Distribution | float
 
     @property
-    def centre(self) -> Plane | Line:
-        """The orientation that a single run takes; a mean direction beyond the circle is turned back into it."""
+    def middle(self) -> tuple[float, float]:
+        """The two angles that a single run takes; a mean direction beyond the circle is turned back into it."""
         steep = self.steep if isinstance(self.steep, float) else self.steep.centre
-        direction = self.direction if isinstance(self.direction, float) else self.direction.centre
-        if not 0.0 <= direction <= 360.0 and not isinstance(self.direction, float):
-            direction %= 360.0
+        if isinstance(self.direction, float):
+            return steep, self.direction
+        direction = self.direction.centre
+        return steep, direction if 0.0 <= direction <= 360.0 else direction % 360.0
+
+    @property
+    def centre(self) -> Plane | Line:
+        """The orientation that a single run takes."""
+        steep, direction = self.middle
         return Plane(steep, direction) if self.of == "plane" else Line(direction, steep)
 
 
@@ -145,12 +151,8 @@ class Variable:
         centre = self.distribution.centre
         if not isinstance(self.distribution, Angles):
             return [(self.path, number(centre) if isinstance(centre, float) else str(centre))]
-        assert not isinstance(centre, float)
-        if isinstance(centre, Plane):
-            middle = (centre.dip_deg, centre.dip_direction_deg)
-        else:
-            middle = (centre.plunge_deg, centre.trend_deg)
-        return [(name, number(angle)) for name, angle in zip(self.angles, middle, strict=True) if name]
+        named = zip(self.angles, self.distribution.middle, strict=True)
+        return [(name, number(angle)) for name, angle in named if name]
 
     @property
     def coordinates(self) -> tuple[str, ...]:
@@ -187,7 +189,7 @@ def read_distribution(node: Node, kind: str, name: str, period: float | None = N
     for key in sum(PARAMETERS[dist], ()):
         below = node.get(key)
         limits = _SPREAD if key == "sd" else {}
-        value = None if below is None else faults.of(node_number, below, kind, f"{key} of {name}", **limits)
+        value = None if not below else faults.of(node_number, below, kind, f"{key} of {name}", **limits)
         if value is not None:
             values[key] = value
     values = values if period is None else _across_north(values, period)
@@ -227,9 +229,8 @@ def read_orientation(node: Node, name: str, of: OrientationKind = "plane") -> Fi
         advice = f"An orientation takes {_EXAMPLES['fisher']}."
         fail("E165", f"{name} is an orientation, {dist} is for numbers", str(node.place), advice)
     faults = Faults(_wrong_parameters(node, dist, name))
-    mean_node, k_node = node.get("mean"), node.get("k")
-    mean = None if mean_node is None else faults.of(_orientation, mean_node, f"mean of {name}", of)
-    k = None if k_node is None else faults.of(node_number, k_node, "ratio", f"k of {name}", **_CONCENTRATION)
+    mean = faults.of(_orientation, node.get("mean"), f"mean of {name}", of) if node.get("mean") else None
+    k = faults.of(node_number, node.get("k"), "ratio", f"k of {name}", **_CONCENTRATION) if node.get("k") else None
     if faults or mean is None or k is None:
         raise DesignError(faults)
     return Fisher(mean, k)
@@ -260,19 +261,19 @@ def read_angles(node: Node, name: str, of: OrientationKind = "plane") -> Angles:
     return Angles(of, angles[0], angles[1])
 
 
-def _angle(node: Node | None, name: str, period: float | None) -> Distribution | float | None:
+def _angle(node: Node, name: str, period: float | None) -> Distribution | float | None:
     """One angle of an orientation; None where it is missing."""
-    if node is None or node.value is None:
+    if node.value is None:
         return None
     return read_distribution(node, "angle", name, period) if is_distribution(node) else node_number(node, "angle", name)
 
 
 def _dist(node: Node, name: str) -> str:
     given = node.get("dist")
-    text = (given.text or "").strip() if given is not None else ""
+    text = (given.text or "").strip()
     if text.lower() in PARAMETERS:
         return text.lower()
-    where = str(given.key_place if given is not None else node.place)
+    where = str(given.key_place if given else node.place)
     advice = did_you_mean(text.lower(), PARAMETERS, f"Known: {', '.join(PARAMETERS)}.")
     shown = repr(text) if text else "not named"
     raise DesignError([Fault("E165", f"the distribution of {name} is {shown}, which is not known", where, advice)])
@@ -288,7 +289,7 @@ def _wrong_parameters(node: Node, dist: str, name: str) -> Iterator[Fault]:
             advice = f"A mode belongs to {_EXAMPLES['triangular']}."
         yield Fault("E165", f"{dist} has no {key} ({name})", str(given.key_place), advice)
     for key in needed:
-        if node.get(key) is None:
+        if not node.get(key):
             message = f"{key} of {name} is missing, {dist} needs {', '.join(needed)}"
             yield Fault("E165", message, str(node.place), f"Write {_EXAMPLES[dist]}.")
 

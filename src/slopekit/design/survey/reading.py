@@ -20,9 +20,6 @@ from slopekit.core.orientation import (
 from slopekit.design.fields import Field, fields_of
 from slopekit.design.reading.nodes import fail
 from slopekit.design.reading.on_disk import read_bytes
-from slopekit.design.survey.ags import read_ags_table
-from slopekit.design.survey.bad_rows import BadRow, grouped_faults, skipped_rows
-from slopekit.design.survey.beyond_vertical import SHARE_OF_BAD_ROWS, BeyondVertical, beyond_vertical, swapped_columns
 from slopekit.design.survey.columns import (
     AMBIGUOUS_DIRECTIONS,
     COLUMNS,
@@ -35,6 +32,7 @@ from slopekit.design.survey.columns import (
     STRIKE_WITH_SIDE,
     WAYS,
     WORDS,
+    Preamble,
     SurveyColumn,
     checked_convention,
     column_of,
@@ -44,14 +42,22 @@ from slopekit.design.survey.columns import (
     names_may_repeat,
     number_in,
     plane_columns,
+    preamble_of,
     spelled,
     why_no_joints,
 )
-from slopekit.design.survey.joint_list import JointList, MeasuredJoint
+from slopekit.design.survey.joint_list import BadRow, JointList, MeasuredJoint, grouped_faults, skipped_rows
 from slopekit.design.survey.oriented_core import CoreLog, core_columns
-from slopekit.design.survey.planes import DIP_FIRST, PlaneReader, dip_and_azimuth
-from slopekit.design.survey.preamble import Preamble, preamble_of
-from slopekit.design.survey.tables import SurveyTable, frame_table, headings_with_units
+from slopekit.design.survey.planes import (
+    DIP_FIRST,
+    SHARE_OF_BAD_ROWS,
+    BeyondVertical,
+    PlaneReader,
+    beyond_vertical,
+    dip_and_azimuth,
+    swapped_columns,
+)
+from slopekit.design.survey.tables import SurveyTable, frame_table, headings_with_units, read_table
 
 _PLANE = re.compile(r"^\d+([.,]\d+)?°?\s*/\s*\d+([.,]\d+)?°?$")
 _COUNT = re.compile(r"^[+-]?(\d+(\.\d*)?|\.\d+)$")
@@ -99,7 +105,7 @@ def read_joints(
         convention, or two formats, E193 a row, quantity or size that does not fit, or too many to be skipped: every bad
         row of the file, those of one kind together.
     """
-    table = read_ags_table(Path(path).name, read_bytes(path, MOST_BYTES, _TOO_LARGE))
+    table = read_table(Path(path).name, read_bytes(path, MOST_BYTES, _TOO_LARGE))
     return _Reader(table, convention, skip_bad, option, sizes, columns).survey()
 
 
@@ -107,7 +113,7 @@ def read_joints_text(
     name: str, text: str, skip_bad: bool = False, columns: str | Sequence[str] | None = None
 ) -> JointList:
     """Read the text of a joint list as `read_joints` reads a file of that name."""
-    return _Reader(read_ags_table(name, text.encode()), None, skip_bad, "--convention", False, columns).survey()
+    return _Reader(read_table(name, text.encode()), None, skip_bad, "--convention", False, columns).survey()
 
 
 def read_frame(
@@ -525,7 +531,7 @@ class _Reader:
             return field.default
         if not field.unit and not _COUNT.match(text):
             message = f"{what} is {text!r}, {field.limits_in_words()}"
-            self.fault(field.limits.code, message, line, field.limits.advice)
+            self.fault(field.code, message, line, field.advice)
         elif (
             field.measures == "pressure" and self.table.delimiter == "," and _THOUSANDS.match(self.written("c", cells))
         ):

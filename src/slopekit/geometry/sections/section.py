@@ -40,6 +40,11 @@ class PlaneSection:
         return np.array([x, 0.0, z])
 
     @property
+    def ends(self) -> Floats:
+        """The ends of the plane, (2, 3), the toe first."""
+        return np.array([np.zeros(3), self.bottom])
+
+    @property
     def length(self) -> float:
         """Of the plane, m."""
         return math.hypot(*self.outline[-1])

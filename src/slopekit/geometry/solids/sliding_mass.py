@@ -14,6 +14,7 @@ from manifold3d import Error, Manifold, Mesh64
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.errors import DesignError, Fault, GeometryError
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
+from slopekit.geometry.rays import line_triangle_intersections
 from slopekit.geometry.solids.shapes import GROUND, SLIP, AnalyticShape, Cutter, smooth_normals
 from slopekit.geometry.tolerances import MASS_BALANCE, NO_TURN, NUMERICAL_SLIVER, SLIVER_AREA, TINY
 
@@ -196,20 +197,10 @@ def through(mass: SlidingMass, start: Floats, direction: Floats) -> tuple[float 
     ----------
     start, direction : (3,) m and a unit vector
     """
-    a, b, c = (mass.vertices[mass.triangles[:, k]] for k in range(3))
-    first, second, away = b - a, c - a, start - a
-    across = np.cross(direction, second)
-    size = (first * across).sum(axis=1)
-    hit = np.abs(size) > 1e-14 * np.abs(size).max(initial=0.0)
-    share = np.where(hit, 1.0 / np.where(hit, size, 1.0), 0.0)
-    u, turned = (away * across).sum(axis=1) * share, np.cross(away, first)
-    v, reach = (turned @ direction) * share, (turned * second).sum(axis=1) * share
-    edge = 1e-12
-    met = np.flatnonzero(hit & (u >= -edge) & (v >= -edge) & (u + v <= 1.0 + edge) & (reach > 0.0))
-    if len(met) == 0:
+    at, met = line_triangle_intersections(start, direction, mass.vertices[mass.triangles])
+    if not (at > 0.0).any():
         return None, False
-    last = met[np.argmax(reach[met])]
-    return float(reach[last]), bool(mass.on[last] == SLIP)
+    return float(at.max()), bool(mass.on[met[at.argmax()]] == SLIP)
 
 
 def _manifold(cutter: Cutter, ids: Ints, name: str) -> Manifold:

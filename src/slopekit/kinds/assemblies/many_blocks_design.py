@@ -110,7 +110,7 @@ def read_surcharges(reader: Reader, blocks: Mapping[str, bool]) -> Iterator[tupl
     blocks : whether each moves, by name
     """
     field, node = fields_of(NamedDesign)["surcharges_kpa"], reader.at("loads.surcharge")
-    for name, below in node.items() if node is not None and node.is_mapping else ():
+    for name, below in node.items():
         if not blocks.get(name, False):
             message = (
                 f"a surcharge stands on {name}, {'which is fixed' if name in blocks else 'there is no such block'}"
@@ -124,9 +124,9 @@ def read_surcharges(reader: Reader, blocks: Mapping[str, bool]) -> Iterator[tupl
 def read_pressures(reader: Reader, interfaces: Sequence[str]) -> Water:
     """Water of a table, or by mean pressures on these interfaces; E118 for a part of full water."""
     node = reader.at("water")
-    part = node.get("mode") or node.get("fill") if node is not None and node.is_mapping else node
-    if part is not None and part.text not in (None, "dry", TABLE):
-        example = record_spec(fields_of(reader.record)["water"].of).known_keys()["pressures"].example
+    part = node.get("mode") or node.get("fill") if node.is_mapping else node
+    if part.text not in (None, "dry", TABLE):
+        example = record_spec(fields_of(reader.record)["water"].of).keys["pressures"].example
         message = f"water is {part.text}: in a {reader.kind} design it is dry, or given by its pressures"
         reader.fault("E118", message, part, f"Write water: {{pressures: {example}}}.")
         return Water()
@@ -135,8 +135,7 @@ def read_pressures(reader: Reader, interfaces: Sequence[str]) -> Water:
 
 def named_pressures(reader: Reader) -> list[tuple[str, Node]]:
     """The nodes of mean pressures by the names that the file has for their interfaces."""
-    node = reader.at("water.pressures")
-    return list(node.items()) if node is not None else []
+    return list(reader.at("water.pressures").items())
 
 
 def common(
@@ -163,7 +162,7 @@ def _seismic(reader: Reader, seismic: Seismic, in_section: bool, toward: float |
     """The seismic load with its direction; E253 where that is missing or leaves the section."""
     trend = toward if seismic.trend_deg is None else seismic.trend_deg
     node = reader.at("loads.seismic")
-    if not seismic.coefficient or node is None:
+    if not seismic.coefficient or not node:
         return seismic
     if trend is None:
         message = "the seismic load has no direction, and the blocks do not say which way the slope falls"
@@ -198,7 +197,7 @@ def _block_of(reader: Reader, node: Node, what: str, blocks: Mapping[str, bool] 
     """The block of a load: the one it names, or the only one that moves; E250."""
     block = node.get("block")
     moving = [name for name, moves in (blocks or {}).items() if moves]
-    if block is not None and block.text is not None:
+    if block.text is not None:
         if blocks and not blocks.get(block.text, False):
             is_fixed = block.text in blocks
             message = f"a {what} acts on {block.text}, {'which is fixed' if is_fixed else 'there is no such block'}"
@@ -207,7 +206,7 @@ def _block_of(reader: Reader, node: Node, what: str, blocks: Mapping[str, bool] 
     if len(moving) == 1:
         return moving[0]
     key = "head" if what == "bolt" else "at"
-    if blocks is None and node.get(key) is None:
+    if blocks is None and not node.get(key):
         message = f"a {what} does not say where it acts: the bench has many blocks"
         reader.fault("E250", message, node, f"Add {key}: a point in its block (or block: its name).")
     elif blocks is not None and moving:

@@ -1,23 +1,21 @@
 """Many blocks in arrays: the blocks, their contacts and strengths, the loads on them."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats, Ints, cross, frozen
+from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.core.orientation import Line
 from slopekit.design.parts import Bolt, Force, Strength
 from slopekit.geometry.patches import BEDROCK, Assembly
+from slopekit.geometry.rays import line_triangle_intersections
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign, NamedDesign
 from slopekit.kinds.sizes import Crest
 from slopekit.kinds.solver_inputs import point_force
-from slopekit.loads import NO_BOLTS, AssemblyLoads, PassiveBolts, PointForce, assembly_loads
-
-_ON = 1e-9  # of an edge: a line that passes through it hits a face
-
+from slopekit.loads import NO_BOLTS, AssemblyLoads, BlockLoad, PassiveBolts, PointForce, assembly_loads
 
 #: The number of a block by its name, or by a point in it.
 _Finder: TypeAlias = Callable[[str | None, Floats | None], int | None]
@@ -29,43 +27,25 @@ class SceneLoads:
 
     Attributes
     ----------
-    seismic : (3,) parts of the weight; pushes : forces and active bolts on blocks by index
+    seismic : (3,) parts of the weight
+    pushes : open water, surcharges, forces and active bolts, these at both ends where two blocks move
     bolts : the passive ones, bolt_names : as the design numbers them
-    anchors : active bolts between two blocks that move, anchor_pushes : the numbers of their pushes, from 1
-    pond : force and couple of open water on the free faces of blocks by index; surcharge : on their tops
     """
 
     seismic: Floats = field(default_factory=lambda: np.zeros(3))
-    pushes: tuple[tuple[int, PointForce], ...] = ()
+    pushes: tuple[BlockLoad, ...] = ()
     bolts: PassiveBolts = NO_BOLTS
     bolt_names: tuple[str, ...] = ()
-    anchors: PassiveBolts = NO_BOLTS
-    anchor_pushes: tuple[int, ...] = ()
-    pond: tuple[tuple[int, PointForce], ...] = ()
-    surcharge: tuple[tuple[int, PointForce], ...] = ()
 
     def without(self, gone: Bools) -> "SceneLoads":
         """Return what acts without some blocks (n,), and without the bolts and anchors to them."""
         is_gone = np.append(gone, False)
-        bolts, anchors = (
-            np.flatnonzero(~(is_gone[ties.head] | is_gone[ties.toe])) for ties in (self.bolts, self.anchors)
-        )
-        anchor_pushes = tuple(self.anchor_pushes[k] for k in anchors.tolist())
-        let_go = set(self.anchor_pushes) - set(anchor_pushes)
-        nothing = PointForce(np.zeros(3), None)
-        pushes = (
-            (block, nothing if gone[block] or number in let_go else push)
-            for number, (block, push) in enumerate(self.pushes, 1)
-        )
+        bolts = np.flatnonzero(~(is_gone[self.bolts.head] | is_gone[self.bolts.toe]))
         return SceneLoads(
             self.seismic,
-            tuple(pushes),
+            tuple(load for load in self.pushes if not is_gone[load.block] and not is_gone[load.tied]),
             self.bolts.chosen(bolts),
             tuple(self.bolt_names[k] for k in bolts.tolist()),
-            self.anchors.chosen(anchors),
-            anchor_pushes,
-            tuple((block, push) for block, push in self.pond if not gone[block]),
-            tuple((block, push) for block, push in self.surcharge if not gone[block]),
         )
 
 
@@ -157,7 +137,8 @@ def with_loads(design: AssemblyDesign, scene: AssemblyScene, toward_deg: float, 
     earthquake = design.seismic
     trend = toward_deg if earthquake.trend_deg is None else earthquake.trend_deg
     seismic = earthquake.coefficient * Line(trend, 0.0).vector() if earthquake.coefficient else np.zeros(3)
-    return replace(scene, acting=replace(_pushed(design, scene), seismic=seismic))
+    scene = _pushed(design, scene)
+    return replace(scene, acting=replace(scene.acting, seismic=seismic))
 
 
 def with_ground(design: NamedDesign, scene: AssemblyScene) -> AssemblyScene:
@@ -169,20 +150,18 @@ def with_ground(design: NamedDesign, scene: AssemblyScene) -> AssemblyScene:
     return with_surcharges(design, with_water(design, scene, np.array([1.0, 0.0, 0.0])))
 
 
+def with_pushes(scene: AssemblyScene, pushes: Iterable[BlockLoad]) -> AssemblyScene:
+    """A scene with further forces on its blocks."""
+    return replace(scene, acting=replace(scene.acting, pushes=(*scene.acting.pushes, *pushes)))
+
+
 def scene_loads(scene: AssemblyScene) -> AssemblyLoads:
     """All loads on the blocks of a scene."""
     acting = scene.acting
     return assembly_loads(
-        scene.assembly,
-        scene.unit_weights,
-        acting.seismic,
-        scene.pressures,
-        (*acting.pushes, *acting.surcharge),
-        acting.bolts,
+        scene.assembly, scene.unit_weights, acting.seismic, scene.pressures, acting.pushes, acting.bolts,
         scene.water_points,
-        acting.pond,
-        acting.anchors,
-    )
+    )  # fmt: skip
 
 
 def least_counted_weight(design: AssemblyDesign, scene: AssemblyScene, loads: AssemblyLoads) -> float:
@@ -190,16 +169,13 @@ def least_counted_weight(design: AssemblyDesign, scene: AssemblyScene, loads: As
     return design.smallest_block * float(np.median(loads.weights[~scene.assembly.fixed]))
 
 
-def _pushed(design: AssemblyDesign, scene: AssemblyScene) -> SceneLoads:
-    """The loads of a scene with forces and active bolts, each on its block, and passive bolts with their names.
+def _pushed(design: AssemblyDesign, scene: AssemblyScene) -> AssemblyScene:
+    """A scene with forces and active bolts, each on its block, and passive bolts with their names.
 
     An active bolt that ends in another block which moves pulls that too.
     """
-    pushes, faults = [], []
-    passive: list[tuple[int, int, PointForce]] = []
-    anchors: list[tuple[int, int, PointForce]] = []
-    push_numbers: list[int] = []
-    names: list[str] = []
+    faults, pushes, far_ends = list[Fault](), list[BlockLoad](), list[BlockLoad]()
+    passive, names = list[tuple[int, int, PointForce]](), list[str]()
     finder = _finder(scene)
     loads: list[tuple[str, str, Force | Bolt, PointForce]] = []
     for k, force in enumerate(design.forces, 1):
@@ -210,15 +186,15 @@ def _pushed(design: AssemblyDesign, scene: AssemblyScene) -> SceneLoads:
         place = design.place_of("support", "bolts", k, len(design.bolts))
         loads.append((f"bolt {k}", place, bolt, PointForce(bolt.force_kn * bolt.toward.vector(), head)))
     for name, place, load, push in loads:
-        block = finder(load.block, push.at)
+        block, toe = finder(load.block, push.at), BEDROCK
         if block is None:
             reason = f"there is no block {load.block}" if load.block is not None else "its point lies in no block"
             faults.append(Fault("E250", f"{name} acts on no block: {reason}", place))
-        elif scene.assembly.fixed[block]:
+            continue
+        if scene.assembly.fixed[block]:
             faults.append(Fault("E250", f"{name} acts on {scene.names[block]}, which is bedrock", place))
-        elif isinstance(load, Force):
-            pushes.append((block, push))
-        else:
+            continue
+        if isinstance(load, Bolt):
             toe, wrong = _toe(scene, load, block, finder)
             if wrong is not None:
                 faults.append(Fault(wrong[0], f"{name} {wrong[1]}", place, wrong[2]))
@@ -226,16 +202,14 @@ def _pushed(design: AssemblyDesign, scene: AssemblyScene) -> SceneLoads:
                 passive.append((block, toe, push))
                 names.append(name)
                 continue
-            pushes.append((block, push))
-            if toe != BEDROCK:
-                anchors.append((block, toe, push))
-                push_numbers.append(len(pushes))
+        number = f"force {len(pushes) + 1}"
+        pushes.append(BlockLoad(number, block, push, toe))
+        if toe != BEDROCK:
+            far_ends.append(BlockLoad(f"{number}, at its end", toe, PointForce(-push.force, push.at), block))
     if faults:
         raise DesignError(faults)
-    return replace(
-        scene.acting, pushes=tuple(pushes), bolts=_along(scene, passive), bolt_names=tuple(names),
-        anchors=_along(scene, anchors), anchor_pushes=tuple(push_numbers),
-    )  # fmt: skip
+    bolted = replace(scene.acting, bolts=_along(scene, passive), bolt_names=tuple(names))
+    return with_pushes(replace(scene, acting=bolted), (*pushes, *far_ends))
 
 
 def _toe(
@@ -273,26 +247,15 @@ def _toe(
 
 
 def last_left(scene: AssemblyScene, head: Floats, end: Floats, block: int | None = None) -> int:
-    """Return the block that a line from head to end (3,) leaves last, of all or of one; -1 where it leaves none.
-
-    Each face is a triangle that it may pass (Möller & Trumbore 1997, J. Graphics Tools 2, 21-28).
-    """
+    """Return the block that a line from head to end (3,) leaves last, of all or of one; -1 where it leaves none."""
     triangles, block_of_triangle = scene.surface
     if block is not None:
         triangles, block_of_triangle = (of_all[block_of_triangle == block] for of_all in (triangles, block_of_triangle))
     if scene.assembly.in_section:
         head, end = head * [1.0, 0.0, 1.0], end * [1.0, 0.0, 1.0]
-    a, b, c = triangles.swapaxes(0, 1)
-    direction, first_edge, second_edge = end - head, b - a, c - a
-    across = cross(np.broadcast_to(direction, second_edge.shape), second_edge)
-    size = (first_edge * across).sum(axis=1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        first = ((head - a) * across).sum(axis=1) / size
-        moment = cross(head - a, first_edge)
-        second = moment @ direction / size
-        distance = (second_edge * moment).sum(axis=1) / size
-        hits = (first >= -_ON) & (second >= -_ON) & (first + second <= 1.0 + _ON) & (distance > 0.0) & (distance <= 1.0)
-    return int(block_of_triangle[np.where(hits, distance, -1.0).argmax()]) if hits.any() else -1
+    at, met = line_triangle_intersections(head, end - head, triangles)
+    is_passed = (at > 0.0) & (at <= 1.0)
+    return int(block_of_triangle[met[np.where(is_passed, at, -1.0).argmax()]]) if is_passed.any() else -1
 
 
 def _holds(outline: Floats, point: Floats) -> bool:

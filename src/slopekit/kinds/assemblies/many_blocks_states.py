@@ -6,13 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from slopekit.block_scene import OPEN, SLIP, STICK, Arrows, NodePairState, Sizes
+from slopekit.block_scene import CLOSED, OPEN, SLIP, SLIPS, STICK, Arrows, NodePairState, Sizes
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.evidence import AtFactorOne, Movement
 from slopekit.findings import GoverningInterface, Mechanism
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene
-from slopekit.kinds.single_block.one_block_states import CLOSED, SLIPS
 from slopekit.kinds.sizes import Crest, extents_of, on_plane
 from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
 from slopekit.loads import AssemblyLoads, line_of_action
@@ -173,22 +172,17 @@ def _pair_states(scene: AssemblyScene, component: Part) -> NodePairState:
     real = model.joint_pairs
     contact = model.pair_contact[real]
     opened, slips, _ = states_of_part(component)
-    if scene.assembly.in_section:
-        normals, tangents = np.zeros((len(model.plus), 3)), np.zeros((len(model.plus), 1, 3))
-        normals[:, [0, 2]] = model.plus_motion[:, 0, :2]
-        tangents[:, 0, [0, 2]] = model.plus_motion[:, 1, :2]
-    else:
-        normals, tangents = model.plus_motion[:, 0, :3], model.plus_motion[:, 1:3, :3]
+    tangents = model.axes[model.group_contact, 1 : 1 + limit.friction.shape[1]]
     # the pairs of a flat contact in a section share one friction force: each has its part of the strength
     capacity = line(model.cohesion * limit.bond, model.tan_friction[model.group_of_pair], limit.normal_force)
     capacity_of_group = model.by_group(capacity)[model.group_of_pair]
     share = np.divide(capacity, capacity_of_group, out=np.zeros_like(capacity_of_group), where=capacity_of_group > 0.0)
-    forces = np.einsum("gt,gtx->gx", limit.friction, tangents[model.group_contact])
+    forces = np.einsum("gt,gtx->gx", limit.friction, tangents)
     moving = np.append(model.moving, -1)
     plus, minus = model.plus[: len(component.patch)], model.minus[: len(component.patch)]
     return NodePairState(
         frozen(model.points[real] + scene.origin), _whole(patches.joint[component.patch][contact]),
-        frozen(model.control_area[real] * model.area_scale), frozen(normals[contact]), moving[plus][contact],
+        frozen(model.control_area[real] * model.area_scale), frozen(model.axes[contact, 0]), moving[plus][contact],
         np.where(minus < 0, _rock(scene, component, plus), moving[minus])[contact],
         frozen(limit.normal_force[real] * model.force_scale),
         frozen((forces[model.group_of_pair] * share[:, None])[real] * model.force_scale),
@@ -239,20 +233,10 @@ def assembly_arrows(scene: AssemblyScene, loads: AssemblyLoads, solved: Sequence
     for side, sign in ((patches.plus, 1.0), (patches.minus, -1.0)):
         wet = np.flatnonzero((side >= 0) & (loads.water != 0.0))
         wet = wet[~assembly.fixed[side[wet]]]
-        add("water", side[wet], sign * loads.water[wet, None] * patches.normals[wet], loads.water_at(assembly)[wet])
-    for block, push in scene.acting.pond:
-        points = assembly.centroids[block] + line_of_action(push)
-        add("water", np.array([block]), push.force[None, :], points[None, :])
-    for block, push in scene.acting.surcharge:
-        assert push.at is not None
-        add("surcharge", np.array([block]), push.force[None, :], push.at[None, :])
-    for k, (block, push) in enumerate(scene.acting.pushes, 1):
-        points = assembly.centroids[block] if push.at is None else push.at
-        add(f"force {k}", np.array([block]), push.force[None, :], points[None, :])
-    anchors = scene.acting.anchors
-    for k, push_number in enumerate(scene.acting.anchor_pushes):
-        name = f"force {push_number}, at its end"
-        add(name, anchors.toe[k : k + 1], -anchors.forces[k : k + 1], anchors.points[k : k + 1])
+        add("water", side[wet], sign * loads.water[wet, None] * patches.normals[wet], loads.water_points[wet])
+    for load in scene.acting.pushes:
+        at = assembly.centroids[load.block] + line_of_action(load.push) if load.push.at is None else load.push.at
+        add(load.name, np.array([load.block]), load.push.force[None, :], at[None, :])
     bolts = scene.acting.bolts
     for k, pull in enumerate(bolt_pulls(scene, solved).tolist()):
         name, share = f"passive bolt {k + 1}", pull / float(np.linalg.norm(bolts.forces[k]))

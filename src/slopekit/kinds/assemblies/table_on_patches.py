@@ -17,9 +17,9 @@ from slopekit.geometry.patches import Assembly
 from slopekit.geometry.pressure import Pressure, under_planes
 from slopekit.geometry.rock.bench import ConvexBody
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign, NamedDesign
-from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene
+from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, with_pushes
 from slopekit.kinds.water import above_ground, pressure_below, refuse
-from slopekit.loads import PointForce
+from slopekit.loads import BlockLoad, PointForce
 
 _NOTHING = 1e-9  # of the water that a block displaces: a push of that size is rounding
 _IN_PLANE = 1e-6  # of the size of a block: its faces nearer than that lie in the upper slope
@@ -65,8 +65,8 @@ def with_water(
     if water.pond is not None and not pond:
         message = f"the pond stands at {number(water.pond + level)} m: it wets no face of a block that can move"
         notices = (*notices, Notice("W419", message))
-    acting = replace(scene.acting, pond=pond)
-    return replace(scene, pressures=frozen(means), water_points=frozen(points), notices=notices, acting=acting)
+    wet = replace(scene, pressures=frozen(means), water_points=frozen(points), notices=notices)
+    return with_pushes(wet, pond)
 
 
 def _refuse_over_highest(water: Pressure, scene: AssemblyScene) -> None:
@@ -162,7 +162,7 @@ def _of_block(assembly: Assembly, block: int) -> tuple[Ints, Floats]:
     return np.concatenate([numbers for numbers, _ in sides]), np.concatenate(normals)
 
 
-def _on_free_faces(pond: Pressure, scene: AssemblyScene) -> Iterator[tuple[int, PointForce]]:
+def _on_free_faces(pond: Pressure, scene: AssemblyScene) -> Iterator[BlockLoad]:
     """What a pond does to blocks that can move, on all of their surface that is no contact."""
     assembly = scene.assembly
     patches = assembly.patches
@@ -187,7 +187,7 @@ def _on_free_faces(pond: Pressure, scene: AssemblyScene) -> Iterator[tuple[int, 
         force += pushes.sum(axis=0)
         couple += cross(points[touching] - centre, pushes).sum(axis=0)
         if float(np.sqrt(force @ force)) > _NOTHING * displaced:
-            yield block, PointForce(force, None, couple)
+            yield BlockLoad("water", block, PointForce(force, None, couple), is_live=False)
 
 
 def with_surcharge(scene: AssemblyScene, pressure_kpa: float | None, outside: ConvexBody) -> AssemblyScene:
@@ -204,8 +204,8 @@ def with_surcharge(scene: AssemblyScene, pressure_kpa: float | None, outside: Co
     for block in np.unique(assembly.triangle_block[plan > 0.0]).tolist():
         if not assembly.fixed[block]:
             is_loaded = (assembly.triangle_block == block) & (plan > 0.0)
-            loaded.append((block, _pressed(pressure_kpa, plan[is_loaded], corners[is_loaded].mean(axis=1))))
-    return replace(scene, acting=replace(scene.acting, surcharge=tuple(loaded)))
+            loaded.append(_pressed(block, pressure_kpa, plan[is_loaded], corners[is_loaded].mean(axis=1)))
+    return with_pushes(scene, loaded)
 
 
 def with_surcharges(design: NamedDesign, scene: AssemblyScene) -> AssemblyScene:
@@ -233,11 +233,13 @@ def with_surcharges(design: NamedDesign, scene: AssemblyScene) -> AssemblyScene:
         if not float(plans.sum()) > _IN_PLANE * whole_plan:
             message = f"the surcharge on {name} has nothing to stand on: no part of it looks up and touches no other"
             raise MisfitError([Fault("E461", message, "", "Name the block on top, or give a force.")])
-        loaded.append((block, _pressed(pressures[name], plans, middles)))
-    return replace(scene, acting=replace(scene.acting, surcharge=tuple(loaded)))
+        loaded.append(_pressed(block, pressures[name], plans, middles))
+    return with_pushes(scene, loaded)
 
 
-def _pressed(pressure_kpa: float, plans: Floats, middles: Floats) -> PointForce:
-    """A pressure on plan areas (k,) about their middles (k, 3)."""
+def _pressed(block: int, pressure_kpa: float, plans: Floats, middles: Floats) -> BlockLoad:
+    """A surcharge on plan areas (k,) of a block about their middles (k, 3)."""
     total = float(plans.sum())
-    return PointForce(np.array([0.0, 0.0, -pressure_kpa * total]), plans @ middles / total)
+    return BlockLoad(
+        "surcharge", block, PointForce(np.array([0.0, 0.0, -pressure_kpa * total]), plans @ middles / total)
+    )

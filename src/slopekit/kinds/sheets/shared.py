@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from slopekit.core.sheet import Column, Entry, Table, factor_text
 from slopekit.design.parts import Rule
-from slopekit.evidence import ReductionStep, ResidualFactors, WithoutBasal
+from slopekit.evidence import Factors, ReductionStep, WithoutBasal
 from slopekit.kinds.words import alike, short
 from slopekit.notices import INVENTED
 from slopekit.result import JUDGED, METHODS, STATUSES, Result
@@ -173,7 +173,7 @@ def series(result: Result) -> list[Entry]:
     return [Table(columns, result.series)]
 
 
-def verdict(factors: Result | ResidualFactors, agree_within: float) -> str:
+def verdict(factors: Result | Factors, agree_within: float) -> str:
     """Whether the limit agrees with the closed form, and by how much it differs."""
     if factors.agree is None:
         return "not compared with the closed form"

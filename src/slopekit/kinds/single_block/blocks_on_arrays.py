@@ -15,7 +15,7 @@ from slopekit.design.parts import Bolt, Strength
 from slopekit.geometry.polytopes import Polytopes
 from slopekit.kinds.single_block.closed_forms import OnArrays
 from slopekit.kinds.single_block.held_bolts import Bounds, blocks_within
-from slopekit.kinds.single_block.one_block_states import motion_statuses
+from slopekit.kinds.single_block.one_block_limit import motion_statuses
 from slopekit.kinds.water import LocalSlope, pushes
 from slopekit.loads import PointForce
 from slopekit.notices import SQUARE

@@ -14,8 +14,7 @@ import numpy as np
 
 from slopekit.core.onlooker import Clock, say
 from slopekit.kinds.protocol import D
-from slopekit.kinds.single_block.one_block_limit import Cut, find_limit
-from slopekit.kinds.single_block.one_block_states import ContactModel
+from slopekit.kinds.single_block.one_block_limit import ContactModel, Cut, find_limit
 from slopekit.kinds.words import times
 from slopekit.preie.motion.balance import Balance
 from slopekit.preie.one_block.flat_limit import flat_limit, forces_limit, refined_factor

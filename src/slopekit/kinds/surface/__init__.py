@@ -11,7 +11,7 @@ import numpy as np
 
 from slopekit.closed_form import columns as lem
 from slopekit.closed_form.rotation import rotational_failure
-from slopekit.core.arrays import Floats, Ints, frozen
+from slopekit.core.arrays import Floats, Ints, cross, frozen
 from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.core.onlooker import say
 from slopekit.core.orientation import Line, coordinates, millimetre
@@ -21,6 +21,7 @@ from slopekit.design.parts import MeshFile
 from slopekit.extents import SurfaceGeometry
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.geometry.polytopes import Block
+from slopekit.geometry.pressure import Height, Pressure, in_strips
 from slopekit.geometry.solids.meshes import outward, read_mesh
 from slopekit.geometry.solids.shapes import GROUND, SLIP, Cutter, Cylinder, Ellipsoid, profile_prism, sheet_solid
 from slopekit.geometry.solids.sliding_mass import (
@@ -31,13 +32,14 @@ from slopekit.geometry.solids.sliding_mass import (
     facet_pairs,
     halvings,
     through,
+    volume_moments,
 )
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.single_block.one_block import SingleBlock
-from slopekit.kinds.single_block.one_block_limit import Cut, FoundLimit, Interface
-from slopekit.kinds.single_block.one_block_states import ContactModel
+from slopekit.kinds.single_block.one_block_limit import ContactModel, Cut, FoundLimit, Interface
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
-from slopekit.kinds.surface.design import SurfaceDesign, read_surface
+from slopekit.kinds.surface.design import SurfaceDesign, along_x, read_surface
+from slopekit.kinds.water import above_ground, pressure_below, refuse
 from slopekit.kinds.words import short, slope_sections, strength_in_words, water_in_words
 from slopekit.loads import Loads, PointForce, block_loads
 from slopekit.preie.one_block.pairs_limit import pairs_limit
@@ -57,6 +59,7 @@ _LEVEL_OF_FACETS = 4
 _COARSEST = 2  # level from which the wanted edge is reached by halving
 _NOT_DRIVEN = 1e6  # a factor beyond this is that of level ground
 _OVERHUNG = 1e-6  # of the weight
+_ALONG = np.array([1.0, 0.0, 0.0])  # what places of points count along
 
 
 def cut(design: SurfaceDesign) -> Cut:
@@ -175,8 +178,6 @@ def _loads(design: SurfaceDesign, mass: SlidingMass, pairs: NodePairs) -> Loads:
         couple = np.cross(pairs.points - mass.centroid, shares).sum(axis=0)
         pushes[f"water {SLIP}"] = PointForce(shares.sum(axis=0), None, couple)
     elif design.water.has_table:
-        from slopekit.kinds.surface.water import pushes_of
-
         pushes = pushes_of(design, mass)
     return block_loads(
         _block(mass), design.rock.unit_weight_kn_m3, _seismic(design),
@@ -198,6 +199,59 @@ def _falls(design: SurfaceDesign) -> float:
         return 1.0
     line = sorted(design.profile_m)
     return 1.0 if line[-1][1] <= line[0][1] else -1.0
+
+
+# -- water ------------------------------------------------------------------------------------------------------------
+
+
+def water_of(design: SurfaceDesign) -> Pressure:
+    """The water of a design, in its own coordinates."""
+
+    def at_depth(depth: float) -> tuple[Height, ...]:
+        places, levels = zip(*along_x(design.profile_m or ()), strict=True)
+        return in_strips(_ALONG, places, [level - depth for level in levels])
+
+    return pressure_below(design, _ALONG, 0.0, at_depth)
+
+
+def pushes_of(design: SurfaceDesign, mass: SlidingMass) -> dict[str, PointForce]:
+    """Water on the slip surface, and of a pond on the ground: forces through the centroid, with their couples.
+
+    Between the facets and an analytic surface lies a sliver of ground. There, too, the pressure is hydrostatic: on the
+    surface itself presses what presses on the facets, and γ_w times the sliver, upward, by the share of the facets that
+    is wet. So a drowned mass has its buoyant weight to the last digit.
+
+    Raises
+    ------
+    GeometryError
+        E456 the table lies above the ground.
+    """
+    water, vertices = water_of(design), mass.vertices + mass.origin
+    ground, slip = (vertices[mass.triangles[mass.on == face]] for face in (GROUND, SLIP))
+    refuse(above_ground(design, water, ground[None], float(np.ptp(vertices[:, 2]))))
+    centre = mass.centroid + mass.origin
+    force, couple, wet = _on_facets(water, slip, centre)
+    volume, moment = volume_moments(mass.vertices, mass.triangles)
+    sliver, first = mass.volume - volume, mass.volume * mass.centroid - moment
+    lift = np.array([0.0, 0.0, water.unit_weight * wet])
+    loads = {f"water {SLIP}": PointForce(
+        force + sliver * lift, None, couple + cross(first - sliver * mass.centroid, lift)
+    )}  # fmt: skip
+    if water.pond is not None:
+        force, couple, _ = _on_facets(Pressure((), water.pond, water.unit_weight), ground, centre)
+        loads[f"water {GROUND}"] = PointForce(force, None, couple)
+    return loads
+
+
+def _on_facets(water: Pressure, facets: Floats, centre: Floats) -> tuple[Floats, Floats, float]:
+    """Force (3,), couple (3,) about a point and the share of the area that is wet, of triangles (n, 3, 3)."""
+    areas = cross(facets[:, 1] - facets[:, 0], facets[:, 2] - facets[:, 0]) / 2.0
+    sizes = np.sqrt((areas * areas).sum(axis=1))
+    thrusts, at = water.on(facets)
+    is_wet = (thrusts > 0.0) & (sizes > 0.0)
+    pushes = -(thrusts / np.where(is_wet, sizes, np.inf))[:, None] * areas
+    wet, whole = float(sizes[is_wet].sum()), float(sizes.sum())
+    return pushes.sum(axis=0), cross(at - centre, pushes).sum(axis=0), wet / whole if whole else 0.0
 
 
 # -- closed forms -------------------------------------------------------------------------------------
@@ -270,8 +324,6 @@ def _columns(design: SurfaceDesign, notes: list[Notice]) -> dict[str, float | No
         share = f"{columns.overhung_share * 100:.1f} % of the weight hangs under the slip surface"
         notes.append(Notice("W324", f"{share}: the columns carry it, that part of the surface holds nothing in them"))
     if design.water.has_table:
-        from slopekit.kinds.surface.water import water_of
-
         columns = replace(columns, pore_pressure=water_of(design).at(columns.base_points))
     if design.water.mode == "pressures":
         columns = replace(columns, pore_pressure=np.full_like(columns.weights, design.water.pressures_kpa[0]))

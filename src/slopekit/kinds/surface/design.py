@@ -10,7 +10,7 @@ from slopekit.design.fields import Field, declare, fields_of, group, number, tex
 from slopekit.design.ground_water import read_table
 from slopekit.design.parts import MeshFile, Strength, axis_key
 from slopekit.design.reading.named_files import mesh_file
-from slopekit.design.reading.nodes import Node
+from slopekit.design.reading.nodes import NOTHING, Node
 from slopekit.design.reading.reader import Reader
 from slopekit.design.reading.structure import VALUE, Spec
 from slopekit.design.sections import read_common, read_strengths, read_water
@@ -165,14 +165,14 @@ def read_surface(reader: Reader) -> SurfaceDesign:
     ground = _mesh(reader, slope, "profile")
     profile = _profile(reader, reader.at("slope.profile"))
     slip = _slip(reader, node, _mesh(reader, node, "shape"))
-    strength = read_strengths(reader, [("slip", None, node or reader.root)])[0]
+    strength = read_strengths(reader, [("slip", NOTHING, node or reader.root)])[0]
     table = read_table(reader)
     has_depth = table is not None and table.table_depth_m is not None
     if has_depth and (profile is None or overhangs(profile)):
         ground_is = "the ground is a mesh" if profile is None else "the profile overhangs: there are two over one x"
         message = f"the water table lies below the ground, and {ground_is}"
         reader.fault("E454", message, reader.at("water.depth"), "Give its points or a plane.")
-    water, at = (table, None) if table is not None else read_water(reader, ["slip"], 1)
+    water, at = (table, NOTHING) if table is not None else read_water(reader, ["slip"], 1)
     if water.mode == "full":
         message = "how full a curved surface is says no pressure"
         reader.fault("E118", message, at, "Write water: {pressures: 5 kPa}.")
@@ -185,21 +185,21 @@ def read_surface(reader: Reader) -> SurfaceDesign:
     )
 
 
-def _mesh(reader: Reader, holder: Node | None, other: str) -> MeshFile | None:
+def _mesh(reader: Reader, holder: Node, other: str) -> MeshFile | None:
     """The mesh of a slope or of a slip surface, in place of its `other` description; E112 both, E143 none."""
-    if holder is None or not holder.is_mapping:
+    if not holder.is_mapping:
         return None
     node = holder.get("mesh")
-    if node is None or node.text is None:
-        if holder.get(other) is None:
+    if node.text is None:
+        if not holder.get(other):
             reader.fault("E143", f"{holder.path}.{other} is missing", holder, f"Add {other}: or mesh:.")
-    elif holder.get(other) is not None:
+    elif holder.get(other):
         reader.fault("E112", f"{holder.path} has mesh and {other}", node, "Give one of the two.")
     return mesh_file(reader, holder)
 
 
-def _profile(reader: Reader, node: Node | None) -> Points | None:
-    if node is None or not reader.is_sound(node):
+def _profile(reader: Reader, node: Node) -> Points | None:
+    if not node or not reader.is_sound(node):
         return None
     points = reader.points(node, "the profile")
     for k, point in enumerate(points):
@@ -210,15 +210,15 @@ def _profile(reader: Reader, node: Node | None) -> Points | None:
     return tuple(points)
 
 
-def _slip(reader: Reader, node: Node | None, mesh: MeshFile | None) -> Slip | None:
+def _slip(reader: Reader, node: Node, mesh: MeshFile | None) -> Slip | None:
     """The slip surface; E170 an unknown shape, E143 and E116 what its size says."""
-    if node is None or not node.is_mapping:
+    if not node.is_mapping:
         return None
-    is_mesh = node.get("mesh") is not None
+    is_mesh = bool(node.get("mesh"))
     values = reader.fields(Slip, node, only=("shape", "normals", "centre_m", "radii_m", "edge_m"))
     radius, length = (reader.field(fields_of(Slip)[key], node.get(key)) for key in ("radius", "length"))
     shape, normals = values["shape"], node.get("normals")
-    if is_mesh and normals is not None and values["normals"] == "true":
+    if is_mesh and normals and values["normals"] == "true":
         reader.fault("E170", "a mesh has no true normals", normals, "Leave normals out, or write smoothed.")
     if not is_mesh and not shape:
         return None
@@ -227,10 +227,10 @@ def _slip(reader: Reader, node: Node | None, mesh: MeshFile | None) -> Slip | No
     beside = "beside a mesh" if is_mesh else f"of the shape {shape}"
     for key in ("centre", "radii", "radius", "length", "edge"):
         below = node.get(key)
-        if below is not None and key not in needs:
+        if below and key not in needs:
             advice = f"Its size is {' and '.join(sizes) or 'that of the mesh'}."
             reader.fault("E170", f"slip.{key} says nothing {beside}", below, advice)
-        elif below is None and key in needs and key not in _OPTIONAL:
+        elif not below and key in needs and key not in _OPTIONAL:
             reader.fault("E143", f"slip.{key} is missing", node, f"Give slip.{key}.")
     if is_mesh:
         return Slip("mesh", mesh=mesh, edge_m=values["edge_m"], normals="smoothed")
@@ -245,6 +245,6 @@ def _centre(reader: Reader, holder: Node, shape: str, centre: tuple[float, ...])
     node = holder.get("centre")
     if shape == "cylinder" and len(centre) == 2:
         return centre[0], 0.0, centre[1]
-    if node is not None and len(centre) == len(node.elements) == 2:
+    if len(centre) == len(node.elements) == 2:
         reader.fault("E109", f"the centre of a {shape} is x, y, z", node)
     return centre

@@ -29,9 +29,8 @@ from slopekit.kinds.single_block.held_bolts import NEARLY_PARALLEL_DEG
 from slopekit.kinds.single_block.one_block import SingleBlock
 from slopekit.kinds.single_block.one_block_limit import Cut, find_limit
 from slopekit.kinds.wedge import limits
-from slopekit.kinds.wedge.cutting import cut, design_corners, full_water, shaken, shape_of
+from slopekit.kinds.wedge.cutting import bounds, cut, design_corners, full_water, heights, shaken, shape_of
 from slopekit.kinds.wedge.design import WedgeDesign, read_wedge
-from slopekit.kinds.wedge.planes import bounds, heights
 from slopekit.kinds.words import (
     line_in_words,
     short,

@@ -20,9 +20,19 @@ from slopekit.kinds.single_block.closed_forms import ClosedForms
 from slopekit.kinds.single_block.held_bolts import blocks_within, holding_bolts, pulling, upward
 from slopekit.kinds.sizes import on_plane
 from slopekit.kinds.wedge import ON_ARRAYS
-from slopekit.kinds.wedge.cutting import Shape
+from slopekit.kinds.wedge.cutting import (
+    BASAL,
+    J1,
+    J2,
+    Shape,
+    basal_at,
+    bounds,
+    crest_geometry,
+    dots,
+    plane_names,
+    trace_behind,
+)
 from slopekit.kinds.wedge.design import WedgeDesign
-from slopekit.kinds.wedge.planes import BASAL, J1, J2, basal_at, bounds, crest_geometry, dots, plane_names, trace_behind
 from slopekit.kinds.words import line_in_words, short
 
 _ACROSS = 1e-9  # a cosine: along the strike of the face it dips neither way

@@ -29,7 +29,7 @@ from slopekit.design.fields import (
 from slopekit.design.ground_water import WORST, SlopeDesign, read_table
 from slopekit.design.joints import JOINTS, GivenJoint, joints_of, refinements, strengths_of
 from slopekit.design.parts import Strength, Water
-from slopekit.design.reading.nodes import Document, Node, Place, from_python
+from slopekit.design.reading.nodes import NOTHING, Document, Node, Place, from_python
 from slopekit.design.reading.reader import Reader
 from slopekit.design.reading.structure import check_structure, spread
 from slopekit.design.sections import read_common, read_strength, read_water
@@ -229,21 +229,21 @@ def read_wedge(reader: Reader) -> WedgeDesign:
     """
     joints = joints_of(reader, 2)
     values = reader.fields(WedgeDesign, only=("face", "upper", "height_m"))
-    nodes = {key: node for key in ("basal", "crack") if (node := reader.at(key)) is not None and node.value is not None}
-    basal_node, crack_node = nodes.get("basal"), nodes.get("crack")
+    nodes = {key: node for key in ("basal", "crack") if (node := reader.at(key)).value is not None}
+    basal_node, crack_node = (nodes.get(key, NOTHING) for key in ("basal", "crack"))
     basal, under = _basal(reader, basal_node, [joint.name for joint in joints])
     strengths = strengths_of(reader, [*joints, *under]) if joints else _without_joints(reader, len(under))
-    crack = None if crack_node is None else _crack(reader, crack_node)
+    crack = _crack(reader, crack_node) if crack_node else None
     names = tuple(joint.name for joint in joints) or ("J1", "J2")
     values |= reader.fields(WedgeDesign, only=(*SlopeDesign.ACTIONS, "refine", "origin_m"))
-    water = _water(reader, crack_node, [*names, *nodes], 2 if basal_node is None else 3)
+    water = _water(reader, crack_node, [*names, *nodes], 3 if basal_node else 2)
     common = read_common(reader)
     sound = tuple(strength or Strength(0.0, 0.0) for strength in strengths)
     design: WedgeDesign = reader.made(
         WedgeDesign, values, common, joints=tuple(joint.plane for joint in joints), joint_names=names, crack=crack,
         water=water, basal=basal, limits=_limits(reader, names, tuple(nodes)), strengths=sound,
     )  # fmt: skip
-    if crack is None or crack_node is None or not math.isinf(crack.distance_m):
+    if crack is None or not math.isinf(crack.distance_m):
         return design
     from slopekit.kinds.single_block.worst_crack import with_worst_crack
     from slopekit.kinds.wedge import ON_ARRAYS  # which judges designs, and is made of them
@@ -251,9 +251,9 @@ def read_wedge(reader: Reader) -> WedgeDesign:
     return with_worst_crack(design, ON_ARRAYS, str(crack_node.place))
 
 
-def _basal(reader: Reader, node: Node | None, names: Sequence[str]) -> tuple[Basal | None, list[GivenJoint]]:
+def _basal(reader: Reader, node: Node, names: Sequence[str]) -> tuple[Basal | None, list[GivenJoint]]:
     """The basal joint, and the same as a joint whose strength is read with those of the others."""
-    if node is None:
+    if not node:
         return None, []
     if "basal" in names:
         message = "a joint is called basal, which is the name of the joint under the wedge"
@@ -261,11 +261,10 @@ def _basal(reader: Reader, node: Node | None, names: Sequence[str]) -> tuple[Bas
     elif not node.is_mapping:
         message = f"basal is {node.text}, it is a group of keys"
         reader.fault("E447", message, node, "Write basal: {plane: 20/180, height: 5 m}.")
-        return None, [GivenJoint("basal", None, None, node, {})]
+        return None, [GivenJoint("basal", None, NOTHING, node, {})]
     values = reader.fields(Basal, node)
     for key in ("plane", "height"):
-        below = node.get(key)
-        if below is None or below.value is None:
+        if node.get(key).value is None:
             reader.fault("E447", f"basal.{key} is missing", node, "Write basal: {plane: 20/180, height: 5 m}.")
     joint = GivenJoint("basal", values["plane"], node.get("strength"), node, {})
     return (None if None in values.values() else Basal(**values)), [joint]
@@ -274,7 +273,7 @@ def _basal(reader: Reader, node: Node | None, names: Sequence[str]) -> tuple[Bas
 def _limits(reader: Reader, names: Sequence[str], bounding: Sequence[str]) -> SizeLimits | None:
     """Limits of size: E116 a limit that is none, E197 of no joint, E112 beside what bounds the wedge, E126 a word."""
     node = reader.at("limits")
-    if node is None or not node.is_mapping or not node.items():
+    if not node.items():
         return None
     if bounding:
         message = f"limits of size and {' and '.join(bounding)}: a wedge that keeps its shape cannot have both"
@@ -310,26 +309,26 @@ def _crack(reader: Reader, node: Node) -> Crack | None:
         reader.fault("E120", f"crack is {words.shown(reader.written(node))}, it is written 80/180@5m", node)
         return None
     values, distance = reader.fields(Crack, keys), keys.get("distance")
-    if distance is not None and distance.text == WORST:
+    if distance.text == WORST:
         values["distance_m"] = math.inf  # looked for once the wedge is known
     return None if None in values.values() else Crack(**values)
 
 
-def _water(reader: Reader, crack: Node | None, order: Sequence[str], joints: int) -> Water:
+def _water(reader: Reader, crack: Node, order: Sequence[str], joints: int) -> Water:
     """Water on the joints, with the crack's own word: how full it is, its pressure, or the depth that wets the joints.
 
     Parameters
     ----------
     order : the interfaces, so many `joints` first
     """
-    node, table = crack.get("water") if crack is not None else None, read_table(reader)
+    node, table = crack.get("water"), read_table(reader)
     if table is not None:
-        if node is not None:
+        if node:
             message = "the crack's water and a water table both say how full it is"
             reader.fault("E112", message, node, "Keep one of them.")
         return table
     water, place = read_water(reader, order, joints)
-    if node is None or node.value is None:
+    if node.value is None:
         return water
     if reader.is_sound(node) and is_unit_of(unit_of(reader.value(node)), "length"):
         if water != Water():
@@ -346,7 +345,7 @@ def _water(reader: Reader, crack: Node | None, order: Sequence[str], joints: int
         pressure = reader.number(fields_of(Water)["pressures_kpa"], node, "water pressure")
         each = (*on_joints, *[0.0] * (joints - len(on_joints)), pressure or 0.0)
         return Water("pressures", 0.0, each) if any(each) else Water()
-    return water if value is None else replace(water, crack_fill=reader.kept(words.fill, value, str(node.place)))
+    return water if value is None else replace(water, crack_fill=reader.faults.of(words.fill, value, str(node.place)))
 
 
 # -- calls ------------------------------------------------------------------------------------------------------------

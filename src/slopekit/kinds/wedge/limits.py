@@ -149,7 +149,7 @@ def limits_in_words(design: Any) -> str:
             texts.append(f"{name} {', '.join(f'{joint} {number(value)} m' for joint, value in stated)}")
     for name, field in fields_of(type(limits)).items():
         value = getattr(limits, name)
-        if field.is_number and not field.shape.each and value is not None:
+        if field.is_number and not field.each and value is not None:
             texts.append(f"{field.in_words} {number(value)} {field.unit}")
     return ", ".join(texts) + (": larger ones are left out" if limits.by == "filter" else "")
 

@@ -42,6 +42,7 @@ from slopekit.preie.tolerances import (
 _DENSE = 20_000  # entries: below, B as a dense matrix multiplies faster than as a sparse one
 _SHORTEST = 0.02  # step of a line search
 _TRIES = 12  # Newton steps
+_FARTHER = 4  # Newton steps in a row that may climb before a shorter step of the path is tried
 _POLISHES = 3  # of a state that is at rest
 _KINKS = 8  # of the law of a joint that dilates: a flat contact has a few node pairs
 _BENDS, _STRAIGHT = 40, 1e-14  # Newton steps along a curved one, and change, in parts of what sticks, that ends them
@@ -365,10 +366,10 @@ class Bed:
             curved = self.strengths.curved
             self._kernels.tangent(
                 self._law, reduction, viscosity, not curved, turning, there.touching, there.slips,
-                there.direction, there.friction, there.slip, self.elastic, local,
+                there.direction, there.friction, there.slip, self.elastic,
+                None if there.pressed is None else there.pressed.slopes, self.cohesion, local,
             )  # fmt: skip
-            local = local - self._coupled(there, reduction) if curved else local
-            return local if there.pressed is None else local + self._shared(there, reduction)
+            return local - self._coupled(there, reduction) if curved else local
         carried = np.sqrt((there.friction * there.friction).sum(axis=1))
         sideways = self.spring.copy()
         if turning:
@@ -558,7 +559,7 @@ class Bed:
         working = self.working
         there, off = self.unbalanced_parts(at, before, parameter, viscosity)
         size = best = float(np.abs(off).max())
-        stalled = 0
+        stalled = farther = 0
 
         def worked(at: Floats, part: float) -> bool:
             return work is None or abs(work - float(working @ at)) < part * abs(work)
@@ -597,7 +598,9 @@ class Bed:
                 length *= 0.5
             stalled = stalled + 1 if nearest[0] > 0.75 * size and nearest[0] > 1e-8 * self.load_size else 0
             size, at, parameter, there, off = nearest
-            if (downhill and stalled >= 3) or (not downhill and size > 1e4 * best):
+            farther = farther + 1 if size > best else 0
+            lost = size > 1e4 * best or (work is not None and farther >= _FARTHER)
+            if stalled >= 3 if downhill else lost:
                 break
             best = min(best, size)
         good = there.balanced(size, ROUGHLY_SETTLED) and self._each_balanced(off) and worked(at, 1e-6)

@@ -266,7 +266,7 @@ def _eased(bed: Bed, flow: Flow, parameter: float) -> PathLimit | None:
         steady, slow = changed < 1e-2 * SAME_LIMIT, changed < SAME_LIMIT
         settled = viscous < SAME_LIMIT and ((same and (steady or (slow and far))) or (steady and far))
         small = bed.size <= (BORDERED if bed.tangents == 1 else _BORDERED_AS_WELL)
-        tries = small and viscous < VISCOUS_LEFT
+        tries = (same or failed is None) and small and viscous < VISCOUS_LEFT
         if failed is not None and forces.same_modes(failed):
             tries = tries and (bed.tangents == 1 or bed.size <= _CHEAPLY)
         if tries or (settled and bed.size <= BORDERED):

@@ -276,10 +276,9 @@ def _pressed_by_others(assembly: Assembly, present: Bools, part: Part) -> Bools:
 
 def _let_go(loads: AssemblyLoads, present: Bools, fixed: Bools) -> Bools:
     """Blocks (n,) at whose anchors nothing pulls any more, as those at the other ends are gone."""
-    head, toe = loads.anchors.head, loads.anchors.toe
     out = np.append(~present & ~fixed, False)
     freed = np.zeros(len(present), dtype=bool)
-    freed[head[out[toe]]] = freed[toe[out[head]]] = True
+    freed[[load.block for load in loads.pushes if out[load.tied]]] = True
     return freed
 
 

@@ -14,7 +14,7 @@ Four stages, each for the rows that the one before did not settle:
 4. Its least λ on finer ones: on a turn of the path, at a running state, or where a path that creeps is left.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from math import inf
@@ -57,6 +57,7 @@ _DEEP = 0.95  # of F by forces: below it paths may turn before they come down to
 _FAR_OUT = 100_000  # elastic displacements: so far out along its motion it is asked whether a path comes down or up
 _RUNNING = 40, 0, inf, 0.05  # to a running state, as of `bed_path`
 _LANDING = 200, 0, inf, 1e-3  # to where a path that creeps is left: far out, where few points carry
+_ANOTHER = 0.015  # of ln λ: finer triangles move a turn by less; one that is so much higher is another path's
 _MOST_LOWERED = 6  # times that a path goes on from a rest at less strength
 
 #: Motions that keep some contacts of n blocks closed, (n, u, d), and the others, (n, u, u - d).
@@ -326,34 +327,46 @@ class _Limits:
         blocks, u, reduction, ends = blocks[rests], u[rests], reduction[rests], ends[rests]
         if not len(blocks):
             return
-        path, elastic = self.followed(blocks, u, reduction, ends), lengths(u)
+        elastic = lengths(u)
+        path = self.followed(blocks, u, reduction, elastic, ends)
         self.found.early[blocks], self.found.steps[blocks] = np.exp(path.early), path.steps
+        is_coarse = np.ones(len(blocks), dtype=bool)  # no finer triangles balance
         lowest, tangent, is_far = path.lowest.copy(), path.tangent.copy(), path.outcome == PathEnd.FAR
+
+        def on_finer(rows: Ints, move: Callable[..., Bools], place: str) -> None:
+            for fine in self.finer:
+                settled = move(fine, blocks, rows, path, FAR * elastic, lowest, tangent)
+                lost = rows[~settled]
+                anew = fine.follow(blocks[lost], u[lost], reduction[lost], elastic[lost], ends[lost])
+                as_low = getattr(anew, place)[:, -1] < lowest[lost, -1] + _ANOTHER
+                anew = anew.of(np.flatnonzero(as_low & (anew.turns | (anew.outcome == PathEnd.FAR))))
+                retried = lost[anew.rows]  # on these triangles such a path ends so too
+                path.go_on(retried, anew)
+                lowest[retried], tangent[retried] = getattr(anew, place), anew.tangent
+                settled[np.isin(rows, retried)] = move(fine, blocks, retried, path, FAR * elastic, lowest, tangent)
+                is_coarse[rows[settled]] = False
+                rows = self.checked(fine, blocks, rows[settled], lowest, tangent)
+
+        on_finer(np.flatnonzero(path.turns), _turn, "lowest")
         path.turns &= ~is_far | (path.point[:, -1] - path.lowest[:, -1] > POLISHED)  # else it is level
-        turns = np.flatnonzero(path.turns)
-        for fine in self.finer:
-            at, along = fine.settle(blocks[turns], lowest[turns], path.heading[turns], path.side[turns])
-            known = np.isfinite(at[:, -1])
-            lowest[turns[known]], tangent[turns[known]] = at[known], along[known]
-            turns = self.checked(fine, blocks, turns, lowest, tangent)
         may_run = np.flatnonzero(path.outcome != PathEnd.TURNED)
         is_left = np.ones(len(blocks), dtype=bool)
         is_left[may_run[self.settled_runs(blocks[may_run], path.of(may_run), lowest[may_run])]] = False
         creeps = is_left & is_far & ~path.turns
-        rows = np.flatnonzero(creeps)
+        rows = np.flatnonzero(creeps & is_coarse)
         lowest[rows], tangent[rows] = path.point[rows], path.tangent[rows]  # as low, and nearer to where it is left
-        self.found.split[blocks[rows]] = self.coarse.springs.split  # where no finer triangles balance
-        for fine in self.finer:
-            landed = _land(fine, blocks, rows, elastic, lowest, tangent)
-            rows = self.checked(fine, blocks, rows[landed], lowest, tangent)
+        on_finer(rows, _land, "point")
+        self.found.split[blocks[creeps & is_coarse]] = self.coarse.springs.split
         status = np.where(creeps, BedStatus.CREEPS, BedStatus.RESTS)
         motion = _onward(tangent, lowest)
         motion *= np.where(dots(self.beds.load[blocks], motion) < 0.0, -1.0, 1.0)[:, None]  # some paths lead back
         self.found.put(blocks[is_left], status[is_left], lowest[is_left], motion[is_left])
 
-    def followed(self, blocks: Ints, u: Floats, reduction: Floats, ends: Floats) -> Paths:
-        """Follow paths; on finer triangles, or from a rest at less strength, where one ends before its block runs."""
-        elastic = lengths(u)
+    def followed(self, blocks: Ints, u: Floats, reduction: Floats, elastic: Floats, ends: Floats) -> Paths:
+        """Follow paths; on finer triangles, or from a rest at less strength, where one ends before its block runs.
+
+        That rest is put in place of where the path began, u (n, u) and λ (n,).
+        """
         path = self.coarse.follow(blocks, u, reduction, elastic, ends)
         lost = np.flatnonzero(path.outcome == PathEnd.CORNER)
         if len(lost):
@@ -369,6 +382,7 @@ class _Limits:
                 break
             lost, rest, lower = lost[goes_on], rest[goes_on], lower[goes_on]
             path.go_on(lost, self.coarse.follow(blocks[lost], rest, lower, elastic[lost], ends[lost]))
+            u[lost], reduction[lost] = rest, lower
         return path
 
     def settled_runs(self, blocks: Ints, path: Paths, lowest: Floats) -> Bools:
@@ -443,13 +457,27 @@ def _run(springs: BedSprings, blocks: Ints, bases: Bases, velocity: Floats, poin
     return solve_rows(equations, start, _RUNNING)
 
 
-def _land(fine: BedPath, blocks: Ints, rows: Ints, elastic: Floats, lowest: Floats, tangent: Floats) -> Bools:
-    """Move points of paths that creep to `FAR` elastic displacements, on finer triangles; return which were moved."""
-    goal, start = FAR * elastic[rows], lowest[rows]
+def _turn(
+    fine: BedPath, blocks: Ints, rows: Ints, path: Paths, farthest: Floats, lowest: Floats, tangent: Floats
+) -> Bools:
+    """Move points to the least λ on turns of paths, on finer triangles; return which were moved.
+
+    One that lies farther away, or much higher, is that of another path.
+    """
+    at, along = fine.settle(blocks[rows], lowest[rows], path.heading[rows], path.side[rows])
+    good: Bools = (at[:, -1] < lowest[rows, -1] + _ANOTHER) & (lengths(at[:, :-1]) <= farthest[rows])
+    lowest[rows[good]], tangent[rows[good]] = at[good], along[good]
+    return good
+
+
+def _land(
+    fine: BedPath, blocks: Ints, rows: Ints, path: Paths, farthest: Floats, lowest: Floats, tangent: Floats
+) -> Bools:
+    """Move points of paths that creep to the farthest displacement, on finer triangles; return which were moved."""
+    goal, start = farthest[rows], lowest[rows]
     start[:, :-1] = units(start[:, :-1])
     planes = np.concatenate([start[:, :-1], np.zeros((len(rows), 1))], axis=1)
     found = fine.on_planes(blocks[rows], planes, goal, start, _LANDING)
     good = rows[found.settled]
-    lowest[good] = on_scale(found.x, goal)[found.settled]
-    tangent[good] = found.tangent[found.settled]
+    lowest[good], tangent[good] = on_scale(found.x, goal)[found.settled], found.tangent[found.settled]
     return found.settled

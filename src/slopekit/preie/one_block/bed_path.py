@@ -30,6 +30,7 @@ _FIRST, _LONGEST = 0.1, 0.4  # steps along the path
 _MISSED = 0.02  # of a step: ln λ may differ so much from what its slopes at both ends make
 _CORNER = 1e-3  # steps may miss more where they are as short: points begin to slip
 _STRAIGHT = 0.98  # cosine of the angle: where the path turns by less, the next step is twice as long
+_EASY = 4, 6  # evaluations of Newton's method after which a step is not made longer, or is shortened
 _MOST_STEPS = 150  # along one path
 # of Newton's method: steps; after so many the residual must fall; size of a step at most; damped: its shortest part
 _POINT = 12, 4, 3, 0  # to a point of the path
@@ -344,18 +345,20 @@ class BedPath:
     def _step(self, blocks: Ints, at: Paths, elastic: Floats, ends: Floats) -> None:
         """Take one step along each path, or shorten it."""
         along, tangent, before, here = at.length, at.tangent, at.point, lengths(at.point[:, :-1])
-        found = self.on_planes(blocks, tangent, here, on_scale(before, 1.0 / here) + along[:, None] * tangent)
+        start = on_scale(before, 1.0 / here) + along[:, None] * tangent
+        found = self.on_planes(blocks, tangent, here, start)
         after, cosine = found.tangent, dots(found.tangent, tangent)
         after[np.abs(after[:, -1]) < ROUNDING, -1] = -ROUNDING  # level, not turned
         before_slope, slope, change = tangent[:, -1], after[:, -1], found.x[:, -1] - before[:, -1]
         # between two points λ did what its slopes at them do not make: it may have turned
         strays = np.abs(change - 0.5 * along * (before_slope + slope)) > _MISSED * along
-        other = found.side != at.side  # another path, which passes close by
-        good = found.settled & ~((strays | other) & (along > _CORNER))
+        # another path, which passes close by, or one that is farther off than it was led, or hard to find
+        strays |= (found.side != at.side) | (lengths(found.x - start) > along) | (found.evaluations > _EASY[1])
+        good = found.settled & ~(strays & (along > _CORNER))
         at.side = np.where(good, found.side, at.side)
         at.point = np.where(good[:, None], on_scale(found.x, here), before)
         ln, scale = at.point[:, -1], lengths(at.point[:, :-1])
-        turns = good & (before_slope < 0.0) & (slope >= 0.0) & (before[:, -1] <= at.lowest[:, -1])
+        turns = good & (before_slope < 0.0) & ((slope >= 0.0) | (change > 0.0)) & (before[:, -1] <= at.lowest[:, -1])
         lower = ln < at.lowest[:, -1]
         at.lowest[lower], at.turns = at.point[lower], np.where(lower, slope >= 0.0, at.turns | turns)
         bent = units((tangent + after)[:, :-1]) * lengths((at.point - before)[:, :-1])[:, None]
@@ -364,8 +367,7 @@ class BedPath:
         inside = np.clip((1.0 - here / (EARLY * elastic)) / np.maximum(1.0 - here / scale, LEVEL), 0.0, 1.0)
         reached = np.where(here <= EARLY * elastic, before[:, -1] + inside * (ln - before[:, -1]), np.inf)
         at.early, at.steps = np.minimum(at.early, reached), at.steps + 1
-        longer = np.where((cosine > _STRAIGHT) & (found.evaluations <= 4), 2.0, 1.0)
-        longer[found.evaluations > 6] = 0.6
+        longer = np.where((cosine > _STRAIGHT) & (found.evaluations <= _EASY[0]), 2.0, 1.0)
         at.length = np.where(good, np.minimum(along * longer, _LONGEST), along / 4)
         at.tangent = np.where(good[:, None], units(on_scale(after, here / scale)), tangent)
         rise, gone = ln - at.lowest[:, -1], lengths((at.point - at.lowest)[:, :-1]) > SNAP * elastic

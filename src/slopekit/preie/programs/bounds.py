@@ -22,7 +22,6 @@ from slopekit.core.onlooker import say
 from slopekit.preie.programs.bound import StaticBound
 from slopekit.preie.programs.bound_of_many import bound_in_one_run
 from slopekit.preie.programs.distance import Distance, bound_by_programs
-from slopekit.preie.solvers.linear import non_negative_least_squares
 from slopekit.preie.solvers.stiffness import SparseStiffness
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.patterns import ContactPattern
@@ -108,13 +107,19 @@ def held_by_normals(model: AssemblyModel, load: Floats) -> Floats | None:
     """
     if len(load) > _HELD:
         return None
+    from scipy.optimize import nnls  # takes a tenth of a second to load, and most designs never ask
+
     pairs, joints = len(model.control_area), model.joint_pairs.stop
     by_normals = model.statics[:, :joints].toarray()
     least = LIGHTEST * float(np.abs(load).max())
     own = np.maximum(np.abs(load.reshape(model.load.shape)).max(axis=1), least)
     parts = 1.0 / np.repeat(own, model.unknowns)
-    found, left = non_negative_least_squares(parts[:, None] * by_normals, -parts * load)
-    if float(np.abs(left).max(initial=0.0)) > EQUILIBRIUM:
+    matrix, target = parts[:, None] * by_normals, -parts * load
+    try:
+        found, _ = nnls(matrix, target)
+    except RuntimeError:  # it took too many steps
+        return None
+    if float(np.abs(target - matrix @ found).max(initial=0.0)) > EQUILIBRIUM:
         return None
     return np.concatenate([found, np.zeros(pairs - joints)])
 

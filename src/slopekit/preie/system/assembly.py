@@ -100,6 +100,15 @@ class AssemblyModel(BlockContacts):
         return np.arange(groups) >= groups - len(self.bolts)
 
     @property
+    def axes(self) -> Floats:
+        """Normal and tangents (k, 3, 3) of each contact, one a row; in a section the second tangent is y."""
+        if self.unknowns == 6:
+            return self.plus_motion[:, :3, :3]
+        axes = np.zeros((len(self.plus), 3, 3))
+        axes[:, :2, [0, 2]], axes[:, 2, 1] = self.plus_motion[:, :2, :2], 1.0
+        return axes
+
+    @property
     def mean_pulls(self) -> Floats:
         """Forces on the blocks (n u,) of passive bolts that pull with half of their capacity."""
         pulls = np.zeros(self.slip_rows.shape[:2])

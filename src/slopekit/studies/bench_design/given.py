@@ -10,18 +10,18 @@ import numpy as np
 from slopekit.closed_form.berms import catch_width
 from slopekit.core.arrays import Floats
 from slopekit.core.codec import digest, json_of
-from slopekit.core.errors import DesignError, Fault, Faults
+from slopekit.core.errors import Faults, fail
 from slopekit.core.orientation import Plane, normals, number
+from slopekit.design.fields import Field, declare
 from slopekit.design.joint_lists import JointList, joint_list
 from slopekit.design.parts import Seismic
 from slopekit.design.words import measured
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.studies.keys import Key
+from slopekit.studies.protocol import MOST_SEED, numbers_given
 from slopekit.studies.ranges import parse_values
 from slopekit.studies.surveys import (
     LATERAL_LIMITS,
-    NumberGiven,
-    numbers_given,
     range_of,
     slope_of,
     strengths_of_joints,
@@ -35,24 +35,26 @@ RELIABILITY, CONFIDENCE = 0.8, 0.95
 SWELL, REPOSE_DEG = 1.4, 37.0
 TOES = ("anywhere", "bench")
 _OF_WEDGE = ("c", "phi", "density", "unit_weight", "water", "seismic")
+_VOLUMES = "It is the volume of broken rock by that of solid rock."
+_PART = "A part of all is written 0.8 or 80%."
 #: Numbers by their parameter.
-_NUMBERS: Mapping[str, NumberGiven] = {
-    "n": ("count", 100, MOST_TRIALS, "a number of trials", TRIALS),
-    "seed": ("count", 0, 2**63 - 1, "a seed", 1),
-    "reliability": ("ratio", 0.5, 0.999, "a part of the length (0.8, 80%)", RELIABILITY),
-    "accept": ("ratio", 0.0, 1.0, "a part of the length (0.8, 80%)", None),
-    "confidence": ("ratio", 0.5, 0.9999, "a part (0.95, 95%)", CONFIDENCE),
-    "fos": ("ratio", 1e-6, 1e6, "a factor of safety", 1.0),
-    "catch": ("length", 0.0, 1e4, "a width", None),
-    "trace": ("length", 1e-3, 1e6, "a length", None),
-    "spacing": ("length", 1e-3, 1e5, "a length", None),
-    "every": ("length", 1e-2, 1e5, "a length", None),
+_NUMBERS: Mapping[str, Field] = {
+    "n": declare("n", "ratio", 100.0, MOST_TRIALS, default=TRIALS, whole=True, code="E307"),
+    "seed": declare("seed", "ratio", 0.0, MOST_SEED, default=1, whole=True, code="E307"),
+    "reliability": declare("reliability", "ratio", 0.5, 0.999, default=RELIABILITY, code="E307", advice=_PART),
+    "accept": declare("accept", "ratio", 0.0, 1.0, code="E307", advice=_PART),
+    "confidence": declare("confidence", "ratio", 0.5, 0.9999, default=CONFIDENCE, code="E307", advice=_PART),
+    "fos": declare("fos", "ratio", 1e-6, 1e6, default=1.0, code="E307"),
+    "catch": declare("the catch width", "length", 0.0, 1e4, code="E116"),
+    "trace": declare("the trace length", "length", 1e-3, 1e6, code="E116"),
+    "spacing": declare("spacing", "length", 1e-3, 1e5, code="E116"),
+    "every": declare("every", "length", 1e-2, 1e5, code="E116"),
     **LATERAL_LIMITS,
-    "swell": ("ratio", 1.0, 3.0, "the volume of broken rock by that of solid rock", SWELL),
-    "repose": ("angle", 10.0, 60.0, "an angle of repose", REPOSE_DEG),
-}  # fmt: skip
+    "swell": declare("swell", "ratio", 1.0, 3.0, default=SWELL, code="E307", advice=_VOLUMES),
+    "repose": declare("repose", "angle", 10.0, 60.0, default=REPOSE_DEG, code="E307"),
+}
 #: Of the numbers, as a sheet has them.
-UNITS = {name: {"length": " m", "angle": "°"}.get(kind, "") for name, (kind, *_) in _NUMBERS.items()}
+UNITS = {name: {"length": " m", "angle": "°"}.get(field.measures, "") for name, field in _NUMBERS.items()}
 
 
 @dataclass(frozen=True)
@@ -163,9 +165,7 @@ def bench_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> Benc
     toward = faults.of(partial(_toward, given["dip_direction"], option("dip_direction")))
     toe = given["toe"] or TOES[0]
     if toe not in TOES:
-        faults.append(
-            Fault("E126", f"{toe} is not a place of the toe", f"{option('toe')} {toe}", f"Known: {', '.join(TOES)}.")
-        )
+        faults.add("E126", f"{toe} is not a place of the toe", f"{option('toe')} {toe}", f"Known: {', '.join(TOES)}.")
     slope: WedgeDesign | None = faults.of(partial(_slope, given, toward or 0.0, option))
     strengths: list[tuple[Floats, int]] = []
     if listed is not None:
@@ -173,8 +173,12 @@ def bench_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> Benc
         faults += missing
     heights, dips, trials = read["height"], read["face"], numbers["n"]
     if heights and dips and trials and len(heights) * len(dips) * trials > MOST_IN_ALL:
-        message = f"{len(heights)} heights x {len(dips)} faces x {number(trials)} trials are more than {MOST_IN_ALL:,}"
-        faults.append(Fault("E125", message, option("n"), "Ask for fewer benches at once, or for fewer trials."))
+        faults.add(
+            "E125",
+            f"{len(heights)} heights x {len(dips)} faces x {number(trials)} trials are more than {MOST_IN_ALL:,}",
+            option("n"),
+            "Ask for fewer benches at once, or for fewer trials.",
+        )
     faults.refuse()
     # no fault, so nothing is missing: what follows only tells the type checker
     assert listed is not None and slope is not None and heights and dips and toward is not None  # noqa: PT018
@@ -217,20 +221,18 @@ def _values(name: str, given: object, option: Callable[[str], str]) -> tuple[flo
         if name == "berm":
             return ()
         example = {"height": "10,15", "face": "60:80:+5"}[name]
-        raise DesignError([Fault("E143", f"{where} is missing", where, f"Give {where} {example}.")])
+        fail("E143", f"{where} is missing", where, f"Give {where} {example}.")
     key, (*_, code, said) = _key(name), _RANGED[name]
     values = parse_values(key, given, MOST_VALUES)
     bad = [value for value in values if not key.low <= value <= key.high]
     if bad:
-        raise DesignError([Fault(code, f"{name} is {number(bad[0])}: {said}", f"{where} {given}")])
+        fail(code, f"{name} is {number(bad[0])}: {said}", f"{where} {given}")
     return values
 
 
 def _toward(given: object, where: str) -> float:
     if given is None:
-        raise DesignError(
-            [Fault("E143", f"{where} is missing", where, f"Give the dip direction of the faces: {where} 180.")]
-        )
+        fail("E143", f"{where} is missing", where, f"Give the dip direction of the faces: {where} 180.")
     return measured(given, "angle", "the dip direction", f"{where} {given}", least=0.0, most=360.0, code="E102") % 360.0
 
 
@@ -241,8 +243,12 @@ def _slope(given: Mapping[str, Any], toward: float, option: Callable[[str], str]
     slope, faults = slope_of({**planes, **{key: given[key] for key in _OF_WEDGE}}, option)
     trend = slope.seismic.trend_deg
     if trend is not None and trend % 360.0 != toward:
-        message = f"the earthquake acts toward {number(trend)}, here it acts out of the face"
-        faults.append(Fault("E122", message, f"{option('seismic')} {given['seismic']}", "Give the coefficient alone."))
+        faults.add(
+            "E122",
+            f"the earthquake acts toward {number(trend)}, here it acts out of the face",
+            f"{option('seismic')} {given['seismic']}",
+            "Give the coefficient alone.",
+        )
     faults.refuse()
     coefficient = slope.seismic.coefficient
     return replace(slope, seismic=Seismic(coefficient, toward if coefficient else None))

@@ -21,7 +21,7 @@ from slopekit.studies.bench_design.given import BenchInputs
 from slopekit.studies.bench_design.trials import Trials
 from slopekit.studies.evaluation.rows import BlockRows, evaluated
 from slopekit.studies.joint_wedges import limits_of_wedges
-from slopekit.studies.outcomes import BothMethods, ByMethod, Outcomes, compared, one_after_the_other
+from slopekit.studies.outcomes import BothMethods, ByMethod, compared, one_after_the_other
 from slopekit.studies.protocol import Workplace
 from slopekit.studies.running import Crew
 
@@ -92,11 +92,9 @@ def judged_benches(
     block_rows = BlockRows(asked.slope, one_after_the_other(closed), source, partial(_limits, asked, every))
     outcomes = evaluated(block_rows, "bench-design", crew, desk, label="blocks")
     target = asked.number("fos")
-    both = [_judge(part, rows, outcomes.of(places), target) for part, rows, places in standing]
+    both = list[BothMethods]()
+    for part, rows, places in standing:
+        of_part = outcomes.of(places)
+        part["fails"][rows] = of_part.limit.falls_short(target)
+        both.append(compared(of_part, part["fails"][rows], of_part.closed_form.falls_short(target)))
     return [bench_of(*size, of_bench) for size, of_bench in zip(sizes, parts, strict=True)], both
-
-
-def _judge(part: Part, rows: Ints, outcomes: Outcomes, target: float) -> BothMethods:
-    """Note what fails by PRE-IE among the blocks `rows` of a mode; return how far the methods agree on them."""
-    part["fails"][rows] = outcomes.limit.falls_short(target)
-    return compared(outcomes, part["fails"][rows], outcomes.closed_form.falls_short(target))

@@ -9,9 +9,8 @@ trials -> what forms and fails in each bench -> shares, backbreak, volume, berms
 [0.59, 0.72]
 """
 
-import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -25,7 +24,17 @@ from slopekit.studies.bench_design.limits import judged_benches
 from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, outcome_of, without_cohesion
 from slopekit.studies.bench_design.trials import drawn_trials
 from slopekit.studies.outcomes import BothMethods, total
-from slopekit.studies.protocol import DESK, Argument, Jobs, Option, Scheduler, StudyOutcome, Workplace, documented
+from slopekit.studies.protocol import (
+    DESK,
+    Argument,
+    Jobs,
+    Option,
+    Scheduler,
+    StudyOutcome,
+    Workplace,
+    documented,
+    timed,
+)
 from slopekit.studies.running import checked_crew
 from slopekit.studies.surveys import Columns, Convention, SkipBad, left_out, survey_head
 
@@ -43,39 +52,38 @@ def notices_of(inputs: BenchInputs, benches: Sequence[OfBench], said: BothMethod
                      "see the limits")  # fmt: skip
     known = int(np.isfinite(inputs.trace_m).sum())
     if known < n:
-        message = (
-            f"{n - known} of {n} joints have no trace length and run as far as a block needs: blocks are too large"
+        yield Notice(
+            "W391",
+            f"{n - known} of {n} joints have no trace length and run as far as a block needs: blocks are too large",
         )
-        yield Notice("W391", message)
     if not np.isfinite(inputs.spacing_m).all():
         without = int((~np.isfinite(inputs.spacing_m)).sum())
-        message = f"{without} of {n} joints have no spacing: columns between them form and are not judged"
-        yield Notice("W391", message)
+        yield Notice("W391", f"{without} of {n} joints have no spacing: columns between them form and are not judged")
     if inputs.every_m is None:
-        message = (
+        yield Notice(
+            "W391",
             "how often joints meet along the bench is not known: one place is taken for each bench height; volumes per "
-            "100 m go with it"
+            "100 m go with it",
         )
-        yield Notice("W391", message)
     narrow = sorted({
         (berm.berm_m, berm.catch_width_m) for bench in benches for berm in bench.berms
         if berm.berm_m < berm.catch_width_m * (1.0 - 1e-12)
     })  # fmt: skip
     if narrow:
         first, catch = narrow[0]
-        message = (
+        yield Notice(
+            "W394",
             f"a berm of {number(first)} m is narrower than the catch width of {number(round(catch, 3))} m before "
-            "anything fails: no place keeps it; a wider berm, or a catch width of your own (--catch)"
+            "anything fails: no place keeps it; a wider berm, or a catch width of your own (--catch)",
         )
-        yield Notice("W394", message)
     wider = [bench for bench in benches if any(bench.backbreak["max"] > berm.berm_m for berm in bench.berms)]
     if wider:
         worst = max(bench.backbreak["max"] for bench in wider)
-        message = (
+        yield Notice(
+            "W394",
             f"in {len(wider)} of {len(benches)} benches some places lose more than the whole berm (up "
-            f"to {number(round(worst, 1))} m): the bench above, which would come along, is left out"
+            f"to {number(round(worst, 1))} m): the bench above, which would come along, is left out",
         )
-        yield Notice("W394", message)
     yield from _cohesion(benches)
     slope = inputs.slope
     if any(bench.modes["toppling"]["forms"].count for bench in benches) and (
@@ -115,16 +123,11 @@ class BenchDesigns(StudyOutcome):
     """
 
     name: ClassVar[str] = "bench-design"
+    charts: ClassVar[tuple[str, ...]] = ("backbreak",)
     given: BenchInputs
     benches: tuple[OfBench, ...]
     both: BothMethods
     warnings: tuple[Notice, ...]
-    seconds: float = field(default=0.0, compare=False)
-
-    @property
-    def charts(self) -> tuple[str, ...]:
-        """Cumulative curves of backbreak."""
-        return ("backbreak",)
 
     @property
     def joints(self) -> JointList:
@@ -177,6 +180,7 @@ class BenchDesigns(StudyOutcome):
         }  # fmt: skip
 
 
+@timed
 @documented
 def bench_design(
     joints: Annotated[Any, Argument("A joint list (CSV, .xlsx, Dips, CloudCompare).", "JOINTS")],
@@ -251,7 +255,7 @@ def bench_design(
     >>> found.best.catch_width_m, found.best.berm_needed_m, round(found.best.inter_ramp_deg, 2)
     (7.5, 7.5, 49.17)
     """
-    given, began = dict(locals()), time.perf_counter()
+    given = dict(locals())
     crew = checked_crew(jobs, scheduler)
     inputs = bench_inputs(given, desk.named)
     trials = drawn_trials(inputs.joints, int(inputs.number("n")), int(inputs.number("seed")), inputs.toe == "anywhere")
@@ -267,7 +271,7 @@ def bench_design(
     is_sure = not (said.disagree or said.without_answer)
     outcomes = [accepted(inputs, outcome, is_sure) for outcome in outcomes]
     notices = tuple(notices_of(inputs, outcomes, said))
-    return BenchDesigns(inputs, tuple(outcomes), said, notices, time.perf_counter() - began)
+    return BenchDesigns(inputs, tuple(outcomes), said, notices)
 
 
 def accepted(inputs: BenchInputs, bench: OfBench, is_sure: bool) -> OfBench:

@@ -1,6 +1,6 @@
 """The sheet of a study of benches: what fails by height and face, what berm keeps the catch width, the methods."""
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from typing import Any
 
 from slopekit.core.orientation import number
@@ -15,18 +15,21 @@ from slopekit.studies.surveys import codes_of, inputs_in_words, study_sheet, sur
 
 def sheet_of(study: BenchDesigns) -> Sheet:
     """The sheet of a study of benches."""
-    fails, backbreak, needed, berms = _fails(study), _backbreak(study), _needed(study), _berms(study)
+    both, wanted = study.both, number(100.0 * study.given.number("reliability"))
     inputs = study.given.to_dict() | {"water": study.given.slope.water.in_words()}
-    every = {column.key: column for table in (fails, backbreak, needed) for column in table.columns}
+    berms = Table([*_BERMS, *([] if study.accepted is None else [_ACCEPTED])], study.berms)
+    every = {column.key: column for column in (*_FAILS, *_BACKBREAK, *_NEEDED)}
     return study_sheet("bench-design", study.joints, study.given.input_hash(), (
         Section("SURVEY", [survey_entry(study.joints)]),
         Section("INPUTS", inputs_in_words(inputs, study.given.defaults, UNITS)),
-        Section("FAILS", [_OF_PLACES, fails]),
-        Section("BACKBREAK", [_backbreak_said(study), backbreak]),
+        Section("FAILS", [_OF_PLACES, Table(_FAILS, study.benches)]),
+        Section("BACKBREAK", [_OF_BACKBREAK.format(wanted), Table(_BACKBREAK, study.benches)]),
         Section("BERMS", [_OF_BERMS, berms] if study.given.berms_m is not None else []),
-        Section("NEEDED", [_needed_said(study), needed]),
+        Section("NEEDED", [_OF_NEEDED.format(wanted), Table(_NEEDED, study.benches)]),
         Section("BEST", _best(study)),
-        Section("METHODS", _methods(study)),
+        Section("METHODS", [
+            f"{both.looked_at} blocks of all benches stand by the closed form: of these", *both.in_words()
+        ] if both.looked_at else ["by the closed form no wedge and no plane stands"]),
         Section("TIME", [f"{study.seconds:.1f} s"]),
         Section("NOTE", [str(notice) for notice in study.warnings]),
     ), {"benches.csv": Table(list(every.values()), study.benches), "berms.csv": berms})  # fmt: skip
@@ -50,102 +53,58 @@ def line_of(study: BenchDesigns) -> str:
     return "  ".join([line, *codes_of(study.warnings)])
 
 
-def _size_columns() -> list[Column[Any]]:
-    return [
-        Column("height", lambda row: row.height_m, "height_m", "m", ".4g", 7,
-               text=lambda row: f"{row.height_m:.4g} m"),
-        Column("face", lambda row: row.face_dip_deg, "face_dip_deg", "°", ".4g", 7,
-               text=lambda row: f"{row.face_dip_deg:.4g}°"),
-    ]  # fmt: skip
+_SIZE: Sequence[Column[Any]] = (
+    Column("height", "height_m", "height_m", "m", "{:.4g} m", 7),
+    Column("face", "face_dip_deg", "face_dip_deg", "°", "{:.4g}°", 7),
+)
+_FAILS: Sequence[Column[OfBench]] = (
+    *_SIZE,
+    *(
+        Column(title, f"modes.{mode}.{what}.percent", f"{mode}_{what}", "%", ".1f", width)
+        for mode in MODES
+        for title, what, width in (("topple" if mode == "toppling" else mode, "forms", 9), ("fails", "fails", 7))
+    ),
+    Column("any fails", "modes.any.fails.percent", "any_fails", "%", ".1f", 11),
+    Column(
+        "limits", "modes.any.fails.low", "any_fails_low", width=15, text=lambda row: _limits(row.modes["any"]["fails"])
+    ),
+)
+_BACKBREAK: Sequence[Column[OfBench]] = (
+    *_SIZE,
+    Column("mean", "backbreak.mean", "backbreak_mean_m", "m", ".2f", 8),
+    Column("80 %", lambda row: row.backbreak["quantiles"][0.8], "backbreak_80_m", "m", ".2f", 7),
+    Column("90 %", lambda row: row.backbreak["quantiles"][0.9], "backbreak_90_m", "m", ".2f", 7),
+    Column("95 %", lambda row: row.backbreak["quantiles"][0.95], "backbreak_95_m", "m", ".2f", 7),
+    Column("most", "backbreak.max", "backbreak_max_m", "m", ".2f", 8),
+    Column("face left", "effective_face_deg", "effective_face_deg", "°", ".1f", 11),
+    Column("m³", "volume_m3.mean", "volume_per_100_m_mean_m3", "m³", ".0f", 8),
+    Column(
+        "95 %", lambda row: row.volume_m3 and row.volume_m3["quantiles"][0.95], "volume_per_100_m_95_m3", "m³", ".0f", 8
+    ),
+    Column("lost", lambda row: 100.0 * row.crest_lost, "crest_lost_percent", "%", ".1f", 7),
+)
+_BERMS: Sequence[Column[OfBerm]] = (
+    *_SIZE,
+    Column("berm", "berm_m", "berm_m", "m", ".2f", 7),
+    Column("catch", "catch_width_m", "catch_width_m", "m", ".2f", 7),
+    Column("kept, %", "reliability.percent", "reliability_percent", "%", ".1f", 9),
+    Column("limits", "reliability.low", "reliability_low", width=15, text=lambda row: _limits(row.reliability)),
+    Column("left 80 %", lambda row: row.left_m[0.8], "berm_left_80_m", "m", ".2f", 10),
+    Column("95 %", lambda row: row.left_m[0.95], "berm_left_95_m", "m", ".2f", 7),
+    Column("spill, %", lambda row: 100.0 * row.spill_kept, "spill_kept_percent", "%", ".1f", 9),
+    Column("ramp", "inter_ramp_deg", "inter_ramp_deg", "°", ".1f", 7),
+)
+_ACCEPTED: Column[OfBerm] = Column("", "accepted", "accepted", width=4, show=lambda ok: " ok" if ok else " NO")
+_NEEDED: Sequence[Column[OfBench]] = (
+    *_SIZE,
+    Column("catch", "catch_width_m", "catch_width_m", "m", ".2f", 8),
+    Column("backbreak", lambda row: row.berm_needed_m - row.catch_width_m, "backbreak_m", "m", ".2f", 11),
+    Column("berm needed", "berm_needed_m", "berm_needed_m", "m", ".2f", 13),
+    Column("inter-ramp", "inter_ramp_deg", "inter_ramp_at_berm_needed_deg", "°", ".1f", 12),
+)
 
 
-def _fails(study: BenchDesigns) -> Table[OfBench]:
-    """How often something forms and fails."""
-
-    def of(mode: str, what: str) -> Callable[[OfBench], Any]:
-        def value(row: OfBench) -> float | None:
-            share = row.modes[mode][what].share
-            return None if share is None else 100.0 * share
-
-        return value
-
-    columns = _size_columns()
-    for mode in MODES:
-        columns += [
-            Column("topple" if mode == "toppling" else mode, of(mode, "forms"), f"{mode}_forms", "%", ".1f", 9),
-            Column("fails", of(mode, "fails"), f"{mode}_fails", "%", ".1f", 7),
-        ]
-    columns += [
-        Column("any fails", of("any", "fails"), "any_fails", "%", ".1f", 11),
-        Column(
-            "limits", lambda row: row.modes["any"]["fails"].low, "any_fails_low", width=15,
-            text=lambda row: _between(row.modes["any"]["fails"]),
-        ),
-    ]  # fmt: skip
-    return Table(columns, study.benches)
-
-
-def _backbreak(study: BenchDesigns) -> Table[OfBench]:
-    """Distributions: of the crest, of the face, of the volume."""
-
-    def at(share: float) -> Callable[[OfBench], Any]:
-        return lambda row: row.backbreak["quantiles"][share]
-
-    return Table([
-        *_size_columns(),
-        Column("mean", lambda row: row.backbreak["mean"], "backbreak_mean_m", "m", ".2f", 8),
-        *(Column(f"{100 * share:.0f} %", at(share), f"backbreak_{100 * share:.0f}_m", "m", ".2f", 7)
-          for share in (0.8, 0.9, 0.95)),
-        Column("most", lambda row: row.backbreak["max"], "backbreak_max_m", "m", ".2f", 8),
-        Column("face left", lambda row: row.effective_face_deg, "effective_face_deg", "°", ".1f", 11),
-        Column("m³", lambda row: row.volume_m3["mean"] if row.volume_m3 else None, "volume_per_100_m_mean_m3", "m³",
-               ".0f", 8),
-        Column("95 %", lambda row: row.volume_m3["quantiles"][0.95] if row.volume_m3 else None,
-               "volume_per_100_m_95_m3", "m³", ".0f", 8),
-        Column("lost", lambda row: 100.0 * row.crest_lost, "crest_lost_percent", "%", ".1f", 7),
-    ], study.benches)  # fmt: skip
-
-
-def _berms(study: BenchDesigns) -> Table[OfBerm]:
-    """What each berm keeps."""
-    columns: list[Column[OfBerm]] = [
-        *_size_columns(),
-        Column("berm", lambda row: row.berm_m, "berm_m", "m", ".2f", 7),
-        Column("catch", lambda row: row.catch_width_m, "catch_width_m", "m", ".2f", 7),
-        Column("kept, %", lambda row: 100.0 * (row.reliability.share or 0.0), "reliability_percent", "%", ".1f", 9),
-        Column("limits", lambda row: row.reliability.low, "reliability_low", width=15,
-               text=lambda row: _between(row.reliability)),
-        Column("left 80 %", lambda row: row.left_m[0.8], "berm_left_80_m", "m", ".2f", 10),
-        Column("95 %", lambda row: row.left_m[0.95], "berm_left_95_m", "m", ".2f", 7),
-        Column("spill, %", lambda row: 100.0 * row.spill_kept, "spill_kept_percent", "%", ".1f", 9),
-        Column("ramp", lambda row: row.inter_ramp_deg, "inter_ramp_deg", "°", ".1f", 7),
-    ]  # fmt: skip
-    if study.accepted is not None:
-        columns.append(
-            Column("", lambda row: row.accepted, "accepted", width=4, show=lambda ok: " ok" if ok else " NO")
-        )
-    return Table(columns, study.berms)
-
-
-def _needed(study: BenchDesigns) -> Table[OfBench]:
-    """The berm for the reliability that is wanted."""
-    return Table([
-        *_size_columns(),
-        Column("catch", lambda row: row.catch_width_m, "catch_width_m", "m", ".2f", 8),
-        Column("backbreak", lambda row: row.berm_needed_m - row.catch_width_m, "backbreak_m", "m", ".2f", 11),
-        Column("berm needed", lambda row: row.berm_needed_m, "berm_needed_m", "m", ".2f", 13),
-        Column("inter-ramp", lambda row: row.inter_ramp_deg, "inter_ramp_at_berm_needed_deg", "°", ".1f", 12),
-    ], study.benches)  # fmt: skip
-
-
-def _methods(study: BenchDesigns) -> list[str]:
-    both = study.both
-    if not both.looked_at:
-        return ["by the closed form no wedge and no plane stands"]
-    return [f"{both.looked_at} blocks of all benches stand by the closed form: of these", *both.in_words()]
-
-
-def _between(share: Share) -> str:
+def _limits(share: Share) -> str:
     return f"{100.0 * share.low:.1f} to {100.0 * share.high:.1f}"
 
 
@@ -182,16 +141,8 @@ _OF_BERMS = (
     "per cent of the length that keeps the catch width; m of the berm that are left on 80 and 95 % of it; per cent of "
     "the places whose broken rock such a berm holds; inter-ramp angle of the design"
 )
-
-
-def _backbreak_said(study: BenchDesigns) -> str:
-    wanted = number(100.0 * study.given.number("reliability"))
-    return (
-        f"m behind the crest by share of the length; face left: angle at {wanted} %; m³ that fail on 100 m, mean and "
-        "95 % of such lengths; lost: per cent of the crest"
-    )
-
-
-def _needed_said(study: BenchDesigns) -> str:
-    wanted = number(100.0 * study.given.number("reliability"))
-    return f"so that {wanted} % of the length keeps the catch width"
+_OF_BACKBREAK = (
+    "m behind the crest by share of the length; face left: angle at {} %; m³ that fail on 100 m, mean and 95 % of such "
+    "lengths; lost: per cent of the crest"
+)
+_OF_NEEDED = "so that {} % of the length keeps the catch width"

@@ -7,11 +7,9 @@
 (True, 'the closed form')
 """
 
-import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import accumulate, pairwise
-from operator import attrgetter
 from typing import Any, ClassVar
 
 from slopekit.core.codec import json_of, record_of
@@ -69,7 +67,6 @@ class Check(StudyOutcome):
     reference: float | None
     against: str
     findings: tuple[Finding, ...]
-    seconds: float = field(default=0.0, compare=False)
 
     charts: ClassVar[tuple[str, ...]] = ("speed-error",)
 
@@ -113,7 +110,7 @@ class Check(StudyOutcome):
 
         *own, status = map(of_result, self.result.case_columns())
         word = {True: "yes", False: "NO", None: "open"}
-        consistent = Column("consistent", attrgetter("consistent"), "consistent", show=word.__getitem__, width=12)
+        consistent: Column[Any] = Column("consistent", "consistent", "consistent", show=word.__getitem__, width=12)
         return [*own, consistent, status]
 
     def to_dict(self) -> dict[str, Any]:
@@ -170,7 +167,6 @@ def check(
     >>> found.consistent, round(found.result.fos.limit, 4), found.exit_code
     (True, 1.6487, 0)
     """
-    began = time.perf_counter()
     evidence = kind_of(design).ladder(design)
     evidence = replace(evidence, result=with_all_said(evidence.result))
     result, ladder = evidence.result, evidence.rungs
@@ -179,7 +175,7 @@ def check(
         None if rung.factor is None or reference is None else abs(rung.factor / reference - 1.0) for rung in ladder
     )
     findings = tuple(_findings(result, ladder, evidence))
-    return Check(result, ladder, errors, reference, against, findings, time.perf_counter() - began)
+    return Check(result, ladder, errors, reference, against, findings)
 
 
 def _reference(result: Result, ladder: tuple[Rung, ...]) -> tuple[float | None, str]:
@@ -223,7 +219,9 @@ def _findings(result: Result, ladder: tuple[Rung, ...], evidence: Ladder) -> Ite
         above = max(fos.limit / fos.static_bound - 1.0, 0.0)
         words = f"limit {fos.limit:.6g}, bound {fos.static_bound:.6g}: how far the limit lies above"
         yield Finding("upper bound", above, _ALIKE, above <= _ALIKE, words)
-    yield from _debonding(result)
+    for notice in result.warnings:
+        if notice.code == "W504":  # cohesive blocks fail at less with progressive slip and debonding
+            yield Finding("debonding", None, None, False, notice.message, notice.code)
     if fos.all_pairs_failed is not None:
         yield Finding("all pairs failed", fos.all_pairs_failed, None, None,
                       f"the paper's criterion, no safety factor: {design.stiffness.in_words()}")  # fmt: skip
@@ -305,13 +303,6 @@ def _stiffness(result: Result, limit: float, rungs: Sequence[Rung]) -> Iterator[
                       + " and ".join(f"{rung.setting_value:g}" for rung in rungs))  # fmt: skip
     else:
         yield Finding(name, None, None, None, f"{shown}: whether the limit depends on it is not known", "W364")
-
-
-def _debonding(result: Result) -> Iterator[Finding]:
-    """Yield a finding where cohesive blocks fail at less with progressive slip and debonding."""
-    for notice in result.warnings:
-        if notice.code == "W504":
-            yield Finding("debonding", None, None, False, notice.message, notice.code)
 
 
 def _balance(result: Result, rest: Balance | None, limit: float) -> Iterator[Finding]:

@@ -1,7 +1,7 @@
 """The sheet of a checked design: what was looked at, what accuracy costs, 100 columns."""
 
 from collections.abc import Iterator
-from operator import attrgetter, itemgetter
+from operator import itemgetter
 from typing import TypeAlias
 
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, factor_text
@@ -46,13 +46,11 @@ def _figure(finding: Finding) -> str:
 
 
 _FINDING: tuple[Column[Finding], ...] = (
-    Column("met", attrgetter("met"), "met", show=_MARKS.__getitem__, width=-4),
-    Column("what", attrgetter("name"), "name", width=-17),
-    Column("figure", attrgetter("value"), "value", text=_figure, width=8),
-    Column(
-        "wanted", attrgetter("wanted"), "wanted", show=lambda most: "" if most is None else f" <= {most:g}", width=-11
-    ),
-    Column("words", attrgetter("words"), "words", width=-1),
+    Column("met", "met", "met", show=_MARKS.__getitem__, width=-4),
+    Column("what", "name", "name", width=-17),
+    Column("figure", "value", "value", text=_figure, width=8),
+    Column("wanted", "wanted", "wanted", show=lambda most: "" if most is None else f" <= {most:g}", width=-11),
+    Column("words", "words", "words", width=-1),
 )
 
 

@@ -19,15 +19,16 @@ from slopekit.closed_form.sizes import wedge_sizes
 from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
 from slopekit.core.arrays import Bools, Floats, Ints, NDArray
 from slopekit.core.codec import digest, json_of
-from slopekit.core.errors import DesignError, Fault, Faults, GeometryError
+from slopekit.core.errors import Fault, Faults, GeometryError, fail
 from slopekit.core.orientation import Plane, number
 from slopekit.core.units import quantity
-from slopekit.design import words
+from slopekit.design.fields import declare
 from slopekit.design.joint_lists import JointList, joint_list, plane_of
 from slopekit.geometry.rock.rockmass import no_crest
 from slopekit.geometry.tolerances import SAME_DIRECTION
 from slopekit.kinds.wedge.design import SizeLimits, WedgeDesign
 from slopekit.kinds.wedge.limits import Fitted, within
+from slopekit.studies.protocol import numbers_given
 from slopekit.studies.surveys import range_of, slope_of, strengths_of_joints
 
 HEIGHT_M = 15.0
@@ -41,6 +42,14 @@ NOT_REMOVABLE: Mapping[str, str] = {
 #: What may become of a pair.
 PAIR_OUTCOMES = (*(NOT_REMOVABLE.get(name, name) for name in OUTCOMES), "below_min_volume", "beyond_limits")
 TOO_SMALL, TOO_LARGE = len(OUTCOMES), len(OUTCOMES) + 1
+_TARGET = {"fos": declare("fos", "ratio", 0.0, above=True, code="E307")}
+#: Limits of size by their parameters.
+_SIZES = {
+    name: declare(
+        name.replace("_", " "), "volume" if name.endswith("volume") else "length", 0.0, above=True, code="E116"
+    )
+    for name in ("persistence", "bench_width", "max_volume", "min_volume", "trace_length", "slope_length")
+}
 NEVER = ("no_crack", "no_crest")  # pairs have no crack, and the crest is looked at before
 _STATUSES = OUTCOMES.index("E201")  # below it: a wedge is there
 _SLIDES = tuple(OUTCOMES.index(f"slides_{way}") for way in ("on_both", "on_J1", "on_J2", "up"))
@@ -142,7 +151,7 @@ class PairInputs:
 
 def pair_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> PairInputs:
     """Read and check what `combos` is given, by the names of its parameters; every fault at once."""
-    faults, fos = Faults(), given["fos"]
+    faults = Faults()
     listed: JointList | None = faults.of(
         partial(
             joint_list,
@@ -157,8 +166,7 @@ def pair_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> PairI
     face: Plane | None = faults.of(partial(plane_of, given["face"], "face", option("face")))
     slope: WedgeDesign | None = faults.of(partial(_slope, given, face, option))
     sizes: SizeLimits | None = faults.of(partial(_limits, given, option))
-    where = f"{option('fos')} {fos}"
-    target = None if fos is None else faults.of(partial(words.above_zero, fos, "ratio", "fos", "E307", where))
+    target = numbers_given(_TARGET, given, option, faults)["fos"]
     top = faults.of(partial(_top, given["top"], option("top")))
     strengths: list[tuple[Floats, int]] = []
     if listed is not None:
@@ -188,23 +196,26 @@ def _slope(given: Mapping[str, Any], face: Plane | None, option: Callable[[str],
 
 
 def _limits(given: Mapping[str, Any], option: Callable[[str], str]) -> SizeLimits:
-    faults, limits = Faults(), dict[str, Any]()
-    for key, kind, unit in (
-        ("persistence", "length", "_m"), ("bench_width", "length", "_m"), ("max_volume", "volume", "_m3"),
-        ("min_volume", "volume", "_m3"), ("trace_length", "length", "_m"), ("slope_length", "length", "_m"),
-    ):  # fmt: skip
-        value = given.get(key)
-        if value is not None:
-            name, where = key.replace("_", " "), f"{option(key)} {value}"
-            limits[key + unit] = faults.of(partial(words.above_zero, value, kind, name, "E116", where))
+    faults = Faults()
+    limits: dict[str, Any] = {
+        f"{name}_m3" if name.endswith("volume") else f"{name}_m": value
+        for name, value in numbers_given(_SIZES, given, option, faults).items()
+    }
     least, most = limits.get("min_volume_m3"), limits.get("max_volume_m3")
     if least is not None and most is not None and least > most:
-        message = f"min volume {number(least)} m³ is more than max volume {number(most)} m³: nothing would be left"
-        faults.append(Fault("E116", message, option("min_volume")))
+        faults.add(
+            "E116",
+            f"min volume {number(least)} m³ is more than max volume {number(most)} m³: nothing would be left",
+            option("min_volume"),
+        )
     by = "scale" if given.get("limit_by") is None else str(given["limit_by"]).strip().lower()
     if by not in ("scale", "filter"):
-        advice = "scale makes larger wedges smaller, filter leaves them out."
-        faults.append(Fault("E126", f"limits of size go by {by!r}, it is scale or filter", option("limit_by"), advice))
+        faults.add(
+            "E126",
+            f"limits of size go by {by!r}, it is scale or filter",
+            option("limit_by"),
+            "scale makes larger wedges smaller, filter leaves them out.",
+        )
     faults.refuse()
     each = {name: (limits.get(name),) * 2 for name in ("trace_length_m", "persistence_m")}
     return SizeLimits(**{**limits, **each}, by=by)
@@ -217,9 +228,11 @@ def _top(value: object, option: str) -> int | None:
         return None
     top = quantity(value, "ratio", "top", f"{option} {value}")
     if top != int(top) or top < 0:
-        advice = "It is how many of the worst pairs are listed, or all."
-        raise DesignError(
-            [Fault("E126", f"top is {number(top)}, a whole number is needed", f"{option} {value}", advice)]
+        fail(
+            "E126",
+            f"top is {number(top)}, a whole number is needed",
+            f"{option} {value}",
+            "It is how many of the worst pairs are listed, or all.",
         )
     return int(top)
 

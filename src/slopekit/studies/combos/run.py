@@ -185,13 +185,13 @@ class Combos(StudyOutcome):
     @property
     def warnings(self) -> tuple[Notice, ...]:
         """What a reader must know: where moments govern, what is not used of the list."""
-        own = left_out(self.joints)
+        notices = list(left_out(self.joints))
         if self.joints.has_quantities:
             whole = f"{len(self.joints)} joints, {self.joints.quantities.sum():.6g} by quantity"
             message = f"quantities of {self.joints.name} ({whole}) count nothing here: each pair of joints stands once"
-            own.append(Notice("W373", message))
+            notices.append(Notice("W373", message))
         short = self.both if self.target is not None else None
-        return (*(() if short is None else short.notices("removable pairs", self.removable)), *own)
+        return (*(() if short is None else short.notices("removable pairs", self.removable)), *notices)
 
     def to_dict(self) -> dict[str, Any]:
         """The result as JSON values; times stand in a block of their own."""

@@ -1,8 +1,6 @@
 """The sheet of all pairs of a joint list: what became of them, and the worst of them twice."""
 
-from collections.abc import Callable
 from operator import itemgetter
-from typing import Any
 
 import numpy as np
 
@@ -66,42 +64,35 @@ def _every_pair(combos: Combos) -> Table[int]:
     """Every pair, the removable ones first and ranked; the worst are shown."""
     pairs, joints = combos.pairs, combos.joints.joints
     looked = {pair.index: pair for pair in combos.worst}
-    is_wedge, ranked = pairs.volume_m3 > 0.0, combos.ranked.tolist()
-    worst, left = list(looked)[:_MOST_ROWS], len(looked) - _MOST_ROWS
-
-    def of_joint(which: Any) -> Callable[[int], str]:
-        return lambda k: joints[which[k]].name
-
-    def of_wedge(values: Any) -> Callable[[int], float | None]:
-        return lambda k: values[k] if is_wedge[k] else None
-
-    def factor(of: Any) -> Callable[[int], float | None]:
-        return lambda k: None if np.isnan(of[k]) else of[k]
-
-    by_pre_ie = list[Column[int]]()
-    if combos.outcomes.pre_ie:
-        limit = np.full(len(pairs), np.nan)
-        limit[combos.ranked] = combos.outcomes.limit.factor
-        by_pre_ie.append(Column("PRE-IE", factor(limit), "fos_limit", show=factor_text, width=9, exact=".9g"))
+    worst, left, limit = list(looked)[:_MOST_ROWS], len(looked) - _MOST_ROWS, np.full(len(pairs), np.nan)
+    limit[combos.ranked] = combos.outcomes.limit.factor
+    extents = pairs.sizes
+    volume, height, setback, width, trend, plunge, scale = (
+        np.where(pairs.volume_m3 > 0.0, of, np.nan)
+        for of in (pairs.volume_m3, pairs.height_m, extents.setback_m, extents.face_width_m, pairs.trend_deg,
+                   pairs.plunge_deg, pairs.scale)
+    )  # fmt: skip
+    by_pre_ie: Column[int] = Column("PRE-IE", limit, "fos_limit", show=factor_text, blank=" none", width=9, exact=".9g")
     return Table([
         Column("joints", lambda k: looked[k].names, show=_names, width=-2 * _NAME - 3),
-        Column("first joint", of_joint(pairs.first), "joint1"),
-        Column("second joint", of_joint(pairs.second), "joint2"),
+        Column("first joint", lambda k: joints[pairs.first[k]].name, "joint1"),
+        Column("second joint", lambda k: joints[pairs.second[k]].name, "joint2"),
         Column("slides on", lambda k: looked[k].status, show=lambda status: _SHORT.get(status, status), width=-11),
         Column("outcome", lambda k: PAIR_OUTCOMES[pairs.outcome[k]], "outcome"),
-        Column("closed form", factor(pairs.factor), "fos_closed_form", show=factor_text, width=11, exact=".9g"),
-        *by_pre_ie,
+        Column("closed form", pairs.factor, "fos_closed_form", show=factor_text, blank=" none", width=11,
+               exact=".9g"),
+        *([by_pre_ie] if combos.outcomes.pre_ie else []),
         Column("", lambda k: _mark(looked[k]), width=3),
-        Column("m³", of_wedge(pairs.volume_m3), "volume_m3", "m³", alike(pairs.volume_m3[worst]), 9, ".6g"),
-        Column("H1 m", of_wedge(pairs.height_m), "height_m", "m", alike(pairs.height_m[worst]), 10, ".6g"),
+        Column("m³", volume, "volume_m3", "m³", alike(pairs.volume_m3[worst]), 9, ".6g"),
+        Column("H1 m", height, "height_m", "m", alike(pairs.height_m[worst]), 10, ".6g"),
         Column("line", lambda k: f"{pairs.trend_deg[k] % 360.0:03.0f}/{pairs.plunge_deg[k]:.1f}", width=12),
-        Column("trend", of_wedge(pairs.trend_deg), "trend", "°", exact=".4f"),
-        Column("plunge", of_wedge(pairs.plunge_deg), "plunge", "°", exact=".4f"),
-        Column("setback m", of_wedge(pairs.sizes.setback_m), "setback_m", "m", exact=".6g"),
-        Column("face width m", of_wedge(pairs.sizes.face_width_m), "face_width_m", "m", exact=".6g"),
-        Column("scale", of_wedge(pairs.scale), "scale", exact=".6g"),
-        Column("made smaller by", lambda k: LIMITED_BY[pairs.by[k]] if is_wedge[k] else "", "limited_by"),
-    ], ranked + np.flatnonzero(~pairs.is_removable).tolist(), worst,
+        Column("trend", trend, "trend", "°", exact=".4f"),
+        Column("plunge", plunge, "plunge", "°", exact=".4f"),
+        Column("setback m", setback, "setback_m", "m", exact=".6g"),
+        Column("face width m", width, "face_width_m", "m", exact=".6g"),
+        Column("scale", scale, "scale", exact=".6g"),
+        Column("made smaller by", lambda k: LIMITED_BY[pairs.by[k]] if volume[k] > 0.0 else "", "limited_by"),
+    ], combos.ranked.tolist() + np.flatnonzero(~pairs.is_removable).tolist(), worst,
         f"and {left} more in combos.json" if left > 0 else "")  # fmt: skip
 
 

@@ -23,7 +23,7 @@ from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany, motion_toward
 from slopekit.kinds.single_block.closed_forms import DILATES
 from slopekit.kinds.single_block.held_bolts import nearly_parallel
-from slopekit.kinds.single_block.one_block_notices import dilating, lost_contact, shaking, without_strength
+from slopekit.kinds.single_block.one_block import dilating, lost_contact, shaking, without_strength
 from slopekit.notices import bolt_notices, common_notices, those_of_factors, undrawn_notice
 from slopekit.studies.evaluation.rows import Rows, outcomes_on_arrays
 from slopekit.studies.evaluation.vectorised import DesignRows, Vectorised, vectorised

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from slopekit.core.arrays import Ints
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import fail
 from slopekit.core.options import Workplace
 from slopekit.design.common import Design
 from slopekit.evidence import WithoutBasal
@@ -105,8 +105,12 @@ class BlockRows(Rows):
 def chosen_methods(design: Design, closed_form: bool) -> str:
     """What the document says of the methods: both, or closed-form; E313 where the kind has none to be asked alone."""
     if closed_form and not design.HAS_CLOSED_FORM:
-        message = f"a {design.kind} has no closed form that could be asked alone"
-        raise DesignError([Fault("E313", message, "", "Leave --closed-form out: PRE-IE answers.")])
+        fail(
+            "E313",
+            f"a {design.kind} has no closed form that could be asked alone",
+            "",
+            "Leave --closed-form out: PRE-IE answers.",
+        )
     return "closed-form" if closed_form else "both"
 
 

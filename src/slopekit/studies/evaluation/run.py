@@ -12,7 +12,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from slopekit.core.errors import DesignError, Fault, Faults
+from slopekit.core.errors import DesignError, Fault, Faults, fail
 from slopekit.core.options import DESIGN, Option, documented
 from slopekit.core.taken import wrong_kind
 from slopekit.design.reading.files import design_from
@@ -69,8 +69,12 @@ def evaluate(
     """
     crew, read = checked_crew(jobs, scheduler), design_from(design, "evaluate", "design")
     if read.cases:
-        message = f"the design has load cases ({', '.join(case.name for case in read.cases)}): rows are of one of them"
-        raise DesignError([Fault("E313", message, "design", "Load it with one: load(path, case=NAME).")])
+        fail(
+            "E313",
+            f"the design has load cases ({', '.join(case.name for case in read.cases)}): rows are of one of them",
+            "design",
+            "Load it with one: load(path, case=NAME).",
+        )
     chosen_methods(read, closed_form)
     keys, values, faults = list[Key](), list[Any](), Faults()
     paths = getattr(columns, "columns", columns)
@@ -82,7 +86,7 @@ def evaluate(
             keys.append(key)
             values.append(_numbers(key, columns[path]))
     if len({key.path for key in keys}) < len(keys):
-        faults.append(Fault("E313", f"a number is given twice: {', '.join(key.path for key in keys)}", "columns"))
+        faults.add("E313", f"a number is given twice: {', '.join(key.path for key in keys)}", "columns")
     faults.refuse()
     try:
         places = np.stack(np.broadcast_arrays(*values), axis=1)

@@ -8,9 +8,8 @@ The criteria and their sources stand in `criteria`.
 (1, ('J1',), ('J3',))
 """
 
-import time
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -31,7 +30,7 @@ from slopekit.studies.kinematic.criteria import (
     modes_of,
     tested_pairs,
 )
-from slopekit.studies.protocol import DESK, Option, StudyOutcome, Workplace, documented
+from slopekit.studies.protocol import DESK, Option, StudyOutcome, Workplace, documented, numbers_given, timed
 from slopekit.studies.surveys import (
     LATERAL_LIMITS,
     MOST_JOINTS,
@@ -41,7 +40,6 @@ from slopekit.studies.surveys import (
     Convention,
     SkipBad,
     left_out,
-    numbers_given,
     range_of,
     survey_head,
 )
@@ -64,6 +62,7 @@ class Kinematic(StudyOutcome):
     """
 
     name: ClassVar[str] = "kinematic"
+    charts: ClassVar[tuple[str, ...]] = ("stereonet",)
     joints: JointList
     face: Plane
     friction_deg: Floats
@@ -76,12 +75,6 @@ class Kinematic(StudyOutcome):
     percent: Mapping[str, float | None]
     defaults: tuple[str, ...]
     warnings: tuple[Notice, ...]
-    seconds: float = field(default=0.0, compare=False)
-
-    @property
-    def charts(self) -> tuple[str, ...]:
-        """Its stereonets."""
-        return ("stereonet",)
 
     @property
     def counts(self) -> dict[str, int]:
@@ -180,6 +173,7 @@ class Kinematic(StudyOutcome):
         }  # fmt: skip
 
 
+@timed
 @documented
 def kinematic(
     joints: AJointList,
@@ -221,7 +215,6 @@ def kinematic(
     >>> sk.kinematic(["40/175", "75/010"], face="65/180", phi=30).joint_names("planar")
     ('J1',)
     """
-    began = time.perf_counter()
     faults, defaults = Faults(), list[str]()
 
     listed: JointList | None = faults.of(
@@ -245,7 +238,6 @@ def kinematic(
     return Kinematic(
         listed, plane, friction, measured, lateral_deg, toppling_deg, lines, len(pairs[0]),
         modes, modes.shares(*weights), tuple(defaults), tuple(_notices(listed, plane, friction)),
-        time.perf_counter() - began,
     )  # fmt: skip
 
 
@@ -254,18 +246,20 @@ def _friction(value: object, where: str) -> float:
     return fields_of(Strength)["friction_angle_deg"].checked(friction_deg, "phi", where, str(value))
 
 
-def _notices(joints: JointList, face: Plane, friction: Floats) -> list[Notice]:
-    notices = left_out(joints)
+def _notices(joints: JointList, face: Plane, friction: Floats) -> Iterator[Notice]:
+    """Yield what is not used of the list, and how percentages are counted."""
+    yield from left_out(joints)
     if joints.has_quantities:
-        message = (
+        yield Notice(
+            "W373",
             f"percentages count each joint of {joints.name} by its quantity ({len(joints)} joints, "
-            f"{joints.quantities.sum():.6g} by quantity) and each line by the product of its two; counts are of rows"
+            f"{joints.quantities.sum():.6g} by quantity) and each line by the product of its two; counts are of rows",
         )
-        notices.append(Notice("W373", message))
     if any(joint.cohesion_kpa for joint in joints.joints):
-        message = "the cohesion of the list is left out: kinematic tests know friction alone, combos takes it"
-        notices.append(Notice("W366", message))
+        yield Notice(
+            "W366", "the cohesion of the list is left out: kinematic tests know friction alone, combos takes it"
+        )
     if face.dip_deg <= float(friction.min()):
-        message = f"the face dips {number(face.dip_deg)}°, no steeper than friction: nothing slides out of it"
-        notices.append(Notice("W369", message))
-    return notices
+        yield Notice(
+            "W369", f"the face dips {number(face.dip_deg)}°, no steeper than friction: nothing slides out of it"
+        )

@@ -1,10 +1,12 @@
 """The sheet of the kinematic tests: which joints and pairs could move, by set."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
+from functools import partial
 from operator import itemgetter
 from typing import Any, TypeAlias
 
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table
+from slopekit.kinds.words import shortened
 from slopekit.studies.kinematic.criteria import (
     DIRECT,
     OBLIQUE,
@@ -17,9 +19,8 @@ from slopekit.studies.kinematic.criteria import (
     SLIDING_BASE,
 )
 from slopekit.studies.kinematic.run import SEED, Kinematic
-from slopekit.studies.surveys import codes_of, inputs_in_words, study_sheet, survey_entry
+from slopekit.studies.surveys import MOST_NAMES, codes_of, inputs_in_words, study_sheet, survey_entry
 
-_MOST_NAMES = 24
 _NONE = "single"  # joints of no set
 _WEDGES = {0: "", PRIMARY_BOTH: "primary on both", PRIMARY_ONE: "primary on one", SECONDARY: "secondary"}
 _COLUMNS = {0: "", DIRECT: "direct", OBLIQUE: "oblique"}
@@ -30,7 +31,7 @@ _Counted: TypeAlias = tuple[Any, Mapping[str, Any]]
 
 def sheet_of(analysis: Kinematic) -> Sheet:
     """The sheet of the kinematic tests."""
-    m, of = len(analysis.lines.first), _Shares(analysis)
+    m, share = len(analysis.lines.first), partial(_share, analysis)
     parallel = analysis.pairs - m
     few = f", {analysis.pairs} of them drawn at random (seed {SEED})" if analysis.is_sample else ""
     few += f", {parallel} of them parallel, without a line of intersection" if parallel else ""
@@ -38,14 +39,14 @@ def sheet_of(analysis: Kinematic) -> Sheet:
         Section("SURVEY", [survey_entry(analysis.joints) + few, *_drawn(analysis)]),
         Section("INPUTS", inputs_in_words(analysis.inputs(), analysis.defaults)),
         Section("PLANAR", [
-            f"{of('planar')} joints slide within the lateral limit, {of('planar_without_limits')} without one",
-            *_names(analysis.joint_names("planar")),
+            f"{share('planar')} joints slide within the lateral limit, {share('planar_without_limits')} without one",
+            *_names(analysis, "planar"),
         ]),
-        Section("WEDGE", _wedge(analysis, of)),
+        Section("WEDGE", _wedge(analysis, share)),
         Section("FLEXURAL", [
-            f"{of('flexural')} joints could bend over as layers", *_names(analysis.joint_names("flexural"))
+            f"{share('flexural')} joints could bend over as layers", *_names(analysis, "flexural")
         ]),
-        Section("DIRECT", _direct(analysis, of)),
+        Section("DIRECT", _direct(analysis, share)),
         Section("SETS", _sets(analysis)),
         Section("TIME", [f"{analysis.seconds * 1e3:.0f} ms"]),
         Section("NOTE", [str(notice) for notice in analysis.warnings]),
@@ -74,74 +75,60 @@ def _drawn(analysis: Kinematic) -> list[str]:
 
 def _joints(analysis: Kinematic) -> Table[int]:
     """Every joint with what could happen to it."""
-    joints, modes = analysis.joints.joints, analysis.modes
+    modes, (names, sets, dips, ways) = analysis.modes, zip(*analysis.joints.rows(), strict=True)
     return Table([
-        Column("joint", lambda k: joints[k].name, "name"),
-        Column("set", lambda k: joints[k].set_name, "set"),
-        Column("dip", lambda k: joints[k].plane.dip_deg, "dip", "°", exact=".10g"),
-        Column("dip direction", lambda k: joints[k].plane.dip_direction_deg, "dip_direction", "°", exact=".10g"),
-        Column("φ", _at(analysis.friction_deg, float), "phi", "°", exact=".10g"),
-        Column("slides", _at(modes.planar, int), "planar"),
-        Column("slides without lateral limits", _at(modes.planar_without_limits, int), "planar_without_limits"),
-        Column("bends over", _at(modes.flexural, int), "flexural"),
-        Column("base of columns", _at(modes.base, _BASES.__getitem__), "base"),
-    ], range(len(joints)))  # fmt: skip
+        Column("joint", names, "name"),
+        Column("set", sets, "set"),
+        Column("dip", dips, "dip", "°", exact=".10g"),
+        Column("dip direction", ways, "dip_direction", "°", exact=".10g"),
+        Column("φ", analysis.friction_deg, "phi", "°", exact=".10g"),
+        Column("slides", modes.planar.astype(int), "planar"),
+        Column("slides without lateral limits", modes.planar_without_limits.astype(int), "planar_without_limits"),
+        Column("bends over", modes.flexural.astype(int), "flexural"),
+        Column("base of columns", [_BASES[base] for base in modes.base], "base"),
+    ], range(len(names)))  # fmt: skip
 
 
 def _intersections(analysis: Kinematic) -> Table[int]:
     """Every line of intersection with what could happen along it."""
     lines, modes, names = analysis.lines, analysis.modes, [joint.name for joint in analysis.joints.joints]
     return Table([
-        Column("first", _at(lines.first, names.__getitem__), "joint1"),
-        Column("second", _at(lines.second, names.__getitem__), "joint2"),
-        Column("trend", _at(lines.trend_deg, float), "trend", "°", exact=".4f"),
-        Column("plunge", _at(lines.plunge_deg, float), "plunge", "°", exact=".4f"),
-        Column("wedge", _at(modes.wedge, _WEDGES.__getitem__), "wedge"),
-        Column("friction fails", _at(modes.by_friction, int), "friction_fails"),
-        Column("toppling", _at(modes.column, _COLUMNS.__getitem__), "toppling"),
+        Column("first", lambda k: names[lines.first[k]], "joint1"),
+        Column("second", lambda k: names[lines.second[k]], "joint2"),
+        Column("trend", lines.trend_deg, "trend", "°", exact=".4f"),
+        Column("plunge", lines.plunge_deg, "plunge", "°", exact=".4f"),
+        Column("wedge", lambda k: _WEDGES[int(modes.wedge[k])], "wedge"),
+        Column("friction fails", modes.by_friction.astype(int), "friction_fails"),
+        Column("toppling", lambda k: _COLUMNS[int(modes.column[k])], "toppling"),
     ], range(len(lines.first)))  # fmt: skip
 
 
-def _at(values: Any, what: Callable[[Any], Any]) -> Callable[[int], Any]:
-    """What the values (n,) of joints or lines mean, by number."""
-    return lambda k: what(values[k])
+def _share(analysis: Kinematic, *kinds: str) -> str:
+    """Joints or lines of some kinds: how many, of how many, and their percentage, by quantity where joints have one."""
+    whole = len(analysis.joints if kinds[0] in OF_JOINTS else analysis.lines.first)
+    count, percent = (sum(of[kind] or 0 for kind in kinds) for of in (analysis.counts, analysis.percent))
+    by_quantity = " by quantity" if analysis.joints.has_quantities else ""
+    return f"{count} of {whole} ({percent:.1f} %{by_quantity})" if whole else "0 of 0"
 
 
-class _Shares:
-    """Counts with what they are counted of and their percentages, by quantity where joints have such."""
-
-    def __init__(self, analysis: Kinematic) -> None:
-        self.counts, self.percent = analysis.counts, analysis.percent
-        self.joints, self.lines = len(analysis.joints), len(analysis.lines.first)
-        self.by = " by quantity" if analysis.joints.has_quantities else ""
-
-    def __call__(self, *kinds: str) -> str:
-        whole = self.joints if kinds[0] in OF_JOINTS else self.lines
-        percent = sum(self.percent[kind] or 0.0 for kind in kinds)
-        count = sum(self.counts[kind] for kind in kinds)
-        return f"{count} of {whole} ({percent:.1f} %{self.by})" if whole else "0 of 0"
+def _names(analysis: Kinematic, kind: str) -> list[str]:
+    """The joints of a kind, where there are any."""
+    return [*filter(None, [", ".join(shortened(analysis.joint_names(kind), MOST_NAMES))])]
 
 
-def _names(names: Sequence[str]) -> list[str]:
-    if not names:
-        return []
-    more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
-    return [", ".join(names[:_MOST_NAMES]) + more]
-
-
-def _wedge(analysis: Kinematic, of: _Shares) -> list[str]:
+def _wedge(analysis: Kinematic, share: Callable[..., str]) -> list[str]:
     counts = analysis.counts
     on_one = counts["wedge_primary"] - counts["wedge_on_both"]
     return [
-        f"primary    {of('wedge_primary')} lines daylight and plunge steeper than friction: "
+        f"primary    {share('wedge_primary')} lines daylight and plunge steeper than friction: "
         f"{counts['wedge_on_both']} slide on both joints, {on_one} on one",
-        f"secondary  {of('wedge_secondary')} plunge flatter, the wedge slides on one steeper joint",
+        f"secondary  {share('wedge_secondary')} plunge flatter, the wedge slides on one steeper joint",
         f"friction alone does not hold {counts['wedge_by_friction']} of the {counts['wedge']}; the others stick "
         "between their joints (c = 0, dry: F > 1)",
     ]
 
 
-def _direct(analysis: Kinematic, of: _Shares) -> list[str]:
+def _direct(analysis: Kinematic, share: Callable[..., str]) -> list[str]:
     counts, (direct, oblique) = analysis.counts, analysis.toppling
     verdict = {
         (True, True): "possible, also obliquely: there are edges of columns and bases under them",
@@ -154,8 +141,8 @@ def _direct(analysis: Kinematic, of: _Shares) -> list[str]:
         verdict = f"not possible: there are no {lacking}"
     return [
         verdict,
-        f"edges  {of('direct')} lines plunge steeply into the slope; {counts['oblique']} oblique",
-        f"bases  {of('base_sliding', 'base_release')} joints, on {counts['base_sliding']} of them columns may slide "
+        f"edges  {share('direct')} lines plunge steeply into the slope; {counts['oblique']} oblique",
+        f"bases  {share('base_sliding', 'base_release')} joints, on {counts['base_sliding']} of them columns may slide "
         f"as well; {counts['base_oblique']} oblique",
     ]
 

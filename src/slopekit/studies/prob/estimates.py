@@ -35,6 +35,11 @@ class Share:
     confidence: float
     limits_by: str
 
+    @property
+    def percent(self) -> float | None:
+        """The share in per cent."""
+        return None if self.share is None else 100.0 * self.share
+
 
 def clopper_pearson(count: int, of: int, confidence: float = 0.95) -> tuple[float, float]:
     """Exact confidence limits of a probability from independent trials (Clopper & Pearson 1934).

@@ -101,7 +101,7 @@ class SampleRows(Rows):
         root = None if design.source is None else design.source.root
         for drawn, path in zip(rows.values.T, self.samples.names, strict=False):  # the place of a crack fits
             field = field_in(type(design), root, path)
-            if field is not None and not field.limits.turns:
-                impossible |= (drawn < field.limits.least) | (drawn > field.limits.most)
+            if field is not None and not field.turns:
+                impossible |= (drawn < field.least) | (drawn > field.most)
         outcome = np.where(impossible, len(names) - 1, outcome).astype(np.int16)
         return ByMethod(names, outcome, np.where(impossible, np.nan, closed.factor))

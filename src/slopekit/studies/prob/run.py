@@ -4,7 +4,7 @@ samples -> outcome and factor of each -> shares with their confidence limits.
 """
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -15,11 +15,11 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.codec import json_of, record_of
-from slopekit.core.errors import DesignError, Fault, Faults, Notice
+from slopekit.core.errors import Faults, Notice, fail
 from slopekit.core.onlooker import Clock
-from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, counted
 from slopekit.design.common import Design
+from slopekit.design.fields import declare
 from slopekit.kinds import likely_slips, peak_only
 from slopekit.kinds.single_block.held_bolts import has_heads
 from slopekit.notices import new_notices, not_as_given
@@ -33,6 +33,7 @@ from slopekit.studies.prob.rows import SampleRows
 from slopekit.studies.prob.sampling import METHODS, Method, Samples, samples
 from slopekit.studies.protocol import (
     DESK,
+    MOST_SEED,
     ADesign,
     Jobs,
     Option,
@@ -41,6 +42,7 @@ from slopekit.studies.protocol import (
     StudyOutcome,
     Workplace,
     number_of,
+    numbers_given,
     study,
     whole_number,
 )
@@ -51,6 +53,22 @@ By = Literal["closed-form", "pre-ie"]
 #: crack of each may be looked for by itself.
 MANY, FEW, FEWEST = 20_000, 1_000, 200
 _MOST, _MOST_BY_PRE_IE = 10_000_000, 1_000_000
+#: Limits of numbers by their parameters.
+_NUMBERS = {
+    "seed": declare("seed", "ratio", 0, MOST_SEED, whole=True, code="E307"),
+    "fos": declare("the target", "ratio", 1e-6, 1e6, code="E307"),
+    "confidence": declare(
+        "confidence", "ratio", 0.5, 0.9999, code="E307", advice="A part of all is written 0.95 or 95%."
+    ),
+    "accept": declare(
+        "accept",
+        "ratio",
+        0.0,
+        1.0,
+        code="E307",
+        advice="It is a probability of failure, 0.05 or 5%, no factor of safety.",
+    ),
+}
 
 
 @dataclass(frozen=True)
@@ -87,6 +105,7 @@ class Probability(StudyOutcome):
     """
 
     name: ClassVar[str] = "prob"
+    charts: ClassVar[tuple[str, ...]] = ("histogram",)
     design: Design
     asked: ProbabilityOptions
     rows: SampleRows
@@ -98,11 +117,6 @@ class Probability(StudyOutcome):
     closed_form: Judged | None
     of_samples: tuple[Notice, ...]
     timing_s: Mapping[str, float]
-
-    @property
-    def charts(self) -> tuple[str, ...]:
-        """Its histogram."""
-        return ("histogram",)
 
     @property
     def samples(self) -> Samples:
@@ -310,10 +324,13 @@ def prob(
     """
     crew = checked_crew(jobs, scheduler)
     if design.analysis.partial is not None:
-        message = "partial factors allow for the scatter that a probability draws: with both it would count twice"
-        advice = "Take analysis.partial_factors out for it, or: --set analysis.partial_factors=null"
-        raise DesignError([Fault("E313", message, "analysis.partial_factors", advice)])
-    asked = _asked(design, n, seed, method, by, fos, confidence, accept)
+        fail(
+            "E313",
+            "partial factors allow for the scatter that a probability draws: with both it would count twice",
+            "analysis.partial_factors",
+            "Take analysis.partial_factors out for it, or: --set analysis.partial_factors=null",
+        )
+    asked = _asked(design, n, seed, method, by, fos, confidence, accept, desk.named)
     clock = Clock()
     pre_ie = asked.by == "pre-ie"
     with clock("draw"):
@@ -370,31 +387,31 @@ def _bolt_notices(rows: SampleRows, outcomes: Outcomes, forms: Bools) -> Iterato
 
 def _asked(
     design: Design, n: int | None, seed: int, method: Method, by: By, target: float, confidence: float,
-    accept: float | None,
+    accept: float | None, named: Callable[[str], str],
 ) -> ProbabilityOptions:  # fmt: skip
     """What was asked for, checked."""
     faults = Faults()
     if not design.variables:
-        advice = "Write one: phi: {dist: normal, mean: 20, sd: 2}."
-        faults.append(Fault("E302", "nothing in this design scatters: no number is a distribution", "", advice))
+        faults.add(
+            "E302",
+            "nothing in this design scatters: no number is a distribution",
+            "",
+            "Write one: phi: {dist: normal, mean: 20, sd: 2}.",
+        )
     if method not in METHODS:
-        faults.append(Fault("E126", f"{method} is not a way to draw samples", "", f"Known: {', '.join(METHODS)}."))
+        faults.add("E126", f"{method} is not a way to draw samples", "", f"Known: {', '.join(METHODS)}.")
     if by not in ("closed-form", "pre-ie"):
-        faults.append(Fault("E126", f"{by} is not a method", "", "Known: closed-form, pre-ie."))
+        faults.add("E126", f"{by} is not a method", "", "Known: closed-form, pre-ie.")
     if by == "closed-form" and not design.HAS_CLOSED_FORM:
-        faults.append(Fault("E126", f"a {design.kind} has no closed form to sample", "", "Take pre-ie."))
+        faults.add("E126", f"a {design.kind} has no closed form to sample", "", "Take pre-ie.")
     few = FEWEST if getattr(design, "crack_searched", "") else FEW
-    n, most = few if n is None else n, _MOST if by == "closed-form" else _MOST_BY_PRE_IE
-    for name, value, low, high in (
-        ("n", n, 1, most), ("seed", seed, 0, 2**63 - 1), ("the target", target, 1e-6, 1e6),
-        ("confidence", confidence, 0.5, 0.9999), ("accept", 0.0 if accept is None else accept, 0.0, 1.0),
-    ):  # fmt: skip
-        if not low <= value <= high:
-            message = f"{name} is {number(value)}, it lies between {number(low)} and {number(high)}"
-            advice = "A part of all is written 0.95 or 95%." if name == "confidence" else ""
-            advice = f"--by closed-form takes up to {_MOST}." if name == "n" and most < value <= _MOST else advice
-            advice = "It is a probability of failure, 0.05 or 5%, no factor of safety." if name == "accept" else advice
-            faults.append(Fault("E307", message, "", advice))
+    count = few if n is None else n
+    most, advice = _MOST if by == "closed-form" else _MOST_BY_PRE_IE, ""
+    if most < count <= _MOST:
+        advice = f"--by closed-form takes up to {_MOST}."
+    samples_limit = declare("n", "ratio", 1, most, whole=True, code="E307", advice=advice)
+    given = {"n": count, "seed": seed, "fos": target, "confidence": confidence, "accept": accept}
+    numbers_given({"n": samples_limit} | _NUMBERS, given, named, faults)
     faults.refuse()
     checked_limits(design)
-    return ProbabilityOptions(n, seed, method, by, target, confidence, accept)
+    return ProbabilityOptions(count, seed, method, by, target, confidence, accept)

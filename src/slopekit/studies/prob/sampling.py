@@ -7,7 +7,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
-from itertools import pairwise
+from itertools import count, pairwise
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -16,7 +16,7 @@ from slopekit.core.arrays import Floats, Ints, NDArray
 from slopekit.core.orientation import Line, Plane
 from slopekit.design.common import Pair
 from slopekit.design.reading.nodes import as_text
-from slopekit.design.scatter.distributions import Angles, Distribution, Fisher, Variable
+from slopekit.design.scatter.distributions import Distribution, Fisher, Variable
 from slopekit.studies.marginals import Marginal, marginal, standard_normal
 from slopekit.studies.prob import sources
 from slopekit.studies.prob.sources import fisher, folded_lines, folded_planes
@@ -107,13 +107,36 @@ def settings_of(variables: Iterable[Variable], values: Iterable[float]) -> dict[
 @lru_cache(_HELD)
 def _block(samples: Samples, block: int) -> Floats:
     """The columns (k, count) of a block."""
-    start, stop = samples.ends[block], samples.ends[block + 1]
-    columns, size = np.empty((len(samples.names), stop - start)), stop - start
+    size, k, coordinates = samples.ends[block + 1] - samples.ends[block], 0, count()
+    columns = np.empty((len(samples.names), size))
     # a block of Monte Carlo is drawn whole: a longer run begins with a shorter one
     column = samples.source(block, BLOCK if samples.method == "monte-carlo" else size)
-    marginals = [one for variable in samples.variables for one in _marginals(variable)]
-    _fill(columns, samples.variables, (column(k, own)[:size] for k, own in enumerate(marginals)))
+    for variable in samples.variables:
+        parts, turned = _parts(variable)
+        drawn = [
+            column(next(coordinates), part)[:size] if isinstance(part, Marginal) else np.full(size, part)
+            for part in parts
+        ]
+        if turned is None:
+            columns[k] = drawn[0]
+        else:
+            steep, direction = (k, k + 1) if variable.of == "plane" else (k + 1, k)
+            for begin in range(0, size, _PIECE):
+                piece = slice(begin, begin + _PIECE)
+                columns[steep, piece], columns[direction, piece] = turned(*(values[piece] for values in drawn))
+        k += len(variable.columns)
     return columns
+
+
+def _parts(variable: Variable) -> tuple[list[Marginal | float], Callable[..., tuple[Floats, Floats]] | None]:
+    """How each coordinate of a variable scatters, fixed angles as they are, and what turns two of them into angles."""
+    own = variable.distribution
+    if isinstance(own, Distribution):
+        return [marginal(own)], None
+    if isinstance(own, Fisher):
+        return [standard_normal(), standard_normal()], partial(fisher, own.mean, own.k)
+    angles = [marginal(angle) if isinstance(angle, Distribution) else angle for angle in (own.steep, own.direction)]
+    return angles, folded_planes if own.of == "plane" else folded_lines
 
 
 def samples(
@@ -153,38 +176,3 @@ def ends_of_blocks(n: int, method: Method) -> list[int]:
     replicates = max(min(REPLICATES, n // FEWEST_IN_REPLICATE), min(-(-n // BLOCK), MOST_REPLICATES), 1)
     size, larger = divmod(n, replicates)
     return [block * size + min(block, larger) for block in range(replicates + 1)]
-
-
-def _marginals(variable: Variable) -> Sequence[Marginal]:
-    """Of the coordinates of a variable."""
-    own = variable.distribution
-    if isinstance(own, Distribution):
-        return [marginal(own)]
-    if isinstance(own, Fisher):
-        return [standard_normal(), standard_normal()]
-    return [marginal(angle) for angle in (own.steep, own.direction) if isinstance(angle, Distribution)]
-
-
-def _fill(columns: Floats, variables: Iterable[Variable], drawn: Iterator[Floats]) -> None:
-    """Columns (k, count) of a block, from what is drawn of each coordinate."""
-    count, k = columns.shape[1], 0
-    for variable in variables:
-        own = variable.distribution
-        if isinstance(own, Distribution):
-            columns[k] = next(drawn)
-        else:
-            steep, direction = (k, k + 1) if variable.of == "plane" else (k + 1, k)
-            turn, parts = _turning(own)
-            first, second = (next(drawn) if part is None else np.full(count, part) for part in parts)
-            for begin in range(0, count, _PIECE):
-                piece = slice(begin, begin + _PIECE)
-                columns[steep, piece], columns[direction, piece] = turn(first[piece], second[piece])
-        k += len(variable.columns)
-
-
-def _turning(own: Fisher | Angles) -> tuple[Callable[[Floats, Floats], tuple[Floats, Floats]], list[float | None]]:
-    """From what is drawn of an orientation to its angles, and those of the two that are not drawn."""
-    if isinstance(own, Fisher):
-        return partial(fisher, own.mean, own.k), [None, None]
-    fixed = [angle if isinstance(angle, float) else None for angle in (own.steep, own.direction)]
-    return (folded_planes if own.of == "plane" else folded_lines), fixed

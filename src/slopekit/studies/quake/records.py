@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from slopekit.core.arrays import Floats, frozen
-from slopekit.core.errors import DesignError, Fault, Faults, Notice
+from slopekit.core.errors import Faults, Notice, fail
 from slopekit.core.orientation import number
 from slopekit.core.sheet import counted
 from slopekit.design.reading.on_disk import read_bytes
@@ -119,61 +119,51 @@ def record_of(name: str, times_s: Any, accelerations: Any, unit: str = "m/s2", i
     """
     t, a = np.asarray(times_s, dtype=np.float64).ravel(), np.asarray(accelerations, dtype=np.float64).ravel()
     if len(t) != len(a):
-        raise _refused(name, "E512", f"{len(t)} times and {len(a)} accelerations")
-    if not (np.isfinite(t).all() and np.isfinite(a).all()):
-        at = int(np.flatnonzero(~(np.isfinite(t) & np.isfinite(a)))[0])
-        raise _refused(name, "E512", f"sample {at + 1} is not a finite number")
+        fail("E512", f"{name}: {len(t)} times and {len(a)} accelerations", name)
+    bad = np.flatnonzero(~(np.isfinite(t) & np.isfinite(a)))
+    if len(bad):
+        fail("E512", f"{name}: sample {bad[0] + 1} is not a finite number", name)
     a = a * _factor_of(unit, name)
     if len(a) < 2 or not a.any():
         what = counted(len(a), "sample") if len(a) < 2 else "nothing but zeros"
-        raise DesignError([Fault("E512", f"{name} has {what}: no record of an earthquake", name)])
+        fail("E512", f"{name} has {what}: no record of an earthquake", name)
     steps = np.diff(t)
     falls = np.flatnonzero(steps < 0.0 if is_pulse else steps <= 0.0)
     if len(falls):
-        k = int(falls[0])
-        message = f"time does not rise from sample {k + 1} ({number(t[k])} s) to the next ({number(t[k + 1])} s)"
-        raise _refused(name, "E514", message)
-    if not is_pulse:
-        _are_seconds(name, steps)
-    largest = float(np.abs(a).max()) / GRAVITY
-    if largest > _LARGEST_G:
-        message = f"the peak is {largest:.4g} g as {unit}, more than any earthquake's (up to {_LARGEST_G:g} g)"
-        raise _refused(name, "E511", message)
-    record = Record(name, frozen(t - t[0]), frozen(a), unit, is_pulse)
-    return record if is_pulse else replace(record, notices=tuple(_said_of(record)))
-
-
-def _are_seconds(name: str, steps: Floats) -> None:
-    """Whether times with these steps may be those of an earthquake in seconds: sliding goes with their square."""
+        one, next_one = (number(time) for time in t[falls[0] : falls[0] + 2])
+        fail(
+            "E514", f"{name}: time does not rise from sample {falls[0] + 1} ({one} s) to the next ({next_one} s)", name
+        )
     usual, long = float(np.median(steps)), float(steps.sum())
-    if not (usual > _COARSEST and len(steps) >= _MADE_BY_HAND) and long <= _LONGEST:
-        return
-    what = f"the time step is {usual:.6g} s and it lasts {long:.6g} s: no record of an earthquake in seconds"
-    apart = number(float(f"{usual * 1e-3:.6g}"))
-    advice = f"Times in ms are written in s, {apart} s apart; numbers of samples times the step between them."
-    raise _refused(name, "E514", what, advice=advice)
+    is_coarse = usual > _COARSEST and len(steps) >= _MADE_BY_HAND
+    if not is_pulse and (is_coarse or long > _LONGEST):  # sliding goes with the square of times
+        apart = number(float(f"{usual * 1e-3:.6g}"))
+        fail(
+            "E514",
+            f"{name}: the time step is {usual:.6g} s and it lasts {long:.6g} s: no record of an earthquake in seconds",
+            name,
+            f"Times in ms are written in s, {apart} s apart; numbers of samples times the step between them.",
+        )
+    record = Record(name, frozen(t - t[0]), frozen(a), unit, is_pulse)
+    if record.pga_g > _LARGEST_G:
+        more_than = f"more than any earthquake's (up to {_LARGEST_G:g} g)"
+        fail("E511", f"{name}: the peak is {record.pga_g:.4g} g as {unit}, {more_than}", name)
+    return record if is_pulse else replace(record, notices=tuple(_notices_of(record)))
 
 
-def _refused(name: str, code: str, what: str, line: int | None = None, advice: str = "") -> DesignError:
-    """What is wrong with a record, at a line of it."""
-    return DesignError([Fault(code, f"{name}: {what}", name if line is None else f"{name}:{line}", advice)])
-
-
-def _said_of(record: Record) -> Iterator[Notice]:
+def _notices_of(record: Record) -> Iterator[Notice]:
     """Yield W460 of uneven steps and of the baseline."""
     steps = np.diff(record.times_s)
-    usual = float(np.median(steps))
+    usual, gap = float(np.median(steps)), float(steps.max())
     uneven = int((np.abs(steps - usual) > _UNEVEN * usual).sum())
     if uneven:
-        gap = float(steps.max())
         more = f"; the longest, {number(gap)} s, is a gap" if gap > _GAP * usual else ""
         yield Notice("W460", f"{record.name}: {uneven} of {len(steps)} time steps are not {usual:.6g} s{more}; it is "
                      "taken as linear between its samples")  # fmt: skip
-    velocity = record.ground_velocity
-    most, left = float(np.abs(velocity).max()), float(velocity[-1])
-    if abs(left) > _DRIFTS * most:
+    left = float(record.ground_velocity[-1])
+    if abs(left) > _DRIFTS * record.pgv_m_s:
         yield Notice("W460", f"{record.name}: the ground moves at {left:.3g} m/s at its end "
-                     f"({abs(left) / most:.0%} of its peak): baseline not corrected, or cut off")  # fmt: skip
+                     f"({abs(left) / record.pgv_m_s:.0%} of its peak): baseline not corrected, or cut off")  # fmt: skip
 
 
 # -- from files ------------------------------------------------------------------------------------------------------
@@ -194,37 +184,32 @@ def read_records(given: Sequence[Any], unit: str | None = None) -> tuple[Record,
     """
     if unit is not None:
         _factor_of(unit, "unit")
-    records: list[Record] = []
-    faults = Faults()
-    paths: list[Any] = []
+    records, paths, faults = list[Record](), list[Any](), Faults()
     for one in given:
-        if isinstance(one, str | os.PathLike) and os.fspath(one).strip() and os.path.isdir(one):
-            inside = sorted(path for path in Path(one).iterdir() if path.suffix.lower() in _ENDINGS)
-            if not inside:
-                faults.append(
-                    Fault("E510", f"the folder {one} holds no record", str(one), f"Read: {' '.join(_ENDINGS)}")
-                )
-            paths += inside
-        else:
-            paths.append(one)
+        paths += faults.of(_files_in, one) or []
     if not paths and not faults:
-        advice = "Give files, folders, or a pulse: sine:0.5g,1Hz rectangular:0.5g,0.3s triangular:0.5g,0.3s"
-        faults.append(Fault("E510", "no record is given", "RECORD", advice))
+        fail("E510", "no record is given", "RECORD", f"Give files, folders, or a pulse: {_PULSES}")
     if len(paths) > _MOST_RECORDS:
-        faults.append(Fault("E510", f"{len(paths)} records are given, at most {_MOST_RECORDS} at a time", ""))
-        paths = []
+        fail("E510", f"{len(paths)} records are given, at most {_MOST_RECORDS} at a time")
     for one in paths:
         with faults.kept():
             records.append(one if isinstance(one, Record) else read_record(one, unit))
     faults.refuse()
     names = [record.name for record in records]
-    called = [
-        record
-        if names.count(record.name) == 1
-        else replace(record, name=f"{record.name} ({names[: k + 1].count(record.name)})")
-        for k, record in enumerate(records)
-    ]
-    return tuple(called)
+    return tuple(
+        record if names.count(name) == 1 else replace(record, name=f"{name} ({names[: k + 1].count(name)})")
+        for k, (name, record) in enumerate(zip(names, records, strict=True))
+    )
+
+
+def _files_in(path: Any) -> list[Any]:
+    """The records of a folder; anything else as it is. E510 where the folder holds none."""
+    if not isinstance(path, str | os.PathLike) or not os.fspath(path).strip() or not os.path.isdir(path):
+        return [path]
+    inside = sorted(file for file in Path(path).iterdir() if file.suffix.lower() in _ENDINGS)
+    if not inside:
+        fail("E510", f"the folder {path} holds no record", str(path), f"Read: {' '.join(_ENDINGS)}")
+    return list(inside)
 
 
 def read_record(path: str | os.PathLike[str], unit: str | None = None) -> Record:
@@ -237,76 +222,58 @@ def read_record(path: str | os.PathLike[str], unit: str | None = None) -> Record
     """
     if not isinstance(path, str | os.PathLike):
         advice = "Give a path, the name of a pulse, or record_of(name, times, accelerations, unit)."
-        raise DesignError([Fault("E510", f"{str(path)[:40]!r} is no record", "", advice)])
-    text = os.fspath(path)
+        fail("E510", f"{str(path)[:40]!r} is no record", advice=advice)
+    text, name = os.fspath(path), Path(path).name
     if re.match(_LIKE_PULSE, text, re.IGNORECASE) and not os.path.exists(path):
         return _pulse(text)
     if not text.strip():
-        raise DesignError([Fault("E510", "a record without a name is given", "RECORD")])
-    name = Path(path).name
-    lines = _text_of(read_bytes(path, _MOST_BYTES), name).splitlines()
-    if not any(line.strip() for line in lines):
-        raise DesignError([Fault("E512", f"{name} is empty", str(path))])
-    return _at2(name, lines) if any(_step_in(line) for line in lines[:8]) else _columns(name, lines, unit)
-
-
-def _text_of(content: bytes, name: str) -> str:
+        fail("E510", "a record without a name is given", "RECORD")
+    content = read_bytes(path, _MOST_BYTES)
     if b"\0" in content[:4096]:
-        raise DesignError([Fault("E512", f"{name} is no text: it holds bytes that no record has", name)])
+        fail("E512", f"{name} is no text: it holds bytes that no record has", name)
     try:
-        return content.decode("utf-8-sig")
+        lines = content.decode("utf-8-sig").splitlines()
     except UnicodeDecodeError:
-        return content.decode("latin-1")
+        lines = content.decode("latin-1").splitlines()
+    if not any(line.strip() for line in lines):
+        fail("E512", f"{name} is empty", str(path))
+    head = next((k for k, line in enumerate(lines[:8]) if _step_in(line)), None)
+    return _columns(name, lines, unit) if head is None else _at2(name, lines, head)
 
 
 def _step_in(line: str) -> tuple[int, float] | None:
     """Number of points and step of a line of AT2."""
-    for pattern in _STEPS:
-        if match := pattern.search(line):
-            try:
-                return int(match[1]), float(match[2])
-            except ValueError:
-                return None
-    return None
+    match = next(filter(None, (pattern.search(line) for pattern in _STEPS)), None)
+    return (int(match[1]), float(match[2])) if match is not None and _is_number(match[2]) else None
 
 
-def _at2(name: str, lines: Sequence[str]) -> Record:
-    """PEER's AT2: four lines of header, the third with the unit, the fourth with NPTS and DT, then values."""
-    head = next(k for k, line in enumerate(lines) if _step_in(line))
+def _at2(name: str, lines: Sequence[str], head: int) -> Record:
+    """PEER's AT2: lines of header, the last of them with NPTS and DT, one before it with the unit; then values."""
     count, step = _step_in(lines[head]) or (0, 0.0)
-    if not (step > 0.0 and math.isfinite(step)):
-        raise _refused(name, "E512", f"DT is {step:g}, a time step above 0 is needed", head + 1)
+    if not step > 0.0:
+        fail("E512", f"{name}: DT is {step:g}, a time step above 0 is needed", f"{name}:{head + 1}")
     said = " ".join(lines[:head])
     match = re.search(r"UNITS\s+OF\s+([^\s,;]+)", said, re.IGNORECASE)
     if match is None:
-        raise _refused(name, "E511", "no line says ACCELERATION ... IN UNITS OF G", 3)
-    if re.search(r"\b(VELOCITY|DISPLACEMENT)\b", said, re.IGNORECASE) and not re.search(
-        r"\bACCEL", said, re.IGNORECASE
-    ):
-        raise DesignError(
-            [Fault("E512", f"{name} is no record of acceleration", f"{name}:3", "Take the .AT2, not .VT2 or .DT2.")]
-        )
-    values: list[float] = []
-    for k, line in enumerate(lines[head + 1 :], head + 2):
-        values += [_value(word, name, k) for word in line.split()]
+        fail("E511", f"{name}: no line says ACCELERATION ... IN UNITS OF G", f"{name}:3")
+    if re.search(r"\b(VELOCITY|DISPLACEMENT)\b", said, re.IGNORECASE) and "ACCEL" not in said.upper():
+        fail("E512", f"{name} is no record of acceleration", f"{name}:3", "Take the .AT2, not .VT2 or .DT2.")
+    values = [_value(word, name, k) for k, line in enumerate(lines[head + 1 :], head + 2) for word in line.split()]
     if len(values) != count:
-        message = f"NPTS is {count}, {len(values)} values follow"
-        raise _refused(name, "E512", message, head + 1, "The file is cut off, or has been edited.")
+        fail(
+            "E512",
+            f"{name}: NPTS is {count}, {len(values)} values follow",
+            f"{name}:{head + 1}",
+            "The file is cut off, or has been edited.",
+        )
     return record_of(name, step * np.arange(count), values, match[1].strip("().").lower())
 
 
 def _value(word: str, name: str, line: int) -> float:
-    try:
-        value = float(word)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise _no_number(name, line, word)
-    return value
-
-
-def _no_number(name: str, line: int, word: str) -> DesignError:
-    return _refused(name, "E512", f"line {line} holds {word[:40]!r}, a number is needed", line)
+    """A number of a line. E512 for anything else."""
+    if not _is_number(word):
+        fail("E512", f"{name}: line {line} holds {word[:40]!r}, a number is needed", f"{name}:{line}")
+    return float(word)
 
 
 def _columns(name: str, lines: Sequence[str], unit: str | None) -> Record:
@@ -314,23 +281,33 @@ def _columns(name: str, lines: Sequence[str], unit: str | None) -> Record:
     rows = [(k, line.strip()) for k, line in enumerate(lines, 1) if line.strip() and line.strip()[0] not in "#%!*"]
     first = next((k for k, (_, line) in enumerate(rows) if all(map(_is_number, _cells(line)))), None)
     if first is None:
-        raise _refused(name, "E512", "no line holds numbers alone", rows[0][0] if rows else None)
+        fail("E512", f"{name}: no line holds numbers alone", f"{name}:{rows[0][0]}" if rows else name)
     line, head = rows[first - 1] if first else (1, "")
-    if head and any(map(_is_number, _cells(head))):
-        raise _no_number(name, line, next(cell for cell in _cells(head) if not _is_number(cell)))
+    if any(map(_is_number, _cells(head))):
+        _value(next(cell for cell in _cells(head) if not _is_number(cell)), name, line)
     if no_motion := _NO_MOTION.search(head.lower()):
-        advice = "A record is time and acceleration of the ground, no spectrum, velocity or displacement."
-        raise _refused(name, "E512", f"{no_motion[1]} in the head: no acceleration over time", line, advice)
-    stated = _unit_of_head(head) or unit
+        fail(
+            "E512",
+            f"{name}: {no_motion[1]} in the head: no acceleration over time",
+            f"{name}:{line}",
+            "A record is time and acceleration of the ground, no spectrum, velocity or displacement.",
+        )
+    # the one unit in the head: acceleration (g), acc [m/s²], a in gal, acc_gal
+    units = {word for word in re.split(r"[\s,;:=()\[\]_\"']+", _spelled(head)) if word in _UNITS}
+    stated = units.pop() if len(units) == 1 else unit
     if stated is None:
-        advice = f"Name it in the header (time (s), acceleration (g)), or give --unit: {_KNOWN}."
-        raise _refused(name, "E511", "nothing says the unit of the acceleration", line, advice)
+        fail(
+            "E511",
+            f"{name}: nothing says the unit of the acceleration",
+            f"{name}:{line}",
+            f"Name it in the header (time (s), acceleration (g)), or give --unit: {_KNOWN}.",
+        )
     motion = list[list[float]]()
     for line, text in rows[first:]:
         cells = _cells(text)
         if len(cells) != 2:
-            message = f"line {line} has {counted(len(cells), 'column')}, two are needed: time and acceleration"
-            raise _refused(name, "E512", message, line)
+            said = f"line {line} has {counted(len(cells), 'column')}, two are needed: time and acceleration"
+            fail("E512", f"{name}: {said}", f"{name}:{line}")
         motion.append([_value(cell, name, line) for cell in cells])
     times, values = zip(*motion, strict=True)
     return record_of(name, times, values, stated)
@@ -350,12 +327,6 @@ def _is_number(text: str) -> bool:
         return False
 
 
-def _unit_of_head(head: str) -> str | None:
-    """The one unit in a head: acceleration (g), acc [m/s²], a in gal, acc_gal; None where it names none, or several."""
-    units = {word for word in re.split(r"[\s,;:=()\[\]_\"']+", _spelled(head)) if word in _UNITS}
-    return units.pop() if len(units) == 1 else None
-
-
 def _spelled(text: str) -> str:
     return text.lower().replace("²", "2").replace("^", "").replace(" /", "/").replace("/ ", "/")
 
@@ -363,7 +334,7 @@ def _spelled(text: str) -> str:
 def _factor_of(unit: str, name: str) -> float:
     spelled = _spelled(unit).strip()
     if spelled not in _UNITS:
-        raise _refused(name, "E511", f"{unit!r} is no unit of acceleration", advice=f"Known: {_KNOWN}.")
+        fail("E511", f"{name}: {unit!r} is no unit of acceleration", name, f"Known: {_KNOWN}.")
     return _UNITS[spelled]
 
 
@@ -380,15 +351,14 @@ def _pulse(text: str) -> Record:
     """
     match = _PULSE.fullmatch(text.replace(" ", ""))
     if match is None:
-        message = f"{text} is no pulse (rectangular, triangular or sine), nor a file"
-        raise DesignError([Fault("E517", message, text, _PULSES)])
+        fail("E517", f"{text} is no pulse (rectangular, triangular or sine), nor a file", text, _PULSES)
     shape, unit, measure = (match[k].lower() for k in (1, 3, 5))
     peak, length, cycles = _UNITS[unit] * float(match[2]), float(match[4]), int(match[6] or 1)
     if (shape == "sine") != (measure == "hz") or (match[6] and shape != "sine"):
-        raise _refused(text, "E517", "a sine has a frequency in Hz, other pulses a duration", advice=_PULSES)
+        fail("E517", f"{text}: a sine has a frequency in Hz, other pulses a duration", text, _PULSES)
     if peak == 0.0 or not 1e-6 <= length <= 1e6 or not 1 <= cycles <= 100:
-        message = "a number is out of range: peaks above 0, 1e-6 to 1e6 s or Hz, 1 to 100 whole cycles are taken"
-        raise _refused(text, "E517", message, advice=_PULSES)
+        limits = "peaks above 0, 1e-6 to 1e6 s or Hz, 1 to 100 whole cycles are taken"
+        fail("E517", f"{text}: a number is out of range: {limits}", text, _PULSES)
     if shape == "sine":
         parts = np.arange(cycles * _CYCLE + 1)
         values = peak * np.sin(2.0 * np.pi * parts / _CYCLE)

@@ -10,15 +10,14 @@
 """
 
 import math
-import time
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
 from slopekit.core.codec import json_of
-from slopekit.core.errors import DesignError, Fault, Faults, Notice
+from slopekit.core.errors import Fault, Faults, Notice, fail
 from slopekit.core.orientation import number, opposite
 from slopekit.core.units import quantity
 from slopekit.design.common import Design
@@ -104,7 +103,6 @@ class Quake(StudyOutcome):
     scale_pga: float | None
     warnings: tuple[Notice, ...] = ()
     in_six: InSix | None = None
-    seconds: float = field(default=0.0, compare=False)
 
     @property
     def six(self) -> tuple[Shaking, ...]:
@@ -289,10 +287,13 @@ def quake(
     >>> round(found.coefficient, 4), round(found.factor, 4), round(found.shaken[0].as_recorded_m, 4)
     (0.1962, 1.1057, 0.2649)
     """
-    began = time.perf_counter()
     if scale_pga is not None and not _PGA[0] <= scale_pga <= _PGA[1]:
-        message = f"{desk.named('scale_pga')} is {number(scale_pga)} g, it lies between {_PGA[0]:g} and {_PGA[1]:g}"
-        raise DesignError([Fault("E307", message, "", "Peaks are in g: 0.3.")])
+        fail(
+            "E307",
+            f"{desk.named('scale_pga')} is {number(scale_pga)} g, it lies between {_PGA[0]:g} and {_PGA[1]:g}",
+            "",
+            "Peaks are in g: 0.3.",
+        )
     given = [records] if isinstance(records, str | Record) or not isinstance(records, Sequence) else list(records)
     taken = read_records(given, unit)
     taken = taken if scale_pga is None else tuple(record.scaled(scale_pga) for record in taken)
@@ -301,11 +302,19 @@ def quake(
         for one in (across, vertical)
     ]
     if not six and (across is not None or vertical is not None):
-        message = f"{desk.named('across')} and {desk.named('vertical')} belong to {desk.named('six')}"
-        raise DesignError([Fault("E313", message, "", "Newmark's block knows the shaking along its slope alone.")])
+        fail(
+            "E313",
+            f"{desk.named('across')} and {desk.named('vertical')} belong to {desk.named('six')}",
+            "",
+            "Newmark's block knows the shaking along its slope alone.",
+        )
     if scale_pga is not None and (across is not None or vertical is not None):
-        message = f"{desk.named('scale_pga')} would scale one of three components"
-        raise DesignError([Fault("E313", message, "", "Scale the records, all three, by the same number.")])
+        fail(
+            "E313",
+            f"{desk.named('scale_pga')} would scale one of three components",
+            "",
+            "Scale the records, all three, by the same number.",
+        )
     static = static_design(design, toward, desk.named("toward"))
     check_stands(static)
     with desk.bar("evaluations and records", _ABOUT + (3 if six else 1) * len(taken)) as advance:
@@ -313,13 +322,8 @@ def quake(
         yields = yields_of(static, checked_crew(jobs), advance)
         shaken, motion = _shaken(static, yields[0], taken, advance)
         out = way_out(static, yields[0], advance)
-    aside = _into_the_slope(static, yields[0], out) or _off_section(static)
-    beside_it = [notice for one in others if one is not None for notice in one.notices]
-    warnings = tuple(
-        dict.fromkeys((*aside, *beside_it, *_notices(static, yields, shaken, out is None), *_of_six(in_six)))
-    )
-    trend, seconds = static.seismic.trend_deg, time.perf_counter() - began
-    return Quake(static, trend, yields, shaken, motion, scale_pga, warnings, in_six, seconds)
+    warnings = tuple(dict.fromkeys(_notices(static, yields, shaken, out, others, in_six)))
+    return Quake(static, static.seismic.trend_deg, yields, shaken, motion, scale_pga, warnings, in_six)
 
 
 def _shaken(
@@ -352,13 +356,14 @@ def _shaken(
 def _too_far(one: Shaken, coefficient: float) -> Fault:
     """E524: a slope that would slide out of sight."""
     record = one.record
-    message = (
+    return Fault(
+        "E524",
         f"{record.name}: a displacement of {one.larger_m * 1e-3:.3g} km is none of an earthquake, at k_y "
         f"{shown_k(coefficient)} in {record.duration_s:.4g} s with a peak velocity of the ground of "
-        f"{record.pgv_m_s:.3g} m/s (the highest measured are about 4)"
+        f"{record.pgv_m_s:.3g} m/s (the highest measured are about 4)",
+        record.name,
+        "Write times in s, correct a baseline that drifts. At a k_y next to 0 the slope hardly stands.",
     )
-    advice = "Write times in s, correct a baseline that drifts. At a k_y next to 0 the slope hardly stands."
-    return Fault("E524", message, record.name, advice)
 
 
 def _motion(record: Record, way: str, of: RecordSlide, limit: float, factor: float, gravity: float) -> dict[str, Any]:
@@ -373,72 +378,75 @@ def _motion(record: Record, way: str, of: RecordSlide, limit: float, factor: flo
     return {"record": record.name, "way": way, **columns}
 
 
-def _into_the_slope(static: Design, ours: Yield, out: tuple[float, float] | None) -> list[Notice]:
-    """W328 where the shaking pushes the block into the slope."""
-    if out is None:
-        return []
-    toward, back = (f"{number(trend):0>3}" for trend in (opposite(out[0]), out[0]))
-    message = (
-        f"toward {toward} pushes into the slope: k_y is {shown_k(ours.coefficient)}; toward {back} pushes out of "
-        f"it, k_y is below {shown_k(out[1])}: --toward {back}"
-    )
-    return [Notice("W328", message)]
+def _notices(
+    static: Design, yields: Sequence[Yield], shaken: Sequence[Shaken], out: tuple[float, float] | None,
+    others: Sequence[Record | None], six: InSix | None,
+) -> Iterator[Notice]:  # fmt: skip
+    """Yield what is to be known: of the direction, of the records, of κ, of the methods, of six degrees of freedom.
 
-
-def _off_section(static: Design) -> list[Notice]:
-    """W323 where a section is shaken another way than it lies."""
-    trend, share = static.seismic.trend_deg, static.section_share
-    share = 1.0 if share is None else share
-    if trend is None or abs(share) > 1.0 - 1e-6:
-        return []
-    why = "what acts along the face is left out, and moves a slope too: k_y is too high, or none is found"
-    where = f"toward {number(trend):0>3} is off the section, which knows {share * 100:.4g} % of the shaking alone"
-    return [Notice("W323", f"{where}: {why}")]
-
-
-def _of_six(six: InSix | None) -> list[Notice]:
-    """What did not come to rest, and what hangs on the node pairs."""
-    in_six = () if six is None else six.shaken
-    hangs = [] if six is None or (six.change or 0.0) <= SETTLED else [
-        Notice("W312", f"the last refinement of the node pairs, to {six.pairs}, still moved what slides by "
-               f"{six.percent} %: where joints open it depends on them")
-    ]  # fmt: skip
-    said = {"refused": "a step did not settle however short, nothing of it was taken", "moves": "it still moves"}
-    return hangs + [
-        Notice("W464", f"{one.record}, {one.way}, in six degrees of freedom: at {one.until_s:.4g} s {said[one.ended]}")
-        for one in in_six if one.ended in said
-    ]  # fmt: skip
-
-
-def _notices(static: Design, yields: Sequence[Yield], shaken: Sequence[Shaken], outwards: bool) -> list[Notice]:
-    """What is to be known: of the records, of κ, of the methods; W328 says what is of shaking into the slope."""
-    notes = [notice for one in shaken for notice in one.record.notices]
-    ours = yields[0]
+    Parameters
+    ----------
+    out : the way out of the slope and a coefficient that moves it there, where the shaking pushes into it
+    """
+    ours, trend = yields[0], static.seismic.trend_deg
+    share = 1.0 if static.section_share is None else static.section_share
+    if out is not None:
+        toward, back = (f"{number(way):0>3}" for way in (opposite(out[0]), out[0]))
+        message = f"toward {toward} pushes into the slope: k_y is {shown_k(ours.coefficient)}; toward {back} pushes out"
+        yield Notice("W328", f"{message} of it, k_y is below {shown_k(out[1])}: --toward {back}")
+    elif trend is not None and abs(share) <= 1.0 - 1e-6:
+        why = "what acts along the face is left out, and moves a slope too: k_y is too high, or none is found"
+        where = f"toward {number(trend):0>3} is off the section, which knows {share * 100:.4g} % of the shaking alone"
+        yield Notice("W323", f"{where}: {why}")
+    for record in (*others, *(one.record for one in shaken)):
+        yield from () if record is None else record.notices
     if ours.coefficient is not None and ours.factor is None:
-        notes.append(Notice("W462", f"no factor: {ours.why_not}; displacements are plain Newmark's, with 1, and may be "
-                            "too small"))  # fmt: skip
+        message = f"no factor: {ours.why_not}; displacements are plain Newmark's, with 1, and may be too small"
+        yield Notice("W462", message)
     if ours.first_factor is not None:
-        notes.append(Notice("W462", f"contacts change just above k_y: the factor is {ours.first_factor:.4g} right at "
-                            f"it and {ours.factor:.4g} a hundredth above, which is taken; further up more blocks may "
-                            "join in"))  # fmt: skip
-    notes += ours.notes
-    if all(note.code != "W507" for note in notes):  # of a jump, or where nothing moves it
+        message = f"contacts change just above k_y: the factor is {ours.first_factor:.4g} right at it and"
+        message += f" {ours.factor:.4g} a hundredth above, which is taken; further up more blocks may join in"
+        yield Notice("W462", message)
+    yield from ours.notes
+    if all(note.code != "W507" for note in ours.notes):  # of a jump, or where nothing moves it
         k = MOST_K if ours.coefficient is None else ours.coefficient
         also = kind_of(static).without_basal(with_values(static, {KEY: k}))
-        notes += also_falls_short(also, 1.0, f"at k = {shown_k(k)}")
+        yield from also_falls_short(also, 1.0, f"at k = {shown_k(k)}")
     if ours.coefficient is None:
-        notes.append(Notice("W462", f"{ours.why_not}: no displacement in any record"))
+        yield Notice("W462", f"{ours.why_not}: no displacement in any record")
     on = [one.record.name for one in shaken if one.after_m > _MOVES_ON * one.larger_m and not one.record.is_pulse]
     if on:
         listed = ", ".join(on[:6]) + (", ..." if len(on) > 6 else "")
-        notes.append(Notice("W464", f"the block still slides when the record ends ({listed}): what it slides on "
-                            "without shaking is counted; a record cut off lacks what came after"))  # fmt: skip
+        message = (
+            f"the block still slides when the record ends ({listed}): what it slides on without shaking is counted"
+        )
+        yield Notice("W464", f"{message}; a record cut off lacks what came after")
     if len(yields) > 1 and ours.why_not.startswith("moments"):
-        notes.append(Notice("W353", f"moments govern: PRE-IE has k_y {shown_k(ours.coefficient)}, the closed form, "
-                            f"which knows no moments, {shown_k(yields[1].coefficient)}"))  # fmt: skip
+        message = (
+            f"moments govern: PRE-IE has k_y {shown_k(ours.coefficient)}, the closed form, which knows no moments,"
+        )
+        yield Notice("W353", f"{message} {shown_k(yields[1].coefficient)}")
     elif ours.jumps:
-        notes.append(Notice("W353", f"moments govern: at k_y {shown_k(ours.coefficient)} a joint opens and strength is "
-                            "gone"))  # fmt: skip
-    notes += beyond_sense(KEY, ours.coefficient) if outwards else ()
-    notes += new_notices(notices_of_inputs(static, [KEY]), notes)
-    return [*notes, *peak_only(static, "displacements one way are those")]
+        message = f"moments govern: at k_y {shown_k(ours.coefficient)} a joint opens and strength is gone"
+        yield Notice("W353", message)
+    yield from beyond_sense(KEY, ours.coefficient) if out is None else ()
+    yield from new_notices(notices_of_inputs(static, [KEY]), ours.notes)
+    yield from peak_only(static, "displacements one way are those")
+    yield from () if six is None else _of_six(six)
+
+
+def _of_six(six: InSix) -> Iterator[Notice]:
+    """Yield what depends on the node pairs, and what did not come to rest."""
+    if (six.change or 0.0) > SETTLED:
+        yield Notice(
+            "W312",
+            f"the last refinement of the node pairs, to {six.pairs}, still moved what slides by {six.percent} %: where "
+            "joints open it depends on them",
+        )
+    ends = {"refused": "a step did not settle however short, nothing of it was taken", "moves": "it still moves"}
+    for one in six.shaken:
+        if one.ended in ends:
+            yield Notice(
+                "W464",
+                f"{one.record}, {one.way}, in six degrees of freedom: at {one.until_s:.4g} s {ends[one.ended]}",
+            )

@@ -1,7 +1,9 @@
 """The sheet of earthquakes: yield coefficient by both methods, displacements record by record."""
 
 from collections.abc import Mapping, Sequence
-from operator import attrgetter, itemgetter
+from dataclasses import replace
+from functools import partial
+from operator import attrgetter
 from typing import Any
 
 from slopekit.core.orientation import number
@@ -18,7 +20,16 @@ _EXACT = 1e-9  # of the work put in: what is below is rounding
 
 def sheet_of(quake: Quake) -> Sheet:
     """The sheet of earthquakes."""
-    records = _records(quake.shaken)
+    records = Table(_RECORDS, quake.shaken)
+    if len(quake.shaken) > _MOST_ROWS:
+        rest = f"… {len(quake.shaken) - _MOST_ROWS} more records are left out here: see the JSON or the CSV"
+        records = replace(records, ends=(_MOST_ROWS // 2, _MOST_ROWS // 2), rest=rest)
+    tables = {"quake.csv": records} | ({"six.csv": _six(quake)} if quake.six else {})
+    times = range(len(quake.motion["t_s"])) if quake.motion else ()
+    motion: list[Column[Any]] = [
+        Column(name, quake.motion.get(name, ()), name, unit, exact=".9g") for name, unit in _MOTION.items()
+    ]
+    tables |= {"motion.csv": Table(motion, times)} if quake.motion else {}
     toward = "the way of the slope" if quake.toward_deg is None else f"{number(quake.toward_deg):0>3}"
     scaled = "" if quake.scale_pga is None else f", each scaled to {number(quake.scale_pga)} g"
     leading = f"{_moves(quake.leading)} in six degrees of freedom; one way, rigid: {_moves(quake.one_way)}"
@@ -32,14 +43,7 @@ def sheet_of(quake: Quake) -> Sheet:
         Section("MODEL", [_model(quake)]),
         Section("TIME", [f"{quake.seconds:.2f} s"]),
         Section("NOTE", [str(notice) for notice in quake.warnings]),
-    ), _files(quake, records))  # fmt: skip
-
-
-def _files(quake: Quake, records: Table[Any]) -> dict[str, Table[Any]]:
-    """Whole tables by the names of their files."""
-    six = {"six.csv": _six(quake)} if quake.six else {}
-    motion = {"motion.csv": _motion(quake.motion)} if quake.motion else {}
-    return {"quake.csv": records, **six, **motion}
+    ), tables)  # fmt: skip
 
 
 def line_of(quake: Quake) -> str:
@@ -98,32 +102,6 @@ def _agree(quake: Quake) -> list[str]:
     return [f"the methods {'AGREE' if quake.agree else 'DISAGREE'} on k_y{more}"]
 
 
-def _records(shaken: Sequence[Shaken]) -> Table[Shaken]:
-    """Displacements in cm for a person, in m in files."""
-
-    def shown(metres: float) -> str:
-        return f"{metres * 100.0:.4g}"
-
-    columns: tuple[Column[Shaken], ...] = (
-        Column("record", lambda one: one.record.name, "record", width=-_NAME, text=lambda one: _cut(one.record.name)),
-        Column("PGA g", lambda one: one.record.pga_g, "pga_g", "g", ".3g", 8),
-        Column("PGV m/s", lambda one: one.record.pgv_m_s, "pgv_m_s", "m/s", ".3g", 9),
-        Column("Arias m/s", lambda one: one.record.arias_m_s, "arias_m_s", "m/s", ".3g", 11),
-        Column("as recorded cm", attrgetter("as_recorded_m"), "as_recorded_m", "m", shown, 16),
-        Column("reversed cm", attrgetter("reversed_m"), "reversed_m", "m", shown, 13),
-        Column("", attrgetter("mean_m"), "mean_m", "m", shown),
-        Column("", attrgetter("newmark_m"), "newmark_m", "m", shown),
-        Column("", attrgetter("newmark_reversed_m"), "newmark_reversed_m", "m", shown),
-        Column("", attrgetter("after_m"), "after_m", "m", shown),
-        Column("", lambda one: one.record.duration_s, "duration_s", "s"),
-    )
-    if len(shaken) <= _MOST_ROWS:
-        return Table(columns, shaken)
-    left = len(shaken) - _MOST_ROWS
-    return Table(columns, shaken, ends=(_MOST_ROWS // 2, _MOST_ROWS // 2),
-                 rest=f"… {left} more records are left out here: see the JSON or the CSV")  # fmt: skip
-
-
 def _cut(name: str, width: int = _NAME) -> str:
     """A name that leaves a blank before the next column: its beginning and its end.
 
@@ -132,6 +110,23 @@ def _cut(name: str, width: int = _NAME) -> str:
     """
     kept = (width - 2) // 2
     return name if len(name) < width else f"{name[:kept]}…{name[-kept:]}"
+
+
+#: Displacements in cm for a person, in m in files.
+_RECORDS: Sequence[Column[Shaken]] = (
+    Column("record", "record.name", "record", show=_cut, width=-_NAME),
+    Column("PGA g", "record.pga_g", "pga_g", "g", ".3g", 8),
+    Column("PGV m/s", "record.pgv_m_s", "pgv_m_s", "m/s", ".3g", 9),
+    Column("Arias m/s", "record.arias_m_s", "arias_m_s", "m/s", ".3g", 11),
+    Column("as recorded cm", "as_recorded_m", "as_recorded_m", "m", _centimetres, 16),
+    Column("reversed cm", "reversed_m", "reversed_m", "m", _centimetres, 13),
+    Column("", "mean_m", "mean_m", "m"),
+    Column("", "newmark_m", "newmark_m", "m"),
+    Column("", "newmark_reversed_m", "newmark_reversed_m", "m"),
+    Column("", "after_m", "after_m", "m"),
+    Column("", "record.duration_s", "duration_s", "s"),
+)
+_MOTION = {"t_s": "s", "a_g": "g", "v_m_s": "m/s", "d_m": "m"}
 
 
 def _overall(lead: Mapping[str, Any]) -> list[str]:
@@ -146,22 +141,24 @@ def _six(quake: Quake) -> Table[Any]:
     """In six degrees of freedom, beside what sliding one way has."""
     newmark = {one.record.name: (one.as_recorded_m, one.reversed_m) for one in quake.shaken}
 
-    def of(name: str) -> Any:
-        return lambda row: getattr(row[0], name)
-
-    def part(title: str, name: str, width: int) -> Column[Any]:
-        return Column(title, of(name), name, show=lambda share: f"{share * 100.0:.3g}", width=width)
-
     columns: list[Column[Any]] = [
-        Column("record", of("record"), "record", width=-16, text=lambda row: _cut(row[0].record, 16)),
-        Column("way", of("way"), "way", width=-11),
-        Column("slid cm", of("slid_m"), "slid_m", "m", _centimetres, 8),
-        Column("one way cm", itemgetter(1), "one_way_m", "m", _centimetres, 11),
-        Column("rotation °", of("rotation_deg"), "rotation_deg", "°", ".3f", 11),
-        part("slips %", "slipped", 8), part("open %", "opened", 7), part("debonded %", "debonded", 11),
-        Column("ended", of("ended"), "ended", width=-1, about="  {}"),
-    ]  # fmt: skip
-    return Table(columns, [(one, newmark[one.record][one.way == "reversed"]) for one in quake.six])
+        Column("record", "record", "record", show=partial(_cut, width=16), width=-16),
+        Column("way", "way", "way", width=-11),
+        Column("slid cm", "slid_m", "slid_m", "m", _centimetres, 8),
+        Column(
+            "one way cm", lambda one: newmark[one.record][one.way == "reversed"], "one_way_m", "m", _centimetres, 11
+        ),
+        Column("rotation °", "rotation_deg", "rotation_deg", "°", ".3f", 11),
+        Column("slips %", "slipped", "slipped", show=_percent, width=8),
+        Column("open %", "opened", "opened", show=_percent, width=7),
+        Column("debonded %", "debonded", "debonded", show=_percent, width=11),
+        Column("ended", "ended", "ended", width=-1, about="  {}"),
+    ]
+    return Table(columns, quake.six)
+
+
+def _percent(share: float) -> str:
+    return f"{share * 100.0:.3g}"
 
 
 def _six_notes(quake: Quake) -> list[str]:
@@ -189,10 +186,3 @@ def _model(quake: Quake) -> str:
         f"one way, rigid, exact between samples; {block} gains on the ground by {factor} x (a - k_y g); "
         "left out: vertical shaking, sliding back, strength lost by slip, geometry that changes"
     )
-
-
-def _motion(motion: Mapping[str, Any]) -> Table[Any]:
-    """Every sample of the record that moves it most."""
-    names = (("t_s", "s"), ("a_g", "g"), ("v_m_s", "m/s"), ("d_m", "m"))
-    rows = list(zip(*(motion[name] for name, _ in names), strict=True))
-    return Table([Column(name, itemgetter(k), name, unit, exact=".9g") for k, (name, unit) in enumerate(names)], rows)

@@ -9,12 +9,12 @@ its lowest, and stops where V is back there. Nothing is stepped.
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault, fail
 from slopekit.core.orientation import number
 from slopekit.design.common import Design
 from slopekit.design.parts import Strength
@@ -28,8 +28,7 @@ from slopekit.studies.quake.records import Record
 from slopekit.studies.quake.yielding import KEY
 
 
-@dataclass(frozen=True)
-class RecordSlide:
+class RecordSlide(NamedTuple):
     """What comes of one record.
 
     Attributes
@@ -166,14 +165,18 @@ def shaken_in_six(
         E313 components that do not go together, E288 a design that has no such block.
     """
     if (across is not None or vertical is not None) and len(records) != 1:
-        message = f"--across and --vertical belong to one record, {len(records)} are given"
-        raise DesignError([Fault("E313", message, "", "Run each earthquake by itself.")])
+        fail(
+            "E313",
+            f"--across and --vertical belong to one record, {len(records)} are given",
+            "",
+            "Run each earthquake by itself.",
+        )
     made, on_pairs = _blocks_of(static)
     block = on_pairs(made.refine)
     if block is None:
         raise _none("on its springs it does not come to rest without an earthquake")
     if across is not None and block.translations == 2:
-        raise DesignError([Fault("E313", "a section does not move across itself: --across says nothing of it")])
+        fail("E313", "a section does not move across itself: --across says nothing of it")
     ways = _ways(static, made, block.translations)
     strongest = max(records, key=lambda one: one.pga_g)
     block, known, change = _settled(block, made.refine, on_pairs, _components(strongest, across, vertical, ways))
@@ -220,17 +223,15 @@ def _settled(
         if any(one.ended == "refused" for one in after.values()):
             break
         before, motions, block = motions, after, finer
-        slid = [[_slid(one[way], block) for one in (before, motions)] for way in WAYS]
+        slid = [
+            [float(np.linalg.norm(one[way].motion[-1, : block.translations])) for one in (before, motions)]
+            for way in WAYS
+        ]
         change = max(abs(a - b) / max(a, b, _SLIDES) for a, b in slid)
         opens = any(one.opened or one.debonded for one in motions.values())
         if change < SETTLED and (level > refined + 1 or not opens):
             break
     return block, motions, change
-
-
-def _slid(out: Shake, block: ShakenBlock) -> float:
-    last = out.motion[-1, : block.translations]
-    return math.sqrt(float(last @ last))
 
 
 def _components(

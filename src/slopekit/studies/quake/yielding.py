@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 
 from slopekit.core.codec import NO_JSON
-from slopekit.core.errors import DesignError, Fault, NoConvergenceError, Notice
+from slopekit.core.errors import DesignError, Fault, NoConvergenceError, Notice, fail
 from slopekit.core.orientation import number, opposite
 from slopekit.design.common import Design
 from slopekit.design.parts import Force
@@ -25,8 +25,8 @@ from slopekit.studies.points import UNSETTLED, Method, factor_at, point_of, stat
 from slopekit.studies.protocol import Advance
 from slopekit.studies.roots import RootSearch
 from slopekit.studies.running import ALONE, Crew
-from slopekit.studies.solve.by_factor import for_factor
 from slopekit.studies.solve.factor_request import FactorRequest
+from slopekit.studies.solve.run import for_factor
 from slopekit.studies.solve.solutions import NO_CONVERGENCE, Solution
 from slopekit.studies.words import status_words
 
@@ -87,7 +87,7 @@ def static_design(design: Design, toward: float | None, named: str = "toward") -
     """
     values: dict[str, object] = {KEY: 0.0}
     if toward is not None and not 0.0 <= toward <= 360.0:
-        raise DesignError([Fault("E122", f"{named} is {number(toward)}, it lies between 0 and 360", named)])
+        fail("E122", f"{named} is {number(toward)}, it lies between 0 and 360", named)
     if toward is not None:
         values[TOWARD] = float(toward)
     try:
@@ -136,15 +136,23 @@ def check_stands(static: Design) -> None:
         raise (NoConvergenceError if ends == UNSETTLED else DesignError)([fault])
     also = point.also
     if before > 1.0 and also is not None and also.falls_short(1.0):
-        message = f"the slope does not stand without an earthquake: {also.WHAT}: {also.in_words()}{also.ALONE}"
-        raise DesignError([Fault("E520", message, "", "Give it strength or support that holds it first.")])
+        fail(
+            "E520",
+            f"the slope does not stand without an earthquake: {also.WHAT}: {also.in_words()}{also.ALONE}",
+            "",
+            "Give it strength or support that holds it first.",
+        )
     if before <= 1.0:
         shown = f"{before:.4g}" if before < 0.9995 else f"{before:.8g}"  # 0.99996 is not 1
         has = f"its factor of safety is {shown}"
         if before == 0.0:  # nothing holds it: a status, no number
             has = status_words(static, status_of(point, "pre_ie"))
-        message = f"the slope does not stand without an earthquake: {has}"
-        raise DesignError([Fault("E520", message, "", "Give it strength or support that holds it first.")])
+        fail(
+            "E520",
+            f"the slope does not stand without an earthquake: {has}",
+            "",
+            "Give it strength or support that holds it first.",
+        )
 
 
 def yields_of(static: Design, crew: Crew, advance: Advance) -> tuple[Yield, ...]:

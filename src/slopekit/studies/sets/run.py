@@ -7,40 +7,53 @@
 """
 
 import math
-import time
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.codec import digest, json_of
-from slopekit.core.errors import Fault, Faults, Notice
-from slopekit.core.orientation import Line, Plane, tenths
+from slopekit.core.errors import Faults, Notice
+from slopekit.core.orientation import Line, Plane, number, tenths
 from slopekit.core.sheet import counted
+from slopekit.design.fields import declare
 from slopekit.design.joint_lists import JointList, joint_list
 from slopekit.design.words import line_of_words
 from slopekit.studies.axes import Axes, axes_of, terzaghi_weights
 from slopekit.studies.kinematic.criteria import planes_of_poles
-from slopekit.studies.protocol import DESK, Option, StudyOutcome, Workplace, documented, whole_number
+from slopekit.studies.protocol import (
+    DESK,
+    Option,
+    StudyOutcome,
+    Workplace,
+    documented,
+    numbers_given,
+    timed,
+    whole_number,
+)
 from slopekit.studies.sets.clustering import MOST_SETS, Clusters, best, clusters_of
-from slopekit.studies.sets.sizes import Lengths, spacings_of, traces_of, whole_traces
+from slopekit.studies.sets.sizes import Lengths, metres, spacings_of, traces_of, whole_traces
 from slopekit.studies.surveys import (
     MOST_JOINTS,
     AJointList,
     Columns,
     Convention,
-    NumberGiven,
     SkipBad,
     left_out,
-    numbers_given,
     survey_head,
 )
 
-_BIAS_ANGLE: Mapping[str, NumberGiven] = {"bias_angle": ("angle", 1.0, 90.0, "the angle to a scanline", 15.0)}
+_BIAS_ANGLE = {"bias_angle": declare("bias angle", "angle", 1.0, 90.0, default=15.0, code="E307")}
 CONFIDENCE = 0.95  # of the limits and cones of means
 _SEED = 1
+_FEW = 10  # joints of a set below which its K says little
+_CLOSE = 6.0  # difference of BIC up to which two numbers of sets are hard to tell apart (Kass & Raftery 1995: strong)
+_MOST_SCATTER_DEG = 45.0  # that a bench takes
+_MOST_K = 1e6
+_ANGLES = ("dip", "dip_direction")
 SHARES = (0.68, 0.95)  # of joints within the cones of variability
 
 
@@ -106,6 +119,7 @@ class JointSets(StudyOutcome):
     """
 
     name: ClassVar[str] = "sets"
+    charts: ClassVar[tuple[str, ...]] = ("stereonet",)
     joints: JointList
     sets: tuple[FoundSet, ...]
     of: Ints
@@ -118,12 +132,6 @@ class JointSets(StudyOutcome):
     angle_deg: Floats
     defaults: tuple[str, ...]
     warnings: tuple[Notice, ...]
-    seconds: float = field(default=0.0, compare=False)
-
-    @property
-    def charts(self) -> tuple[str, ...]:
-        """Its stereonet."""
-        return ("stereonet",)
 
     @property
     def are_given(self) -> bool:
@@ -138,16 +146,12 @@ class JointSets(StudyOutcome):
     @property
     def block(self) -> str:
         """The sets for a design of kind bench, as YAML."""
-        from slopekit.studies.sets.block import bench_block
-
-        return bench_block(self)
+        return _bench_block(self.sets)
 
     @property
     def scatter_block(self) -> str:
         """The sets as joints that scatter, for `slopekit prob`, as YAML."""
-        from slopekit.studies.sets.block import scatter_block
-
-        return scatter_block(self)
+        return _scatter_block(self.sets)
 
     def files(self) -> dict[str, str]:
         """The block to paste, as a file."""
@@ -190,6 +194,7 @@ class JointSets(StudyOutcome):
         }  # fmt: skip
 
 
+@timed
 @documented
 def sets(
     joints: AJointList,
@@ -233,7 +238,6 @@ def sets(
     >>> [str(one.rounded) for one in found.sets], found.without_set
     (['76/009', '40/176'], ())
     """
-    began = time.perf_counter()
     faults, defaults = Faults(), list[str]()
     listed: JointList | None = faults.of(
         lambda: joint_list(joints, convention, skip_bad, 1, desk.named("convention"), True, MOST_JOINTS, columns)
@@ -267,11 +271,9 @@ def sets(
         angles[of == k] = np.degrees(np.arccos(np.clip(np.abs(poles[of == k] @ one.axes.mean), 0.0, 1.0)))
     outcome = JointSets(
         listed, joint_sets, of, tried, n, line, angle, weights, capped, angles,
-        tuple(defaults), (), time.perf_counter() - began,
+        tuple(defaults), (),
     )  # fmt: skip
-    from slopekit.studies.sets.said import notices_of
-
-    return replace(outcome, warnings=(*left_out(outcome.joints), *notices_of(outcome)))
+    return replace(outcome, warnings=(*left_out(listed), *_notices(outcome)))
 
 
 def _grouped(listed: JointList, tried: Sequence[Clusters]) -> tuple[Sequence[str], Ints]:
@@ -291,8 +293,12 @@ def _check_number(faults: Faults, joints: JointList, n: int | None, desk: Workpl
         return
     option, most = desk.named("n"), min(MOST_SETS, len(joints))
     if isinstance(n, bool) or not isinstance(n, int | np.integer) or not 1 <= n <= most:
-        message = f"{counted(len(joints), 'joint')} cannot be divided into {n} sets, 1 to {most} are possible"
-        faults.append(Fault("E137", message, f"{option} {n}", "Leave it out: the joints say how many."))
+        faults.add(
+            "E137",
+            f"{counted(len(joints), 'joint')} cannot be divided into {n} sets, 1 to {most} are possible",
+            f"{option} {n}",
+            "Leave it out: the joints say how many.",
+        )
 
 
 # -- sets -------------------------------------------------------------------------------------------------------------
@@ -338,3 +344,96 @@ def _angles(poles: Floats, weights: Floats, axes: Axes, plane: Plane) -> dict[st
 def _plane(pole: Floats) -> Plane:
     planes = planes_of_poles(pole[None])
     return Plane(float(planes.dips_deg[0]), float(planes.dip_directions_deg[0]))
+
+
+# -- what a reader must know ------------------------------------------------------------------------------------------
+
+
+def _notices(joint_sets: JointSets) -> Iterator[Notice]:
+    """Yield those of W401, W402 and W404 that apply."""
+    joints, sets, asked = joint_sets.joints, joint_sets.sets, joint_sets.asked
+    if joint_sets.are_given and asked is not None:
+        message = f"the sets are those of the column set of {joints.name}: --sets {asked} is not used"
+        yield Notice("W404", f"{message}; --ignore-sets finds them anew")
+    if not joint_sets.are_given and asked is None:
+        bic = {len(one): one.bic for one in joint_sets.tried}
+        likeliest = min(bic, key=bic.__getitem__)
+        near = [count for count in bic if count != likeliest and bic[count] - bic[likeliest] < _CLOSE]
+        if likeliest == 0:
+            message = f"no sets among the {counted(len(joints), 'joint')} of {joints.name}"
+            likelier = "no number of sets is likelier than uniform directions; --sets N divides them"
+            yield Notice("W404", f"{message}: {likelier}")
+        elif near:
+            message = f"{counted(likeliest, 'set')} or {' or '.join(map(str, near))}: the joints hardly tell which"
+            yield Notice("W404", f"{message} (BIC within 6); look at the stereonet, --sets N takes another number")
+    few = ", ".join(f"{one.name} ({len(one.members)})" for one in sets if len(one.members) < _FEW)
+    if few:
+        yield Notice("W401", f"few joints: {few}; K and its cones are those of these few")
+    if joint_sets.capped:
+        most = 1.0 / math.sin(math.radians(joint_sets.bias_angle_deg))
+        weighs = "weighs" if joint_sets.capped == 1 else "weigh"
+        yield Notice(
+            "W402",
+            f"{counted(joint_sets.capped, 'joint')} within {number(joint_sets.bias_angle_deg)}° of the scanline "
+            f"{weighs} {most:.2f}, no more: a line says little of joints along it",
+        )
+    odd = ", ".join(one.name for one in sets if one.axes.is_elongated)
+    if odd:
+        message = f"the poles of {odd} scatter more one way than the other: Fisher's K is a mean of the two"
+        yield Notice("W401", f"{message}, dip and dip direction by themselves say more")
+    if joint_sets.scanline is None and any(joint.position_m is not None for joint in joints.joints):
+        yield Notice(
+            "W402", f"positions of {joints.name} give no spacing without the scanline: --scanline TREND/PLUNGE"
+        )
+    if joint_sets.scanline is not None and joints.has_quantities:
+        message = f"quantities of {joints.name} count besides the weights of the scanline: leave one of them out"
+        yield Notice("W402", f"{message} if the quantities are such weights already")
+
+
+# -- sets as they are pasted into designs -----------------------------------------------------------------------------
+
+
+def _bench_block(sets: Sequence[FoundSet]) -> str:
+    """`sets:` of a design of kind bench; what the survey does not have is left out, and said."""
+    lines = []
+    for one in sets:
+        parts, lacks = [f"plane: {tenths(one.plane)}"], []
+        if one.spacing is None:
+            lacks.append("add a spacing: the survey has none")
+        else:
+            parts.append(f"spacing: {metres(one.spacing.mean_m)} m")
+        scatter = one.axes.scatter_deg
+        if scatter >= 0.05:
+            parts.append(f"scatter: {number(round(min(scatter, _MOST_SCATTER_DEG), 1))}")
+            lacks += ["scatter cut off at 45°"] if scatter > _MOST_SCATTER_DEG else []
+        if one.spacing is not None and one.spacing.sd_m > 0.0:
+            varies = one.spacing.sd_m / one.spacing.mean_m
+            parts.append(f"spacing_scatter: {min(1.0, varies):.0%}".replace("%", " %"))
+        k = [f"K {number(float(f'{one.axes.k:.3g}'))}"] if math.isfinite(one.axes.k) else []
+        said = "; ".join([counted(len(one.members), "joint"), *k, *lacks])
+        lines.append(f"  {_key(one.name)}: {{{', '.join(parts)}}}  # {said}")
+    return "\n".join(["sets:", *lines, ""]) if lines else ""
+
+
+def _scatter_block(sets: Sequence[FoundSet]) -> str:
+    """`joints:` whose planes scatter as the sets do, of which a wedge takes two and a plane one."""
+    lines = []
+    for one in sets:
+        if not 0.0 < one.axes.k <= _MOST_K:
+            lines.append(f"  {_key(one.name)}: {{plane: {tenths(one.plane)}}}")
+            continue
+        k = number(float(f"{one.axes.k:.3g}"))
+        if one.axes.is_elongated and not math.isnan(one.angles["dip_direction_sd_deg"]):
+            normals = ((one.angles[f"{angle}_mean_deg"], one.angles[f"{angle}_sd_deg"]) for angle in _ANGLES)
+            dip, way = (f"{{dist: normal, mean: {mean:.1f}, sd: {sd:.1f}}}" for mean, sd in normals)
+            lines.append(f"  {_key(one.name)}: {{plane: {{dip: {dip}, dip_direction: {way}}}}}  # Fisher's K {k}")
+        else:
+            lines.append(f"  {_key(one.name)}: {{plane: {{dist: fisher, mean: {tenths(one.plane)}, k: {k}}}}}")
+    return "\n".join(["joints:", *lines, ""]) if lines else ""
+
+
+def _key(name: str) -> str:
+    """A name as a key of YAML."""
+    if re.fullmatch(r"[A-Za-z_][\w .-]*\w|[A-Za-z_]", name) and name.lower() not in ("yes", "no", "on", "off", "true"):
+        return name
+    return '"' + name.replace("\\", "\\\\").replace('"', '\\"') + '"'

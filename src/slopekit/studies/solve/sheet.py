@@ -55,7 +55,7 @@ def _sections(solution: Solution) -> tuple[Section, ...]:
 
 def _values(solution: Solution) -> Table[Any]:
     """Every value by each method: roots, then jumps and gaps; the one nearest to the present value first."""
-    key = solution.key
+    key, other = solution.key, {"pre_ie": "closed_form", "closed_form": "limit"}
     rows = [
         (answers.method, crossing)
         for answers in (solution.pre_ie, solution.closed_form)
@@ -69,15 +69,14 @@ def _values(solution: Solution) -> Table[Any]:
         Column("status", lambda row: row[1].status, "status"),
         Column("how", lambda row: row[1].how, "how"),
         Column("FoS with it", lambda row: "rises" if row[1].rises else "falls", "fos_with_it"),
-        Column("other method", lambda row: _other(*row), "fos_other_method", show=".6f"),
+        Column(
+            "other method",
+            lambda row: getattr(row[1].both.factors, other[row[0]], None),
+            "fos_other_method",
+            show=".6f",
+        ),
     ]
     return Table(columns, rows, said="")
-
-
-def _other(method: str, crossing: SolvedValue) -> float | None:
-    """What the other method says at a value."""
-    factors = crossing.both.factors
-    return None if factors is None else factors.limit if method == "closed_form" else factors.closed_form
 
 
 # -- entries -----------------------------------------------------------------------------------------------------------

@@ -4,11 +4,11 @@ is no value that gives the target.
 
 import math
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
 from slopekit.core.codec import json_of
-from slopekit.core.errors import DesignError, Fault, Notice
+from slopekit.core.errors import Fault, Notice, fail
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column
 from slopekit.design.common import Design
@@ -27,6 +27,11 @@ GREATEST_K = 1.0  # of the ground's acceleration in g: hardly a record of a stro
 #: Why there is no factor at a value whose input is sound.
 NO_CONVERGENCE = "PRE-IE did not converge"
 _MOST_LISTED = 6
+#: What to do where there is a factor at no value: 0 nothing holds it, infinite nothing drives it.
+_ADVICE_WITHOUT_FACTOR = {
+    0.0: "What tips, falls or is lifted there does so at any such value: slopekit run says how it moves.",
+    math.inf: "Nothing moves it at any of these values.",
+}
 _LESS_WORK = "Fewer or larger blocks, or a narrower range: {}=lo:hi."
 End = tuple[float, float] | None
 
@@ -105,7 +110,6 @@ class Solution(StudyOutcome):
     closed_form: Answers | None
     pre_ie: Answers
     warnings: tuple[Notice, ...] = ()
-    seconds: float = field(default=0.0, compare=False)
 
     @property
     def answer(self) -> SolvedValue | None:
@@ -121,18 +125,20 @@ class Solution(StudyOutcome):
     def case_columns(self) -> list[Column[Any]]:
         """The value of each load case, and whether it is the least or the most."""
 
-        def value(one: "Solution") -> float | None:
-            return None if one.answer is None else one.answer.value
-
         def way(one: "Solution") -> str:
             return "" if one.answer is None else "at least" if one.answer.rises else "at most"
 
-        def shown(found: float | None) -> str:
-            return "none" if found is None else self.key.shown(found)
-
         return [
             Column("needs", way, "bound", width=10),
-            Column(self.key.path, value, "value", self.key.unit, show=shown, width=max(14, len(self.key.path) + 2)),
+            Column(
+                self.key.path,
+                "answer.value",
+                "value",
+                self.key.unit,
+                self.key.shown,
+                max(14, len(self.key.path) + 2),
+                blank="none",
+            ),
         ]
 
     @property
@@ -220,9 +226,7 @@ def target_of(design: Design, fos: float | None) -> tuple[float, bool]:
     if fos is None:
         wanted = design.accepted_fos
         if wanted is None:
-            raise DesignError(
-                [Fault("E314", "no target is given, and no acceptance rule on fos or fos.limit", "", advice)]
-            )
+            fail("E314", "no target is given, and no acceptance rule on fos or fos.limit", "", advice)
         return wanted, True
     checked_target(fos, advice)
     return fos, False
@@ -250,38 +254,53 @@ def reason_of(
         _, _, code, message = refused[0]
         more = f" (and {len(refused) - 1} more reasons)" if len(refused) > 1 else ""
         why = message if code == UNSETTLED else f"{code} {message}"
-        text = f"no value of {key.path} {span} gives a block with a factor: {why}{more}"
-        return Fault("E318", text, "", f"Another range: {key.path}=lo:hi.")
+        return Fault(
+            "E318",
+            f"no value of {key.path} {span} gives a block with a factor: {why}{more}",
+            "",
+            f"Another range: {key.path}=lo:hi.",
+        )
     low, high = least[1], most[1]
     if high - low <= ALIKE * max(low, 1.0) if math.isfinite(high) else low == high:
-        text = f"the factor of safety does not depend on {key.path}: it is {shown(low)} {span}{_open(key, refused)}"
-        return Fault("E316", text, "", _without_factor(low))
+        return Fault(
+            "E316",
+            f"the factor of safety does not depend on {key.path}: it is {shown(low)} {span}{_open(key, refused)}",
+            "",
+            _ADVICE_WITHOUT_FACTOR.get(low, ""),
+        )
     jumps = [one for one in others if one.how == "jump"]
     if jumps:
         (a, at_a), (b, at_b) = jumps[0].bracket
         where = f"between {key.path} = {key.shown(a)} and {key.shown(b)}"
         where = f"at {key.path} = {key.shown(a)}" if key.shown(a) == key.shown(b) else where
-        text = (
+        return Fault(
+            "E317",
             f"the factor jumps across {number(target)} {where}: {shown(at_a)} below, {shown(at_b)} above; no value "
-            f"gives {number(target)}"
+            f"gives {number(target)}",
+            "",
+            "Contact with a joint is lost or gained there, or nothing drives the block.",
         )
-        return Fault("E317", text, "", "Contact with a joint is lost or gained there, or nothing drives the block.")
     if others:
         one = others[0]
         (a, at_a), (b, at_b) = one.bracket
         _, _, code, message = next((part for part in refused if a < part[0] < b), ("", "", UNSETTLED, NO_CONVERGENCE))
         where = message if code == UNSETTLED else f"the input is refused: {code} {message}"
-        text = (
+        return Fault(
+            "E319",
             f"{number(target)} is passed between {key.path} = {key.shown(a)} ({shown(at_a)}) and {key.shown(b)} "
-            f"({shown(at_b)}), where {where}"
+            f"({shown(at_b)}), where {where}",
+            "",
+            _LESS_WORK.format(key.path) if code == UNSETTLED else "",
         )
-        return Fault("E319", text, "", _LESS_WORK.format(key.path) if code == UNSETTLED else "")
     side, end = ("at most", most) if high < target else ("at least", least)
-    text = (
+    is_movable = end[0] in within and (key.kind in ("length", "force", "pressure") or key.low < end[0] < key.high)
+    return Fault(
+        "E315",
         f"no value of {key.path} {span} gives {number(target)}: the factor is {side} {shown(end[1])}, "
-        f"at {key.shown(end[0], 7)} (it lies between {shown(low)} and {shown(high)}){_open(key, refused)}"
+        f"at {key.shown(end[0], 7)} (it lies between {shown(low)} and {shown(high)}){_open(key, refused)}",
+        "",
+        f"That is the end of the range: try {key.path}=lo:hi." if is_movable else "",
     )
-    return Fault("E315", text, "", end_advice(key, end[0], within))
 
 
 def _open(key: Key, refused: Sequence[tuple[float, float, str, str]]) -> str:
@@ -293,19 +312,6 @@ def _open(key: Key, refused: Sequence[tuple[float, float, str, str]]) -> str:
     where = f"from {low} to {high}" if low != high else f"at {low}"
     more = f" and in {len(ends) - 1} more stretches" if len(ends) > 1 else ""
     return f"; {where}{more} {NO_CONVERGENCE}: it may lie there"
-
-
-def end_advice(key: Key, value: float, within: tuple[float, float]) -> str:
-    """What to try where the nearest is reached at an end of the range that could be moved on."""
-    further = key.kind in ("length", "force", "pressure") or key.low < value < key.high
-    return f"That is the end of the range: try {key.path}=lo:hi." if value in within and further else ""
-
-
-def _without_factor(factor: float) -> str:
-    """What to do where there is a factor at no value: 0 nothing holds it, infinite nothing drives it."""
-    if factor == 0.0:
-        return "What tips, falls or is lifted there does so at any such value: slopekit run says how it moves."
-    return "Nothing moves it at any of these values." if math.isinf(factor) else ""
 
 
 def shown(factor: float) -> str:

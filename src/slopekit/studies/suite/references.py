@@ -10,7 +10,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from slopekit.core.errors import DesignError, Fault, did_you_mean
+from slopekit.core.errors import Faults, did_you_mean, fail
 
 #: What a row can hold against its reference, and its unit; {of} is what it is meant for.
 QUANTITIES: Mapping[str, str] = {
@@ -136,13 +136,14 @@ def chosen(only: str | Iterable[str] | None) -> tuple[ReferenceCase, ...]:
         return cases
     names = [only] if isinstance(only, str) else list(only)
     known = {case.id for case in cases} | set(sources) | {case.kind for case in cases}
-    faults = []
+    faults = Faults()
     for name in names:
         if name not in known:
             advice = did_you_mean(name, sorted(known), f"There are the sources {', '.join(sources)}.", cutoff=0.4)
-            faults.append(Fault("E197", f"{name} is no case, source or kind of the suite", f"only = {name}", advice))
-    if faults or not names:
-        raise DesignError(faults or [Fault("E197", "no case is chosen", "only = ()", "Leave it out to run them all.")])
+            faults.add("E197", f"{name} is no case, source or kind of the suite", f"only = {name}", advice)
+    faults.refuse()
+    if not names:
+        fail("E197", "no case is chosen", "only = ()", "Leave it out to run them all.")
     return tuple(
         case for case in cases
         if {case.id, case.kind, case.source, *(one.source for one in case.references)} & set(names)

@@ -9,15 +9,16 @@ import math
 import time
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, TypeAlias, cast
+from typing import Any, ClassVar, TypeAlias
 
 from slopekit._version import __version__
 from slopekit.core.codec import record_of
 from slopekit.core.errors import SlopekitError
+from slopekit.core.sheet import value_at
 from slopekit.design.reading.files import load
 from slopekit.kinds import analyse, kind_of
 from slopekit.result import METHODS, Result
-from slopekit.studies.protocol import DESK, StudyOutcome, Workplace, documented
+from slopekit.studies.protocol import DESK, StudyOutcome, Workplace, documented, timed
 from slopekit.studies.suite.references import Reference, ReferenceCase, chosen, document, half_unit
 
 #: A limit above its static bound by more than this part is no limit: rounding of two programs.
@@ -75,7 +76,6 @@ class Verification(StudyOutcome):
     name: ClassVar[str] = "verification"
     rows: tuple[Row, ...]
     sources: Mapping[str, str]
-    seconds: float
 
     @property
     def failed(self) -> tuple[Row, ...]:
@@ -115,10 +115,18 @@ class Verification(StudyOutcome):
         }
 
 
+#: Where a result has a quantity; others are computed, or asked of the closed form.
+_PATHS = {
+    "status": "status", "forces_only": "comparisons.forces_only", "volume_m3": "geometry.volume_m3",
+    "weight_kn": "forces.weight", **{name: f"methods.{name}" for name in METHODS},
+    **{name: f"fos.{name}" for name in ("limit", "closed_form", "static_bound", "all_pairs_failed")},
+}  # fmt: skip
+_AXES = {"displacement_x_mm": 0, "displacement_z_mm": 2}
 #: What one design gave: a result, or the words of what went wrong, and the seconds it took.
 _Analysed: TypeAlias = tuple[Result | None, str, float]
 
 
+@timed
 @documented
 def suite(only: str | Iterable[str] | None = None, *, desk: Workplace = DESK) -> Verification:
     """The verification suite: published and exact cases.
@@ -135,7 +143,6 @@ def suite(only: str | Iterable[str] | None = None, *, desk: Workplace = DESK) ->
     """
     sources, _ = document()
     cases = chosen(only)
-    started = time.perf_counter()
     outcomes: dict[str, _Analysed] = {}
     rows: list[Row] = []
     with desk.bar("cases", len(cases)) as advance:
@@ -147,7 +154,7 @@ def suite(only: str | Iterable[str] | None = None, *, desk: Workplace = DESK) ->
             advance(1)
     quoted = {row.reference.source for row in rows} | {case.source for case in cases}
     named = {key: text for key, text in sources.items() if key in quoted}
-    return Verification(tuple(rows), named, time.perf_counter() - started)
+    return Verification(tuple(rows), named)
 
 
 # -- a case -----------------------------------------------------------------------------------------------------------
@@ -227,28 +234,17 @@ def _error(value: float | str | None, reference: Reference) -> float | None:
 def _value(result: Result, reference: Reference) -> float | str | None:
     """What slopekit gives for a quantity."""
     quantity, of = reference.quantity, reference.of
-    if quantity == "status":
-        return result.status
-    if quantity in METHODS:
-        return result.methods.get(quantity)
-    if quantity == "forces_only":
-        return result.comparisons.forces_only
-    if quantity == "volume_m3":
-        return result.geometry.volume_m3
-    if quantity == "weight_kn":
-        return result.forces.weight
+    if quantity in _PATHS:
+        value: float | str | None = value_at(_PATHS[quantity].split("."), result)
+        return value
     if quantity == "critical_friction_deg":  # c = 0 and one φ: strength divided by F is friction of tan φ / F
         factor = result.fos.limit
         return None if not factor else math.degrees(math.atan(math.tan(math.radians(of or 0.0)) / factor))
-    if quantity in ("failed_pairs", "displacement_x_mm", "displacement_z_mm"):
-        step = next((step for step in result.series if step.factor == of), None)
-        if step is None:
-            return None
-        if quantity == "failed_pairs":
-            return float(step.failed_pairs)
-        axis = 0 if quantity == "displacement_x_mm" else 2
-        return None if step.movement is None else 1e3 * float(step.movement.displacement[axis])
-    if hasattr(result.fos, quantity):
-        return cast("float | None", getattr(result.fos, quantity))
+    step = next((step for step in result.series if step.factor == of), None)
+    if quantity == "failed_pairs":
+        return None if step is None else float(step.failed_pairs)
+    if quantity in _AXES:
+        moved = None if step is None else step.movement
+        return None if moved is None else 1e3 * float(moved.displacement[_AXES[quantity]])
     kind = kind_of(result.design)
     return kind.closed_form(result.design, kind.cut(result.design)).figure(quantity, of)

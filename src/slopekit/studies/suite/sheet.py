@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Sequence
 from itertools import groupby
-from operator import attrgetter
 
 from slopekit._version import __version__
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table
@@ -83,27 +82,27 @@ def error_text(row: Row) -> str:
 
 #: On a terminal.
 _SHORT: tuple[Column[Row], ...] = (
-    Column("  source", attrgetter("reference.source"), show="  {}".format, width=-18),
+    Column("  source", "reference.source", show="  {}".format, width=-18),
     Column("quantity", quantity, width=-25),
     Column("against", against, show=value_text, width=17),
-    Column("slopekit", attrgetter("value"), show=value_text, width=17),
-    Column("error", attrgetter("error"), text=error_text, width=9),
-    Column("ok", attrgetter("ok"), show=MARKS.__getitem__, width=4),
+    Column("slopekit", "value", show=value_text, width=17),
+    Column("error", "error", text=error_text, width=9),
+    Column("ok", "ok", show=MARKS.__getitem__, width=4),
 )
 #: Of the CSV.
 _COLUMNS: tuple[Column[Row], ...] = (
-    Column("case", attrgetter("case.id"), "case"),
-    Column("source", attrgetter("reference.source"), "source"),
-    Column("confidence", attrgetter("reference.confidence"), "confidence"),
+    Column("case", "case.id", "case"),
+    Column("source", "reference.source", "source"),
+    Column("confidence", "reference.confidence", "confidence"),
     Column("quantity", quantity, "quantity"),
-    Column("published", attrgetter("reference.printed"), "published"),
-    Column("exact", attrgetter("reference.exact"), "exact"),
-    Column("slopekit", attrgetter("value"), "value"),
-    Column("closed form", attrgetter("closed_form"), "closed_form"),
-    Column("PRE-IE limit", attrgetter("limit"), "limit"),
-    Column("upper bound", attrgetter("static_bound"), "static_bound"),
-    Column("error", attrgetter("error"), "error"),
-    Column("tolerance", attrgetter("reference.tolerance"), "tolerance"),
-    Column("within", attrgetter("ok"), "ok"),
-    Column("time", attrgetter("seconds"), "seconds", "s", timed=True),
+    Column("published", "reference.printed", "published"),
+    Column("exact", "reference.exact", "exact"),
+    Column("slopekit", "value", "value"),
+    Column("closed form", "closed_form", "closed_form"),
+    Column("PRE-IE limit", "limit", "limit"),
+    Column("upper bound", "static_bound", "static_bound"),
+    Column("error", "error", "error"),
+    Column("tolerance", "reference.tolerance", "tolerance"),
+    Column("within", "ok", "ok"),
+    Column("time", "seconds", "seconds", "s", timed=True),
 )

@@ -81,8 +81,10 @@ def _face_layout(
 ) -> Layout | Notice:
     needed = max(1, math.ceil(force / capacity * (1.0 - 1e-9)))
     if needed > MOST_BOLTS:
-        message = f"{force:.6g} kN take {needed} bolts of {capacity:.6g} kN, more than {MOST_BOLTS}: no pattern is laid"
-        return Notice("E328", message)
+        return Notice(
+            "E328",
+            f"{force:.6g} kN take {needed} bolts of {capacity:.6g} kN, more than {MOST_BOLTS}: no pattern is laid",
+        )
     axes = _face_axes(site)
     polygon = (site.face - centre_of(site.face)) @ axes.T
     at_spacing = partial(_grids, site, direction, axes, polygon)
@@ -95,26 +97,28 @@ def _face_layout(
 
     if spacing is not None:
         if float(np.ptp(polygon, axis=0).max()) / spacing > MOST_BOLTS:
-            message = f"a spacing of {spacing:.6g} m puts more than {MOST_BOLTS} bolts on a face of {site.area:.6g} m²"
-            return Notice("E328", message)
+            return Notice(
+                "E328",
+                f"a spacing of {spacing:.6g} m puts more than {MOST_BOLTS} bolts on a face of {site.area:.6g} m²",
+            )
         best = max(at_spacing(spacing), key=partial(_rank, needed=needed))
         if len(best[0]) < needed:
             holds = len(best[0]) * capacity
-            message = (
+            return Notice(
+                "E328",
                 f"at a spacing of {spacing:.6g} m the face holds {len(best[0])} bolts of {capacity:.6g} kN, "
-                f"{holds:.6g} kN in all, and {force:.6g} kN are needed"
+                f"{holds:.6g} kN in all, and {force:.6g} kN are needed",
             )
-            return Notice("E328", message)
         return laid(best, spacing)
     widest = 2.0 * math.sqrt(site.area / needed)
     for tried in dict.fromkeys(_set_out(widest * _FINER**k) for k in range(_TRIES)):
         enough = [one for one in at_spacing(tried) if len(one[0]) >= needed]
         if enough and needed > 1 and tried < CLOSEST_M:
-            message = (
+            return Notice(
+                "E328",
                 f"{force:.6g} kN take {needed} bolts of {capacity:.6g} kN, {tried:.2g} m apart: no pattern is laid "
-                f"closer than {CLOSEST_M} m"
+                f"closer than {CLOSEST_M} m",
             )
-            return Notice("E328", message)
         if enough:
             return laid(max(enough, key=partial(_rank, needed=needed)), tried)
     return _NO_PLACE
@@ -196,11 +200,11 @@ def _section_layout(
         across = spacing
         rows = max(1, math.ceil(across * force / capacity * (1.0 - 1e-9)))
     if rows > MOST_BOLTS or (rows > 1 and min(across, reach / rows) < CLOSEST_M):
-        message = (
+        return Notice(
+            "E328",
             f"{force:.6g} kN/m take {rows} rows of bolts of {capacity:.6g} kN, {reach / rows:.2g} m from row to row "
-            f"and one every {across:.2g} m: no pattern is laid closer than {CLOSEST_M} m"
+            f"and one every {across:.2g} m: no pattern is laid closer than {CLOSEST_M} m",
         )
-        return Notice("E328", message)
     shares = low + (np.arange(rows) + 0.5) / rows * (high - low)
     heads = foot + shares[:, None] * (top - foot)
     if not through(site.bounds, heads, direction)[1].all():

@@ -14,22 +14,30 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.codec import json_of, record_of
-from slopekit.core.errors import DesignError, Fault, Faults, Notice
+from slopekit.core.errors import Faults, Notice, fail
 from slopekit.core.orientation import Line, number
 from slopekit.core.sheet import Column
 from slopekit.core.units import quantity
 from slopekit.design.common import Design
+from slopekit.design.fields import declare
 from slopekit.design.parts import Bolt
-from slopekit.design.words import above_zero, line_of_words
+from slopekit.design.words import line_of_words
 from slopekit.kinds import also_falls_short, dilates
 from slopekit.kinds.protocol import Factors
 from slopekit.studies.points import point_of
-from slopekit.studies.protocol import StudyOutcome
+from slopekit.studies.protocol import StudyOutcome, numbers_given
 from slopekit.studies.support.pattern import Layout
 from slopekit.studies.support.search import Answer, Need, method_answer
 
 FORCE_STEP_KN = 10.0  # of the force of a bolt as it is built
 DRILLABLE_DEG = (0.0, 30.0)  # plunges of bolts, where nobody says others
+_NUMBERS = {
+    "fos": declare("the target factor of safety", "ratio", 0.0, above=True, code="E307"),
+    "bolt_capacity": declare("the capacity of a bolt", "force", 0.0, default=200.0, above=True, code="E307"),
+    "spacing": declare("the spacing of the bolts", "length", 0.0, above=True, code="E307"),
+    "bond": declare("the anchorage behind the joint", "length", 0.0, default=3.0, above=True, code="E307"),
+    "length": declare("the length of the bolts", "length", 0.0, above=True, code="E307"),
+}
 _UP = Context(prec=5, rounding=ROUND_CEILING)
 Acts = Literal["active", "passive"]
 
@@ -69,17 +77,8 @@ def read_options(
         E307 with every option that is not understood, and what `quantity` raises.
     """
     faults = Faults()
-
-    def positive(value: object, kind: str, name: str, key: str) -> float | None:
-        where = f"{named(key)} {value}"
-        may_lack = key in ("spacing", "length") and value is None
-        return None if may_lack else faults.of(lambda: above_zero(value, kind, name, "E307", where))
-
-    target = positive(fos, "ratio", "the target factor of safety", "fos")
-    capacity = positive(bolt_capacity, "force", "the capacity of a bolt", "bolt_capacity")
-    apart = positive(spacing, "length", "the spacing of the bolts", "spacing")
-    anchorage = positive(bond, "length", "the anchorage behind the joint", "bond")
-    long = positive(length, "length", "the length of the bolts", "length")
+    given = {"fos": fos, "bolt_capacity": bolt_capacity, "spacing": spacing, "bond": bond, "length": length}
+    target, capacity, apart, anchorage, long = numbers_given(_NUMBERS, given, named, faults).values()
     both = faults.of(lambda: _acts(acts, f"{named('acts')} {acts}"))
     line = toward if isinstance(toward, Line) or toward is None else faults.of(
         lambda: line_of_words(toward, "the bolts", "E307", f"{named('toward')} {toward}")
@@ -97,7 +96,7 @@ def _acts(value: object, where: str) -> tuple[Acts, ...]:
         "both": ("active", "passive"),
     }
     if value is not None and str(value) not in choices:
-        raise DesignError([Fault("E307", f"bolts are active or passive, not {value}", where, "Leave it out for both.")])
+        fail("E307", f"bolts are active or passive, not {value}", where, "Leave it out for both.")
     return choices.get(str(value), choices["both"])
 
 
@@ -105,12 +104,19 @@ def _plunges(value: object, option: str) -> tuple[float, float]:
     where = f"{option} {value}"
     parts = re.split(r"\s*[,:]\s*", value.strip()) if isinstance(value, str) else value
     if not isinstance(parts, Sequence) or len(parts) != 2:
-        advice = f"Write least,most: {option} -5,15; positive is downward into the rock."
-        raise DesignError([Fault("E307", f"limits of plunge are two numbers, not {value}", where, advice)])
+        fail(
+            "E307",
+            f"limits of plunge are two numbers, not {value}",
+            where,
+            f"Write least,most: {option} -5,15; positive is downward into the rock.",
+        )
     low, high = (quantity(part, "angle", "a limit of plunge", where) for part in parts)
     if not -90.0 <= low <= high <= 90.0:
-        message = f"limits of plunge run from low to high between -90 and 90, not {number(low)} to {number(high)}"
-        raise DesignError([Fault("E307", message, where)])
+        fail(
+            "E307",
+            f"limits of plunge run from low to high between -90 and 90, not {number(low)} to {number(high)}",
+            where,
+        )
     return low, high
 
 
@@ -250,7 +256,6 @@ class Support(StudyOutcome):
     unit: str
     warnings: tuple[Notice, ...]
     dilates: bool = False
-    seconds: float = field(default=0.0, compare=False, metadata={"json": None})
 
     @classmethod
     def over_cases(cls, outcomes: Mapping[str, "Support"]) -> dict[str, "Support"]:

@@ -9,7 +9,6 @@
 (0.0, 233.1, 1.5)
 """
 
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
@@ -109,7 +108,6 @@ def support(
     >>> round(bolts.force), round(bolts.closed_form.answer.factor, 6), round(bolts.pre_ie.answer.factor, 6)
     (169428, 1.7, 1.7)
     """  # fmt: skip
-    began = time.perf_counter()
     wanted = (design.accepted_fos or _WANTED) if fos is None else fos
     options = read_options(
         fos=wanted, acts=acts, toward=toward, plunge=plunge, bolt_capacity=bolt_capacity, spacing=spacing, bond=bond,
@@ -123,7 +121,7 @@ def support(
     cases = () if stands else tuple(search.case(acts) for acts in options.acts)
     return Support(
         design, options.target, options, search.bare, search.bare_limit, cases, None if stands else search.pressure(),
-        site.unit, tuple(_said(site, cases, options.target)), search.dilates, time.perf_counter() - began,
+        site.unit, tuple(_said(site, cases, options.target)), search.dilates,
     )  # fmt: skip
 
 
@@ -165,8 +163,19 @@ class _Search:
         toward = options.toward or best_direction(site, self.goal, options.plunge or DRILLABLE_DEG)
         if toward is None:
             low, high = options.plunge or DRILLABLE_DEG
-            message = f"no direction into the face that plunges {low:g} to {high:g}° reaches the target"
-            return self._lacking(BoltCase(acts, None, Need(None, self.bare, notice=Notice("E322", message))))
+            return self._lacking(
+                BoltCase(
+                    acts,
+                    None,
+                    Need(
+                        None,
+                        self.bare,
+                        notice=Notice(
+                            "E322", f"no direction into the face that plunges {low:g} to {high:g}° reaches the target"
+                        ),
+                    ),
+                )
+            )
         guess = self._guess(toward.vector()) * (self.goal if acts == "passive" else 1.0)
         key = f"support.bolts.{len(site.design.bolts)}.force"
         closed = self._need("closed_form", site.with_bolts(Bolt(guess, toward, acts)), key, guess)
@@ -187,10 +196,10 @@ class _Search:
             if case.force * self._slice_m(laid) <= options.capacity * len(laid) * (1.0 + 1e-6):
                 return self._built(case, toward, laid, case.force)
             wanted = case.force
-        message = (
+        too_much = (
             f"{wanted:.6g} {site.unit} are more than the bolts can take: with more of them the moments ask for more"
         )
-        return self._lacking(replace(case, notices=(Notice("E328", message),)))
+        return self._lacking(replace(case, notices=(Notice("E328", too_much),)))
 
     def _slice_m(self, laid: Layout) -> float:
         """The length of slope that a bolt's force in the design stands for: in a section the spacing along it."""

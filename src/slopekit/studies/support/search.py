@@ -12,7 +12,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.codec import json_of
-from slopekit.core.errors import DesignError, Fault, Notice
+from slopekit.core.errors import Notice, fail
 from slopekit.core.orientation import Line, line_of
 from slopekit.design.common import Design
 from slopekit.design.parts import Bolt, Force
@@ -203,11 +203,14 @@ def site_of(design: Design) -> Site:
             else "Give the design a bolt, then sweep and solve change it: slopekit solve my.yaml "
             "support.bolts.0.force --fos 1.5"
         )
-        raise DesignError([Fault("E288", message, "", advice)])
+        fail("E288", message, "", advice)
     if any(strength.law for strength in design.joint_strengths):
-        message = "support takes Mohr-Coulomb strength: the directions it compares have one c and φ a joint"
-        advice = "Give the design a bolt, then solve changes it: slopekit solve my.yaml support.bolts.0.force --fos 1.5"
-        raise DesignError([Fault("E288", message, "", advice)])
+        fail(
+            "E288",
+            "support takes Mohr-Coulomb strength: the directions it compares have one c and φ a joint",
+            "",
+            "Give the design a bolt, then solve changes it: slopekit solve my.yaml support.bolts.0.force --fos 1.5",
+        )
     made = kind.cut(design)
     assert made.bounds is not None
     block = made.block

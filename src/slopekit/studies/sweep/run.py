@@ -8,17 +8,16 @@
 """
 
 import math
-import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise, product
 from typing import Annotated, Any, ClassVar
 
 from slopekit.core.codec import json_of
-from slopekit.core.errors import DesignError, Fault, Faults, Notice
+from slopekit.core.errors import Faults, Notice, fail
 from slopekit.core.orientation import number
-from slopekit.core.sheet import Column, is_number
+from slopekit.core.sheet import Column
 from slopekit.design.common import Design
 from slopekit.design.parts import ON_FACTOR
 from slopekit.kinds import notices_of_inputs, peak_only
@@ -29,15 +28,14 @@ from slopekit.studies.points import (
     Line,
     Method,
     Point,
-    also_short,
     asked_of,
     checked_target,
     code_without_blocks,
     factor_at,
     lines_of,
     lower_of,
+    notices_of_points,
     rules_left_out,
-    said_at,
     status_of,
 )
 from slopekit.studies.protocol import (
@@ -79,7 +77,6 @@ class Sweep(StudyOutcome):
     points: tuple[Point, ...]
     methods: str
     levels: tuple[tuple[float, str], ...]
-    seconds: float = field(default=0.0, compare=False)
     of_inputs: tuple[Notice, ...] = ()
 
     @property
@@ -108,21 +105,23 @@ class Sweep(StudyOutcome):
     @property
     def margin(self) -> float | None:
         """The least factor."""
-        return min(self._factors(), default=None)
+        return min(self._factors, default=None)
 
+    @property
+    def largest(self) -> float | None:
+        """The largest factor."""
+        return max(self._factors, default=None)
+
+    @property
     def _factors(self) -> list[float]:
         every = (lower_of(point, self.asked[0]) for point in self.points)
         return [factor for factor in every if factor is not None]
 
     def case_columns(self) -> list[Column[Any]]:
         """The least and the largest factor."""
-
-        def end(which: Callable[..., float]) -> Callable[[Sweep], float | None]:
-            return lambda swept: which(swept._factors(), default=None)
-
         return [
-            Column("least FoS", end(min), "fos_least", show=".4f", width=12),
-            Column("largest FoS", end(max), "fos_largest", show=".4f", width=14),
+            Column("least FoS", "margin", "fos_least", show=".4f", width=12),
+            Column("largest FoS", "largest", "fos_largest", show=".4f", width=14),
         ]
 
     @property
@@ -191,18 +190,8 @@ class Sweep(StudyOutcome):
     @property
     def warnings(self) -> tuple[Notice, ...]:
         """What a reader must know: points without a number, and what is said of the inputs."""
-        bare = [point for point in self.points if not is_number(factor_at(point, self.asked[0]))]
-        short = (also_short(self.points, self.where, self.asked[0], level) for level, _ in self.levels)
-        said = (*(one for of in short for one in of), *said_at(self.points, self.where, self.of_inputs))
-        if not bare:
-            return (*said, *self.of_inputs)
-        named = Counter(self.status(point) for point in bare)
-        text = ", ".join(f"{name} {count}" for name, count in named.most_common())
-        return (
-            Notice("W359", f"{len(bare)} of {len(self.points)} points have no factor of safety: {text}"),
-            *said,
-            *self.of_inputs,
-        )
+        levels = [level for level, _ in self.levels]
+        return tuple(notices_of_points(self.points, self.where, self.asked[0], levels, self.of_inputs))
 
     def where(self, number: int) -> str:
         """The place of a point, in words."""
@@ -239,9 +228,9 @@ def given_keys(texts: Sequence[str], _argument: str) -> dict[str, str]:
         path, equals, values = text.partition("=")
         path = path.strip()
         if not equals:
-            faults.append(Fault("E312", f"{path} has no values", text, how_written(path)))
+            faults.add("E312", f"{path} has no values", text, how_written(path))
         elif path in by_path:
-            faults.append(Fault("E313", f"{path} is given twice", text, "Give it once."))
+            faults.add("E313", f"{path} is given twice", text, "Give it once.")
         by_path[path] = values
     faults.refuse()
     return by_path
@@ -287,7 +276,6 @@ def sweep(
     >>> [round(point.factors.limit, 4) for point in swept.points]
     [1.5574, 1.006]
     """
-    began = time.perf_counter()
     crew = checked_crew(jobs, scheduler)
     one_or_two(keys)
     methods = chosen_methods(design, closed_form)
@@ -298,32 +286,37 @@ def sweep(
             axes.append((key, parse_values(key, given)))
     count = math.prod(len(values) for _, values in axes)
     if count > MOST:
-        faults.append(Fault("E312", f"{count} points are too many for one sweep (most: {MOST})"))
+        faults.add("E312", f"{count} points are too many for one sweep (most: {MOST})")
     faults.refuse()
     if len({key.path for key, _ in axes}) < len(axes):
-        raise DesignError([Fault("E313", f"{axes[0][0].path} is given twice", "", "Name two different keys.")])
+        fail("E313", f"{axes[0][0].path} is given twice", "", "Name two different keys.")
     own, values = tuple(key for key, _ in axes), tuple(of for _, of in axes)
     said += notices_of_inputs(design, [key.path for key in own])
     said += (*peak_only(design, "factors are those"), *rules_left_out(design, _LEVELS))
     swept = Sweep(design, own, values, (), methods, levels_of(design, fos), of_inputs=tuple(said))
     pre_ie = methods != "closed-form"
     outcomes = evaluated(ColumnRows(design, own, swept.places, pre_ie), "sweep", crew, desk, pre_ie)
-    return replace(swept, points=tuple(outcomes.points), seconds=time.perf_counter() - began)
+    return replace(swept, points=tuple(outcomes.points))
 
 
 def one_or_two(keys: Mapping[str, object]) -> None:
     """Refuse no keys, text in their place, or more than two: E313."""
     if isinstance(keys, str):
-        advice = "Write {'slope.face.dip': '60:80:5'}, or {'slope.face.dip': [60, 70, 80]}."
-        message = "keys are a text, a mapping of each key to its values is needed"
-        raise DesignError([Fault("E313", message, keys, advice)])
-    if not keys:
-        raise DesignError(
-            [Fault("E313", "no key is given", "", "Write KEY=60:80:5, for example slope.face.dip=60:80:5")]
+        fail(
+            "E313",
+            "keys are a text, a mapping of each key to its values is needed",
+            keys,
+            "Write {'slope.face.dip': '60:80:5'}, or {'slope.face.dip': [60, 70, 80]}.",
         )
+    if not keys:
+        fail("E313", "no key is given", "", "Write KEY=60:80:5, for example slope.face.dip=60:80:5")
     if len(keys) > 2:
-        message = f"{len(keys)} keys are given, a sweep takes one or two"
-        raise DesignError([Fault("E313", message, ", ".join(keys), "For many keys one at a time: --tornado")])
+        fail(
+            "E313",
+            f"{len(keys)} keys are given, a sweep takes one or two",
+            ", ".join(keys),
+            "For many keys one at a time: --tornado",
+        )
 
 
 def levels_of(design: Design, fos: float | None) -> tuple[tuple[float, str], ...]:

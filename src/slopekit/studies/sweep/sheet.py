@@ -1,13 +1,14 @@
 """The sheet of a sweep: a curve as a table, a grid as a matrix; both with all their points."""
 
 import textwrap
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from operator import itemgetter
 from typing import Any, TypeAlias
 
 from slopekit.core.orientation import number
 from slopekit.core.sheet import LABEL, WIDTH, Column, Entry, Section, Sheet, Table, counted, factor_text, is_number
+from slopekit.evidence import WithoutBasal
 from slopekit.studies.keys import Key, in_words
 from slopekit.studies.points import Method, Point, factor_at
 from slopekit.studies.sweep.run import Sweep
@@ -71,56 +72,51 @@ def _every_point(swept: Sweep) -> Table[dict[str, Any]]:
 # -- a curve ----------------------------------------------------------------------------------------------------------
 
 
-#: A point of a curve: its value, the point, its status, and whether that has changed since the point before.
-_PointOfCurve: TypeAlias = tuple[float, Point, str, bool]
-
-
-def _curve(swept: Sweep) -> Table[_PointOfCurve]:
+def _curve(swept: Sweep) -> Table[dict[str, Any]]:
+    """The points of a curve: values, statuses, factors by each method, and what these make of each other."""
     key, (_, points) = swept.keys[0], swept.lines()[0]
     statuses = [swept.status(point) for _, point in points]
-    rows = [
-        (*point, status, k > 0 and status != statuses[k - 1])
-        for k, (point, status) in enumerate(zip(points, statuses, strict=True))
-    ]
     title = key.path if len(key.path) <= 21 else "…" + key.path[-20:]
     known = next((one.also for _, one in points if one.also), None)
     least, before = (17, "   ") if known is None else (9, " ")  # with a column more the lines are as long
-    columns: list[Column[_PointOfCurve]] = [
-        Column(title, itemgetter(0), key.path, key.unit,
+    width = max([least, *(len(status) for status in statuses if status.startswith("slides_on_"))])
+    columns: list[Column[dict[str, Any]]] = [
+        Column(title, "value", key.path, key.unit,
                lambda value: key.shown(value, 8) + (" now" if value == key.value else ""), -21),
-        Column("", itemgetter(3), "changed", show=lambda changed: ">" if changed else "", width=-2),
-        Column("status", _status, "status", width=-max(
-            [least, *(len(status) for status in statuses if status.startswith("slides_on_"))])),
-        *(Column(METHODS[method], _by(method), method, show=_factor_text, width=12) for method in swept.asked),
+        Column("", "changed", "changed", show=lambda changed: ">" if changed else "", width=-2),
+        Column("status", "status", "status", width=-width),
+        *(Column(METHODS[method], method, method, show=_factor_text, width=12) for method in swept.asked),
     ]  # fmt: skip
     if known is not None:
-        columns.append(Column(known.BRIEF, _also, known.NAME, show=_factor_text, width=12))
+        columns.append(Column(known.BRIEF, known.NAME, known.NAME, show=_factor_text, width=12))
     if len(swept.asked) > 1:
-        columns.append(Column(f"{before}check", lambda row: before + check_word(row[1]), "check", width=-1))
+        columns.append(Column(f"{before}check", "check", "check", width=-1, text=lambda row: before + row["check"]))
+    rows = [
+        {"value": value, "changed": status != previous, "status": _reason(point) or status, "check": check_word(point)}
+        | {method: _factor_or_none(point, method) for method in swept.asked}
+        | ({} if point.also is None else {point.also.NAME: _also(point.also)})
+        for (value, point), status, previous in zip(points, statuses, [statuses[0], *statuses], strict=False)
+    ]
     return Table(columns, rows)
 
 
-def _status(row: _PointOfCurve) -> str:
-    """The status, or why there is no block."""
-    _, point, status, _ = row
+def _reason(point: Point) -> str:
+    """Why there is no block; empty where there is one."""
     reason = textwrap.shorten(f"{point.code} {point.message}", WIDTH - LABEL - 23, placeholder=" …")
-    return reason if point.factors is None else status
+    return reason if point.factors is None else ""
 
 
-def _by(method: Method) -> Callable[[_PointOfCurve], float | str | None]:
+def _factor_or_none(point: Point, method: Method) -> float | str | None:
     """The factor by a method, `none` where the block has none, nothing where there is no block."""
-
-    def factor(row: _PointOfCurve) -> float | str | None:
-        value = factor_at(row[1], method)
-        return None if row[1].factors is None else value if is_number(value) else "none"
-
-    return factor
+    if point.factors is None:
+        return None
+    factor = factor_at(point, method)
+    return factor if is_number(factor) else "none"
 
 
-def _also(row: _PointOfCurve) -> float | str | None:
+def _also(also: WithoutBasal) -> float | str:
     """The factor of what acceptance is held against besides, or how it moves without one."""
-    also = row[1].also
-    return None if also is None else also.factor if also.factor is not None else also.in_words()
+    return also.in_words() if also.factor is None else also.factor
 
 
 def _factor_text(factor: float | str | None) -> str:

@@ -8,9 +8,8 @@
 """
 
 import math
-import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -18,6 +17,7 @@ import numpy as np
 from slopekit.core.codec import json_of
 from slopekit.core.errors import Faults, Notice
 from slopekit.design.common import Design
+from slopekit.design.reading.nodes import NOTHING
 from slopekit.design.scatter.distributions import Distribution
 from slopekit.kinds import notices_of_inputs, peak_only
 from slopekit.studies.evaluation.rows import Rows, chosen_methods, evaluated
@@ -25,12 +25,10 @@ from slopekit.studies.keys import Key, key_of, keys_of, values_of
 from slopekit.studies.points import (
     Method,
     Point,
-    also_short,
     asked_of,
     code_without_blocks,
     factor_at,
-    said_at,
-    status_of,
+    notices_of_points,
 )
 from slopekit.studies.protocol import DESK, ADesign, ClosedFormAlone, Jobs, Scheduler, StudyOutcome, Workplace, study
 from slopekit.studies.ranges import Within, parse_within
@@ -82,18 +80,13 @@ class Tornado(StudyOutcome):
     """
 
     name: ClassVar[str] = "tornado"
+    charts: ClassVar[tuple[str, ...]] = ("tornado",)
     design: Design
     base: Point
     bars: tuple[TornadoBar, ...]
     left_out: tuple[tuple[str, str], ...]
     methods: str
-    seconds: float = field(default=0.0, compare=False)
     of_inputs: tuple[Notice, ...] = ()
-
-    @property
-    def charts(self) -> tuple[str, ...]:
-        """Its bars."""
-        return ("tornado",)
 
     @property
     def asked(self) -> tuple[Method, ...]:
@@ -120,21 +113,10 @@ class Tornado(StudyOutcome):
     @property
     def warnings(self) -> tuple[Notice, ...]:
         """What a reader must know: ends without a number, and what is said of the inputs."""
-        method = self.asked[0]
-        bare = [
-            f"{bar.key.path} at {bar.key.shown(value, 6)} ({status_of(point, method)})"
-            for bar in self.bars
-            for value, point in ((bar.low, bar.at_low), (bar.high, bar.at_high))
-            if not math.isfinite(factor_at(point, method) or math.inf)
-        ]
-        short = also_short(self.points, self._where, method, self.design.accepted_fos or 1.0)
+        level, method = self.design.accepted_fos or 1.0, self.asked[0]
         compared = all(note.code != _OF_ENDS for note in self.base.notes)
-        there = said_at(self.points, self._where, self.of_inputs)
-        said = (*short, *(note for note in there if not (compared and note.code == _OF_ENDS)))
-        if not bare:
-            return (*said, *self.of_inputs)
-        ends = "end has" if len(bare) == 1 else "ends have"
-        return (Notice("W359", f"{len(bare)} {ends} no factor of safety: {', '.join(bare)}"), *said, *self.of_inputs)
+        said = notices_of_points(self.points, self._where, method, [level], self.of_inputs)
+        return tuple(note for note in said if not (compared and note.code == _OF_ENDS))
 
     def _where(self, number: int) -> str:
         """The place of a point, in words."""
@@ -198,7 +180,6 @@ def tornado(
     >>> first.key.path, first.how, round(first.swings["pre_ie"], 4)
     ('strength.joints.phi', '±2°', 0.2438)
     """
-    began = time.perf_counter()
     crew = checked_crew(jobs, scheduler)
     methods = chosen_methods(design, closed_form)
     given, faults = dict[str, tuple[Key, tuple[float, float]]](), Faults()
@@ -227,7 +208,7 @@ def tornado(
     bars = [_bar(study, one, points[1 + 2 * k], points[2 + 2 * k]) for k, one in enumerate(chosen)]
     first = study.asked[0]
     bars.sort(key=lambda bar: (bar.swings[first] is None, -(bar.swings[first] or 0.0), bar.key.path))
-    return replace(study, bars=tuple(bars), seconds=time.perf_counter() - began)
+    return replace(study, bars=tuple(bars))
 
 
 def ends_of(key: Key) -> tuple[float, float, str] | None:
@@ -274,9 +255,8 @@ def _counts_by_default(design: Design, key: Key) -> bool:
     """Whether a default stands for a number of the slope: those that a wedge takes."""
     paper_keys = design.PAPER_KEYS
     if paper_keys and key.path in ("rock.density", "rock.unit_weight"):
-        root = design.source.root if design.source is not None else None
-        rock = root.get("rock") if root is not None else None
-        says = rock is not None and (rock.get("density") is not None or rock.get("unit_weight") is not None)
+        rock = design.source.root.get("rock") if design.source is not None else NOTHING
+        says = rock.get("density") or rock.get("unit_weight")
         return key.path == "rock.density" and not says
     return key.path.startswith(paper_keys)
 

@@ -1,7 +1,6 @@
 """The sheet of a tornado: its bars as a table, the one that does most first."""
 
 import math
-from collections.abc import Callable
 
 from slopekit.core.sheet import Column, Section, Sheet, Table, is_number
 from slopekit.studies.keys import listed
@@ -48,7 +47,7 @@ def _bars(study: Tornado, moved: list[TornadoBar]) -> Table[TornadoBar]:
     columns: list[Column[TornadoBar]] = [
         Column(
             "key",
-            lambda bar: bar.key.path,
+            "key.path",
             "key",
             width=-28,
             show=lambda path: path if len(path) <= 27 else "…" + path[-26:],
@@ -61,14 +60,10 @@ def _bars(study: Tornado, moved: list[TornadoBar]) -> Table[TornadoBar]:
         ),
         Column("", lambda bar: _end(bar.at_low, main), "fos_low", show=_end_text, width=8),
         Column("FoS there", lambda bar: _end(bar.at_high, main), "fos_high", show=_end_text, width=9),
-        Column("swing", _swing_by(main), "swing", show=_swing, width=9),
-        *(Column(METHODS[method], _swing_by(method), f"swing_{method}", show=_swing, width=12) for method in others),
+        Column("swing", f"swings.{main}", "swing", show=_swing, width=9),
+        *(Column(METHODS[method], f"swings.{method}", f"swing_{method}", show=_swing, width=12) for method in others),
     ]
     return Table(columns, moved)
-
-
-def _swing_by(method: Method) -> Callable[[TornadoBar], float | None]:
-    return lambda bar: bar.swings[method]
 
 
 def _number(bar: TornadoBar, value: float) -> str:

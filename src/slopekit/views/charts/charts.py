@@ -1,22 +1,44 @@
-"""Charts of one design (matplotlib): what accuracy costs, what reducing does.
+"""Charts of a design and of its studies (matplotlib), each from their JSON. Need the extra `plot`.
 
-Error against time comes from the JSON of a check, as does figure 7 of Sheng et al. (2023) from that of a run. Need the
-extra `plot`.
+What accuracy costs, what reducing does (figure 7 of Sheng et al. 2023), how factors scatter, what a bench loses, how a
+block slides in an earthquake.
 """
 
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
+from slopekit.core.arrays import Floats
+from slopekit.core.orientation import number
 from slopekit.core.sheet import factor_text
 from slopekit.kinds.single_block.ladders import METHODS
-from slopekit.views.charts.drawing import BLUE, DARK, GREY, RED, finish, note, nothing, short, title_of
+from slopekit.views.charts.drawing import (
+    BLUE,
+    COLOURS,
+    DARK,
+    GREEN,
+    GREY,
+    MARKERS,
+    RED,
+    draw_level,
+    draw_upright,
+    finish,
+    note,
+    nothing,
+    short,
+    title_of,
+)
 
+Document = Mapping[str, Any]
 #: What an error that rounds to nothing is drawn as: the bottom of the chart, with an open marker.
 FLOOR = 1e-16
-_COLOURS = ("#0064a4", "#c8500a", "#007f5f", "#a8548a", "#d89000", "#4d4d4d", "#56b4e9", "#5b5b9e", "#7a6a00")
-_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*", "<")
-Document = Mapping[str, Any]
+_EQUAL = 1e-9  # of the largest factor: all are the same
+_BY = {"closed-form": "closed form", "pre-ie": "PRE-IE"}
+_MOST_CURVES = 24
+_DASHES = ("-", "--", ":", "-.")
+_MORE = 1.15  # of the time until the block is at rest: what is shown of a long quiet end
 
 
 def draw_speed_errors(figure: Any, document: Document) -> None:
@@ -32,34 +54,25 @@ def draw_speed_errors(figure: Any, document: Document) -> None:
         nothing("the design has no factor of safety")
     own = None if against == "the closed form" else reference  # a rung against itself has no error
     axes = figure.subplots()
-    axes.set_xscale("log")
-    axes.set_yscale("log")
+    axes.set(xscale="log", yscale="log", xlabel="time, s",
+             ylabel=f"relative error against {against} (open: none to 16 digits)")  # fmt: skip
     rungs = list(zip(document["ladder"], document["timing_s"]["ladder"], strict=True))
-    for (method, name), colour, marker in zip(METHODS.items(), _COLOURS, _MARKERS, strict=False):
+    for (method, name), colour, marker in zip(METHODS.items(), COLOURS, MARKERS, strict=False):
         drawn = [
-            (time["seconds"], max(abs(rung["error"]), FLOOR), rung) for rung, time in rungs
+            (time["seconds"], max(abs(rung["error"]), FLOOR), rung["node_pairs"]) for rung, time in rungs
             if rung["method"] == method and rung["error"] is not None
             and not (rung["error"] == 0.0 and rung["fos"] == own)
         ]  # fmt: skip
-        if not drawn:
-            continue
-        seconds, errors, _ = zip(*drawn, strict=True)
-        axes.plot(seconds, errors, color=colour, linewidth=1.2, alpha=0.8)
-        for x, y, rung in drawn:
-            face = colour if y > FLOOR else "white"
-            axes.plot([x], [y], marker=marker, color=colour, markerfacecolor=face, markersize=6.5, linestyle="none")
+        if drawn:
+            axes.plot(*list(zip(*drawn, strict=True))[:2], color=colour, marker=marker, label=name)
+        for x, y, pairs in drawn:
+            if y <= FLOOR:
+                axes.plot([x], [y], color=colour, marker=marker, markerfacecolor="white", linestyle="none")
             if method == "mesh":
-                note(axes, f"{rung['node_pairs']}", (x, y), (7, 4), fontsize=7.5, color=colour)
-        axes.plot([], [], color=colour, marker=marker, markersize=6.5, label=name)
+                note(axes, f"{pairs}", (x, y), (7, 4), color=colour)
     if not axes.lines:
         nothing("no rung of the ladder has an error")
-    axes.set_xlabel("time, s")
-    axes.set_ylabel(f"relative error against {against} (open: none to 16 digits)")
-    wanted = document["agree_within"]
-    axes.axhline(wanted, color=GREY, linestyle="--", linewidth=1.0)
-    axes.annotate(f"wanted: {wanted:g}", (0.995, wanted), xycoords=("axes fraction", "data"), ha="right", va="bottom",
-                  fontsize=8, color="#555555")  # fmt: skip
-    axes.margins(x=0.08, y=0.08)
+    draw_level(axes, document["agree_within"], f"wanted: {document['agree_within']:g}")
     factor = factor_text(document["fos"]["limit"]).strip()
     finish(figure, axes, f"{short(document['title'] or document['kind'])}: {document['status']}, limit {factor}")
 
@@ -85,42 +98,169 @@ def draw_reduction(figure: Any, document: Document) -> None:
     every = document["model"]["node_pairs"]
     axes = figure.subplots()
     right = axes.twinx()
+    right.grid(visible=False)
     moved = [(step["factor"], math.hypot(*step["displacement_m"])) for step in series if step["displacement_m"]]
     if moved:
         in_mm = max(size for _, size in moved) < 1.0
         axes.plot([at for at, _ in moved], [size * (1e3 if in_mm else 1.0) for _, size in moved], color=BLUE,
-                  marker="o", linewidth=1.5, label="displacement of the centroid", zorder=3)  # fmt: skip
+                  marker="o", label="displacement of the centroid", zorder=3)  # fmt: skip
         axes.set_ylabel(f"displacement of the centroid, {'mm' if in_mm else 'm'}", color=BLUE)
         axes.set_ylim(bottom=0.0)
-        axes.margins(y=0.12)
     else:
         axes.set_yticks([])
-    if searched:
-        right.plot(*_failed(searched), color=DARK, marker=".", markersize=8, linewidth=1.1, linestyle=":",
-                   label="failed node pairs, all-pairs search")  # fmt: skip
     stands = [step for step in series if step["stands"]]
     falls = [step for step in series if not step["stands"]]
-    if stands:
-        right.plot(*_failed(stands), color=RED, marker="s", linewidth=1.5, linestyle="--", label="failed node pairs")
-    if falls:
-        right.plot(*_failed(falls), color=RED, marker="x", markersize=8, markeredgewidth=1.8, linestyle="none",
-                   label="no longer stands: all count as failed")  # fmt: skip
-    right.axhline(every, color=GREY, linestyle=":", linewidth=1.0)
+    for steps, style, label in (
+        (searched, {"color": DARK, "marker": ".", "linestyle": ":"}, "failed node pairs, all-pairs search"),
+        (stands, {"color": RED, "marker": "s", "linestyle": "--"}, "failed node pairs"),
+        (falls, {"color": RED, "marker": "x", "linestyle": "none"}, "no longer stands: all count as failed"),
+    ):
+        if steps:
+            right.plot(*_failed(steps), label=label, **style)
+    right.axhline(every, color=GREY, linestyle=":")
     right.set_ylim(0.0, 1.12 * every)
     right.set_ylabel(f"failed node pairs, of {every}", color=RED if series else DARK)
     right.set_yticks([tick for tick in MaxNLocator(integer=True).tick_values(0, every) if 0 <= tick <= every])
-    _upright(axes, document)
+    fos = document["fos"]
+    lines = [("limit", fos["limit"], "-"), ("all pairs failed", fos["all_pairs_failed"], "-.")]
+    known = sorted((line for line in lines if line[1] is not None), key=lambda line: float(line[1]))
+    for k, (name, value, dashes) in enumerate(known):  # the label of the smaller at the left of its line
+        draw_upright(axes, value, f"{name} {value:.4g}", style=dashes, on_left=k == 0)
     axes.set_xlabel("strength reduction factor")
     finish(figure, axes, title_of(document))
 
 
-def _upright(axes: Any, document: Document) -> None:
-    """The limit and the factor at which all pairs fail; the label of the smaller at the left of its line."""
-    fos = document["fos"]
-    lines = [("limit", fos["limit"], "-"), ("all pairs failed", fos["all_pairs_failed"], "-.")]
-    known = sorted((line for line in lines if line[1] is not None), key=lambda line: float(line[1]))
-    for k, (name, value, style) in enumerate(known):
-        left = k == 0
-        axes.axvline(value, color=DARK, linestyle=style, linewidth=1.3)
-        note(axes, f"{name} {value:.4g}", (value, 0.04), (-4 if left else 4, 0), xycoords=("data", "axes fraction"),
-             rotation=90, va="bottom", ha="right" if left else "left", fontsize=8.5, color=DARK)  # fmt: skip
+# -- of samples -------------------------------------------------------------------------------------------------------
+
+
+def draw_histogram(figure: Any, document: Document) -> None:
+    """Factors of safety as bars and cumulated, the probability of failure with its confidence limits.
+
+    Raises
+    ------
+    DesignError
+        E273 where no sample has a factor of safety.
+    """
+    bins, share = document["histogram"], document["probability_of_failure"]["all_samples"]
+    if bins is None:
+        words = ", ".join(f"{name} {count}" for name, count in document["outcomes"].items())
+        nothing(f"no sample has a factor of safety: {words}; the probability is {_percent(share)}")
+    edges, counts = np.array(bins["edges"], dtype=float), np.array(bins["counts"], dtype=float)
+    target, fos = document["target"], document["fos"]
+    if fos["max"] - fos["min"] <= _EQUAL * abs(fos["max"]):
+        edges, counts = np.full(2, fos["min"]), np.array([fos["samples"] - bins["below"]], dtype=float)
+    axes = figure.subplots()
+    _bars(axes, edges, counts, target)
+    axes.axvline(target, color=DARK, label=f"target, FoS {number(target)}")
+    axes.set(xlabel=f"factor of safety ({_BY.get(document['by'], document['by'])})", ylabel="samples in a bar")
+    right = axes.twinx()
+    right.grid(visible=False)
+    right.set_ylabel("samples with a lower factor, % of all (line)")
+    if share["of"]:
+        failing = (bins.get("failing_without_factor") or 0) + bins["below"]
+        passed = 100.0 * (failing + np.concatenate([[0.0], np.cumsum(counts)])) / share["of"]
+        right.plot(edges, passed, color=BLUE, label="cumulated")
+    if share["probability"] is not None:
+        middle, low, high = (100.0 * share[key] for key in ("probability", "low", "high"))
+        right.errorbar([target], [middle], yerr=[[max(0.0, middle - low)], [max(0.0, high - middle)]], color=RED,
+                       marker="D", markerfacecolor="white", zorder=5,
+                       label=f"P(FoS < {number(target)}), {share['confidence'] * 100:.4g} % limits")  # fmt: skip
+    right.set_ylim(0.0, 108.0)
+    finish(figure, axes, f"{title_of(document)}\n{_words(document)}")
+
+
+def _bars(axes: Any, edges: Floats, counts: Floats, target: float) -> None:
+    """Bars, in two colours on both sides of the target; equal factors as one narrow bar."""
+    low, high = edges[:-1], edges[1:]
+    if low[0] == high[-1]:
+        value, reach = float(low[0]), 0.02 * max(abs(float(low[0])), 1e-3)
+        low, high = low - reach / 4.0, high + reach / 4.0
+        axes.set_xlim(min(value, target) - 5.0 * reach, max(value, target) + 5.0 * reach)
+    for start, end, colour, name in (
+        (low, np.minimum(high, target), RED, "below the target"), (np.maximum(low, target), high, BLUE, "above"),
+    ):  # fmt: skip
+        some = (end > start) & (counts > 0)
+        axes.bar(start[some], counts[some], width=(end - start)[some], align="edge", color=colour, edgecolor="white",
+                 alpha=0.5, label=name if some.any() else None)  # fmt: skip
+
+
+def _words(document: Document) -> str:
+    asked, bins = document["probability_of_failure"], document["histogram"]
+    every, forming = asked["all_samples"], asked["samples_that_form_a_block"]
+    lines = [f"P(FoS < {number(document['target'])}) = {_percent(every)}, {every['limits_by']}"]
+    other = asked.get("closed_form")
+    if other is not None and other["probability"] != every["probability"]:
+        lines.append(f"by the closed form, forces only: {_percent(other)}")
+    if forming["of"] != every["of"]:
+        lines.append(f"of those that form a block: {_percent(forming)}")
+    lines.append(f"{document['n']} samples, {document['fos']['samples']} with a factor of safety")
+    if bins["below"] or bins["above"]:
+        lines[-1] += f"; beyond the bars: {bins['below']} lower, {bins['above']} higher"
+    return "\n".join(lines)
+
+
+def _percent(share: Document) -> str:
+    if share["probability"] is None or not math.isfinite(share["probability"]):
+        return "unknown (no samples)"
+    middle, low, high = (f"{100.0 * share[key]:.3g}" for key in ("probability", "low", "high"))
+    return f"{middle} % ({low} to {high} % at {share['confidence'] * 100:.4g} % confidence)"
+
+
+# -- of benches -------------------------------------------------------------------------------------------------------
+
+
+def draw_backbreak(figure: Any, document: Document) -> None:
+    """Backbreak against the share of the length that loses no more, a curve for each bench.
+
+    The colour stands for the face angle, the style of the line for the height.
+    """
+    from matplotlib import colormaps
+
+    axes = figure.subplots()
+    survey, inputs, benches = document["survey"], document["inputs"], document["benches"]
+    heights = sorted({bench["height_m"] for bench in benches})
+    dips = sorted({bench["face_dip_deg"] for bench in benches})
+    shades = colormaps["viridis"](np.linspace(0.0, 0.88, len(dips)))
+    for bench in benches:
+        height, dip = bench["height_m"], bench["face_dip_deg"]
+        values = np.array(bench["backbreak_curve_m"], dtype=float)
+        label = f"{number(height)} m, {number(dip)}°" if len(benches) <= _MOST_CURVES else None
+        axes.step(values, np.linspace(0.0, 100.0, len(values)), where="post", color=shades[dips.index(dip)],
+                  linestyle=_DASHES[heights.index(height) % len(_DASHES)], label=label)  # fmt: skip
+    axes.set(xlabel="backbreak: crest lost, m", ylabel="length of bench that loses no more, %", ylim=(0.0, 101.0))
+    axes.set_xlim(left=0.0)
+    draw_level(axes, 100.0 * inputs["reliability"], f"{number(100.0 * inputs['reliability'])} % wanted", RED)
+    title = (
+        f"{short(str(survey['name']), 50)}: {survey['joints']} joints, faces toward {inputs['dip_direction_deg']:03.0f}"
+    )
+    finish(figure, axes, f"{title} (sha {document['input_sha256'][:6]})\nbackbreak along the bench", columns=4)
+
+
+# -- of earthquakes ---------------------------------------------------------------------------------------------------
+
+
+def draw_motion(figure: Any, document: Document) -> None:
+    """Acceleration against k_y, sliding velocity and displacement in the record that moves the block most."""
+    motion = document["motion"]
+    t, a = np.array(motion["t_s"], dtype=float), np.array(motion["a_g"], dtype=float)
+    v, d = np.array(motion["v_m_s"], dtype=float), 100.0 * np.array(motion["d_m"], dtype=float)
+    above, middle, below = figure.subplots(3, 1, sharex=True)
+    for axes, values, colour, label in (
+        (above, a, DARK, "acceleration\nout of the slope, g"), (middle, v, BLUE, "sliding, m/s"),
+        (below, d, GREEN, "displacement, cm"),
+    ):  # fmt: skip
+        axes.plot(t, values, color=colour)
+        axes.set_ylabel(label)
+    k = document["yield"][0]["coefficient"]
+    if k is not None:
+        draw_level(above, k, f"k_y {k:.4g}", RED)
+        above.fill_between(t, a, k, where=a > k, color=RED, alpha=0.25, linewidth=0.0, interpolate=True)
+    below.set_xlabel("time, s")
+    moving = np.flatnonzero(v > 0.0)
+    if len(moving):
+        below.set_xlim(t[0], min(t[-1], t[0] + _MORE * (t[moving[-1]] - t[0])))
+    factor = document["yield"][0]["factor"]
+    said = "factor 1 (plain Newmark)" if factor is None else f"factor {factor:.3f}"
+    above.set_title(f"{short(str(motion['record']), 60)}, {motion['way']}: {said}")
+    most = max((max(one["as_recorded_m"], one["reversed_m"]) for one in document["records"]), default=0.0)
+    note(below, f"{100.0 * most:.4g} cm in all", (0.0, 1.0), (5, -5), xycoords="axes fraction", va="top")

@@ -1,34 +1,37 @@
-"""What all charts share (matplotlib): figures, colours, names in short, files. Needs the extra `plot`."""
+"""What all charts share (matplotlib): the style, colours, labelled lines, names in short, files. Extra: `plot`."""
 
-import math
-from collections.abc import Sequence
-from contextlib import AbstractContextManager
-from importlib.util import find_spec
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NoReturn
 
 from slopekit.core.errors import DesignError, Fault, writing
+from slopekit.core.extras import require_extra
 from slopekit.core.whole_files import whole_file
 
+#: Sizes, widths and margins of all charts.
+STYLE = Path(__file__).with_name("slopekit.mplstyle")
 #: Colours that the colour-blind tell apart (Okabe & Ito 2008), darkened where they stand on white.
 BLUE, RED, GREEN, PURPLE, ORANGE, SKY = "#0064a4", "#c8500a", "#007f5f", "#a8548a", "#d89000", "#56b4e9"
 DARK, GREY = "#4d4d4d", "#888888"
+#: Of sets, joints and methods, in their order; the mean of what is many is RED.
+COLOURS = (BLUE, GREEN, PURPLE, ORANGE, SKY, "#8c6d1f", "#5b5b9e", "#3d3d3d")
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "p")
 #: Behind a label that may come to lie on a line.
 BOX = {"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8}
 #: What charts are written as.
 FORMATS = (".png", ".svg", ".pdf")
-_DPI = 130
+_DOT = 6  # pixels: half of what a marker takes
 
 
 def require_matplotlib(path: Path | str) -> None:
     """Raise E140 where no picture can be drawn, before the work is done."""
-    if find_spec("matplotlib") is None:
-        advice = "pip install 'slopekit[plot]'"
-        raise DesignError([Fault("E140", "drawing needs the extra plot (matplotlib)", str(path), advice)])
+    require_extra("plot", "drawing needs", "matplotlib", where=path)
 
 
-def new_figure(path: Path | str) -> Any:
-    """An empty figure that no window knows.
+@contextmanager
+def new_figure(path: Path | str) -> Iterator[Any]:
+    """An empty figure that no window knows; what is drawn within has the style of `STYLE`.
 
     Raises
     ------
@@ -36,34 +39,27 @@ def new_figure(path: Path | str) -> Any:
         E140 where matplotlib is not installed.
     """
     require_matplotlib(path)
+    import matplotlib as mpl
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(9.0, 6.0), dpi=_DPI, layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure
-
-
-def plain_numbers() -> AbstractContextManager[Any]:
-    """The setting under which axes are made: ticks in full, map coordinates without an offset or an exponent."""
-    import matplotlib as mpl
-
-    return mpl.rc_context({"axes.formatter.useoffset": False, "axes.formatter.limits": (-5, 9)})
+    with mpl.rc_context(fname=STYLE):
+        figure = Figure(layout="constrained")
+        FigureCanvasAgg(figure)
+        yield figure
 
 
 def save(figure: Any, path: Path) -> None:
-    """Write a figure, the same bytes every time.
+    """Write a figure within its style, the same bytes every time.
 
     Raises
     ------
     DesignError
         E129 where the file cannot be written.
     """
-    import matplotlib as mpl
-
     stamps = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}.get(path.suffix.lower())
-    with writing(path), mpl.rc_context({"svg.hashsalt": "slopekit"}), whole_file(path) as file:
-        figure.savefig(file) if stamps is None else figure.savefig(file, metadata=stamps)
+    with writing(path), whole_file(path) as file:
+        figure.savefig(file, metadata=stamps)
 
 
 def nothing(why: str) -> NoReturn:
@@ -90,23 +86,58 @@ def title_of(document: Any) -> str:
     return f"{short(name, 70)}  (sha {str(document.get('input_sha256') or '-')[:6]})"
 
 
-def finish(figure: Any, axes: Any, title: str, columns: int = 3, size: float = 11.0) -> None:
-    """A title of `size` points, a quiet grid, and the legend of all axes beneath, in `columns`."""
-    axes.set_title(title, fontsize=size)
-    dressed(axes)
+def finish(figure: Any, axes: Any, title: str, columns: int = 3) -> None:
+    """A title, and the legend of all axes beneath, in `columns`."""
+    axes.set_title(title)
     if any(each.get_legend_handles_labels()[1] for each in figure.axes):
-        figure.legend(fontsize=8.5, loc="outside lower center", ncols=columns, frameon=False)
+        figure.legend(loc="outside lower center", ncols=columns)
 
 
 def note(axes: Any, text: str, at: tuple[float, float], offset: tuple[float, float], **style: Any) -> Any:
     """A text beside a point, `offset` points from it, which stays legible where it comes to lie on a line."""
-    return axes.annotate(text, at, xytext=offset, textcoords="offset points", **{"fontsize": 8, "bbox": BOX} | style)
+    return axes.annotate(text, at, xytext=offset, textcoords="offset points", **{"bbox": BOX} | style)
 
 
-def dressed(axes: Any) -> None:
-    """A quiet grid beneath the data."""
-    axes.grid(True, which="major", color="#dddddd", linewidth=0.7)
-    axes.set_axisbelow(True)
+def place_label(
+    axes: Any, text: str, at: Any, offsets: Sequence[tuple[int, int]], kept: list[Any], clear: Any = (), **style: Any
+) -> bool:
+    """Write a text about a point where it finds room, once the layout is settled; return whether it did.
+
+    Parameters
+    ----------
+    offsets : where it may stand, in points from the point, best first
+    kept : the boxes of texts that it shall not cover; its own joins them
+    clear : (n, 2) pixels that it shall not cover either
+    """
+    for offset in offsets:
+        label = axes.annotate(text, at, offset, textcoords="offset points", ha="center", va="center", in_layout=False,
+                              **style)  # fmt: skip
+        box = label.get_window_extent()
+        is_free = not box.count_overlaps(kept) and not (len(clear) and box.padded(_DOT).count_contains(clear))
+        if is_free and axes.bbox.containsx(box.x0) and axes.bbox.containsx(box.x1):
+            kept.append(box)
+            return True
+        label.remove()
+    return False
+
+
+def draw_level(axes: Any, value: float, text: str, colour: str = GREY, *, on_left: bool = False) -> None:
+    """A dashed line across at a value, beneath the data, labelled at one of its ends."""
+    axes.axhline(value, color=colour, linestyle="--", linewidth=1.0, zorder=1)
+    side, offset = ("left", 3) if on_left else ("right", -3)
+    note(axes, text, (0.0 if on_left else 1.0, value), (offset, 0), xycoords=axes.get_yaxis_transform(), ha=side,
+         va="bottom", color=colour if colour != GREY else DARK, zorder=1.9)  # fmt: skip
+
+
+def draw_upright(
+    axes: Any, value: float, text: str, colour: str = DARK, *, style: str = "-", on_left: bool = True, foot: bool = True
+) -> None:
+    """An upright line at a value, its label along it at the foot or the head, on one side of it."""
+    axes.axvline(value, color=colour, linestyle=style)
+    height, va = (0.04, "bottom") if foot else (0.98, "top")
+    offset, ha = (-4, "right") if on_left else (4, "left")
+    note(axes, text, (value, height), (offset, 0), xycoords=axes.get_xaxis_transform(), rotation=90, va=va, ha=ha,
+         color=colour)  # fmt: skip
 
 
 def logarithmic(axes: Any) -> None:
@@ -122,18 +153,7 @@ def logarithmic(axes: Any) -> None:
 def hide_cut(figure: Any, axes: Any, labels: Any) -> None:
     """Take labels of contours away that the frame would cut."""
     figure.draw_without_rendering()  # the layout settles where labels come to lie
-    renderer, frame = figure.canvas.get_renderer(), axes.get_window_extent(figure.canvas.get_renderer())
+    frame = axes.get_window_extent()
     for label in labels:
-        box = label.get_window_extent(renderer)
+        box = label.get_window_extent()
         label.set_visible(frame.x0 <= box.x0 and box.x1 <= frame.x1 and frame.y0 <= box.y0 and box.y1 <= frame.y1)
-
-
-def stretches(line: Sequence[tuple[float, float | None]]) -> list[list[tuple[float, float]]]:
-    """Runs of neighbours that have a number."""
-    runs: list[list[tuple[float, float]]] = [[]]
-    for value, factor in line:
-        if factor is not None and 0.0 < factor < math.inf:
-            runs[-1].append((value, factor))
-        elif runs[-1]:
-            runs.append([])
-    return [run for run in runs if run]

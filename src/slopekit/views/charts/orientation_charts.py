@@ -14,13 +14,23 @@ from slopekit.core.arrays import Floats
 from slopekit.core.orientation import Line, Plane, downward, line_of, number, parse_plane, tenths
 from slopekit.studies.kinematic.criteria import zones_of_lines, zones_of_poles
 from slopekit.studies.surveys import LATERAL_DEG
-from slopekit.views.charts.drawing import BLUE, DARK, GREY, RED, nothing, short, title_of
-from slopekit.views.charts.stereonet import FACE, LIGHT, MARKERS, NET, SETS, SHADE, Stereonet, arrange, cells
+from slopekit.views.charts.drawing import BLUE, COLOURS, DARK, GREY, MARKERS, RED, nothing, short, title_of
+from slopekit.views.charts.stereonet import (
+    FACE,
+    LIGHT,
+    MARKED,
+    NET,
+    SHADE,
+    Stereonet,
+    arrange,
+    cells,
+    daylight_envelope,
+    great_circle,
+)
 
 Document = Mapping[str, Any]
 _MOST_JOINTS = 12  # that are drawn and listed one by one
 _MOST_LINES = 6  # of intersection that are written out
-_MOST_DOTS = 100  # lines beyond which they are small
 _MOST_CONES = 6  # friction angles beyond which only the least and the greatest are drawn
 _PARALLEL = 1e-6
 
@@ -44,11 +54,10 @@ class Oriented:
         return sorted(set(self.friction_deg.values()))
 
 
-def orientations_of(document: Document) -> Oriented | None:
-    """What a document says of orientations, None where it has no joint with a direction."""
-    inputs = document.get("inputs")
-    if not isinstance(inputs, Mapping):
-        return None
+def orientations_of(document: Document) -> Oriented:
+    """What a document says of orientations; of many there is none, or no joint with a direction."""
+    inputs: Any = document.get("inputs")
+    inputs = inputs if isinstance(inputs, Mapping) else {}
     joints: dict[str, Plane] = {}
     friction: dict[str, float] = {}
     if isinstance(inputs.get("joints"), Mapping):  # wedge
@@ -71,8 +80,6 @@ def orientations_of(document: Document) -> Oriented | None:
             joints |= {name: parse_plane(plane, name) for name, plane in
                        zip(pair["joints"], pair["planes"], strict=True)}  # fmt: skip
         friction = {f"φ {end}": inputs["friction_deg"][end] for end in ("least", "most")}
-    if not joints:
-        return None
     slope = {name: parse_plane(inputs[name], name) for name in ("face", "upper") if isinstance(inputs.get(name), str)}
     crack = inputs.get("crack")
     if isinstance(crack, Mapping) and isinstance(crack.get("plane"), str):
@@ -91,21 +98,23 @@ def draw_orientations(figure: Any, document: Document) -> None:
         E273 where the document has no orientations.
     """
     orientations = orientations_of(document)
-    if orientations is None:
+    if not orientations.joints:
         nothing("the document has no joint with dip and dip direction")
     on = Stereonet(figure.subplots())
     on.start("")
     face = orientations.slope.get("face")
     if face is not None and orientations.frictions:
         _zone(on, orientations, face)
-    styles = {"face": (FACE, "-", 2.2, "face"), "upper": (GREY, "-", 1.4, "upper slope"),
-              "crack": (DARK, "--", 1.6, "tension crack")}  # fmt: skip
+    styles: dict[str, tuple[str, dict[str, Any]]] = {
+        "face": ("face", {"color": FACE, "linewidth": 2.0}), "upper": ("upper slope", {"color": GREY}),
+        "crack": ("tension crack", {"color": DARK, "linestyle": "--"}),
+    }  # fmt: skip
     for name, plane in orientations.slope.items():
-        colour, style, width, said = styles[name]
-        on.plane_circle(plane, color=colour, linestyle=style, linewidth=width, label=f"{said} {plane}")
+        said, style = styles[name]
+        on.arc(great_circle(plane), label=f"{said} {plane}", **style)
     if face is not None:
-        style = "-" if orientations.is_planar else "--"
-        on.envelope(face, color=FACE, linewidth=1.0, linestyle=style, label="daylight envelope of poles")
+        dashed = "-" if orientations.is_planar else "--"
+        on.arc(daylight_envelope(face), color=FACE, linestyle=dashed, label="daylight envelope of poles")
     _joints(on, orientations)
     _cones(on, orientations)
     _lines(on, document, orientations)
@@ -133,27 +142,24 @@ def _cones(on: Stereonet, orientations: Oriented) -> None:
         frictions = [frictions[0], frictions[-1]]
     for friction in frictions:
         if not orientations.is_planar:
-            on.steeper_than(friction, color=BLUE, linewidth=1.2,
-                            label=f"friction circle, φ {number(friction)}°: steeper within")  # fmt: skip
-        on.steeper_than(90.0 - friction, color=BLUE, linewidth=0.9, linestyle="--",
+            on.steeper_than(friction, color=BLUE, label=f"friction circle, φ {number(friction)}°: steeper within")
+        on.steeper_than(90.0 - friction, color=BLUE, linestyle="--",
                         label=f"friction cone of poles, φ {number(friction)}°: steeper outside")  # fmt: skip
 
 
 def _joints(on: Stereonet, orientations: Oriented) -> None:
     shown = list(orientations.joints.items())[:_MOST_JOINTS]
     for k, (name, plane) in enumerate(shown):
-        colour, marker = SETS[k % len(SETS)], MARKERS[k % len(MARKERS)]
+        line = {"color": COLOURS[k % len(COLOURS)], "linestyle": "-" if k < len(COLOURS) else "-."}
+        pole = {"color": line["color"], "marker": MARKERS[k % len(MARKERS)], "markeredgecolor": "black"}
         friction = orientations.friction_deg.get(name)
         rough = "" if friction is None else f", φ {number(friction)}°"
-        style = "-" if k < len(SETS) else "-."
-        on.plane_circle(plane, color=colour, linewidth=1.7, linestyle=style)
-        on.points(-plane.normal()[None], marker=marker, color=colour, markeredgecolor="black", markersize=8,
-                  zorder=4)  # fmt: skip
-        on.axes.plot([], [], color=colour, linestyle=style, linewidth=1.7, marker=marker, markeredgecolor="black",
-                     label=f"{short(name, 16)} {tenths(plane)}{rough}, with its pole")  # fmt: skip
+        on.arc(great_circle(plane), **line)
+        on.points(-plane.normal()[None], markersize=8, zorder=MARKED, **pole)
+        on.axes.plot([], [], label=f"{short(name, 16)} {tenths(plane)}{rough}, with its pole", **line | pole)
     left = list(orientations.joints.values())[_MOST_JOINTS:]
     if left:
-        on.points(np.array([-plane.normal() for plane in left]), marker=".", color=GREY, markersize=5,
+        on.points(np.array([-plane.normal() for plane in left]), marker="o", color=GREY,
                   label=f"poles of {len(left)} more joints")  # fmt: skip
 
 
@@ -172,12 +178,11 @@ def _lines(on: Stereonet, document: Document, orientations: Oriented) -> None:
     lines = [(name, line / size) for name, line in named if (size := float(np.sqrt(line @ line))) >= _PARALLEL]
     for k, (name, line) in enumerate(lines[:_MOST_LINES]):
         marker = MARKERS[k % len(MARKERS)]
-        on.points(line[None], marker=marker, color=RED, markeredgecolor="black", markersize=9, zorder=4.5,
+        on.points(line[None], marker=marker, color=RED, markeredgecolor="black", markersize=9, zorder=MARKED,
                   label=f"line {name}: {_direction(line)}")  # fmt: skip
     left = lines[_MOST_LINES:]
     if left:
-        on.points(np.array([line for _, line in left]), marker="o", color=RED,
-                  markersize=4.5 if len(left) <= _MOST_DOTS else 2.2, zorder=4.4,
+        on.points(np.array([line for _, line in left]), marker="o", color=RED, zorder=MARKED,
                   label=f"{len(left)} more lines of intersection")  # fmt: skip
 
 

@@ -16,14 +16,15 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, frozen
 from slopekit.core.orientation import Plane, number
-from slopekit.views.charts.drawing import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
+from slopekit.views.charts.drawing import COLOURS, GREY, MARKERS, short
 
 NET = "equal area (Schmidt)"
 _TINY = 1e-15
 UP = np.array([0.0, 0.0, -1.0])  # the vertical, as a downward line: the middle of the net
-SETS = (BLUE, GREEN, PURPLE, ORANGE, SKY, "#8c6d1f", "#5b5b9e", "#3d3d3d")
-MARKERS = ("o", "s", "^", "D", "v", "P", "X", "p")
-_LINES = 3.6  # order: above lines and poles that are many, below those that are marked
+#: What lies on what: points that are many, lines, points that are marked, the rim.
+MANY, LINES, MARKED, _RIM = 3, 4, 5, 6
+_SMALL = 600  # points: beyond that they are small
+FRAME = (-1.14, 1.14)  # of the net's radius: the rim with its letters
 _CELLS = 450  # of a zone, from rim to rim
 _DOTS = 350  # of points that stand so close that they cover each other
 FACE, SHADE, LIGHT = "#7a4a1e", "#f2b48a", "#f8ddc8"
@@ -130,27 +131,21 @@ class Stereonet:
     def start(self, title: str) -> None:
         """The empty net: rim, ticks every ten degrees, north."""
         turn = np.linspace(0.0, 2.0 * math.pi, 361)
-        self.axes.plot(np.sin(turn), np.cos(turn), color="black", linewidth=1.2, zorder=5)
-        for degrees in range(0, 360, 10):
-            x, y = math.sin(math.radians(degrees)), math.cos(math.radians(degrees))
-            out = 1.03 if degrees % 90 == 0 else 1.018
-            self.axes.plot([x, out * x], [y, out * y], color="black", linewidth=0.9, zorder=5)
-        for x, y, text in ((0.0, 1.0, "N"), (1.0, 0.0, "E"), (0.0, -1.0, "S"), (-1.0, 0.0, "W")):
-            self.axes.annotate(text, (1.085 * x, 1.085 * y), ha="center", va="center", fontsize=10)
-        self.axes.plot([0.0], [0.0], marker="+", color="black", markersize=7, zorder=5)
-        self.axes.set_aspect("equal")
-        self.axes.set_xlim(-1.14, 1.14)
-        self.axes.set_ylim(-1.14, 1.14)
+        self.axes.plot(np.sin(turn), np.cos(turn), color="black", zorder=_RIM)
+        ticks = np.radians(np.arange(0, 360, 10))
+        ends = np.array([[1.0], [1.02]])
+        self.axes.plot(ends * np.sin(ticks), ends * np.cos(ticks), color="black", zorder=_RIM)
+        for k, text in enumerate("NESW"):
+            x, y = math.sin(k * math.pi / 2.0), math.cos(k * math.pi / 2.0)
+            self.axes.annotate(text, (1.08 * x, 1.08 * y), ha="center", va="center", fontsize="large")
+        self.axes.plot([0.0], [0.0], marker="+", color="black", zorder=_RIM)
+        self.axes.set(aspect="equal", xlim=FRAME, ylim=FRAME)
         self.axes.axis("off")
-        self.axes.set_title(title, fontsize=10, pad=0.0)
+        self.axes.set_title(title, pad=0.0)
 
     def arc(self, vectors: Floats, **style: Any) -> None:
         """A curve through downward vectors (n, 3)."""
-        self.axes.plot(*project(vectors).T, **{"zorder": _LINES} | style)
-
-    def plane_circle(self, plane: Plane, **style: Any) -> None:
-        """The great circle of a plane."""
-        self.arc(great_circle(plane), **style)
+        self.axes.plot(*project(vectors).T, zorder=LINES, **style)
 
     def cone_circle(self, axis: Floats, angle_deg: float, **style: Any) -> None:
         """The small circle of a cone about a downward axis; one entry in the legend."""
@@ -162,18 +157,14 @@ class Stereonet:
         """The circle of the lines of one plunge: what lies within is steeper."""
         self.cone_circle(UP, 90.0 - plunge_deg, **style)
 
-    def envelope(self, face: Plane, **style: Any) -> None:
-        """The daylight envelope of a face, for poles."""
-        self.arc(daylight_envelope(face), **style)
-
     def spokes(self, trend_deg: float, within_deg: float) -> None:
         """Lateral limits on both sides of a trend, from the middle to the rim; none at 90° and more."""
         if within_deg >= 90.0:
             return
         for off, label in ((-within_deg, f"lateral limits ±{number(within_deg)}°"), (within_deg, None)):
             toward = math.radians(trend_deg + off)
-            self.axes.plot([0.0, math.sin(toward)], [0.0, math.cos(toward)], color=GREY, linestyle="--", linewidth=1.0,
-                           label=label, zorder=_LINES)  # fmt: skip
+            self.axes.plot([0.0, math.sin(toward)], [0.0, math.cos(toward)], color=GREY, linestyle="--", label=label,
+                           zorder=LINES)  # fmt: skip
 
     def points(self, vectors: Floats, **style: Any) -> None:
         """Lines (n, 3) as points; where many stand so close that they cover each other, one for all of them."""
@@ -183,7 +174,8 @@ class Stereonet:
         if len(at) > 2000:
             cell = np.round(at * _DOTS).astype(np.int64) @ np.array([4 * _DOTS, 1])
             at = at[np.unique(cell, return_index=True)[1]]
-        self.axes.plot(*at.T, linestyle="none", **style)
+        usual = {"markersize": 4 if len(at) <= _SMALL else 2, "zorder": MANY}
+        self.axes.plot(*at.T, linestyle="none", **usual | style)
 
     def shade(self, zone: Bools, colour: str, label: str) -> None:
         """A zone, given for each cell within the rim, as a coloured area."""
@@ -193,14 +185,11 @@ class Stereonet:
             return
         inside = cells()[1]
         image = np.zeros((*inside.shape, 4))
-        image[..., :] = (*to_rgba(colour)[:3], 0.0)
-        shaded = np.zeros(inside.shape, dtype=bool)
-        shaded[inside] = zone
-        image[shaded, 3] = 1.0
+        image[..., :3] = to_rgba(colour)[:3]
+        image[inside, 3] = zone
         self.axes.imshow(image, extent=(-1.0, 1.0, -1.0, 1.0), origin="lower", interpolation="nearest", zorder=0.5)
         self.axes.fill([], [], color=colour, linewidth=0.0, label=label)
-        self.axes.set_xlim(-1.14, 1.14)
-        self.axes.set_ylim(-1.14, 1.14)
+        self.axes.set(xlim=FRAME, ylim=FRAME)
 
 
 def arrange(figure: Any, panels: Sequence[Any], across: int, title: str) -> None:
@@ -211,14 +200,20 @@ def arrange(figure: Any, panels: Sequence[Any], across: int, title: str) -> None
     title = "\n".join(textwrap.fill(line, across * _WIDE) for line in title.split("\n"))
     height = len(panels) // across * (_NET + _ENTRY * (lines + 1)) + _ENTRY * (title.count("\n") + 1)
     figure.set_size_inches(across * _NET, height)
-    figure.suptitle(title, fontsize=10)
+    figure.suptitle(title)
     for axes, count in zip(panels, columns, strict=True):
         axes.set_anchor("N")
-        axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=count, fontsize=9, frameon=False,
-                    columnspacing=1.2, labelspacing=0.35)  # fmt: skip
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=count)
 
 
-def set_marks(names: Sequence[str]) -> dict[str, tuple[str, str]]:
-    """Colour and marker of each set; what has no set, or comes after the eighth, is grey."""
-    marks = {name: (SETS[k], MARKERS[k]) for k, name in enumerate(names[: len(SETS)])}
-    return dict.fromkeys(names, (GREY, "o")) | marks | {"": (GREY, "o")}
+def poles_by_set(on: Stereonet, poles: Floats, sets: Sequence[str], named: Sequence[str]) -> dict[str, tuple[str, str]]:
+    """Draw poles (n, 3), each set with a colour and a marker of its own; these by the name of the set."""
+    own = np.array(sets)
+    marks = dict.fromkeys([*named, ""], (GREY, "o")) | dict(
+        zip(named, zip(COLOURS, MARKERS, strict=True), strict=False)
+    )
+    for name in (*named, ""):
+        some, (colour, marker) = poles[own == name], marks[name]
+        said = f"set {short(name, 18)}" if name else "of no set" if named else "poles"
+        on.points(some, marker=marker, color=colour, label=f"{said} ({len(some)})")
+    return marks

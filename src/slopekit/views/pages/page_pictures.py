@@ -10,15 +10,15 @@ from typing import Any
 
 from slopekit.core.errors import DesignError
 from slopekit.findings import counted_rows
-from slopekit.views.charts.kinematic_charts import NETS_OF
+from slopekit.views.charts.survey_charts import NETS_OF
 from slopekit.views.plots import draw, offers
+from slopekit.views.solid.scenes import SCENES
 
 #: Pictures of a result in the order of the page, those of blocks for many blocks only.
 _OF_RESULT = (
     "scene", "elevation", "stereonet", "tractions", "mechanism", "factors",
     "reduction",
 )  # fmt: skip
-_SCENES = ("scene", "exploded", "tractions", "forces", "displacement", "mechanism", "factors")
 _TYPES = {".png": "image/png", ".svg": "image/svg+xml"}
 _LARGEST_SVG = 110_000  # bytes; beyond that a PNG is smaller and as legible
 _COLOURS = 96  # of a scene: shades of few materials
@@ -45,7 +45,7 @@ def still_pictures(document: Mapping[str, Any]) -> tuple[list[dict[str, Any]], l
     for what, caption, test in asked:
         try:
             uri = page_picture(document, what, test or None)
-            pictures.append({"what": what, "caption": caption, "uri": uri, "is_chart": what not in _SCENES})
+            pictures.append({"what": what, "caption": caption, "uri": uri, "is_chart": what not in SCENES})
         except DesignError as error:
             fault = error.faults[0]
             missing.setdefault(f"{fault.code} {fault.message}", []).append(what)
@@ -70,10 +70,10 @@ def page_picture(document: Mapping[str, Any], what: str, test: str | None = None
     """
     with tempfile.TemporaryDirectory() as folder:
         drawing = Path(folder) / f"{what}.svg"
-        if what not in _SCENES:
+        if what not in SCENES:
             draw(document, what, drawing, test=test)
             image = light_svg(drawing.read_text(encoding="utf-8")).encode("utf-8")
-        if what in _SCENES or len(image) > _LARGEST_SVG:
+        if what in SCENES or len(image) > _LARGEST_SVG:
             drawing = drawing.with_suffix(".png")
             draw(document, what, drawing, test=test)
             image = light_png(drawing.read_bytes())

@@ -5,13 +5,13 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NoReturn
 
 from slopekit._version import __version__
 from slopekit.core.codec import MISREAD, is_of_document
 from slopekit.core.errors import DesignError, Fault, Notice, writing
+from slopekit.core.extras import require_extra
 from slopekit.core.whole_files import whole_file
 from slopekit.exchange.documents import by_case, checked_document
 from slopekit.kinds import words_named
@@ -62,9 +62,7 @@ class Report:
 
 def require_jinja(where: Path | str) -> None:
     """Raise E140 where no page can be made."""
-    if find_spec("jinja2") is None:
-        advice = "pip install 'slopekit[report]'"
-        raise DesignError([Fault("E140", "reports need the extra report (jinja2)", str(where), advice)])
+    require_extra("report", "reports need", "jinja2", where=where)
 
 
 def report_of(

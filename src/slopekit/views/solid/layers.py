@@ -151,8 +151,7 @@ def free_triangles(shapes: Shapes) -> Bools:
         return ~np.isin(solids.face, joints)
     middle = solids.vertices.mean(axis=0)
     size = float(np.ptp(solids.vertices, axis=0).max())
-    corners = solids.vertices[solids.triangles] - middle
-    normals = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    corners, normals = solids.vertices[solids.triangles] - middle, _areas(shapes)
     lengths = np.sqrt((normals * normals).sum(axis=1))
     free: Bools = lengths > 1e-12 * size * size
     normals = normals / np.where(free, lengths, 1.0)[:, None]
@@ -166,10 +165,15 @@ def free_triangles(shapes: Shapes) -> Bools:
 
 def free_normal(shapes: Shapes) -> Floats:
     """Out of the slope: the mean outward normal of the free faces, (3,) unit."""
-    corners = shapes.solids.vertices[shapes.solids.triangles[free_triangles(shapes)]]
-    total = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]).sum(axis=0)
+    total = _areas(shapes)[free_triangles(shapes)].sum(axis=0)
     size = math.sqrt(float(total @ total))
     return total / size if size > 0.0 else np.array([0.0, 0.0, 1.0])
+
+
+def _areas(shapes: Shapes) -> Floats:
+    """Twice the areas of the triangles of the solids as vectors (t, 3) out of them."""
+    corners = shapes.solids.vertices[shapes.solids.triangles]
+    return cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
 
 def _vector_area(polygon: Floats) -> Floats:
@@ -194,10 +198,9 @@ def rock_around(shapes: Shapes) -> tuple[Floats, Ints] | None:
     reach = _ROOM * float((high - low).max())
     low, high = low - reach, high + np.array([reach, reach, 0.3 * reach])
     body = Manifold.cube(tuple(high - low)).translate(tuple(low))
-    corners = shapes.solids.vertices[shapes.solids.triangles[free]] - middle
-    normals = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    corners, normals = shapes.solids.vertices[shapes.solids.triangles[free, 0]] - middle, _areas(shapes)[free]
     normals = normals / np.sqrt((normals * normals).sum(axis=1))[:, None]
-    for outward, corner in zip(normals, corners[:, 0], strict=True):
+    for outward, corner in zip(normals, corners, strict=True):
         body = body.trim_by_plane(tuple(-outward), float(-outward @ corner))
     # the place of the block stays open a little beyond its free faces: faces that coincide would leave a film
     ends = normals[(normals @ normals.T < -1.0 + _SAME).any(axis=1)]  # of a section
@@ -287,3 +290,8 @@ class Picture:
     bar: Bar | None = None
     labels: tuple[tuple[Floats, str], ...] = ()
     beside: bool = False
+
+    @property
+    def points(self) -> Floats:
+        """The corners (n, 3) of all that is seen, m."""
+        return np.concatenate([part.vertices[part.triangles.ravel()] for part in self.layers])

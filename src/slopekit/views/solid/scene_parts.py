@@ -8,7 +8,7 @@ import numpy as np
 from slopekit.block_scene import Contacts, joined
 from slopekit.bolts import plates, rods
 from slopekit.core.arrays import Bools, Floats, Ints, cross
-from slopekit.exchange.panels import triangles_of
+from slopekit.exchange.bodies import triangles_of
 from slopekit.exchange.source import NUMBERED, bolt_of_load
 from slopekit.kinds.sheets.bolts import forces_in_words, schedule, without_head
 from slopekit.kinds.words import short
@@ -27,8 +27,7 @@ from slopekit.views.solid.layers import (
 )
 from slopekit.views.solid.stage import Stage
 
-LegendEntry = tuple[str, Colour, float]
-Legend = list[LegendEntry]
+Legend = list[tuple[str, Colour, float]]
 _MOST_ARROWS = 400
 _MOST_LABELS, _FEW_LABELS = 60, 12
 _RIBBON, _BEFORE = 8e-3, 0.2  # of the size: how wide contacts of a section are drawn; of that: how far before it
@@ -39,24 +38,29 @@ _ROD = 4e-3 / 0.024  # radius of rods, of the width of their plates
 class Scenery:
     """A picture as it is put together: what is drawn and what the legend says of it, in one call."""
 
-    def __init__(self, stage: Stage, legend: Sequence[LegendEntry] = (), notes: Sequence[str] = ()) -> None:
+    def __init__(self, stage: Stage) -> None:
         self.stage = stage
         self.layers: list[Layer] = []
-        self.legend: Legend = list(legend)
-        self.notes = list(notes)
+        self.legend: Legend = []
+        self.notes: list[str] = []
 
     def rock(self, opacity: float = 1.0) -> None:
         """The bedrock, or the rock about one block."""
         self.layers += self.stage.rock(opacity)
 
     def blocks(
-        self, name: str, chosen: Bools, *, offset: Floats | None = None, opacity: float = 1.0,
-        colours: Ints | None = None,
+        self, name: str, chosen: Bools, said: str = "", *, offset: Floats | None = None, opacity: float = 1.0,
+        colours: Ints | None = None, shade: float = 0.0,
     ) -> None:  # fmt: skip
-        """Blocks `chosen` (n,), each vertex moved by `offset` (v, 3) m; in `colours` (n, 3) or those of the stage."""
+        """Blocks `chosen` (n,), each vertex moved by `offset` (v, 3) m; in `colours` (n, 3) or those of the stage.
+
+        The legend has what is `said` of them, in the colour of blocks that move, as dark as they are or as `shade`.
+        """
         stage = self.stage
         colours = stage.block_colours() if colours is None else colours
         self.layers.append(blocks_layer(name, stage.scene.shapes, chosen, colours, offset, opacity))
+        if said:
+            self.legend.append((said, BLOCK, shade or opacity))
 
     def add(
         self,
@@ -182,13 +186,15 @@ def joint_faces(stage: Stage, moved: Floats) -> Iterator[tuple[int, tuple[Floats
     contacts = shapes.contacts
     if len(contacts) == 0:
         return
-    middle, normal = middles(contacts.corners, contacts.first)
+    counts, (triangles, panel) = np.diff(contacts.first), triangles_of(contacts)
+    middle = np.add.reduceat(contacts.corners, contacts.first[:-1]) / counts[:, None]
+    normal, (a, b, c) = np.zeros_like(middle), (contacts.corners[triangles[:, k]] for k in range(3))
+    np.add.at(normal, panel, cross(b - a, c - a))
     toward = shapes.centroids[contacts.plus] - middle
     normal = normal * np.where((normal * toward).sum(axis=1) < 0.0, -1.0, 1.0)[:, None]  # into the plus block
+    normal = normal / np.maximum(np.sqrt((normal * normal).sum(axis=1)), 1e-300)[:, None]
     lift = _LIFTED * stage.size * normal
-    counts = np.diff(contacts.first)
     moved = np.concatenate([moved, np.zeros((1, 3))])  # bedrock, -1, stays
-    triangles, panel = triangles_of(contacts)
     for joint in np.unique(contacts.joint).tolist():
         own, of_joint = np.flatnonzero(contacts.joint == joint), triangles[contacts.joint[panel] == joint]
         sides = [moved[contacts.plus] - lift, moved[contacts.minus] + lift]
@@ -209,19 +215,6 @@ def _ribbons(contacts: Contacts, own: Ints, moved: Floats, wide: Floats) -> tupl
     quads = np.concatenate([ends, ends[:, ::-1] + wide[:, None, :]], axis=1)
     fan = np.array([[0, 1, 2], [0, 2, 3]])
     return quads.reshape(-1, 3), (4 * np.arange(len(own))[:, None, None] + fan).reshape(-1, 3)
-
-
-def middles(corners: Floats, first: Ints) -> tuple[Floats, Floats]:
-    """Mean corner and unit normal of polygons (k): (k, 3) each."""
-    counts = np.diff(first)
-    of = np.repeat(np.arange(len(counts)), counts)
-    middle = np.stack([np.bincount(of, corners[:, k], len(counts)) for k in range(3)], axis=1) / counts[:, None]
-    place = np.arange(len(of))
-    after = np.where(place + 1 == first[1:][of], first[:-1][of], place + 1)
-    arms = corners - middle[of]
-    part = cross(arms, arms[after])
-    normal = np.stack([np.bincount(of, part[:, k], len(counts)) for k in range(3)], axis=1)
-    return middle, normal / np.maximum(np.sqrt((normal * normal).sum(axis=1)), 1e-300)[:, None]
 
 
 def spread(size: Floats) -> Ints:

@@ -229,8 +229,8 @@ def _tractions(stage: Stage, _: int) -> Picture:
     shown = stage.free if stage.alone else stage.free & stage.touched
     if stage.alone:
         seen.rock(0.55 if stage.in_section else 1.0)
-    seen.blocks("blocks", shown, opacity=0.12)
-    seen.legend.append(("block" if stage.alone else "blocks whose contacts were solved", BLOCK, 0.3))
+    said = "block" if stage.alone else "blocks whose contacts were solved"
+    seen.blocks("blocks", shown, said, opacity=0.12, shade=0.3)
     scale = stage.neighbourhood(shown)
     apart = scale if stage.in_section else spacing(pairs.control_area_m2)
     for k, name in enumerate(MODES):
@@ -269,8 +269,8 @@ def _forces(stage: Stage, _: int) -> Picture:
     drawn = 0.65 * scale / max(longest, 1e-300)
     if stage.alone:
         seen.rock(0.35)
-    seen.blocks("blocks", known, opacity=0.3)
-    seen.legend.append(("block" if stage.alone else f"blocks in equilibrium ({int(known.sum())})", BLOCK, 0.5))
+    said = "block" if stage.alone else f"blocks in equilibrium ({int(known.sum())})"
+    seen.blocks("blocks", known, said, opacity=0.3, shade=0.5)
     seen.notes.append(f"arrows to scale, the longest {kilonewtons(longest)}: forces on the blocks at the limit")
     if not force.any():
         seen.notes = [f"loads to scale, the longest {kilonewtons(longest)}", _NO_LIMIT]
@@ -320,9 +320,8 @@ def _displacement(stage: Stage, _: int) -> Picture:
     first = int(np.argmax(centroids))
     seen = Scenery(stage)
     seen.rock()
-    seen.blocks("at rest", stage.free, opacity=0.2)
-    seen.blocks("displaced", stage.free, offset=moved)
-    seen.legend += [("as it was", BLOCK, 0.3), (f"displaced, {times:,.6g} times", BLOCK, 1.0)]
+    seen.blocks("at rest", stage.free, "as it was", opacity=0.2)
+    seen.blocks("displaced", stage.free, f"displaced, {times:,.6g} times", offset=moved)
     down = millimetres(-float(scene.displacement[first, 2]))
     turned = math.degrees(math.sqrt(float(scene.displacement[first, 3:] @ scene.displacement[first, 3:])))
     whose = "centroid" if stage.alone else f"centroid of {scene.shapes.names[first]}"
@@ -394,32 +393,32 @@ def _answer_of(stage: Stage, step: int) -> str:
 
 def _factors(stage: Stage, _: int) -> Picture:
     """Blocks by the factor of safety at which they fail."""
-    factor = stage.scene.factor
+    factor, fixed = stage.scene.factor, stage.scene.shapes.fixed
     known = np.isfinite(factor)
+    falls, unsettled = stage.without_strength & ~known, stage.unsettled & ~known
+    without = "no factor of safety" if stage.alone else "no factor: it stands, or was not looked at"
+    seen, colours = Scenery(stage), np.tile(np.array(STANDS), (len(factor), 1))
     bar = Bar("factor of safety at which a block fails", *ends(factor[known])) if known.any() else None
-    one = bar is not None and not np.ptp(factor[known]) > 1e-9 * float(factor[known].max())
-    fixed = int(stage.scene.shapes.fixed.sum())
-    falls, open_ = stage.without_strength, stage.unsettled
-    none = int((stage.free & ~known & ~falls & ~open_).sum())
-    text = "no factor: it stands, or was not looked at" if not stage.alone else "no factor of safety"
-    asked = [(f"{text} ({none})", STANDS, 1.0)] if none else []
-    asked += [(f"held by no strength that was tried ({int(falls.sum())})", FALLS, 1.0)] if falls.any() else []
-    last = f"moves in a mechanism that did not settle ({int(open_.sum())})"
-    asked += [(last, UNSETTLED, 1.0)] if open_.any() else []
-    asked += [(f"bedrock ({fixed})", ROCK, 1.0)] if fixed else []
-    notes = ("a block that only the one before it held fails together with it",) if not stage.alone else ()
-    colours = np.tile(np.array(STANDS), (len(factor), 1))
     if bar is not None:
         colours[known] = bar.colours(factor[known])
-    if one:  # one value needs no scale
-        colour = tuple(colours[known][0].tolist())
-        asked = [(f"fails at {float(factor[known][0]):.3f} ({int(known.sum())})", colour, 1.0), *asked]
-    colours[falls & ~known] = FALLS
-    colours[open_ & ~known] = UNSETTLED
-    seen = Scenery(stage, asked, notes)
+        if not np.ptp(factor[known]) > 1e-9 * float(factor[known].max()):  # one value needs no scale
+            red, green, blue = colours[known][0].tolist()
+            said = f"fails at {float(factor[known][0]):.3f} ({int(known.sum())})"
+            seen.legend.append((said, (red, green, blue), 1.0))
+            bar = None
+    for own, colour, said in (
+        (stage.free & ~known & ~falls & ~unsettled, STANDS, without),
+        (falls, FALLS, "held by no strength that was tried"),
+        (unsettled, UNSETTLED, "moves in a mechanism that did not settle"), (fixed, ROCK, "bedrock"),
+    ):  # fmt: skip
+        if own.any():
+            colours[own] = colour
+            seen.legend.append((f"{said} ({int(own.sum())})", colour, 1.0))
+    if not stage.alone:
+        seen.notes.append("a block that only the one before it held fails together with it")
     seen.rock()
     seen.blocks("blocks", stage.free, colours=colours)
-    return seen.picture("factors", bar=None if one else bar)
+    return seen.picture("factors", bar=bar)
 
 
 #: Who puts a scene together, by its word: of the stage and the mechanism, 1 the first.

@@ -216,28 +216,27 @@ class Stage(ExportSource):
     @property
     def answer(self) -> str:
         """Status, factor and check: never a bare factor of safety."""
-        fos = self.document.get("fos") or {}
-        limit, closed, lowest = fos.get("limit"), fos.get("closed_form"), fos.get("lowest")
-        parts = [str(self.document.get("status_text", ""))]
-        led = self.document.get("leading") or {}
-        name = str(led.get("name"))
-        parts += [f"FoS {factor_text(led['fos'])} ({JUDGED[name]}, judged by ACCEPT)"] if name in JUDGED else []
-        said = "PRE-IE" if not led else "limit"
-        parts.append("no factor of safety" if limit is None else f"FoS {factor_text(limit)} ({said})")
-        known = name == "lowest" or lowest is None or limit is None or lowest > 0.99 * limit
-        parts += [] if known else [f"lowest estimate {factor_text(lowest)}"]
-        searched = None if name == "all_pairs_failed" else fos.get("all_pairs_failed")
-        parts += [] if searched is None else [f"all pairs failed {factor_text(searched)}"]
-        parts += [] if closed is None else [f"closed form {factor_text(closed)}"]
-        agree = self.document.get("agree")
-        if self.document.get("status") != "not_converged":
-            words = {True: "agree", False: "DO NOT AGREE", None: "not compared"}
-            nothing = closed is None and agree is None
-            parts.append("no closed form to compare with" if nothing else words[agree])
-        parts += ["moments govern"] if self.document.get("moments_govern") and limit is not None else []
-        accepted = self.document.get("accepted")
-        parts += [] if accepted is None else [f"acceptance {'met' if accepted else 'NOT MET'}"]
-        return " · ".join(parts)
+        document, fos, leading = self.document, self.document.get("fos") or {}, self.document.get("leading") or {}
+        limit, closed, lowest, searched = (
+            fos.get(name) for name in ("limit", "closed_form", "lowest", "all_pairs_failed")
+        )
+        name, agree, accepted = str(leading.get("name")), document.get("agree"), document.get("accepted")
+        compared = {True: "agree", False: "DO NOT AGREE", None: "not compared"}[agree]
+        said = [
+            (str(document.get("status_text", "")), True),
+            (f"FoS {factor_text(leading.get('fos'))} ({JUDGED.get(name)}, judged by ACCEPT)", name in JUDGED),
+            ("no factor of safety", limit is None),
+            (f"FoS {factor_text(limit)} ({'limit' if leading else 'PRE-IE'})", limit is not None),
+            (f"lowest estimate {factor_text(lowest)}",
+             name != "lowest" and lowest is not None and limit is not None and lowest <= 0.99 * limit),
+            (f"all pairs failed {factor_text(searched)}", searched is not None and name != "all_pairs_failed"),
+            (f"closed form {factor_text(closed)}", closed is not None),
+            ("no closed form to compare with" if closed is None and agree is None else compared,
+             document.get("status") != "not_converged"),
+            ("moments govern", bool(document.get("moments_govern")) and limit is not None),
+            (f"acceptance {'met' if accepted else 'NOT MET'}", accepted is not None),
+        ]  # fmt: skip
+        return " · ".join(text for text, is_said in said if is_said)
 
     # -- what stands about the blocks ---------------------------------------------------------------------------------
 
@@ -269,8 +268,7 @@ class Stage(ExportSource):
         """Joints as the legend has them: with their orientation where the design gives one."""
         from slopekit.views.charts.orientation_charts import orientations_of  # few pictures name joints
 
-        oriented = orientations_of(self.document)
-        planes = {} if oriented is None else oriented.joints
+        planes = orientations_of(self.document).joints
         return [f"{name} {planes[name]}" if name in planes else name for name in self.scene.shapes.joints]
 
 

@@ -13,7 +13,8 @@ import numpy as np
 from slopekit.block_scene import MODES, BlockScene, Contacts, Shapes, Solids, joined, unreadable
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.codec import MISREAD, is_of_document
-from slopekit.exchange.panels import triangles_of
+from slopekit.core.orientation import line_of
+from slopekit.exchange.bodies import triangles_of
 from slopekit.views.solid.layers import (
     ACTIVE_BOLT,
     BLOCK,
@@ -243,5 +244,5 @@ def _surfaces(contacts: Contacts) -> tuple[Floats, Ints, Ints, Floats]:
 
 def _look_from(eye: Floats) -> list[float]:
     """Bearing of the eye and its height above the horizon, degrees."""
-    bearing, above = np.degrees(np.arctan2(eye[0], eye[1])), np.degrees(np.arcsin(np.clip(eye[2], -1.0, 1.0)))
-    return [float(bearing % 360.0), float(above)]
+    line = line_of(eye)
+    return [line.trend_deg, -line.plunge_deg]

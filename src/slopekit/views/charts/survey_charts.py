@@ -1,6 +1,7 @@
-"""The stereonets of a kinematic study (matplotlib), from its JSON: one for each test. Need the extra `plot`.
+"""The stereonets of studies of surveys (matplotlib), from their JSON. Need the extra `plot`.
 
-The critical zones are the criteria themselves, asked of every cell of the net; lines drawn on them are geometry.
+Of a kinematic study one for each test: the critical zones are the criteria themselves, asked of every cell of the net,
+lines drawn on them are geometry. Of joint sets the poles by set, contours, means and cones.
 """
 
 from collections.abc import Callable, Mapping
@@ -8,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.core.arrays import Bools
-from slopekit.core.orientation import Plane, number, parse_plane
+from slopekit.core.arrays import Bools, Floats
+from slopekit.core.orientation import Line, Plane, normals, number, parse_plane
 from slopekit.studies.kinematic.criteria import (
     Planes,
     lines_of,
@@ -18,16 +19,23 @@ from slopekit.studies.kinematic.criteria import (
     zones_of_lines,
     zones_of_poles,
 )
+from slopekit.studies.sets.density import density
 from slopekit.views.charts.drawing import BLUE, GREY, PURPLE, RED, short
 from slopekit.views.charts.stereonet import (
     FACE,
+    FRAME,
     LIGHT,
+    MARKED,
     NET,
     SHADE,
     Stereonet,
     arrange,
     cells,
-    set_marks,
+    daylight_envelope,
+    great_circle,
+    lower,
+    poles_by_set,
+    unproject,
 )
 
 Document = Mapping[str, Any]
@@ -35,7 +43,9 @@ Document = Mapping[str, Any]
 TESTS = ("planar", "wedge", "toppling", "flexural", "direct")
 #: One net each.
 NETS_OF = ("planar", "wedge", "flexural", "direct")
-_OFTEN = 1500  # lines beyond which they are dots
+_ACROSS = 121  # points of the grid that contours are drawn through
+_KAMB = (2, 4, 6, 8, 12, 16, 24, 32, 48, 64)  # σ above uniform
+_LEAST_DEG = 0.3  # a cone that is seen
 
 
 class _Survey:
@@ -97,11 +107,11 @@ def _planar(on: Stereonet, survey: _Survey) -> None:
     zone = survey.zones(zones_of_poles)
     on.shade(zone["planar_without_limits"], LIGHT, "critical without lateral limits")
     on.shade(zone["planar"], SHADE, f"critical{_at(survey)}")
-    on.envelope(survey.face, color=FACE, linewidth=1.4, label="daylight envelope")
+    on.arc(daylight_envelope(survey.face), color=FACE, label="daylight envelope")
     _face(on, survey)
     for friction, style in _frictions(survey):
-        on.steeper_than(90.0 - friction, color=BLUE, linewidth=1.3, linestyle=style,
-                        label=f"pole friction cone, φ {number(friction)}°")  # fmt: skip
+        label = f"pole friction cone, φ {number(friction)}°"
+        on.steeper_than(90.0 - friction, color=BLUE, linestyle=style, label=label)
     on.spokes(survey.face.dip_direction_deg + 180.0, survey.limits[0])
     _poles(on, survey, planar, "slides")
 
@@ -115,9 +125,9 @@ def _wedge(on: Stereonet, survey: _Survey) -> None:
     on.shade(zone["wedge_primary"], SHADE, f"primary zone{_at(survey)}")
     _face(on, survey)
     for friction, style in _frictions(survey):
-        on.steeper_than(friction, color=BLUE, linewidth=1.3, linestyle=style,
-                        label=f"friction circle, φ {number(friction)}°: steeper within")  # fmt: skip
-    _dots(on, survey, ~many, GREY, "o", "not critical")
+        label = f"friction circle, φ {number(friction)}°: steeper within"
+        on.steeper_than(friction, color=BLUE, linestyle=style, label=label)
+    _dots(on, survey, ~many, GREY, ".", "not critical")
     _dots(on, survey, secondary, PURPLE, "^", "secondary: slides on one joint")
     _dots(on, survey, primary, RED, "o", "primary: line steeper than friction")
 
@@ -130,8 +140,8 @@ def _flexural(on: Stereonet, survey: _Survey) -> None:
     for friction, style in _frictions(survey):
         slip = survey.face.dip_deg - friction
         if slip >= 0.0:
-            on.plane_circle(Plane(slip, survey.face.dip_direction_deg), color=BLUE, linewidth=1.3,
-                            linestyle=style, label=f"slip limit: face less φ, {number(slip)}°")  # fmt: skip
+            on.arc(great_circle(Plane(slip, survey.face.dip_direction_deg)), color=BLUE, linestyle=style,
+                   label=f"slip limit: face less φ, {number(slip)}°")  # fmt: skip
     on.spokes(survey.face.dip_direction_deg, survey.limits[1])
     _poles(on, survey, flexural, "topples")
 
@@ -145,12 +155,12 @@ def _direct(on: Stereonet, survey: _Survey) -> None:
     on.shade(zone["oblique"], LIGHT, "oblique")
     on.shade(zone["direct"], SHADE, f"direct{_at(survey, most=True)}")
     _face(on, survey)
-    on.steeper_than(90.0 - survey.face.dip_deg, color=BLUE, linewidth=1.3,
+    on.steeper_than(90.0 - survey.face.dip_deg, color=BLUE,
                     label="lines: plunge of the normal to the face; poles: its dip")  # fmt: skip
-    on.steeper_than(90.0 - survey.most, color=BLUE, linewidth=1.1, linestyle="--",
+    on.steeper_than(90.0 - survey.most, color=BLUE, linestyle="--",
                     label=f"friction cone about the vertical, φ {number(survey.most)}°")  # fmt: skip
     on.spokes(survey.face.dip_direction_deg + 180.0, survey.limits[1])
-    _dots(on, survey, ~edges, GREY, "o", "lines, not critical")
+    _dots(on, survey, ~edges, GREY, ".", "lines, not critical")
     _dots(on, survey, lines["oblique"], PURPLE, "^", "lines, oblique")
     _dots(on, survey, lines["direct"], RED, "o", "lines, direct")
     for kind, face, said in (
@@ -158,7 +168,7 @@ def _direct(on: Stereonet, survey: _Survey) -> None:
         ("base_oblique", "#bbbbbb", "bases that release obliquely"),
     ):  # fmt: skip
         some = survey.poles[joints[kind]]
-        on.points(some, marker="s", color="black", markerfacecolor=face, markersize=4.5, zorder=4,
+        on.points(some, marker="s", color="black", markerfacecolor=face, zorder=MARKED,
                   label=f"{said}, poles ({len(some)})")  # fmt: skip
 
 
@@ -176,28 +186,82 @@ def _frictions(survey: _Survey) -> list[tuple[float, str]]:
 
 
 def _face(on: Stereonet, survey: _Survey) -> None:
-    on.plane_circle(survey.face, color=FACE, linewidth=2.2, label=f"face {survey.face}")
+    on.arc(great_circle(survey.face), color=FACE, linewidth=2.0, label=f"face {survey.face}")
 
 
 def _poles(on: Stereonet, survey: _Survey, critical: Bools, what: str) -> None:
     """Poles by set, the critical ones ringed."""
-    own = np.array(survey.sets)
-    marks, size = set_marks(survey.named_sets), 3.8 if len(own) <= 600 else 2.4
-    for name in (*survey.named_sets, ""):
-        some = survey.poles[own == name]
-        colour, marker = marks[name]
-        said = f"set {short(name, 18)}" if name else "poles" if not survey.named_sets else "of no set"
-        on.points(some, marker=marker, color=colour, markersize=size, markeredgewidth=0.6, zorder=3,
-                  label=f"{said} ({len(some)})")  # fmt: skip
-    on.points(survey.poles[critical], marker="o", color=RED, markerfacecolor="none",
-              markersize=2.0 * size + 0.9, markeredgewidth=1.4, zorder=4,
+    poles_by_set(on, survey.poles, survey.sets, survey.named_sets)
+    on.points(survey.poles[critical], marker="o", color=RED, markerfacecolor="none", markersize=8, zorder=MARKED,
               label=f"{what} ({int(critical.sum())})")  # fmt: skip
 
 
 def _dots(on: Stereonet, survey: _Survey, chosen: Bools, colour: str, marker: str, said: str) -> None:
     """Lines of intersection."""
-    size = 3.4 if len(chosen) <= _OFTEN else 2.2 if len(chosen) <= 10 * _OFTEN else 1.4
-    quiet = colour == GREY
-    on.points(survey.lines.down[chosen], marker="." if quiet else marker, color=colour,
-              markersize=size if quiet else size + 0.6, markeredgewidth=0.3, alpha=0.7 if quiet else 1.0,
-              zorder=2.0 if quiet else 3.0, label=f"{said} ({int(chosen.sum())})")  # fmt: skip
+    on.points(survey.lines.down[chosen], marker=marker, color=colour, label=f"{said} ({int(chosen.sum())})")
+
+
+# -- joint sets -------------------------------------------------------------------------------------------------------
+
+
+def draw_sets(figure: Any, document: Document) -> None:
+    """One net with all of it."""
+    rows, inputs = document["orientations"], document["inputs"]
+    planes = np.array([(row["dip_deg"], row["dip_direction_deg"]) for row in rows], dtype=float).reshape(-1, 2)
+    poles = -normals(planes[:, 0], planes[:, 1])
+    weights = np.array([row["weight"] for row in rows], dtype=float)
+    named = [str(one["set"]) for one in document["sets"]]
+    on = Stereonet(figure.subplots())
+    on.start("")
+    _contours(on, poles, weights, float(document["survey"].get("quantity", len(rows))))
+    marks = poles_by_set(on, poles, [str(row["set"] or "") for row in rows], named)
+    for one in document["sets"]:
+        _mean(on, one, marks[str(one["set"])], inputs["confidence"])
+    if named:
+        for style, said in (
+            ("-", f"holds the true mean ({inputs['confidence']:.0%})"),
+            ("--", "holds 95 % of its joints"),
+        ):
+            on.axes.plot([], [], color="black", linestyle=style, label=f"cone that {said}")
+    if inputs["scanline"] is not None:
+        line = Line(float(inputs["scanline"]["trend_deg"]), float(inputs["scanline"]["plunge_deg"]))
+        on.points(lower(line.vector()[None]), marker="*", color=RED, markersize=11, zorder=MARKED,
+                  label=f"scanline {line}")  # fmt: skip
+    name = short(str(document["survey"]["name"]), 40)
+    head = f"{name}: poles of {len(rows)} joint{'s' * (len(rows) != 1)}, {len(named)} set{'s' * (len(named) != 1)}"
+    arrange(figure, [on.axes], 1, f"{head}\n(lower hemisphere, {NET}; sha {document['input_sha256'][:6]})")
+
+
+def _contours(on: Stereonet, poles: Floats, weights: Floats, joints: float) -> None:
+    axes, middle = on.axes, np.linspace(-1.0, 1.0, _ACROSS)
+    x, y = np.meshgrid(middle, middle)
+    square = x * x + y * y
+    # on the rim and beyond it stands the nearest direction of the rim, so that contours reach it; the rim cuts them
+    inward = np.minimum(1.0, (1.0 - 1e-9) / np.sqrt(np.maximum(square, 1e-12)))
+    at = unproject(np.column_stack([(x * inward).ravel(), (y * inward).ravel()]))
+    values = density(at, poles, weights, joints).reshape(x.shape)
+    levels = [level for level in _KAMB if level < values.max()]
+    if not levels:
+        return
+    from matplotlib.patches import Circle
+
+    most = float(values.max())
+    shades = axes.contourf(x, y, values, levels=[*levels, most], cmap="Greys", alpha=0.5, vmin=0.0, vmax=2.0 * most)
+    lines = axes.contour(x, y, values, levels=levels, colors=GREY, linewidths=0.5)
+    for drawn in (shades, lines):
+        drawn.set_clip_path(Circle((0.0, 0.0), 1.0, transform=axes.transData))
+    axes.plot([], [], color=GREY, label=f"{', '.join(f'{level:g}' for level in levels)} σ above uniform (Kamb)")
+    axes.set(xlim=FRAME, ylim=FRAME)
+
+
+def _mean(on: Stereonet, one: Mapping[str, Any], mark: tuple[str, str], confidence: float) -> None:
+    """The mean pole of a set, the cone that holds the true mean, and that which holds 95 % of its joints."""
+    plane = Plane(float(one["dip_deg"]), float(one["dip_direction_deg"]))
+    pole, (colour, marker) = -plane.normal(), mark
+    k = "" if one["k"] is None else f", K {one['k']:.3g}"
+    mean = f"{plane.dip_deg:.0f}/{round(plane.dip_direction_deg) % 360:03d}{k}"
+    on.points(pole[None], marker=marker, color=colour, markeredgecolor="black", markersize=10, zorder=MARKED,
+              label=f"mean {short(str(one['set']), 10)} {mean}")  # fmt: skip
+    for angle, style in ((one["cone_of_mean_deg"], "-"), (one["variability_deg"].get("95%"), "--")):
+        if angle is not None and _LEAST_DEG < angle < 90.0:
+            on.cone_circle(pole, float(angle), color=colour, linestyle=style)
