@@ -158,7 +158,22 @@ def test_an_anchor_goes_with_the_block_at_either_end() -> None:
         assert left.moments[name] == pytest.approx(own.moments[name], abs=1e-9)
         assert left.live[0][name] == pytest.approx(own.live[0][name])
         assert not left.pushes
+        assert not tied.acting.without(np.arange(3) == gone).pushes
+    assert len(tied.acting.without(np.zeros(3, dtype=bool)).pushes) == 2
     assert without_anchors_of(tied.assembly, loads, np.zeros(3, dtype=bool)) is loads
+
+
+def test_a_surcharge_comes_after_the_water_of_a_pond() -> None:
+    """1 m of water lifts A by 2 γ_w and B by 3 γ_w, as weight does; 10 kPa on A come after."""
+    scene = cut(sk.load(DESIGN | {"water": {"pond": 1}, "loads": {"surcharge": {"A": 10}}}))
+    loads = scene_loads(scene)
+    assert sorted(load.name for load in loads.pushes) == ["surcharge", "water", "water"]
+    live, turning = loads.live
+    assert live[1:] == pytest.approx(np.array([[0.0, 0.0, -20.0], [0.0, 0.0, 0.0]]))
+    assert turning[1:] == pytest.approx(0.0, abs=1e-9)
+    dry = scene_loads(cut(sk.load(DESIGN | {"loads": {"surcharge": {"A": 10}}})))
+    lifted = np.array([[0.0, 0.0, 2.0 * 9.81], [0.0, 0.0, 3.0 * 9.81]])
+    assert (loads.forces - dry.forces)[1:] == pytest.approx(lifted, abs=1e-9)
 
 
 WALL = {
