@@ -54,7 +54,9 @@ class KernelsHook(BuildHookInterface[Any]):
         target.unlink(missing_ok=True)
         failure = _compiled(source, target)
         if failure:
-            self.app.display_warning(f"the kernels are not compiled ({failure}): NumPy does their work, slower")
+            self.app.display_warning(
+                f"the kernels are not compiled ({failure}): NumPy does their work, slower"
+            )
             return
         build_data["pure_python"] = False
         build_data["tag"] = f"cp311-abi3-{_platform()}"
@@ -73,17 +75,29 @@ def _compiled(source: Path, target: Path) -> str:
     compiler = os.environ.get("CC") or sysconfig.get_config_var("CC") or "cc"
     number = zlib.crc32(source.read_bytes()) & 0x7FFFFFFF  # kernels.py takes no others
     command = [
-        *shlex.split(compiler), "-O3", "-fno-math-errno", "-fno-trapping-math",
-        *shlex.split(os.environ.get("CFLAGS", "")), "-fPIC", "-shared",
+        *shlex.split(compiler),
+        "-O3",
+        "-fno-math-errno",
+        "-fno-trapping-math",
+        *shlex.split(os.environ.get("CFLAGS", "")),
+        "-fPIC",
+        "-shared",
         *(["-undefined", "dynamic_lookup"] if sys.platform == "darwin" else []),
-        f"-DSOURCE={number}", f"-I{sysconfig.get_path('include')}", str(source), "-o", str(target), "-lm",
-    ]  # fmt: skip
+        f"-DSOURCE={number}",
+        f"-I{sysconfig.get_path('include')}",
+        str(source),
+        "-o",
+        str(target),
+        "-lm",
+    ]
     try:
         done = subprocess.run(command, capture_output=True, text=True)
     except OSError as error:
         return str(error)
     if done.returncode:
-        lines = [line for line in done.stderr.splitlines() if "error" in line] or [f"{compiler} failed"]
+        lines = [line for line in done.stderr.splitlines() if "error" in line] or [
+            f"{compiler} failed"
+        ]
         return lines[0]
     return ""
 

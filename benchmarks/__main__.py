@@ -24,7 +24,9 @@ def main(words: list[str]) -> None:
     chosen = [word for word in words if word != "quick"] or list(speed_pages.SCENES)
     unknown = sorted(set(chosen) - set(speed_pages.SCENES))
     if unknown:
-        sys.exit(f"no such scene: {', '.join(unknown)}; there are {', '.join(speed_pages.SCENES)}, and the word quick")
+        sys.exit(
+            f"no such scene: {', '.join(unknown)}; there are {', '.join(speed_pages.SCENES)}, and the word quick"
+        )
     for name in chosen:
         rows = speed_pages.SCENES[name].run(quick)
         print(f"\n## {speed_pages.SCENES[name].title}\n\n{speed_pages.table(rows)}", flush=True)

@@ -78,7 +78,9 @@ async def measured(page: Page, kind: str) -> tuple[list[float], str, list[float]
         await asyncio.sleep(1.0)
     for value in values:
         began = time.perf_counter()
-        answer = await page.ask(do="set", values={path: value}, final=kind not in ("wedge", "plane", "footing"))
+        answer = await page.ask(
+            do="set", values={path: value}, final=kind not in ("wedge", "plane", "footing")
+        )
         if kind == "bench":
             await page.ask(do="start", job="analyse")
             answer = (await page.done())["result"]
@@ -93,12 +95,16 @@ async def run(address: str, kinds: list[str]) -> list[tuple[str, str, float, flo
 
     host, token = address.split("/")[2:4]
     rows = []
-    async with connect(f"ws://{host}/{token}/link", origin=f"http://{host}", max_size=None, compression=None) as socket:
+    async with connect(
+        f"ws://{host}/{token}/link", origin=f"http://{host}", max_size=None, compression=None
+    ) as socket:
         page = Page(socket)
         for kind in kinds:
             seconds, path, values = await measured(page, kind)
             alone = (await asyncio.to_thread(library, DRAGGED[kind][0], path, values))[2:]
-            rows.append((kind, path, *(1e3 * part for part in (*both(seconds), statistics.median(alone)))))
+            rows.append(
+                (kind, path, *(1e3 * part for part in (*both(seconds), statistics.median(alone))))
+            )
     return rows
 
 
@@ -113,11 +119,17 @@ def main(arguments: list[str]) -> None:
     kinds = [one for one in arguments if one in DRAGGED] or list(DRAGGED)
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "slopekit.cli", "app", "--no-browser"]
-        own = os.environ | {"XDG_STATE_HOME": folder, "LOCALAPPDATA": folder, "PYTHONUNBUFFERED": "1"}
+        own = os.environ | {
+            "XDG_STATE_HOME": folder,
+            "LOCALAPPDATA": folder,
+            "PYTHONUNBUFFERED": "1",
+        }
         server = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=own)
         try:
             assert server.stdout is not None
-            address = next(word for word in server.stdout.readline().split() if word.startswith("http"))
+            address = next(
+                word for word in server.stdout.readline().split() if word.startswith("http")
+            )
             rows = asyncio.run(run(address, kinds))
         finally:
             server.terminate()
@@ -130,8 +142,12 @@ def main(arguments: list[str]) -> None:
 
 def keep(rows: list[tuple[str, str, float, float, float]]) -> None:
     """Write the table of the page."""
-    head = "| kind | slider | median, ms | 95 %, ms | library alone, ms |\n|---|---|---:|---:|---:|\n"
-    table = head + "".join("| {} | `{}` | {:.0f} | {:.0f} | {:.1f} |\n".format(*row) for row in rows)
+    head = (
+        "| kind | slider | median, ms | 95 %, ms | library alone, ms |\n|---|---|---:|---:|---:|\n"
+    )
+    table = head + "".join(
+        "| {} | `{}` | {:.0f} | {:.0f} | {:.1f} |\n".format(*row) for row in rows
+    )
     before, _, rest = PAGE.read_text(encoding="utf-8").partition(_BEGIN)
     after = rest.partition(_END)[2]
     PAGE.write_text(f"{before}{_BEGIN}\n{table}{_END}{after}", encoding="utf-8")

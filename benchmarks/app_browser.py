@@ -22,9 +22,12 @@ import numpy as np
 from tests.app.browsing import Page, started
 
 DRAGGED = {
-    "wedge": "strength.weak.phi", "plane": "strength.bedding.phi", "footing": "strength.seam.phi",
-    "topple": "strength.joint.phi", "sphere": "strength.clay.c",
-}  # fmt: skip
+    "wedge": "strength.weak.phi",
+    "plane": "strength.bedding.phi",
+    "footing": "strength.seam.phi",
+    "topple": "strength.joint.phi",
+    "sphere": "strength.clay.c",
+}
 _DRAG = """
 var done = arguments[2], path = arguments[0], seconds = arguments[1];
 Promise.all(['live.js', 'controls.js', 'link.js'].map(n => import(new URL('static/' + n, location.href).href)))
@@ -57,7 +60,9 @@ def app_and_browser() -> Iterator[Page]:
     own = {**os.environ, "PYTHONUNBUFFERED": "1"}
     with (
         tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder,
-        subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=own | {"HOME": folder}) as server,
+        subprocess.Popen(
+            command, stdout=subprocess.PIPE, text=True, env=own | {"HOME": folder}
+        ) as server,
     ):
         assert server.stdout is not None
         found = re.search(r"http://\S+/", server.stdout.readline())
@@ -73,21 +78,38 @@ def app_and_browser() -> Iterator[Page]:
 def dragged(page: Page, template: str, path: str, seconds: float) -> dict[str, Any]:
     """Drag a slider of a template for so long."""
     page.ask("open", template=template)
-    live = page.modules("controls.js", "1") and page.script("return document.documentElement.dataset.live")
+    live = page.modules("controls.js", "1") and page.script(
+        "return document.documentElement.dataset.live"
+    )
     before = page.heap()
     page.browser.set_script_timeout(seconds + 120)
     took, inner = page.browser.execute_async_script(_DRAG, path, seconds)
     after = page.heap()
     return {
-        "live": live, "answers": len(took), "took_ms": np.asarray(took), "library_ms": np.asarray(inner)[:, 0],
-        "server_ms": np.asarray(inner)[:, 1], "heap_before": before, "heap_after": after,
-    }  # fmt: skip
+        "live": live,
+        "answers": len(took),
+        "took_ms": np.asarray(took),
+        "library_ms": np.asarray(inner)[:, 0],
+        "server_ms": np.asarray(inner)[:, 1],
+        "heap_before": before,
+        "heap_after": after,
+    }
 
 
 def main() -> None:
     """Measure every kind and print a table."""
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 10.0
-    head = ("kind", "live", "answers", "p50 ms", "p95 ms", "library p50", "server p50", "heap MB before", "after")
+    head = (
+        "kind",
+        "live",
+        "answers",
+        "p50 ms",
+        "p95 ms",
+        "library p50",
+        "server p50",
+        "heap MB before",
+        "after",
+    )
     print(" | ".join(head))
     print("|".join("---" for _ in head))
     with app_and_browser() as page:
@@ -97,8 +119,9 @@ def main() -> None:
             print(
                 f"{template} | {one['live']} | {one['answers']} | {p50:.0f} | {p95:.0f} | "
                 f"{np.median(one['library_ms']):.1f} | {np.median(one['server_ms']):.1f} | "
-                f"{one['heap_before'] / 1e6:.2f} | {one['heap_after'] / 1e6:.2f}", flush=True
-            )  # fmt: skip
+                f"{one['heap_before'] / 1e6:.2f} | {one['heap_after'] / 1e6:.2f}",
+                flush=True,
+            )
 
 
 if __name__ == "__main__":

@@ -72,15 +72,25 @@ def session(page: Page, folder: Path, work: Path) -> None:
     keep(page, folder, "app-4-water.png")
     page.tab("curve")
     pick = "var p = document.getElementById('curve-path'); p.value = 'water.fill'; p.dispatchEvent(new Event('change'))"
-    page.until(lambda: page.script("return !!document.querySelector('#screen-curve .dot .name')"), 30)
+    page.until(
+        lambda: page.script("return !!document.querySelector('#screen-curve .dot .name')"), 30
+    )
     page.script(pick)
-    page.until(lambda: "water" in page.script("return document.querySelector('#screen-curve .chart').innerHTML"), 30)
+    page.until(
+        lambda: (
+            "water"
+            in page.script("return document.querySelector('#screen-curve .chart').innerHTML")
+        ),
+        30,
+    )
     time.sleep(3)
     keep(page, folder, "app-5-curve.png")
     page.tab("support")
-    page.script("document.getElementById('support-fos').value = 1.5;"
-                " document.getElementById('support-capacity').value = 150;"
-                " document.getElementById('support-run').click()")  # fmt: skip
+    page.script(
+        "document.getElementById('support-fos').value = 1.5;"
+        " document.getElementById('support-capacity').value = 150;"
+        " document.getElementById('support-run').click()"
+    )
     page.until(lambda: page.script("return !!document.getElementById('add-bolts')"), 60)
     page.script("document.getElementById('add-bolts').click()")
     page.until(lambda: page.fos().startswith("1.5"))
@@ -117,7 +127,9 @@ def main() -> None:
         (work / "bench-340.yaml").write_text(DESIGN, encoding="utf-8")
         command = [sys.executable, "-m", "slopekit.cli", "app", "bench-340.yaml", "--no-browser"]
         own = {**os.environ, "PYTHONUNBUFFERED": "1", "HOME": made}
-        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=own, cwd=work) as server:
+        with subprocess.Popen(
+            command, stdout=subprocess.PIPE, text=True, env=own, cwd=work
+        ) as server:
             assert server.stdout is not None
             found = re.search(r"http://\S+/", server.stdout.readline())
             assert found is not None

@@ -29,30 +29,53 @@ def random_design(rng: np.random.Generator) -> dict:
     socket = rng.integers(0, 7) == 0
     side = (82, 88.5) if socket else (35, 86)
     design: dict = {
-        "slopekit": 1, "kind": "wedge",
-        "slope": {"face": f"{u(55, 85)}/{face}", "upper": f"{u(0, 12)}/{u(150, 210)}", "height": height},
-        "joints": {"J1": {"plane": f"{u(*side)}/{u(92, 150)}", "strength": "J1"},
-                   "J2": {"plane": f"{u(*side)}/{u(210, 268)}", "strength": "J2"}},
-        "basal": {"plane": f"{u(13, 50)}/{u(150, 210)}", "strength": "base",
-                  "height": float(height * (u(-0.5, -0.1) if socket else u(0.05, 0.8)))},
-        "strength": {name: {"c": float(rng.choice([0.0, u(0.0, 2.0 * height)])), "phi": float(u(5, 50))}
-                     for name in ("J1", "J2", "base")},
+        "slopekit": 1,
+        "kind": "wedge",
+        "slope": {
+            "face": f"{u(55, 85)}/{face}",
+            "upper": f"{u(0, 12)}/{u(150, 210)}",
+            "height": height,
+        },
+        "joints": {
+            "J1": {"plane": f"{u(*side)}/{u(92, 150)}", "strength": "J1"},
+            "J2": {"plane": f"{u(*side)}/{u(210, 268)}", "strength": "J2"},
+        },
+        "basal": {
+            "plane": f"{u(13, 50)}/{u(150, 210)}",
+            "strength": "base",
+            "height": float(height * (u(-0.5, -0.1) if socket else u(0.05, 0.8))),
+        },
+        "strength": {
+            name: {"c": float(rng.choice([0.0, u(0.0, 2.0 * height)])), "phi": float(u(5, 50))}
+            for name in ("J1", "J2", "base")
+        },
         "rock": {"unit_weight": float(u(20, 28))},
-    }  # fmt: skip
+    }
     if rng.integers(0, 3) == 0:
-        design["crack"] = {"plane": f"{u(75, 90)}/{u(170, 190)}", "distance": float(height * u(0.05, 0.5))}
+        design["crack"] = {
+            "plane": f"{u(75, 90)}/{u(170, 190)}",
+            "distance": float(height * u(0.05, 0.5)),
+        }
     wet = rng.integers(0, 4)
     if wet == 1:
         design["water"] = {"fill": float(u(0.0, 0.6))}
     if wet == 2:
         pressures = {name: float(u(0.0, 3.0 * height)) for name in ("J1", "J2", "basal")}
-        design["water"] = {"pressures": pressures | ({"crack": float(u(0.0, height))} if "crack" in design else {})}
+        design["water"] = {
+            "pressures": pressures | ({"crack": float(u(0.0, height))} if "crack" in design else {})
+        }
     if rng.integers(0, 3) == 0:
-        design["loads"] = {"seismic": {"k": float(u(0.0, 0.3)), **({"toward": float(u(120, 240))} if wet else {})}}
+        design["loads"] = {
+            "seismic": {"k": float(u(0.0, 0.3)), **({"toward": float(u(120, 240))} if wet else {})}
+        }
     size = design["rock"]["unit_weight"] * height**3 * 0.02
     if rng.integers(0, 3) == 0:
         acts = rng.choice(["active", "passive"])
-        bolt = {"force": float(size * u(0.0, 1.0)), "toward": f"{u(0, 360)}/{u(-30, 30)}", "acts": str(acts)}
+        bolt = {
+            "force": float(size * u(0.0, 1.0)),
+            "toward": f"{u(0, 360)}/{u(-30, 30)}",
+            "acts": str(acts),
+        }
         design["support"] = {"bolts": [bolt]}
     if rng.integers(0, 4) == 0:
         design.setdefault("loads", {})["forces"] = [
@@ -104,13 +127,19 @@ def main(count: int = COUNT) -> None:
     for status, number in Counter(one.status for one in found).most_common():
         print(f"  {status:28s}{number:6d}")
     blocks = [one for one in found if one.status[0] != "E"]
-    for name, governs in (("moments do not govern", False), ("moments govern (forces alone)", True)):
+    for name, governs in (
+        ("moments do not govern", False),
+        ("moments govern (forces alone)", True),
+    ):
         parts = [one for one in blocks if one.moments_govern is governs]
         sizes = sorted(one.difference for one in parts if one.difference is not None)
         last = f"median {sizes[len(sizes) // 2]:.1e}, worst {sizes[-1]:.1e}" if sizes else ""
         agree = sum(one.agree is True for one in parts)
         print(f"{name}: {len(parts)}, {agree} agree, {len(sizes)} with two numbers: {last}")
-        for one in sorted(parts, key=lambda one: -(one.difference or 0.0))[:3] + [p for p in parts if not p.agree][:5]:
+        for one in (
+            sorted(parts, key=lambda one: -(one.difference or 0.0))[:3]
+            + [p for p in parts if not p.agree][:5]
+        ):
             if not one.agree or (one.difference or 0.0) > 1e-9:
                 print("   ", one.status, one.difference, one.design)
 

@@ -52,10 +52,17 @@ def blocks_of(cuts: Sequence[Cut]) -> Blocks:
     ]
     most = max(len(outline) for each in outlines for outline in each)
     shape = len(cuts), max(len(made.interfaces) for made in cuts)
-    corners, counts, cohesion, tan_friction = np.zeros((*shape, most, 3)), np.zeros(shape, int), *np.zeros((2, *shape))
+    corners, counts, cohesion, tan_friction = (
+        np.zeros((*shape, most, 3)),
+        np.zeros(shape, int),
+        *np.zeros((2, *shape)),
+    )
     for row, (made, each) in enumerate(zip(cuts, outlines, strict=True)):
         for k, (interface, outline) in enumerate(zip(made.interfaces, each, strict=True)):
-            corners[row, k, : len(outline)], counts[row, k] = outline - made.block.centroid, len(outline)
+            corners[row, k, : len(outline)], counts[row, k] = (
+                outline - made.block.centroid,
+                len(outline),
+            )
             cohesion[row, k] = interface.strength.cohesion_kpa
             tan_friction[row, k] = np.tan(np.radians(interface.strength.friction_angle_deg))
     return Blocks(
@@ -86,7 +93,8 @@ def wedges_of(arguments: Mapping[str, Any], count: int) -> Blocks:
 
     def normal(name: str) -> Floats:
         dip, way = (
-            np.radians(np.broadcast_to(arguments[f"{name}_{of}_deg"], count)) for of in ("dip", "dip_direction")
+            np.radians(np.broadcast_to(arguments[f"{name}_{of}_deg"], count))
+            for of in ("dip", "dip_direction")
         )
         return np.stack([np.sin(dip) * np.sin(way), np.sin(dip) * np.cos(way), np.cos(dip)], axis=1)
 
@@ -116,12 +124,19 @@ def wedges_of(arguments: Mapping[str, Any], count: int) -> Blocks:
         # a third of the water on each triangle about its apex, where the pressure is highest
         parts = ((toe, crest), (crest, back), (back, toe))
         sizes = [0.5 * np.sqrt((cross(a - apex, b - apex) ** 2).sum(axis=1)) for a, b in parts]
-        at = sum(along((2.0 * apex + a + b) / 4.0, size) for (a, b), size in zip(parts, sizes, strict=True))
+        at = sum(
+            along((2.0 * apex + a + b) / 4.0, size)
+            for (a, b), size in zip(parts, sizes, strict=True)
+        )
         arm = at / np.sum(sizes, axis=0)[:, None] - centroid
         load[:, :3] += push
         load[:, 3:] += cross(arm, push)
-    strengths = [np.broadcast_to(arguments[name], count) for name in ("cohesion1_kpa", "cohesion2_kpa")]
-    angles = [np.broadcast_to(arguments[name], count) for name in ("friction1_deg", "friction2_deg")]
+    strengths = [
+        np.broadcast_to(arguments[name], count) for name in ("cohesion1_kpa", "cohesion2_kpa")
+    ]
+    angles = [
+        np.broadcast_to(arguments[name], count) for name in ("friction1_deg", "friction2_deg")
+    ]
     return Blocks(
         corners=corners,
         counts=np.full((count, 2), 3),
@@ -136,8 +151,12 @@ def wedges_of(arguments: Mapping[str, Any], count: int) -> Blocks:
 
 def said(limits: BlockLimits) -> str:
     """Return how the blocks end, in words."""
-    ends = Counter("forces" if status < 0 else BedStatus(status).name for status in limits.bed_status.tolist())
-    return ", ".join(f"{name} {share / len(limits.factor):.1%}" for name, share in ends.most_common())
+    ends = Counter(
+        "forces" if status < 0 else BedStatus(status).name for status in limits.bed_status.tolist()
+    )
+    return ", ".join(
+        f"{name} {share / len(limits.factor):.1%}" for name, share in ends.most_common()
+    )
 
 
 def main(count: int = 2000, size: int = 100_000, seed: int = 1) -> None:
@@ -154,8 +173,16 @@ def main(count: int = 2000, size: int = 100_000, seed: int = 1) -> None:
         f"{count} cuts, CPU: {(middle - began) / count * 1e6:.0f} µs in batch, {(ended - middle) / count * 1e3:.1f} ms"
     )
     print(said(batch))
-    print("one has a number and the other none:", int((np.isfinite(single) != np.isfinite(batch.factor)).sum()))
-    print("share within", {limit: f"{np.mean(off < limit):.4f}" for limit in (1e-9, 1e-6, 1e-4)}, "worst", off.max())
+    print(
+        "one has a number and the other none:",
+        int((np.isfinite(single) != np.isfinite(batch.factor)).sum()),
+    )
+    print(
+        "share within",
+        {limit: f"{np.mean(off < limit):.4f}" for limit in (1e-9, 1e-6, 1e-4)},
+        "worst",
+        off.max(),
+    )
     design = sk.load(str(TEMPLATE))
     drawn = samples(design.variables, design.correlation, size, seed, "monte-carlo")
     columns = vectorised(design, drawn.values, drawn.settings)
@@ -173,7 +200,12 @@ def main(count: int = 2000, size: int = 100_000, seed: int = 1) -> None:
     print(said(limits), f"; {more:.0f} MB more")
     off = np.abs(limits.forces / forms.factor - 1.0)
     print("forces against Hoek & Bray, worst", np.nanmax(off), "; P(F < 1.2)", end=" ")
-    print(np.mean(forms.factor < 1.2), "by forces,", np.mean(limits.factor < 1.2), "by the lower of both")
+    print(
+        np.mean(forms.factor < 1.2),
+        "by forces,",
+        np.mean(limits.factor < 1.2),
+        "by the lower of both",
+    )
 
 
 if __name__ == "__main__":

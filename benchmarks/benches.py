@@ -22,17 +22,19 @@ FRICTION = 35.0
 
 
 def bench(scale: float, cohesion: float = 0.0) -> dict[str, object]:
-    """The bench of UX.md with a third set, its spacings scaled."""
+    """Return the bench of docs/design-files.md with a third set, its spacings scaled."""
     return {
-        "slopekit": 1, "kind": "bench",
+        "slopekit": 1,
+        "kind": "bench",
         "slope": {"face": "70/180", "height": 15, "upper": "0/180", "length": 30},
         "sets": {
             "S1": {"plane": "45/170", "spacing": 2 * scale, "strength": "joint"},
             "S2": {"plane": "80/350", "spacing": 3 * scale, "offset": 0.5, "strength": "joint"},
             "S3": {"plane": "85/80", "spacing": 3 * scale, "strength": "joint"},
         },
-        "strength": {"joint": {"c": cohesion, "phi": FRICTION}}, "rock": {"density": 2600},
-    }  # fmt: skip
+        "strength": {"joint": {"c": cohesion, "phi": FRICTION}},
+        "rock": {"density": 2600},
+    }
 
 
 def one(scale: float, cohesion: float) -> dict[str, float]:
@@ -43,30 +45,41 @@ def one(scale: float, cohesion: float) -> dict[str, float]:
     assert result.findings is not None
     exact = math.tan(math.radians(FRICTION)) / math.tan(math.radians(45.0))
     return {
-        "blocks": result.findings.blocks, "moving": result.model.moving_blocks, "cut": result.timing_s["cut"],
-        "solve": result.timing_s["solve"], "total": total, "fos": result.fos.limit or math.nan,
+        "blocks": result.findings.blocks,
+        "moving": result.model.moving_blocks,
+        "cut": result.timing_s["cut"],
+        "solve": result.timing_s["solve"],
+        "total": total,
+        "fos": result.fos.limit or math.nan,
         "bound": result.fos.static_bound or math.nan,
         "error": (result.fos.limit or math.nan) / exact - 1.0,
-        "volume": result.findings.checks["volume_error"], "area": result.findings.checks["area_error"],
+        "volume": result.findings.checks["volume_error"],
+        "area": result.findings.checks["area_error"],
         "mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
-    }  # fmt: skip
+    }
 
 
 def sizes(scales: tuple[float, ...]) -> None:
     """The table of sizes; the key block of these benches slides at tan 35° / tan 45° when there is no cohesion."""
-    print("blocks  moving   cut s  solve s  total s   MB      FoS    bound    error   volume     area")
+    print(
+        "blocks  moving   cut s  solve s  total s   MB      FoS    bound    error   volume     area"
+    )
     found = []
     for scale in scales:
         run = subprocess.run(
-            [sys.executable, "-m", "benchmarks.benches", "one", str(scale)], capture_output=True, text=True, check=True
+            [sys.executable, "-m", "benchmarks.benches", "one", str(scale)],
+            capture_output=True,
+            text=True,
+            check=True,
         )
         row = json.loads(run.stdout)
         found.append(row)
         print(
             f"{row['blocks']:6.0f}  {row['moving']:6.0f}  {row['cut']:6.2f}  {row['solve']:7.2f}  {row['total']:7.2f}"
             f"  {row['mb']:4.0f}  {row['fos']:7.5f}  {row['bound']:7.4f}  {row['error']:7.0e}  {row['volume']:7.0e}"
-            f"  {row['area']:7.0e}", flush=True,
-        )  # fmt: skip
+            f"  {row['area']:7.0e}",
+            flush=True,
+        )
     for a, b in pairwise(found):
         ratio = math.log(b["blocks"] / a["blocks"])
         cut, whole = (math.log(b[key] / a[key]) / ratio for key in ("cut", "total"))
@@ -78,20 +91,37 @@ def random_design(seed: int) -> dict[str, object] | None:
     rng = np.random.default_rng(seed)
     face, height = rng.uniform(50, 85), rng.uniform(8, 20)
     planes = [f"{rng.uniform(15, 89):.1f}/{rng.uniform(0, 360):.1f}" for _ in range(3)]
-    phi, scatter, wanted = rng.uniform(20, 45), float(rng.choice([0.0, 0.0, 3.0])), rng.uniform(20, 200)
+    phi, scatter, wanted = (
+        rng.uniform(20, 45),
+        float(rng.choice([0.0, 0.0, 3.0])),
+        rng.uniform(20, 200),
+    )
     cohesion = float(rng.choice([0.0, 0.0, 5.0]))
     spacing = height * 3.0 / wanted ** (1.0 / 3.0)
     for _ in range(10):
         design = {
-            "slopekit": 1, "kind": "bench",
-            "slope": {"face": f"{face:.1f}/180", "height": height, "length": 2 * height, "depth": height},
+            "slopekit": 1,
+            "kind": "bench",
+            "slope": {
+                "face": f"{face:.1f}/180",
+                "height": height,
+                "length": 2 * height,
+                "depth": height,
+            },
             "sets": {
-                f"S{k}": {"plane": plane, "spacing": spacing, "offset": 0.3, "scatter": scatter, "strength": "j"}
+                f"S{k}": {
+                    "plane": plane,
+                    "spacing": spacing,
+                    "offset": 0.3,
+                    "scatter": scatter,
+                    "strength": "j",
+                }
                 for k, plane in enumerate(planes, 1)
             },
-            "strength": {"j": {"c": cohesion, "phi": phi}}, "rock": {"unit_weight": 26},
+            "strength": {"j": {"c": cohesion, "phi": phi}},
+            "rock": {"unit_weight": 26},
             "cut": {"seed": seed},
-        }  # fmt: skip
+        }
         from slopekit.kinds import cut
 
         try:
@@ -135,7 +165,11 @@ def at_random(count: int) -> None:
         f"limit above bound: {above}; bound found for {len(gaps)}; {unsettled} whose last passes differ by over 0.1 %"
     )
     print(f"gap between limit and bound: median {np.median(gaps):.3f}, worst {max(gaps):.3f}")
-    print("seconds: median {:.2f}, 90 % {:.2f}, worst {:.2f}".format(*np.quantile(seconds, [0.5, 0.9, 1.0])))
+    print(
+        "seconds: median {:.2f}, 90 % {:.2f}, worst {:.2f}".format(
+            *np.quantile(seconds, [0.5, 0.9, 1.0])
+        )
+    )
 
 
 if __name__ == "__main__":

@@ -44,18 +44,29 @@ def scene_of(name: str, blocks: int):
         shift = np.repeat(np.arange(times), len(p)) * len(one)
         minus = np.tile(p.minus, times)
         patches = replace(
-            p, plus=np.tile(p.plus, times) + shift, minus=np.where(minus < 0, -1, minus + shift),
-            joint=np.tile(p.joint, times), normals=np.tile(p.normals, (times, 1)), areas=np.tile(p.areas, times),
-            centroids=np.tile(p.centroids, (times, 1)), corners=np.tile(p.corners, (times, 1)),
+            p,
+            plus=np.tile(p.plus, times) + shift,
+            minus=np.where(minus < 0, -1, minus + shift),
+            joint=np.tile(p.joint, times),
+            normals=np.tile(p.normals, (times, 1)),
+            areas=np.tile(p.areas, times),
+            centroids=np.tile(p.centroids, (times, 1)),
+            corners=np.tile(p.corners, (times, 1)),
             first=2 * np.arange(times * len(p) + 1),
-        )  # fmt: skip
+        )
         whole = (np.tile(part, (times, 1)) for part in (one.centroids, one.forces, one.moments))
-        return Scene(patches, *whole, np.zeros(times * len(one), dtype=bool), True), 35.0, slides_at(35.0, 30.0)
+        return (
+            Scene(patches, *whole, np.zeros(times * len(one), dtype=bool), True),
+            35.0,
+            slides_at(35.0, 30.0),
+        )
     if name == "columns":
         from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety
         from tests.preie.block_scenes import GOODMAN_BRAY
 
-        exact = toppling_factor_of_safety(ColumnSlope(GOODMAN_BRAY, 10.0, 1.0, 30.0, 25.0, 38.15))[0]
+        exact = toppling_factor_of_safety(ColumnSlope(GOODMAN_BRAY, 10.0, 1.0, 30.0, 25.0, 38.15))[
+            0
+        ]
         return columns(rows=math.ceil(blocks / 16)), 38.15, exact
     if name == "square wall":
         return wall(32, 32), 35.0, None
@@ -79,26 +90,49 @@ def case(name: str, blocks: int, passes: int | None) -> dict:
     found = limit_of_blocks(model)
     both = time.perf_counter() - began
     ours = {
-        "name": name, "blocks": len(scene), "pairs": len(model.control_area), "built": built, "bound_s": bound,
-        "limit_s": max(both - bound, 0.0), "both_s": both, "factor": found.factor, "bound": found.static_bound,
-        "outcome": found.outcome.name, "change": found.change, "basis": found.basis.name.lower(), "steps": found.steps,
-        "bound_steps": found.bound_steps, "exact": exact, "before_mb": before,
+        "name": name,
+        "blocks": len(scene),
+        "pairs": len(model.control_area),
+        "built": built,
+        "bound_s": bound,
+        "limit_s": max(both - bound, 0.0),
+        "both_s": both,
+        "factor": found.factor,
+        "bound": found.static_bound,
+        "outcome": found.outcome.name,
+        "change": found.change,
+        "basis": found.basis.name.lower(),
+        "steps": found.steps,
+        "bound_steps": found.bound_steps,
+        "exact": exact,
+        "before_mb": before,
         "memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
-    }  # fmt: skip
+    }
     from tests.preie.assembly_oracle import conic_sequence
 
     theirs = conic_sequence(model, most=40 if passes is None else 1)
     return ours | {
         "conic_s": theirs.seconds if passes is None else theirs.seconds * passes,
-        "conic_passes": theirs.passes if passes is None else passes, "conic_settled": theirs.settled,
-        "conic_factor": theirs.factor if passes is None else None, "conic_pass_s": float(np.mean(theirs.each)),
-        "estimated": passes is not None, "conic_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
-    }  # fmt: skip
+        "conic_passes": theirs.passes if passes is None else passes,
+        "conic_settled": theirs.settled,
+        "conic_factor": theirs.factor if passes is None else None,
+        "conic_pass_s": float(np.mean(theirs.each)),
+        "estimated": passes is not None,
+        "conic_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
+    }
 
 
 def in_a_process(name: str, blocks: int, passes: int | None) -> dict | None:
     """`case` in a fresh interpreter, one thread; None where it was given up."""
-    command = [sys.executable, "-m", "benchmarks.block_speed", "case", name, str(blocks), str(passes or 0)]
+    command = [
+        sys.executable,
+        "-m",
+        "benchmarks.block_speed",
+        "case",
+        name,
+        str(blocks),
+        str(passes or 0),
+    ]
     try:
         done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=_SECONDS)
     except (subprocess.TimeoutExpired, subprocess.CalledProcessError) as error:
@@ -115,17 +149,21 @@ def printed(x: dict) -> str:
     error = f"{x['factor'] / x['exact'] - 1:.0e}" if x["exact"] and x["factor"] else "-"
     other = f"{x['conic_factor']:.5f}" if x["conic_factor"] else "-"
     passes = f"{x['conic_passes']}{'e' if x['estimated'] else '' if x['conic_settled'] else '!'}"
-    return (f"{x['name']:12s}{x['blocks']:7d}{x['pairs']:8d}{x['bound_s']:8.2f}{x['both_s']:8.2f}"
-            f"{x['bound_steps']:5d}+{x['steps']:<5d}{x['basis']:>8s}{factor:>11s}{bound:>9s}{error:>8s}"
-            f"{x['memory_mb']:7.0f}{x['conic_s']:9.2f}{passes:>5s}{other:>10s}{x['conic_pass_s']:8.2f}"
-            f"{x['conic_mb']:7.0f}{x['conic_s'] / x['both_s']:7.1f}")  # fmt: skip
+    return (
+        f"{x['name']:12s}{x['blocks']:7d}{x['pairs']:8d}{x['bound_s']:8.2f}{x['both_s']:8.2f}"
+        f"{x['bound_steps']:5d}+{x['steps']:<5d}{x['basis']:>8s}{factor:>11s}{bound:>9s}{error:>8s}"
+        f"{x['memory_mb']:7.0f}{x['conic_s']:9.2f}{passes:>5s}{other:>10s}{x['conic_pass_s']:8.2f}"
+        f"{x['conic_mb']:7.0f}{x['conic_s'] / x['both_s']:7.1f}"
+    )
 
 
 def table(quick: bool) -> None:
     """All scenes and sizes."""
-    print(f"{'scene':12s}{'blocks':>7s}{'pairs':>8s}{'bound s':>8s}{'both s':>8s}{'steps':>10s} {'basis':>8s}{'F':>11s}"
-          f"{'bound':>9s}{'error':>8s}{'MB':>7s}{'conic s':>9s}{'pass':>5s}{'F':>10s}{'s/pass':>8s}{'MB':>7s}"
-          f"{'times':>7s}")  # fmt: skip
+    print(
+        f"{'scene':12s}{'blocks':>7s}{'pairs':>8s}{'bound s':>8s}{'both s':>8s}{'steps':>10s} {'basis':>8s}{'F':>11s}"
+        f"{'bound':>9s}{'error':>8s}{'MB':>7s}{'conic s':>9s}{'pass':>5s}{'F':>10s}{'s/pass':>8s}{'MB':>7s}"
+        f"{'times':>7s}"
+    )
     for name in ("stack", "columns", "wall", "square wall"):
         rows: list[dict] = []
         for blocks in SIZES if name != "square wall" else (1000,):
@@ -141,7 +179,9 @@ def table(quick: bool) -> None:
             size = math.log(last["blocks"] / first["blocks"])
             ours, other = (math.log(last[key] / first[key]) / size for key in ("both_s", "conic_s"))
             print(f"{'':12s}time grows with blocks^{ours:.2f}, conic^{other:.2f}")
-    print("both: bound and limit. pass: e estimated from 1,000 blocks, ! not settled after 40. MB: peak of the process")
+    print(
+        "both: bound and limit. pass: e estimated from 1,000 blocks, ! not settled after 40. MB: peak of the process"
+    )
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """What the limit of many blocks is worth: published and random assemblies through the public reader.
 
-    python -m benchmarks.blocks                          the table of named cases, METHOD-3 §13 (about a minute)
+    python -m benchmarks.blocks                          the table of named cases (about a minute)
     python -m benchmarks.blocks multipliers [W1 ...]     walls: the horizontal load at which F is 1, against published
     python -m benchmarks.blocks populations [sections | walls | benches ...] [-n N] [-j 2] [--plain] [-o file]
     python -m benchmarks.blocks speed [quick]            times and memory beside a generic conic solver
@@ -38,7 +38,12 @@ from benchmarks.populations import Design
 _SECONDS = 120.0  # of CPU time, after which an analysis is given up
 _JUDGED = 0.3  # static bounds from which a number is asked for
 _NEAR = 5e-3  # of a published multiplier, which is rounded in its third digit
-_RESTS = (1.05, 2.0, 4.0, 8.0)  # strengths, in parts of the static bound's, at which a history may come to rest
+_RESTS = (
+    1.05,
+    2.0,
+    4.0,
+    8.0,
+)  # strengths, in parts of the static bound's, at which a history may come to rest
 _ABOVE = 1e-4  # by how much a factor may be above a static bound, both being known to that
 _SAME = {"strength": 1e-6, "other": 1e-8}  # what the same slope in another writing may change
 
@@ -74,9 +79,15 @@ def answer(design: Design, seconds: float = _SECONDS) -> Answer:
         return Answer("error", time.process_time() - began, fault=str(error))
     fos = found.fos
     return Answer(
-        found.status, time.process_time() - began, fos.limit, fos.static_bound, getattr(fos, "lowest", None),
-        getattr(fos, "highest", None), found.model.moving_blocks, tuple(notice.code for notice in found.warnings),
-    )  # fmt: skip
+        found.status,
+        time.process_time() - began,
+        fos.limit,
+        fos.static_bound,
+        getattr(fos, "lowest", None),
+        getattr(fos, "highest", None),
+        found.model.moving_blocks,
+        tuple(notice.code for notice in found.warnings),
+    )
 
 
 @contextmanager
@@ -110,12 +121,12 @@ class Case:
     bound: float | None = None
 
 
-_PATH = "METHOD-3 §13"
+_PATH = "prototype of the path"
 _FORM = "closed form"
 
 
 def named() -> list[Case]:
-    """The cases of METHOD-3 §13 and what has a closed form or is published."""
+    """The cases of the prototype of the path and what has a closed form or is published."""
     from tests.properties import test_not_unique as known
 
     tangent = math.tan(math.radians(35.0)) / math.tan(math.radians(30.0))
@@ -125,14 +136,21 @@ def named() -> list[Case]:
         Case("bonded row", known.BONDED_ROW, 1.531150, "a history: 1.520", 1.5001, 1.5312, 1.53506),
         Case("rough columns", known.ROUGH_COLUMNS, 0.818, _PATH, 0.669, 0.971, 1.0),
         Case("bonded columns", known.BONDED_COLUMNS, 0.172230, _PATH, 0.009, 0.425, 0.468),
-        Case("leaning row", known.LEANING_ROW, None, "a history: 0.352019 opens a joint, then no rest"),
+        Case(
+            "leaning row",
+            known.LEANING_ROW,
+            None,
+            "a history: 0.352019 opens a joint, then no rest",
+        ),
         Case("bench, 8 moving", known.BENCH, 2.498175, _PATH, 2.491, 2.509, 2.634),
         Case("template bench", _template("bench"), 1.5990, _PATH, 1.589, 1.751, 1.7775),
     ]
     for n in (16, 32, 64, 100, 200):
         known_range = (0.799, 1.111, 1.19089) if n == 16 else ()
         factor = populations.goodman_bray_factor(n)
-        found.append(Case(f"columns, {n}", populations.goodman_bray(n), factor, _FORM, *known_range))
+        found.append(
+            Case(f"columns, {n}", populations.goodman_bray(n), factor, _FORM, *known_range)
+        )
     found += [Case(f"stack, {n}", populations.stack(n), tangent, _FORM) for n in (3, 10, 100)]
     for number in (1, 2, 6):
         design, factor = populations.active_passive(number)
@@ -141,11 +159,15 @@ def named() -> list[Case]:
         Case("arch t/R 0.2006", populations.arch(), 0.6 / 0.309215, "Cocchetti & Rizzi 2020"),
         Case("arch t/R 0.15", populations.arch(0.15, 0.7), 1.988989, "linear program"),
         Case("arch t/R 0.1", populations.arch(0.10, 0.7), None, "cannot stand, Milankovitch"),
-        Case("frame of 14", populations.frame(), None, "associated multiplier published", bound=1.0),
+        Case(
+            "frame of 14", populations.frame(), None, "associated multiplier published", bound=1.0
+        ),
         Case("torsion", populations.torsion(), 2.2956, _FORM),
     ]
     for name, wall in populations.WALLS.items():
-        found.append(Case(f"{name} at {wall.multiplier}", wall.design(), 1.0, "Ferris & Tin-Loi 2001"))
+        found.append(
+            Case(f"{name} at {wall.multiplier}", wall.design(), 1.0, "Ferris & Tin-Loi 2001")
+        )
     return found
 
 
@@ -159,8 +181,10 @@ def _template(name: str) -> Design:
 
 def show_named() -> None:
     """The table; "program S" is an independent static bound of all blocks, with ! where F is above it."""
-    print(f"{'case':18s}{'blocks':>7s}{'F':>12s}{'lowest':>10s}{'highest':>10s}{'S':>10s}{'CPU s':>8s}"
-          f"{'known F':>12s}{'error':>9s}{'program S':>11s}  {'known range and S':30s}source, status")  # fmt: skip
+    print(
+        f"{'case':18s}{'blocks':>7s}{'F':>12s}{'lowest':>10s}{'highest':>10s}{'S':>10s}{'CPU s':>8s}"
+        f"{'known F':>12s}{'error':>9s}{'program S':>11s}  {'known range and S':30s}source, status"
+    )
     for case in named():
         got, bound = answer(case.design), None
         if "solids" not in case.design:
@@ -170,10 +194,13 @@ def show_named() -> None:
         above = "!" if got.factor and got.factor > (bound or math.inf) * (1.0 + _ABOVE) else ""
         error = f"{got.factor / case.factor - 1.0:.1e}" if got.factor and case.factor else "-"
         known = f"{_figure(case.lowest, 4)} .. {_figure(case.highest, 4)} {_figure(case.bound, 4)}"
-        print(f"{case.name:18s}{got.blocks:7d}{_figure(got.factor, 8):>12s}{_figure(got.lowest, 5):>10s}"
-              f"{_figure(got.highest, 5):>10s}{_figure(got.bound, 5):>10s}{got.seconds:8.2f}"
-              f"{_figure(case.factor, 8):>12s}{error:>9s}{_figure(bound, 5) + above:>11s}  {known:30s}"
-              f"{case.source}; {got.status} {' '.join(got.codes)}", flush=True)  # fmt: skip
+        print(
+            f"{case.name:18s}{got.blocks:7d}{_figure(got.factor, 8):>12s}{_figure(got.lowest, 5):>10s}"
+            f"{_figure(got.highest, 5):>10s}{_figure(got.bound, 5):>10s}{got.seconds:8.2f}"
+            f"{_figure(case.factor, 8):>12s}{error:>9s}{_figure(bound, 5) + above:>11s}  {known:30s}"
+            f"{case.source}; {got.status} {' '.join(got.codes)}",
+            flush=True,
+        )
 
 
 def _figure(value: float | None, digits: int) -> str:
@@ -189,12 +216,19 @@ def show_multipliers(names: Iterable[str]) -> None:
         found, status, seconds = multiplier(wall.design(0.0), wall.design(1.0))
         off = None if found is None else found / wall.multiplier - 1.0
         near += off is not None and abs(off) <= _NEAR
-        print(f"{name}  {wall.blocks:8d}  {wall.multiplier:9.3f}  {wall.associated:10.5f}  {_figure(found, 5):>7s}"
-              f"  {'-' if off is None else f'{off:+.2%}':>10s}  {seconds:5.1f}  {status}", flush=True)  # fmt: skip
-    print(f"{near} of {len(names)} within {_NEAR:.1%}; without association the published have three digits")
+        print(
+            f"{name}  {wall.blocks:8d}  {wall.multiplier:9.3f}  {wall.associated:10.5f}  {_figure(found, 5):>7s}"
+            f"  {'-' if off is None else f'{off:+.2%}':>10s}  {seconds:5.1f}  {status}",
+            flush=True,
+        )
+    print(
+        f"{near} of {len(names)} within {_NEAR:.1%}; without association the published have three digits"
+    )
 
 
-def multiplier(without: Design, unit: Design, seconds: float = _SECONDS) -> tuple[float | None, str, float]:
+def multiplier(
+    without: Design, unit: Design, seconds: float = _SECONDS
+) -> tuple[float | None, str, float]:
     """The part of a load at which F is 1 as `slopekit solve` begins with it, whether there is one, and CPU seconds."""
     import slopekit as sk
     from slopekit.kinds import kind_of
@@ -241,7 +275,12 @@ def judged(task: tuple[str, int, bool]) -> Judged:
     from tests.preie.path_oracle import model_of, static_bound
 
     program, without = static_bound(model_of(design)), (None, None, None)
-    if population != "benches" and first.factor is None and program is not None and program < math.inf:
+    if (
+        population != "benches"
+        and first.factor is None
+        and program is not None
+        and program < math.inf
+    ):
         without = _without_number(design, program)
     other: dict[str, float | None] = {}
     for name, (change, times) in ({} if plain else _changes(design)).items():
@@ -250,7 +289,9 @@ def judged(task: tuple[str, int, bool]) -> Judged:
     return Judged(population, number, first, other, program, *without)
 
 
-def _without_number(design: Design, bound: float) -> tuple[float | None, float | None, float | None]:
+def _without_number(
+    design: Design, bound: float
+) -> tuple[float | None, float | None, float | None]:
     """`path`, `tips` and `rests` of a design."""
     from slopekit.preie.many_blocks.blocks import limit_of_blocks
     from tests.preie.load_oracle import comes_on, tips_whatever_the_strength
@@ -299,7 +340,9 @@ def all_judged(population: str, count: int | None, plain: bool, workers: int) ->
 
 def report(found: list[Judged]) -> str:
     """Figures of a population, as text."""
-    stands = [one for one in found if one.first.status == "no_driving_force" or one.program == math.inf]
+    stands = [
+        one for one in found if one.first.status == "no_driving_force" or one.program == math.inf
+    ]
     asked = [one for one in found if one not in stands and (one.program or 0.0) >= _JUDGED]
     none = [one for one in asked if one.first.factor is None]
     numbers = [one for one in found if one.first.factor is not None]
@@ -313,34 +356,62 @@ def report(found: list[Judged]) -> str:
     if found[0].population != "benches":
         tip, given = [one for one in none if one.tips], len(asked) - len(none)
         could = [one for one in none if not one.tips and one.rests]
-        lines.append(f"  of these tip whatever the strength, proved by a motion without slip: {len(tip)}")
+        lines.append(
+            f"  of these tip whatever the strength, proved by a motion without slip: {len(tip)}"
+        )
         share = _share(given, given + len(could))
-        lines.append(f"  of the others a history comes to rest at {_RESTS[-1]:g} times the static bound's strength "
-                     f"or less: {_listed(could)}; a number among all that do{share}")  # fmt: skip
+        lines.append(
+            f"  of the others a history comes to rest at {_RESTS[-1]:g} times the static bound's strength "
+            f"or less: {_listed(could)}; a number among all that do{share}"
+        )
         settles = [one for one in none if one.path]
-        lines.append(f"  and one of all loads at once, begun at any strength, ends in a limit: {_listed(settles)}")
+        lines.append(
+            f"  and one of all loads at once, begun at any strength, ends in a limit: {_listed(settles)}"
+        )
     bounds: dict[str, Callable[[Judged], float | None]] = {
-        "its own static bound": lambda one: one.first.bound, "the independent one": lambda one: one.program or 0.0,
-    }  # fmt: skip
+        "its own static bound": lambda one: one.first.bound,
+        "the independent one": lambda one: one.program or 0.0,
+    }
     pairs = [(one.first.bound, one.program) for one in found if one.first.bound and one.program]
     far = [ours / theirs - 1.0 for ours, theirs in pairs if math.isfinite(theirs)]
     higher = sum(1 for x in far if x > _ABOVE)
-    lines.append(f"  static bounds and independent ones: {_spread(list(map(abs, far)), _ABOVE)}; {higher} higher")
+    lines.append(
+        f"  static bounds and independent ones: {_spread(list(map(abs, far)), _ABOVE)}; {higher} higher"
+    )
     for name, bound_of in bounds.items():
         above = [one for one in numbers if _excess(one, bound_of(one)) > _ABOVE]
         worst = max((_excess(one, bound_of(one)) for one in above), default=0.0)
-        lines.append(f"  above {name} by more than {_ABOVE:g}: {len(above)}, worst {worst:.1e}; {_listed(above)}")
-    ranged = [one for one in numbers if one.first.lowest is not None and one.first.highest is not None]
+        lines.append(
+            f"  above {name} by more than {_ABOVE:g}: {len(above)}, worst {worst:.1e}; {_listed(above)}"
+        )
+    ranged = [
+        one for one in numbers if one.first.lowest is not None and one.first.highest is not None
+    ]
     outside = [one for one in ranged if not _in_range(one.first)]
-    lines.append(f"  with lowest and highest: {len(ranged)}, the factor outside: {len(outside)}; {_listed(outside)}")
+    lines.append(
+        f"  with lowest and highest: {len(ranged)}, the factor outside: {len(outside)}; {_listed(outside)}"
+    )
     for name in dict.fromkeys(name for one in found for name in one.other):
         both = [one for one in numbers if one.other.get(name)]
-        lost = sum(1 for one in found if name in one.other and (one.other[name] is None) != (one.first.factor is None))
+        lost = sum(
+            1
+            for one in found
+            if name in one.other and (one.other[name] is None) != (one.first.factor is None)
+        )
         most = _SAME["strength" if name.startswith("strength") else "other"]
-        far = [abs(float(one.other[name] or 0.0) / float(one.first.factor or 1.0) - 1.0) for one in both]
-        lines.append(f"  {name}: {_spread(far, most)}; a number in one and none in the other: {lost}")
+        far = [
+            abs(float(one.other[name] or 0.0) / float(one.first.factor or 1.0) - 1.0)
+            for one in both
+        ]
+        lines.append(
+            f"  {name}: {_spread(far, most)}; a number in one and none in the other: {lost}"
+        )
     seconds = np.array([one.first.seconds for one in found])
-    lines.append("  CPU s: median {:.3f}, 95 % {:.2f}, worst {:.1f}".format(*np.quantile(seconds, [0.5, 0.95, 1.0])))
+    lines.append(
+        "  CPU s: median {:.3f}, 95 % {:.2f}, worst {:.1f}".format(
+            *np.quantile(seconds, [0.5, 0.95, 1.0])
+        )
+    )
     codes = Counter(code for one in found for code in one.first.codes)
     lines.append(f"  warnings: {dict(codes.most_common(8))}")
     faults = Counter(one.first.fault[:90] for one in found if one.first.fault)
@@ -372,13 +443,17 @@ def _spread(far: list[float], most: float) -> str:
 
 def _listed(chosen: list[Judged], most: int = 12) -> str:
     more = f" and {len(chosen) - most} more" if len(chosen) > most else ""
-    return f"numbers {' '.join(str(one.number) for one in chosen[:most])}{more}" if chosen else "none"
+    return (
+        f"numbers {' '.join(str(one.number) for one in chosen[:most])}{more}" if chosen else "none"
+    )
 
 
 def main(words: list[str]) -> None:
     """The command line."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.blocks")
-    parser.add_argument("what", nargs="?", default="named", choices=["named", "multipliers", "populations", "speed"])
+    parser.add_argument(
+        "what", nargs="?", default="named", choices=["named", "multipliers", "populations", "speed"]
+    )
     parser.add_argument("of", nargs="*", help="populations, walls, or the word quick")
     parser.add_argument("-n", type=int, help="so many designs of each population")
     parser.add_argument("-j", type=int, default=1, help="processes")

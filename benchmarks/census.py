@@ -21,7 +21,9 @@ ROOT = Path(__file__).parents[1]
 LIMITS = ROOT / ".ci" / "limits.json"
 _PLAIN = (0.0, 0.5, 1.0, 2.0, -1.0)  # floats that are no constants of a method
 #: Words that name nothing: see CONTRIBUTING.md.
-FUNCTION_WORDS = frozenset(Path(__file__).with_name("function_words.txt").read_text(encoding="utf-8").split())
+FUNCTION_WORDS = frozenset(
+    Path(__file__).with_name("function_words.txt").read_text(encoding="utf-8").split()
+)
 
 
 def census_of(texts: Iterable[str]) -> Counter[str]:
@@ -54,7 +56,9 @@ def _count(node: ast.AST, counts: Counter[str]) -> None:
         counts["decisions"] += len(node.values) - 1
     if isinstance(node, ast.Constant) and isinstance(node.value, float):
         counts["constants"] += node.value not in _PLAIN
-    if isinstance(node, ast.ClassDef) and any("dataclass" in ast.unparse(each) for each in node.decorator_list):
+    if isinstance(node, ast.ClassDef) and any(
+        "dataclass" in ast.unparse(each) for each in node.decorator_list
+    ):
         fields = sum(isinstance(statement, ast.AnnAssign) for statement in node.body)
         counts["records"] += 1
         counts["widest_record"] = max(counts["widest_record"], fields)
@@ -72,7 +76,9 @@ def _identifier(node: ast.AST) -> str:
 
 def source() -> list[str]:
     """Return the contents of every Python file of the package."""
-    return [path.read_text(encoding="utf-8") for path in sorted((ROOT / "src/slopekit").rglob("*.py"))]
+    return [
+        path.read_text(encoding="utf-8") for path in sorted((ROOT / "src/slopekit").rglob("*.py"))
+    ]
 
 
 def exceeded(counts: Mapping[str, int], limits: Mapping[str, int]) -> list[str]:
@@ -91,11 +97,17 @@ def exceeded(counts: Mapping[str, int], limits: Mapping[str, int]) -> list[str]:
 def _raised(limits: Mapping[str, int]) -> list[str]:
     """Name the limits that lie above those of the commit before."""
     shown = subprocess.run(
-        ["git", "show", "HEAD^:.ci/limits.json"], cwd=ROOT, capture_output=True, text=True, check=False
+        ["git", "show", "HEAD^:.ci/limits.json"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
     )
     before = json.loads(shown.stdout) if shown.returncode == 0 else {}
     raised = [name for name in before if limits.get(name, 0) > before[name]]
-    return [f"the limit of {name} was raised from {before[name]} to {limits[name]}" for name in raised]
+    return [
+        f"the limit of {name} was raised from {before[name]} to {limits[name]}" for name in raised
+    ]
 
 
 def main() -> int:

@@ -12,14 +12,38 @@ from slopekit.views.charts.drawing import finish, new_figure, save
 
 #: What an error that rounds to nothing is drawn as: the bottom of the chart, with an open marker.
 FLOOR = 1e-16
-_COLOURS = ("#0064a4", "#c8500a", "#007f5f", "#a8548a", "#d89000", "#4d4d4d", "#56b4e9", "#5b5b9e", "#7a6a00")
+_COLOURS = (
+    "#0064a4",
+    "#c8500a",
+    "#007f5f",
+    "#a8548a",
+    "#d89000",
+    "#4d4d4d",
+    "#56b4e9",
+    "#5b5b9e",
+    "#7a6a00",
+)
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*", "<")
 #: Where a label may stand beside its point, in points, best first.
-_BESIDE = ((7, 4), (7, -11), (-7, 4), (-7, -11), (0, 9), (0, -16), (12, 14), (-12, 14), (12, -22), (-12, -22))
+_BESIDE = (
+    (7, 4),
+    (7, -11),
+    (-7, 4),
+    (-7, -11),
+    (0, 9),
+    (0, -16),
+    (12, 14),
+    (-12, 14),
+    (12, -22),
+    (-12, -22),
+)
 #: A line of the legend, in letters of its size: all of it, and what marker and gap take of an entry.
 _LINE, _HANDLE = 125, 7
 _OPEN = "open: no error to 16 digits"
-_ROOM, _ALONG = 4.5, 4.0  # half the side of the square that a marker takes; from square to square of a line; points
+_ROOM, _ALONG = (
+    4.5,
+    4.0,
+)  # half the side of the square that a marker takes; from square to square of a line; points
 
 
 @dataclass(frozen=True)
@@ -45,7 +69,12 @@ class Curve:
 
 
 def draw_speed_error(
-    figure: Any, curves: Sequence[Curve], title: str, *, wanted: float | None = None, against: str = "the closed form"
+    figure: Any,
+    curves: Sequence[Curve],
+    title: str,
+    *,
+    wanted: float | None = None,
+    against: str = "the closed form",
 ) -> None:
     """Error against time, both logarithmic.
 
@@ -66,8 +95,15 @@ def draw_speed_error(
         axes.set_ylabel(f"relative error against {against}")
         if wanted is not None:
             axes.axhline(wanted, color="#888888", linestyle="--", linewidth=1.0)
-            axes.annotate(f"wanted: {wanted:g}", (0.995, wanted), xycoords=("axes fraction", "data"), ha="right",
-                          va="bottom", fontsize=8, color="#555555")  # fmt: skip
+            axes.annotate(
+                f"wanted: {wanted:g}",
+                (0.995, wanted),
+                xycoords=("axes fraction", "data"),
+                ha="right",
+                va="bottom",
+                fontsize=8,
+                color="#555555",
+            )
 
     check_curves(curves, "")
     draw_chart(figure, curves, title, dress)
@@ -78,20 +114,30 @@ def check_curves(curves: Sequence[Curve], path: Path | str, logarithmic: bool = 
     points = [point for curve in curves for point in zip(curve.at, curve.errors, strict=True)]
     if not any(math.isfinite(x + error) and (x > 0.0 or not logarithmic) for x, error in points):
         message = "there is nothing to draw: no curve has a point"
-        raise DesignError([Fault("E273", message, str(path), "Give at least one curve with one point.")])
+        raise DesignError(
+            [Fault("E273", message, str(path), "Give at least one curve with one point.")]
+        )
 
 
 def draw_chart(
-    figure: Any, curves: Sequence[Curve], title: str, dress: Callable[[Any], None], *, logarithmic: bool = True,
-    sizes: tuple[float, float] = (6.5, 6.5), crosses: str = "",
-) -> None:  # fmt: skip
+    figure: Any,
+    curves: Sequence[Curve],
+    title: str,
+    dress: Callable[[Any], None],
+    *,
+    logarithmic: bool = True,
+    sizes: tuple[float, float] = (6.5, 6.5),
+    crosses: str = "",
+) -> None:
     """Draw; `sizes` of the first and the last marker: where they grow the first lie on top, and none is hidden."""
     axes = figure.subplots()
     axes.set_xscale("log")
     axes.set_yscale("log")
     names = list(dict.fromkeys(curve.name for curve in curves if len(curve.at)))
     first, last = sizes
-    size_of = [first + min(1.5, (last - first) / max(1, len(names) - 1)) * k for k in range(len(names))]
+    size_of = [
+        first + min(1.5, (last - first) / max(1, len(names) - 1)) * k for k in range(len(names))
+    ]
     labels: list[tuple[float, float, str, str]] = []
     for curve in curves:
         if not len(curve.at):
@@ -106,20 +152,55 @@ def draw_chart(
         for x, error, y, cross in zip(curve.at, curve.errors, drawn, crossed, strict=True):
             face = colour if abs(error) > FLOOR else "none" if last > first else "white"
             shape, edge = ("x", 1.5) if cross else (marker, 1.0)
-            axes.plot([x], [y], marker=shape, color=colour, markerfacecolor=face, markersize=size_of[k],
-                      markeredgewidth=edge, linestyle="none", zorder=above)  # fmt: skip
-        labels += [(x, y, text, colour) for x, y, text in zip(curve.at, drawn, curve.labels, strict=False) if text]
+            axes.plot(
+                [x],
+                [y],
+                marker=shape,
+                color=colour,
+                markerfacecolor=face,
+                markersize=size_of[k],
+                markeredgewidth=edge,
+                linestyle="none",
+                zorder=above,
+            )
+        labels += [
+            (x, y, text, colour)
+            for x, y, text in zip(curve.at, drawn, curve.labels, strict=False)
+            if text
+        ]
     for k, name in enumerate(names):
-        style = "-" if any(curve.joined and len(curve.at) > 1 for curve in curves if curve.name == name) else "none"
+        style = (
+            "-"
+            if any(curve.joined and len(curve.at) > 1 for curve in curves if curve.name == name)
+            else "none"
+        )
         colour, marker = _COLOURS[k % len(_COLOURS)], _MARKERS[k % len(_MARKERS)]
-        axes.plot([], [], color=colour, marker=marker, markersize=size_of[k], linestyle=style, label=name)
+        axes.plot(
+            [], [], color=colour, marker=marker, markersize=size_of[k], linestyle=style, label=name
+        )
     entries = list(names)
     if crosses and any(any(curve.crossed) for curve in curves):
-        axes.plot([], [], color="#4d4d4d", marker="x", markeredgewidth=1.5, linestyle="none", label=crosses)
+        axes.plot(
+            [],
+            [],
+            color="#4d4d4d",
+            marker="x",
+            markeredgewidth=1.5,
+            linestyle="none",
+            label=crosses,
+        )
         entries.append(crosses)
     bare = any(abs(error) <= FLOOR for curve in curves for error in curve.errors)
     if bare:
-        axes.plot([], [], color="#4d4d4d", marker="o", markerfacecolor="white", linestyle="none", label=_OPEN)
+        axes.plot(
+            [],
+            [],
+            color="#4d4d4d",
+            marker="o",
+            markerfacecolor="white",
+            linestyle="none",
+            label=_OPEN,
+        )
         entries.append(_OPEN)
     dress(axes)
     low, high = axes.get_ylim()
@@ -148,26 +229,39 @@ def _write_labels(
     renderer, dots = figure.canvas.get_renderer(), figure.dpi / 72.0
     taken: list[tuple[float, float, float, float]] = []
     for curve in curves:
-        drawn = [(x, max(abs(error), FLOOR)) for x, error in zip(curve.at, curve.errors, strict=True)]
+        drawn = [
+            (x, max(abs(error), FLOOR)) for x, error in zip(curve.at, curve.errors, strict=True)
+        ]
         at = [tuple(point) for point in axes.transData.transform(drawn)] if drawn else []
         taken += [_square(x, y, _ROOM * dots) for x, y in at]
         for (x, y), (u, v) in pairwise(at):
             steps = 1 + int(max(abs(u - x), abs(v - y)) / (_ALONG * dots)) if curve.joined else 1
-            taken += [_square(x + (u - x) * k / steps, y + (v - y) * k / steps, dots) for k in range(1, steps)]
+            taken += [
+                _square(x + (u - x) * k / steps, y + (v - y) * k / steps, dots)
+                for k in range(1, steps)
+            ]
     frame = axes.get_window_extent(renderer)
     for x, y, text, colour in labels:
         tried: list[tuple[float, int, Any, Any]] = []
         for dx, dy in _BESIDE:
             written = axes.annotate(
-                text, (x, y), xytext=(dx, dy), textcoords="offset points", fontsize=7.5, color=colour,
+                text,
+                (x, y),
+                xytext=(dx, dy),
+                textcoords="offset points",
+                fontsize=7.5,
+                color=colour,
                 ha="left" if dx > 0 else "right" if dx < 0 else "center",
-            )  # fmt: skip
+            )
             box = written.get_window_extent(renderer)
             covered = sum(
-                max(0.0, min(box.x1, right) - max(box.x0, left)) * max(0.0, min(box.y1, top) - max(box.y0, low))
+                max(0.0, min(box.x1, right) - max(box.x0, left))
+                * max(0.0, min(box.y1, top) - max(box.y0, low))
                 for left, low, right, top in taken
             )
-            outside = box.x0 < frame.x0 or box.x1 > frame.x1 or box.y0 < frame.y0 or box.y1 > frame.y1
+            outside = (
+                box.x0 < frame.x0 or box.x1 > frame.x1 or box.y0 < frame.y0 or box.y1 > frame.y1
+            )
             tried.append((covered + outside * box.width * box.height, len(tried), written, box))
             if not covered and not outside:
                 break
@@ -183,7 +277,12 @@ def _square(x: float, y: float, half: float) -> tuple[float, float, float, float
 
 
 def speed_error_chart(
-    curves: Sequence[Curve], path: Path, title: str, *, wanted: float | None = None, against: str = "the closed form"
+    curves: Sequence[Curve],
+    path: Path,
+    title: str,
+    *,
+    wanted: float | None = None,
+    against: str = "the closed form",
 ) -> None:
     """Error against time, both logarithmic, written as a PNG; see `draw_speed_error`."""
     check_curves(curves, path)
@@ -193,10 +292,18 @@ def speed_error_chart(
 
 
 def sweep_chart(
-    curves: Sequence[Curve], path: Path, title: str, label: str, *, tolerance: float | None = None,
-    logarithmic: bool = True, jumps: Sequence[tuple[float, str]] = (), errors: str = "of the factor of safety",
-    tolerances: Sequence[tuple[float, str]] = (), crosses: str = "",
-) -> None:  # fmt: skip
+    curves: Sequence[Curve],
+    path: Path,
+    title: str,
+    label: str,
+    *,
+    tolerance: float | None = None,
+    logarithmic: bool = True,
+    jumps: Sequence[tuple[float, str]] = (),
+    errors: str = "of the factor of safety",
+    tolerances: Sequence[tuple[float, str]] = (),
+    crosses: str = "",
+) -> None:
     """Error along a sweep of one parameter, written as a PNG.
 
     Parameters
@@ -225,21 +332,40 @@ def sweep_chart(
             axes.axhline(size, color="#888888", linestyle="--", linewidth=1.0)
             text = f"tolerance {in_short(size)}" + (f": {of}" if of else "")
             axes.annotate(
-                text, (0.995, size), xycoords=("axes fraction", "data"), ha="right", va="bottom", fontsize=8,
-                color="#555555", zorder=1.9, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8},
-            )  # fmt: skip
-        top, kind = (min(size for size, _ in lines) / 2.0, "data") if lines else (0.97, "axes fraction")
+                text,
+                (0.995, size),
+                xycoords=("axes fraction", "data"),
+                ha="right",
+                va="bottom",
+                fontsize=8,
+                color="#555555",
+                zorder=1.9,
+                bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8},
+            )
+        top, kind = (
+            (min(size for size, _ in lines) / 2.0, "data") if lines else (0.97, "axes fraction")
+        )
         for where, what in jumps:  # beneath the lines and their labels
             axes.axvline(where, color="#c0392b", linestyle=":", linewidth=1.2)
             axes.annotate(
-                what, (where, top), xytext=(-3, 0), xycoords=("data", kind), textcoords="offset points",
-                rotation=90, ha="right", va="top", fontsize=8, color="#c0392b",
+                what,
+                (where, top),
+                xytext=(-3, 0),
+                xycoords=("data", kind),
+                textcoords="offset points",
+                rotation=90,
+                ha="right",
+                va="top",
+                fontsize=8,
+                color="#c0392b",
                 bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8},
-            )  # fmt: skip
+            )
 
     check_curves(curves, path, logarithmic)
     with new_figure(path) as figure:
-        draw_chart(figure, curves, title, dress, logarithmic=logarithmic, sizes=(5.0, 9.5), crosses=crosses)
+        draw_chart(
+            figure, curves, title, dress, logarithmic=logarithmic, sizes=(5.0, 9.5), crosses=crosses
+        )
         save(figure, path)
 
 

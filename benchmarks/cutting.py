@@ -18,14 +18,21 @@ from slopekit.geometry.rock import splitting
 from slopekit.geometry.rock.bench import bench_body
 from slopekit.geometry.rock.joint_sets import JointSet, planes_of_sets
 
-STAGES = {"cut_with_combs": "manifold3d", "cells_of": "cells", "faces_of": "faces", "facing": "match",
-          "_patches": "patches"}  # fmt: skip
+STAGES = {
+    "cut_with_combs": "manifold3d",
+    "cells_of": "cells",
+    "faces_of": "faces",
+    "opposite_faces": "match",
+    "_patches": "patches",
+}
 
 
 def normal(dip_deg: float, dip_direction_deg: float) -> np.ndarray:
     """The upward normal of a plane."""
     dip, direction = math.radians(dip_deg), math.radians(dip_direction_deg)
-    return np.array([math.sin(dip) * math.sin(direction), math.sin(dip) * math.cos(direction), math.cos(dip)])
+    return np.array(
+        [math.sin(dip) * math.sin(direction), math.sin(dip) * math.cos(direction), math.cos(dip)]
+    )
 
 
 def case(spacing: float, scatter_deg: float) -> None:
@@ -60,15 +67,20 @@ def case(spacing: float, scatter_deg: float) -> None:
     us = {name: statistics.median(times[1:]) * 1e6 / cut.blocks for name, times in spent.items()}
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
     stages = "".join(f"{us[name]:10.1f}" for name in (*STAGES, "all"))
-    print(f"{scatter_deg:6.0f}{cut.blocks:8d}{cut.fixed:7d}{len(cut.assembly.patches):9d}{stages}{memory:8.0f}"
-          f"{cut.volume_error:9.0e}{cut.area_error:9.0e}{cut.slivers_joined:6d}")  # fmt: skip
+    print(
+        f"{scatter_deg:6.0f}{cut.blocks:8d}{cut.fixed:7d}{len(cut.assembly.patches):9d}{stages}{memory:8.0f}"
+        f"{cut.volume_error:9.0e}{cut.area_error:9.0e}{cut.slivers_joined:6d}"
+    )
 
 
 def main() -> None:
     """All cases."""
     print("µs per block".rjust(48))
-    print("scatter  blocks  fixed  patches" + "".join(f"{name:>10s}" for name in (*STAGES.values(), "all"))
-          + "      MB   volume    areas joined")  # fmt: skip
+    print(
+        "scatter  blocks  fixed  patches"
+        + "".join(f"{name:>10s}" for name in (*STAGES.values(), "all"))
+        + "      MB   volume    areas joined"
+    )
     for spacing in (8.0, 3.2, 1.4, 0.83):
         for scatter_deg in (0.0, 3.0):
             command = [sys.executable, "-m", "benchmarks.cutting", str(spacing), str(scatter_deg)]

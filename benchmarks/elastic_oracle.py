@@ -1,4 +1,4 @@
-"""The elastic limit of random wedges against the rigid one without the cohesion that is pulled open (METHOD-2 §10).
+"""The elastic limit of random wedges against the rigid one without the cohesion that is pulled open.
 
 python -m benchmarks.elastic_oracle [HOW_MANY [SEED]]: a line a wedge, and how far apart the two are at most. Wedges are
 wet, cracked, bolted; rock of 1 to 20 GPa; elements of a quarter of the longest edge.
@@ -27,17 +27,23 @@ def state_of(result: Result, factor: float = 1.0) -> tuple[ElasticScene, RestSea
     return scene, search, search.rest(factor)
 
 
-def last_rest(search: RestSearch, rest: Rest, guess: float, within: float = 1e-4) -> tuple[Rest, float]:
+def last_rest(
+    search: RestSearch, rest: Rest, guess: float, within: float = 1e-4
+) -> tuple[Rest, float]:
     """Return the last state of one block at rest, and a factor no farther on than `within` where none is found.
 
     A factor at which there is no rest from far away is tried again from nearer. Where `search.spent` the steps ran out
     and the factor was not decided.
     """
-    search.most = search.steps + MOST_STEPS
-    low, high, target = rest, math.inf, max(guess * (1.0 - 5.0 * within), rest.factor * (1.0 + within))
+    search.max_steps = search.steps + MOST_STEPS
+    low, high, target = (
+        rest,
+        math.inf,
+        max(guess * (1.0 - 5.0 * within), rest.factor * (1.0 + within)),
+    )
     while True:
-        before, trial = low.factor, search.settled(low, target)
-        if trial.stands:
+        before, trial = low.factor, search.equilibrium(low, target)
+        if trial.is_balanced:
             low = trial
         elif search.spent or target <= before * (1.0 + within):
             return low, target
@@ -58,12 +64,19 @@ def random_wedge(rng: np.random.Generator) -> dict[str, object]:
     """The inputs of one wedge, whether it can be formed or not."""
     height = float(rng.uniform(15.0, 60.0))
     given: dict[str, object] = {
-        "dips": (f"{rng.uniform(35, 70):.1f}/{rng.uniform(95, 150):.1f}",
-                 f"{rng.uniform(35, 70):.1f}/{rng.uniform(210, 265):.1f}"),
-        "face": f"{rng.uniform(60, 80):.1f}/180", "upper": f"{rng.uniform(0, 12):.1f}/180", "height": height,
-        "c": tuple(rng.uniform(10, 80, 2).round(1).tolist()), "phi": tuple(rng.uniform(20, 40, 2).round(1).tolist()),
-        "unit_weight": 26, "shear_stiffness": 1e5, "modulus": f"{rng.uniform(1, 20):.1f} GPa",
-    }  # fmt: skip
+        "dips": (
+            f"{rng.uniform(35, 70):.1f}/{rng.uniform(95, 150):.1f}",
+            f"{rng.uniform(35, 70):.1f}/{rng.uniform(210, 265):.1f}",
+        ),
+        "face": f"{rng.uniform(60, 80):.1f}/180",
+        "upper": f"{rng.uniform(0, 12):.1f}/180",
+        "height": height,
+        "c": tuple(rng.uniform(10, 80, 2).round(1).tolist()),
+        "phi": tuple(rng.uniform(20, 40, 2).round(1).tolist()),
+        "unit_weight": 26,
+        "shear_stiffness": 1e5,
+        "modulus": f"{rng.uniform(1, 20):.1f} GPa",
+    }
     if rng.random() < 0.4:
         given["water"] = f"{rng.uniform(10, 60):.0f}%"
     if rng.random() < 0.4:
@@ -104,13 +117,18 @@ def main(wanted: int = 50, seed: int = 1) -> None:
             continue
         off.append(max(low / last - 1.0, last / high - 1.0, 0.0, key=abs))
         with_ = [key for key in ("water", "crack", "bolts") if key in given]
-        print(f"{blocks.opened_share:7.2%} {blocks.rigid_limit:9.5f} {blocks.limit:9.5f} {last:9.5f}   "
-              f"{low:.5f} .. {high:.5f}  {off[-1]:8.1e}  {', '.join(with_)}"
-              f"{', gave up' * search.spent}", flush=True)  # fmt: skip
+        print(
+            f"{blocks.opened_share:7.2%} {blocks.rigid_limit:9.5f} {blocks.limit:9.5f} {last:9.5f}   "
+            f"{low:.5f} .. {high:.5f}  {off[-1]:8.1e}  {', '.join(with_)}"
+            f"{', gave up' * search.spent}",
+            flush=True,
+        )
     near = np.abs(off)
-    print(f"{wanted} wedges, seed {seed}, {left_out} without one or beyond 1 < F < 5: within 3e-4 "
-          f"{int((near <= 3e-4).sum())}, most {np.nanmax(near):.1e}, {int(np.isnan(near).sum())} without a state; "
-          f"{time.process_time() - began:.0f} s")  # fmt: skip
+    print(
+        f"{wanted} wedges, seed {seed}, {left_out} without one or beyond 1 < F < 5: within 3e-4 "
+        f"{int((near <= 3e-4).sum())}, most {np.nanmax(near):.1e}, {int(np.isnan(near).sum())} without a state; "
+        f"{time.process_time() - began:.0f} s"
+    )
 
 
 if __name__ == "__main__":

@@ -36,13 +36,17 @@ def main(halved: int = 3) -> None:
             design = replace(design, analysis=analysis)
             rows.append((edge, order, *timed(replace(plain, design=design), order)))
     finest = rows[-1][2]
-    print("edge m  order  elements  pairs  unknowns  opened    limit    off finest  moved mm    σ' J1 kPa     CPU s")
+    print(
+        "edge m  order  elements  pairs  unknowns  opened    limit    off finest  moved mm    σ' J1 kPa     CPU s"
+    )
     for edge, order, found, took in rows:
         moved = 1e3 * float(np.linalg.norm(found.displacement_m))
         (low, high), mesh = found.joints["J1"].elastic_kpa, found.mesh
-        print(f"{edge:6.1f}  {'P' + str(order):>5s}  {mesh.cells:8d}  {mesh.node_pairs:5d}  {mesh.unknowns:8d}  "
-              f"{found.opened_share:6.2%}  {found.limit:.5f}  {found.limit / finest.limit - 1.0:10.1e}  {moved:8.4f}  "
-              f"{low:6.1f} .. {high:5.1f}  {took:8.3f}")  # fmt: skip
+        print(
+            f"{edge:6.1f}  {'P' + str(order):>5s}  {mesh.cells:8d}  {mesh.node_pairs:5d}  {mesh.unknowns:8d}  "
+            f"{found.opened_share:6.2%}  {found.limit:.5f}  {found.limit / finest.limit - 1.0:10.1e}  {moved:8.4f}  "
+            f"{low:6.1f} .. {high:5.1f}  {took:8.3f}"
+        )
     print(f"the paper's PFE-IE {PAPER_S:.0f} s")
     for edge, _, _, took in rows[5:6]:  # an eighth of the longest edge, order two
         _said(f"edge: auto is {edge:.1f} m in P2, rigid bedrock", took, COARSE_S)

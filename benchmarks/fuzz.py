@@ -27,12 +27,12 @@ from benchmarks.fuzz_seeds import SEEDS, write_files
 from slopekit.api import analyse
 from slopekit.cli.common import load_design as _load
 from slopekit.core.errors import SlopekitError
-from slopekit.preie.solvers.work_limit import SECOND, allowed
+from slopekit.preie.solvers.work_limit import UNITS_PER_SECOND, work_budget
 
 COUNT, SEED = 10_000, 20260
 LIMIT_S = 30.0  # of the processor: a run that takes longer is stopped and counts as a failure
 #: Units of work that a run may take: what goes on to the limit for all that does work that nobody counts.
-WORK = 0.5 * LIMIT_S * SECOND
+WORK = 0.5 * LIMIT_S * UNITS_PER_SECOND
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def run(made: Case, folder: Path, work: float = WORK) -> Outcome:
     began = time.process_time()
     stage, code = "read", 0
     try:
-        with limited(), allowed(work), warnings.catch_warnings():
+        with limited(), work_budget(work), warnings.catch_warnings():
             warnings.simplefilter("error")
             design = _load(str(file), list(made.sets))
             stage = "analysed"
@@ -97,14 +97,24 @@ def run(made: Case, folder: Path, work: float = WORK) -> Outcome:
         if error.exit_code not in (2, 3) or not codes or (stage == "result"):
             escaped = f"{type(error).__name__}: {error}\n{traceback.format_exc(limit=-4)}"
         return Outcome(
-            made.index, made.origin, stage, error.exit_code, codes, seconds=time.process_time() - began,
+            made.index,
+            made.origin,
+            stage,
+            error.exit_code,
+            codes,
+            seconds=time.process_time() - began,
             escaped=escaped,
-        )  # fmt: skip
+        )
     except Exception:  # what the command would call a bug of ours
         return Outcome(
-            made.index, made.origin, stage, 5, ("E599",), seconds=time.process_time() - began,
+            made.index,
+            made.origin,
+            stage,
+            5,
+            ("E599",),
+            seconds=time.process_time() - began,
             escaped=traceback.format_exc(limit=-6),
-        )  # fmt: skip
+        )
     notices = tuple(notice.code for notice in result.warnings)
     seconds = time.process_time() - began
     status = f"{design.kind} {getattr(result, 'status', 'load cases')}"
@@ -119,7 +129,9 @@ def _work(arguments: tuple[int, int, str, Sequence[str]]) -> Outcome:
     return run(case(index, seed, names), Path(folder))
 
 
-def outcomes(count: int, seed: int = SEED, jobs: int = 1, names: Sequence[str] = tuple(SEEDS)) -> list[Outcome]:
+def outcomes(
+    count: int, seed: int = SEED, jobs: int = 1, names: Sequence[str] = tuple(SEEDS)
+) -> list[Outcome]:
     """What became of `count` files, made of the designs `names`."""
     with tempfile.TemporaryDirectory() as name:
         write_files(Path(name))
@@ -151,12 +163,17 @@ def report(found: Sequence[Outcome]) -> str:
         ("notices", Counter(code for each in found for code in set(each.notices))),
         ("statuses", Counter(each.status for each in found if each.status)),
     ):
-        cells = [f"{key} {number}" for key, number in sorted(counts.items(), key=lambda item: str(item[0]))]
+        cells = [
+            f"{key} {number}"
+            for key, number in sorted(counts.items(), key=lambda item: str(item[0]))
+        ]
         lines += ["", title]
         lines += ["  " + "   ".join(cells[k : k + 8]) for k in range(0, len(cells), 8)]
     lines += ["", "slowest"]
     slow = sorted(found, key=lambda each: -each.seconds)[:8]
-    lines += [f"  {each.seconds:6.2f} s  {each.index:6d}  {each.origin}  {each.status}" for each in slow]
+    lines += [
+        f"  {each.seconds:6.2f} s  {each.index:6d}  {each.origin}  {each.status}" for each in slow
+    ]
     failures = [each for each in found if each.escaped]
     lines += ["", f"{len(failures)} escaped"]
     for each in failures:
@@ -178,7 +195,9 @@ def main(arguments: Sequence[str]) -> int:
     if arguments and arguments[0] == "studies":
         from benchmarks.fuzz_studies import study_outcomes  # which takes `Outcome` from here
 
-        count, seed = ([int(word) for word in arguments[1:]] + [COUNT, SEED][len(arguments) - 1 :])[:2]
+        count, seed = ([int(word) for word in arguments[1:]] + [COUNT, SEED][len(arguments) - 1 :])[
+            :2
+        ]
         with tempfile.TemporaryDirectory() as name:
             done = study_outcomes(count, seed, Path(name))
         print(report(done))

@@ -93,12 +93,18 @@ def _scalar(value: Any) -> str:
     if value is None:
         return ""
     text = str(value)
-    return text if _PLAIN.fullmatch(text) and text not in ("null", "~") else json.dumps(text, ensure_ascii=False)
+    return (
+        text
+        if _PLAIN.fullmatch(text) and text not in ("null", "~")
+        else json.dumps(text, ensure_ascii=False)
+    )
 
 
 def _flow(tree: Any) -> str:
     if isinstance(tree, Keys):
-        return "{" + ", ".join(f"{_scalar(key)}: {_flow(value)}".rstrip() for key, value in tree) + "}"
+        return (
+            "{" + ", ".join(f"{_scalar(key)}: {_flow(value)}".rstrip() for key, value in tree) + "}"
+        )
     if isinstance(tree, list):
         return "[" + ", ".join(_flow(part) if part is not None else "~" for part in tree) + "]"
     return _scalar(tree)
@@ -135,13 +141,25 @@ def _extreme(tree: Any, rng: random.Random) -> None:
 
 def _scaled(tree: Any, rng: random.Random) -> None:
     """One number larger or smaller, a little or by powers of ten, its unit kept."""
-    leaves = [leaf for leaf in _leaves(tree) if leaf[2] != "slopekit" and _numbers(str(_get(*leaf[:2]) or ""))]
+    leaves = [
+        leaf
+        for leaf in _leaves(tree)
+        if leaf[2] != "slopekit" and _numbers(str(_get(*leaf[:2]) or ""))
+    ]
     if leaves:
         holder, k, _ = rng.choice(leaves)
         text = str(_get(holder, k))
         match = rng.choice(_numbers(text))
-        factor = 10.0 ** rng.choice((-6, -3, -2, -1, 1, 2, 3, 6)) if rng.random() < 0.4 else rng.uniform(0.3, 1.8)
-        _put(holder, k, text[: match.start()] + f"{float(match.group()) * factor:.6g}" + text[match.end() :])
+        factor = (
+            10.0 ** rng.choice((-6, -3, -2, -1, 1, 2, 3, 6))
+            if rng.random() < 0.4
+            else rng.uniform(0.3, 1.8)
+        )
+        _put(
+            holder,
+            k,
+            text[: match.start()] + f"{float(match.group()) * factor:.6g}" + text[match.end() :],
+        )
 
 
 def _spice(tree: Any, rng: random.Random) -> None:
@@ -174,11 +192,19 @@ def _double(tree: Any, rng: random.Random) -> None:
 
 def _typo(text: str, rng: random.Random) -> str:
     k = rng.randrange(max(1, len(text)))
-    return rng.choice((
-        text[:k] + text[k + 1 :], text[:k] + rng.choice("aeioux_9ßφ.-/ ") + text[k:], text.upper(), text.title(),
-        text[:k] + text[k + 1 : k + 2] + text[k : k + 1] + text[k + 2 :], text + "s", text.replace("_", "-"), "",
-        rng.choice(WRONG["texts"]),
-    ))  # fmt: skip
+    return rng.choice(
+        (
+            text[:k] + text[k + 1 :],
+            text[:k] + rng.choice("aeioux_9ßφ.-/ ") + text[k:],
+            text.upper(),
+            text.title(),
+            text[:k] + text[k + 1 : k + 2] + text[k : k + 1] + text[k + 2 :],
+            text + "s",
+            text.replace("_", "-"),
+            "",
+            rng.choice(WRONG["texts"]),
+        )
+    )
 
 
 def _rename(tree: Any, rng: random.Random) -> None:
@@ -197,9 +223,17 @@ def _retype(tree: Any, rng: random.Random) -> None:
         k = rng.randrange(len(holder))
         value = _get(holder, k)
         options: list[Any] = [
-            [value], Keys([("value", value)]), None, "", "true", [], Keys(), [[value, value], value], "5",
+            [value],
+            Keys([("value", value)]),
+            None,
+            "",
+            "true",
+            [],
+            Keys(),
+            [[value, value], value],
+            "5",
             Keys([("dist", "normal"), ("mean", value), ("sd", "1")]),
-        ]  # fmt: skip
+        ]
         if isinstance(value, Keys):
             options.append([part for _, part in value])
         elif isinstance(value, list):
@@ -218,11 +252,19 @@ def _wrong_unit(tree: Any, rng: random.Random) -> None:
     leaves = [leaf for leaf in _leaves(tree) if re.match(r"^[\d.]", str(_get(*leaf[:2])))]
     if leaves:
         holder, k, _ = rng.choice(leaves)
-        _put(holder, k, re.split(r"[^\d.eE]", str(_get(holder, k)))[0] + " " + rng.choice(WRONG["units"]))
+        _put(
+            holder,
+            k,
+            re.split(r"[^\d.eE]", str(_get(holder, k)))[0] + " " + rng.choice(WRONG["units"]),
+        )
 
 
 def _swap(tree: Any, rng: random.Random) -> None:
-    leaves = _leaves(tree) if rng.random() < 0.7 else [(h, k, "") for h in _holders(tree) for k in range(len(h))]
+    leaves = (
+        _leaves(tree)
+        if rng.random() < 0.7
+        else [(h, k, "") for h in _holders(tree) for k in range(len(h))]
+    )
     if len(leaves) > 1:
         (a, i, _), (b, j, _) = rng.sample(leaves, 2)
         first, second = _copy(_get(a, i)), _copy(_get(b, j))
@@ -252,14 +294,29 @@ def _insert(tree: Any, rng: random.Random) -> None:
 def _other_kind(tree: Any, rng: random.Random) -> None:
     for k, (key, _) in enumerate(tree if isinstance(tree, Keys) else ()):
         if key == "kind":
-            tree[k] = (key, rng.choice(("wedge", "plane", "footing", "surface", "topple", "bench", "Wedge", "")))
+            tree[k] = (
+                key,
+                rng.choice(
+                    ("wedge", "plane", "footing", "surface", "topple", "bench", "Wedge", "")
+                ),
+            )
 
 
 Mutation = Callable[[Any, random.Random], None]
 _LEGAL: tuple[Mutation, ...] = (_extreme, _extreme, _scaled, _spice)
 _ILL: tuple[Mutation, ...] = (
-    _drop, _double, _rename, _retype, _wrong_value, _wrong_value, _wrong_unit, _swap, _nest, _insert, _other_kind,
-)  # fmt: skip
+    _drop,
+    _double,
+    _rename,
+    _retype,
+    _wrong_value,
+    _wrong_value,
+    _wrong_unit,
+    _swap,
+    _nest,
+    _insert,
+    _other_kind,
+)
 
 
 # -- mutations of text ------------------------------------------------------------------------------------------------
@@ -267,10 +324,28 @@ _ILL: tuple[Mutation, ...] = (
 
 def broken_text(text: str, rng: random.Random) -> tuple[bytes, str]:
     """A text that may or may not still be YAML."""
-    how = rng.choice((
-        "character", "delete", "truncate", "tab", "indent", "line gone", "line twice", "lines swapped", "quote",
-        "control", "second", "ending", "utf-16", "latin-1", "bytes", "alias", "tag", "merge",
-    ))  # fmt: skip
+    how = rng.choice(
+        (
+            "character",
+            "delete",
+            "truncate",
+            "tab",
+            "indent",
+            "line gone",
+            "line twice",
+            "lines swapped",
+            "quote",
+            "control",
+            "second",
+            "ending",
+            "utf-16",
+            "latin-1",
+            "bytes",
+            "alias",
+            "tag",
+            "merge",
+        )
+    )
     k, lines = rng.randrange(len(text) + 1), text.split("\n")
     line = rng.randrange(len(lines))
     if how == "character":
@@ -282,7 +357,9 @@ def broken_text(text: str, rng: random.Random) -> tuple[bytes, str]:
     elif how == "tab":
         lines[line] = "\t" + lines[line]
     elif how == "indent":
-        lines[line] = " " * rng.randrange(1, 5) + lines[line] if rng.random() < 0.6 else lines[line].lstrip()
+        lines[line] = (
+            " " * rng.randrange(1, 5) + lines[line] if rng.random() < 0.6 else lines[line].lstrip()
+        )
     elif how == "line gone":
         del lines[line]
     elif how == "line twice":
@@ -291,11 +368,21 @@ def broken_text(text: str, rng: random.Random) -> tuple[bytes, str]:
         other = rng.randrange(len(lines))
         lines[line], lines[other] = lines[other], lines[line]
     elif how == "quote":
-        lines[line] = lines[line].replace(": ", rng.choice((": '", ': "', ":", " : ", ":: ", ": |", ": >\n")), 1)
+        lines[line] = lines[line].replace(
+            ": ", rng.choice((": '", ': "', ":", " : ", ":: ", ": |", ": >\n")), 1
+        )
     elif how == "control":
-        text = text[:k] + rng.choice(("\x00", "\x07", "\x1b", "\x7f", "\x85", "\u2028", "\ufeff", "\ufffe")) + text[k:]
+        text = (
+            text[:k]
+            + rng.choice(("\x00", "\x07", "\x1b", "\x7f", "\x85", "\u2028", "\ufeff", "\ufffe"))
+            + text[k:]
+        )
     elif how == "second":
-        text = text + rng.choice(("---\n", "...\n", "---\nkind: wedge\n", "--- a\n", "%YAML 1.1\n---\n")) + text
+        text = (
+            text
+            + rng.choice(("---\n", "...\n", "---\nkind: wedge\n", "--- a\n", "%YAML 1.1\n---\n"))
+            + text
+        )
     elif how == "ending":
         text = text.replace("\n", rng.choice(("\r\n", "\r", "\n\n", "\u2029", "\x0c\n")))
     elif how in ("utf-16", "latin-1"):
@@ -307,10 +394,14 @@ def broken_text(text: str, rng: random.Random) -> tuple[bytes, str]:
         return bytes(content), how
     elif how == "alias":
         text = (
-            text.replace(": {", ": &a {", 1).replace(": ", ": *a ", 1) if rng.random() < 0.5 else f"a: &a\n{text}b: *a"
+            text.replace(": {", ": &a {", 1).replace(": ", ": *a ", 1)
+            if rng.random() < 0.5
+            else f"a: &a\n{text}b: *a"
         )
     elif how == "tag":
-        text = text.replace(": ", rng.choice((": !!float ", ": !x ", ": !!python/object:os.system ", ": !!set ")), 1)
+        text = text.replace(
+            ": ", rng.choice((": !!float ", ": !x ", ": !!python/object:os.system ", ": !!set ")), 1
+        )
     else:
         lines[line] = "<<: {a: 1}"
     if how in ("tab", "indent", "line gone", "line twice", "lines swapped", "quote", "merge"):
@@ -323,12 +414,20 @@ def _sets(tree: Any, rng: random.Random) -> tuple[str, ...]:
     for _ in range(rng.choice((1, 1, 2))):
         path = rng.choice(_paths(tree) or ["slope"])
         key = path.rpartition(".")[2]
-        values = EXTREMES.get(key, WRONG["texts"]) if rng.random() < 0.7 else WRONG[rng.choice(tuple(WRONG))]
+        values = (
+            EXTREMES.get(key, WRONG["texts"])
+            if rng.random() < 0.7
+            else WRONG[rng.choice(tuple(WRONG))]
+        )
         value = str(rng.choice(values))
         if rng.random() < 0.15:
-            path = rng.choice((_typo(path, rng), f"{path}.0", f"{path}.x", f".{path}", f"{path}.", f"{path}.99"))
+            path = rng.choice(
+                (_typo(path, rng), f"{path}.0", f"{path}.x", f".{path}", f"{path}.", f"{path}.99")
+            )
         if rng.random() < 0.1:
-            value = rng.choice(("[1, 2", "{a: 1}", "[]", "{}", "'", '"x"', "[1, [2, {a: b}]]", "null", "=", "a=b"))
+            value = rng.choice(
+                ("[1, 2", "{a: 1}", "[]", "{}", "'", '"x"', "[1, [2, {a: b}]]", "null", "=", "a=b")
+            )
         found.append(f"{path}={value}" if rng.random() < 0.97 else path)
     return tuple(found)
 
@@ -355,7 +454,9 @@ def case(index: int, seed: int, names: Sequence[str] = tuple(SEEDS)) -> Case:
 
 def keys_of(texts: Iterable[str]) -> set[str]:
     """Every key that stands in designs."""
-    holders = (holder for text in texts for holder in _holders(_parsed(text)) if isinstance(holder, Keys))
+    holders = (
+        holder for text in texts for holder in _holders(_parsed(text)) if isinstance(holder, Keys)
+    )
     return {key for holder in holders for key, _ in holder}
 
 

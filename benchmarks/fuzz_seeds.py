@@ -229,84 +229,180 @@ loads: {seismic: {k: 0.1, toward: 090}, forces: [{force: 10, toward: 090/00, blo
 SEEDS = {name: path_of(name).read_text(encoding="utf-8") for name in names()} | _RICH | SLOPES
 
 _DIPS = ("0", "0.01", "1", "12", "25", "35", "45", "50", "60", "75", "89", "89.9", "89.99", "90")
-_DIRECTIONS = ("000", "90", "115", "150", "175", "179.99", "180", "180.01", "185", "210", "245", "270", "359.99", "360")
+_DIRECTIONS = (
+    "000",
+    "90",
+    "115",
+    "150",
+    "175",
+    "179.99",
+    "180",
+    "180.01",
+    "185",
+    "210",
+    "245",
+    "270",
+    "359.99",
+    "360",
+)
 _PLANES = tuple(f"{dip}/{way}" for dip in _DIPS for way in _DIRECTIONS)
 _LENGTHS = ("1e6", "1e-3", "1e-6", "0.5 m", "3 m", "10", "30 m", "0.1 km", "200 ft", "1000", "1e7")
 _FORCES = ("0", "1e-6", "100", "5e3 kN", "2 MN", "1e5", "1e6 kN", "1e9", "1e12", "1e17")
-_POINTS = (["0", "0", "0"], ["-5", "0", "8"], ["1e6", "1e6", "1e3"], ["40", "0", "40"], ["44.3", "3", "41"])
+_POINTS = (
+    ["0", "0", "0"],
+    ["-5", "0", "8"],
+    ["1e6", "1e6", "1e3"],
+    ["40", "0", "40"],
+    ["44.3", "3", "41"],
+)
 #: Values that a key may have: sound ones, extreme ones, and some just outside.
 EXTREMES: dict[str, tuple[object, ...]] = {
-    "plane": _PLANES, "face": _PLANES, "upper": _PLANES, "height": _LENGTHS,
+    "plane": _PLANES,
+    "face": _PLANES,
+    "upper": _PLANES,
+    "height": _LENGTHS,
     "distance": (*_LENGTHS, "-1", "0", "4.1", "worst"),
-    "depth": (*_LENGTHS, "4.4"), "c": ("0", "1e-6", "1", "20 kPa", "1 MPa", "1e6", "1e12"),
-    "phi": ("0", "2", "15", "30", "45", "60", "80", "89", "89.9", "89.999"), "dilation": ("0", "1", "20", "0.5", "25"),
-    "tension": ("0", "10", "1e6"), "normal": ("1", "1e3", "1e7", "1e12", "1e17"),
-    "shear": ("clough-duncan", "1", "1e3", "1e9", "1e15"), "k1": ("1", "1e9"), "n": ("0", "2"), "Rf": ("0", "1"),
-    "density": ("500", "2000", "10000"), "unit_weight": ("5", "10", "20", "30", "400"),
-    "gravity": ("1e-3", "1.62", "9.81", "24.8", "1e3"), "mode": ("dry", "full"),
-    "fill": ("0", "1 %", "0.5", "100 %"), "pressures": ("0", "5 kPa", "50", "100", "1e3", "1e6"),
-    "A": ("0", "30", "200", "1e5"), "B": ("0", "30", "200", "1e5"), "slip": ("0", "30", "200", "1e5"),
-    "k": ("0", "0.2", "0.5", "1", "2"), "seismic": ("0", "0.3", "2", "0.2@90", "1@000"),
+    "depth": (*_LENGTHS, "4.4"),
+    "c": ("0", "1e-6", "1", "20 kPa", "1 MPa", "1e6", "1e12"),
+    "phi": ("0", "2", "15", "30", "45", "60", "80", "89", "89.9", "89.999"),
+    "dilation": ("0", "1", "20", "0.5", "25"),
+    "tension": ("0", "10", "1e6"),
+    "normal": ("1", "1e3", "1e7", "1e12", "1e17"),
+    "shear": ("clough-duncan", "1", "1e3", "1e9", "1e15"),
+    "k1": ("1", "1e9"),
+    "n": ("0", "2"),
+    "Rf": ("0", "1"),
+    "density": ("500", "2000", "10000"),
+    "unit_weight": ("5", "10", "20", "30", "400"),
+    "gravity": ("1e-3", "1.62", "9.81", "24.8", "1e3"),
+    "mode": ("dry", "full"),
+    "fill": ("0", "1 %", "0.5", "100 %"),
+    "pressures": ("0", "5 kPa", "50", "100", "1e3", "1e6"),
+    "A": ("0", "30", "200", "1e5"),
+    "B": ("0", "30", "200", "1e5"),
+    "slip": ("0", "30", "200", "1e5"),
+    "k": ("0", "0.2", "0.5", "1", "2"),
+    "seismic": ("0", "0.3", "2", "0.2@90", "1@000"),
     "toward": ("000/90", "180/-90", "90/0", "270/45", "000/10", "180", "0", "90", "360"),
-    "force": _FORCES, "forces": _FORCES, "load": _FORCES, "bolts": ("1e4@000/0,passive", "1e7@180/0,active"),
-    "at": ("0", "middle", "1e-3", "2.5", "5", "6.128355", "1e3"), "dip": ("0.01", "1", "30", "45", "60", "80", "89.9"),
-    "length": _LENGTHS, "pairs": ("3", "9", "101", "2001"), "radius": ("1e-3", "5", "20", "40", "44", "60", "1e3",
-    "1e6"),
-    "radii": ("1", "10", "28", "40", "41", "60", "1e4"), "centre": ("-50", "0", "20", "30", "40", "42", "60", "1e3",
-              "1e6"),
-    "profile": ("-50", "0", "10", "20", "30", "40", "60", "1e3", "1e6"), "edge": ("0.5", "1", "2", "5", "20", "1e3"),
-    "normals": ("true", "smoothed", "facet"), "shape": ("sphere", "ellipsoid", "cylinder"),
-    "criterion": ("limit", "all-pairs"), "agree_within": ("1e-9", "0.5", "99 %"),
-    "refine": ("0", "1", "2", "3"), "factors": ("1e-6", "0.1", "1", "2", "100", "1e9"), "origin": ("0", "1e6", "-1e7",
-               "1e12"),
-    "mesh": ("sheet.stl", "ground.stl", "open.stl", "ball.stl", "folded.stl", "inside-out.stl", "broken.stl",
-             "flat.stl"), "up": ("y", "z", "x"),
-    "csv": ("joints.csv", "strikes.csv", "bad.csv"), "rules": ("fos >= 1", "fos < 2", "fos.static_bound >= 1.2", "1.5"),
-    "acts": ("active", "passive"), "pick": ("A1", "A2", "B1", "B2"), "strength": ("rough", "weak", "joint", "clay"),
-    "modulus": ("1e3", "20 GPa", "20", "1e9", "1e10"), "poisson": ("0", "0.49", "0.5", "-0.1"),
-    "mean": ("1", "20", "30", "1e3"), "sd": ("0", "1", "100"), "min": ("0", "10", "25"), "max": ("30", "50", "1e3"),
-    "title": ("", "a: b", "\u200b", "\U0001f4a5 x", "'", "x" * 300), "head": ("0", "-4", "15", "1e3"),
-} | VALUES  # fmt: skip
+    "force": _FORCES,
+    "forces": _FORCES,
+    "load": _FORCES,
+    "bolts": ("1e4@000/0,passive", "1e7@180/0,active"),
+    "at": ("0", "middle", "1e-3", "2.5", "5", "6.128355", "1e3"),
+    "dip": ("0.01", "1", "30", "45", "60", "80", "89.9"),
+    "length": _LENGTHS,
+    "pairs": ("3", "9", "101", "2001"),
+    "radius": ("1e-3", "5", "20", "40", "44", "60", "1e3", "1e6"),
+    "radii": ("1", "10", "28", "40", "41", "60", "1e4"),
+    "centre": ("-50", "0", "20", "30", "40", "42", "60", "1e3", "1e6"),
+    "profile": ("-50", "0", "10", "20", "30", "40", "60", "1e3", "1e6"),
+    "edge": ("0.5", "1", "2", "5", "20", "1e3"),
+    "normals": ("true", "smoothed", "facet"),
+    "shape": ("sphere", "ellipsoid", "cylinder"),
+    "criterion": ("limit", "all-pairs"),
+    "agree_within": ("1e-9", "0.5", "99 %"),
+    "refine": ("0", "1", "2", "3"),
+    "factors": ("1e-6", "0.1", "1", "2", "100", "1e9"),
+    "origin": ("0", "1e6", "-1e7", "1e12"),
+    "mesh": (
+        "sheet.stl",
+        "ground.stl",
+        "open.stl",
+        "ball.stl",
+        "folded.stl",
+        "inside-out.stl",
+        "broken.stl",
+        "flat.stl",
+    ),
+    "up": ("y", "z", "x"),
+    "csv": ("joints.csv", "strikes.csv", "bad.csv"),
+    "rules": ("fos >= 1", "fos < 2", "fos.static_bound >= 1.2", "1.5"),
+    "acts": ("active", "passive"),
+    "pick": ("A1", "A2", "B1", "B2"),
+    "strength": ("rough", "weak", "joint", "clay"),
+    "modulus": ("1e3", "20 GPa", "20", "1e9", "1e10"),
+    "poisson": ("0", "0.49", "0.5", "-0.1"),
+    "mean": ("1", "20", "30", "1e3"),
+    "sd": ("0", "1", "100"),
+    "min": ("0", "10", "25"),
+    "max": ("30", "50", "1e3"),
+    "title": ("", "a: b", "\u200b", "\U0001f4a5 x", "'", "x" * 300),
+    "head": ("0", "-4", "15", "1e3"),
+} | VALUES
 
-_WATER = ("dry", "full", "30 %", "{mode: full}", "{fill: 0.7}", "{pressures: 40 kPa}", "{mode: full, unit_weight: 100}",
-          "{pressures: [500, 10]}", "{pressures: 1e4}")  # fmt: skip
+_WATER = (
+    "dry",
+    "full",
+    "30 %",
+    "{mode: full}",
+    "{fill: 0.7}",
+    "{pressures: 40 kPa}",
+    "{mode: full, unit_weight: 100}",
+    "{pressures: [500, 10]}",
+    "{pressures: 1e4}",
+)
 _LOADS = (
-    "{seismic: 2.0}", "{seismic: {k: 2, toward: 0}}", "{forces: [1e6@000/0]}", "{forces: [1e5 kN@000/-90]}",
-    "{forces: [[0, 0, 1e7]]}", "{seismic: 0.3, forces: [{force: 1e4, toward: 90/0, at: [-3, 1, 9]}]}",
+    "{seismic: 2.0}",
+    "{seismic: {k: 2, toward: 0}}",
+    "{forces: [1e6@000/0]}",
+    "{forces: [1e5 kN@000/-90]}",
+    "{forces: [[0, 0, 1e7]]}",
+    "{seismic: 0.3, forces: [{force: 1e4, toward: 90/0, at: [-3, 1, 9]}]}",
     "{forces: [{force: [0, 0, 0], at: [1, 2, 3]}]}",
-)  # fmt: skip
+)
 _BOLTS = (
-    '{bolts: ["1e6@000/0,passive"]}', "{bolts: [1e6@000/0]}", "{bolts: [1e8@000/-30]}",
+    '{bolts: ["1e6@000/0,passive"]}',
+    "{bolts: [1e6@000/0]}",
+    "{bolts: [1e8@000/-30]}",
     '{bolts: ["5e4@180/0,passive"]}',
     "{bolts: [{force: 100, toward: 000/10, head: [-2, -2, 8], length: 0.5}]}",
     '{bolts: ["1e3@000/0,passive", 1e3@180/0]}',
     "{bolts: [{force: 3000, toward: 000/10, head: [0, 4, 8], length: 90, acts: passive}]}",
-)  # fmt: skip
-_STRENGTHS = ("{s: {c: 0, phi: 0}}", "{s: {c: 0, phi: 30}}", "{s: {c: 50, phi: 0}}",
-              "{s: {c: 5, phi: 30, dilation: 30}}",
-              "{s: {c: 0, phi: 0, tension: 10}}", "{s: {c: 1e9, phi: 89.9}}",
-              "{s: {c: 0, phi: 89.99, dilation: 89.99}}",
-              "{s: {c: 1, phi: 20, stiffness: {normal: 1, shear: 1e12}}}")  # fmt: skip
+)
+_STRENGTHS = (
+    "{s: {c: 0, phi: 0}}",
+    "{s: {c: 0, phi: 30}}",
+    "{s: {c: 50, phi: 0}}",
+    "{s: {c: 5, phi: 30, dilation: 30}}",
+    "{s: {c: 0, phi: 0, tension: 10}}",
+    "{s: {c: 1e9, phi: 89.9}}",
+    "{s: {c: 0, phi: 89.99, dilation: 89.99}}",
+    "{s: {c: 1, phi: 20, stiffness: {normal: 1, shear: 1e12}}}",
+)
 _ANALYSES = ("{criterion: all-pairs}", "{factors: [0.1, 1, 10]}", "{agree_within: 1e-9}")
 _COMMON = tuple(
     (key, text)
     for key, texts in (
-        ("water", _WATER), ("loads", _LOADS), ("support", _BOLTS), ("strength", _STRENGTHS), ("analysis", _ANALYSES),
+        ("water", _WATER),
+        ("loads", _LOADS),
+        ("support", _BOLTS),
+        ("strength", _STRENGTHS),
+        ("analysis", _ANALYSES),
     )
     for text in texts
-)  # fmt: skip
+)
 _PROFILES = (
-    "[[60, 0], [40, 0], [40, 40], [-20, 40]]", "[[60, 0], [0, 0.001], [-20, 0.002]]", "[[0, 0], [1, 0]]",
-    "[[-60, 0], [-40, 0], [0, 40], [20, 40]]", "[[60, 0], [30, 0], [35, 20], [0, 40], [-20, 40]]",
-    "[[60, 0], [40, 0], [40, 10], [40, 20], [20, 20], [20, 40], [0, 40]]", "[[60, 40], [40, 0], [0, 40], [-20, 0]]",
-    "[[60, 0], [40, 0], [30, 20], [20, 0], [10, 25], [0, 0], [-20, 40]]", "[[60, 50], [-60, 50]]",
-    "[[6e5, 0], [4e5, 0], [0, 4e5], [-2e5, 4e5]]", "[[60, 0], [40, 0], [0, 40], [-20, 40], [-20, 40.000001]]",
-    "[[40, 0], [40, 40]]", "[[60, 0], [40, 0], [0, 40], [0, 40.0000001], [-20, 40]]",
-)  # fmt: skip
+    "[[60, 0], [40, 0], [40, 40], [-20, 40]]",
+    "[[60, 0], [0, 0.001], [-20, 0.002]]",
+    "[[0, 0], [1, 0]]",
+    "[[-60, 0], [-40, 0], [0, 40], [20, 40]]",
+    "[[60, 0], [30, 0], [35, 20], [0, 40], [-20, 40]]",
+    "[[60, 0], [40, 0], [40, 10], [40, 20], [20, 20], [20, 40], [0, 40]]",
+    "[[60, 40], [40, 0], [0, 40], [-20, 0]]",
+    "[[60, 0], [40, 0], [30, 20], [20, 0], [10, 25], [0, 0], [-20, 40]]",
+    "[[60, 50], [-60, 50]]",
+    "[[6e5, 0], [4e5, 0], [0, 4e5], [-2e5, 4e5]]",
+    "[[60, 0], [40, 0], [0, 40], [-20, 40], [-20, 40.000001]]",
+    "[[40, 0], [40, 40]]",
+    "[[60, 0], [40, 0], [0, 40], [0, 40.0000001], [-20, 40]]",
+)
 _SLIPS = (
-    "{shape: sphere, centre: [40, 0, 40], radius: 40}", "{shape: sphere, centre: [20, 0, 10], radius: 5}",
-    "{shape: sphere, centre: [40, 0, 40], radius: 28.2842713}", "{shape: sphere, centre: [20, 0, 60], radius: 10}",
-    "{shape: sphere, centre: [20, 0, 20], radius: 1e-3}", "{shape: sphere, centre: [1e4, 0, 1e4], radius: 14142}",
+    "{shape: sphere, centre: [40, 0, 40], radius: 40}",
+    "{shape: sphere, centre: [20, 0, 10], radius: 5}",
+    "{shape: sphere, centre: [40, 0, 40], radius: 28.2842713}",
+    "{shape: sphere, centre: [20, 0, 60], radius: 10}",
+    "{shape: sphere, centre: [20, 0, 20], radius: 1e-3}",
+    "{shape: sphere, centre: [1e4, 0, 1e4], radius: 14142}",
     "{shape: ellipsoid, centre: [40, 0, 40], radii: [40, 1e-3, 40]}",
     "{shape: ellipsoid, centre: [40, 0, 40], radii: [40, 1e4, 40]}",
     "{shape: ellipsoid, centre: [20, 5, 30], radii: [30, 10, 12], normals: facet}",
@@ -316,86 +412,257 @@ _SLIPS = (
     "{shape: sphere, centre: [40, 0, 40], radius: 41, edge: 0.2}",
     "{shape: sphere, centre: [40, 0, 40], radius: 41, edge: 1e-6}",
     "{shape: ellipsoid, centre: [40, 0, 40], radii: [40, 28, 40], edge: 0.01, normals: smoothed}",
-    "{shape: sphere, centre: [20, 0, 20], radius: 25, normals: facet, edge: 4}", "{mesh: sheet.stl, edge: 0.1}",
+    "{shape: sphere, centre: [20, 0, 20], radius: 25, normals: facet, edge: 4}",
+    "{mesh: sheet.stl, edge: 0.1}",
     "{mesh: ball.stl}",
-    "{mesh: ground.stl}", "{mesh: folded.stl}", "{mesh: short.stl}", "{mesh: open.stl, normals: facet}",
+    "{mesh: ground.stl}",
+    "{mesh: folded.stl}",
+    "{mesh: short.stl}",
+    "{mesh: open.stl, normals: facet}",
     "{mesh: flat.stl}",
-    "{mesh: sheet.stl, normals: facet}", "{mesh: inside-out.stl}", "{mesh: gone.stl}", "{mesh: broken.stl}",
-)  # fmt: skip
+    "{mesh: sheet.stl, normals: facet}",
+    "{mesh: inside-out.stl}",
+    "{mesh: gone.stl}",
+    "{mesh: broken.stl}",
+)
 #: Sections to put in the place of a design's own, by kind.
 SPICES: dict[str, tuple[tuple[str, str], ...]] = {
     "wedge": (
-        *_COMMON, *_COMMON,
-        *(("crack", text) for text in (
-            "{plane: 80/180, distance: 5 m}", "{plane: 90/180, distance: 0.1}", "{plane: 70/190, distance: 20}",
-            "{plane: 80/000, distance: 10}", "{plane: 85/150, distance: 15, water: full}",
-            "{plane: 60/180, distance: 1e-6}",
-        )),
-        *(("slope", text) for text in (
-            "{face: 90/180, upper: 0/180, height: 20}", "{face: 89.9/180, upper: 0/0, height: 1e6}",
-            "{face: 60/180, upper: 10/000, height: 1e-3}", "{face: 60/200, upper: 20/150, height: 12}",
-            "{face: 85/180, upper: 22/180, height: 30, origin: [1e7, 1e7, 0]}",
-        )),
-        *(("joints", text) for text in (
-            "{A: {plane: 89.9/100}, B: {plane: 45/250}}", "{A: {plane: 45/178}, B: {plane: 46/181}}",
-            "{A: {plane: 90/140}, B: {plane: 90/220}}", "{A: {plane: 50/091}, B: {plane: 50/269}}",
-            "{A: {plane: 10/120}, B: {plane: 85/240}}", "{A: {plane: 40/175}, B: {plane: 80/265}}",
-            "{csv: joints.csv, pick: [A2, B2]}", "{csv: joints.csv}", "{csv: bad.csv}",
-        )),
+        *_COMMON,
+        *_COMMON,
+        *(
+            ("crack", text)
+            for text in (
+                "{plane: 80/180, distance: 5 m}",
+                "{plane: 90/180, distance: 0.1}",
+                "{plane: 70/190, distance: 20}",
+                "{plane: 80/000, distance: 10}",
+                "{plane: 85/150, distance: 15, water: full}",
+                "{plane: 60/180, distance: 1e-6}",
+            )
+        ),
+        *(
+            ("slope", text)
+            for text in (
+                "{face: 90/180, upper: 0/180, height: 20}",
+                "{face: 89.9/180, upper: 0/0, height: 1e6}",
+                "{face: 60/180, upper: 10/000, height: 1e-3}",
+                "{face: 60/200, upper: 20/150, height: 12}",
+                "{face: 85/180, upper: 22/180, height: 30, origin: [1e7, 1e7, 0]}",
+            )
+        ),
+        *(
+            ("joints", text)
+            for text in (
+                "{A: {plane: 89.9/100}, B: {plane: 45/250}}",
+                "{A: {plane: 45/178}, B: {plane: 46/181}}",
+                "{A: {plane: 90/140}, B: {plane: 90/220}}",
+                "{A: {plane: 50/091}, B: {plane: 50/269}}",
+                "{A: {plane: 10/120}, B: {plane: 85/240}}",
+                "{A: {plane: 40/175}, B: {plane: 80/265}}",
+                "{csv: joints.csv, pick: [A2, B2]}",
+                "{csv: joints.csv}",
+                "{csv: bad.csv}",
+            )
+        ),
     ),
     "plane": (
         *_COMMON,
-        *(("crack", text) for text in (
-            "{depth: 1e-6}", "{distance: 0}", "{distance: 3, water: 1}", "{depth: 4, water: full}", "{distance: -1}",
-            "{distance: 1e-9}", "{depth: 3, distance: 6.2}", "{depth: 3, water: 0}",
-        )),
-        *(("slope", text) for text in (
-            "{face: 90/180, height: 10}", "{face: 60/180, height: 1e6}", "{face: 60/180, height: 1e-3}",
-            "{face: 89.9/180, upper: 5/000, height: 10}", "{face: 60/180, upper: 34.99/180, height: 9}",
-        )),
-        *(("joints", f"{{J1: {{plane: {plane}}}}}") for plane in ("35/180", "0.01/180", "59.99/180", "35/199",
-        "59/180", "2/180")),
+        *(
+            ("crack", text)
+            for text in (
+                "{depth: 1e-6}",
+                "{distance: 0}",
+                "{distance: 3, water: 1}",
+                "{depth: 4, water: full}",
+                "{distance: -1}",
+                "{distance: 1e-9}",
+                "{depth: 3, distance: 6.2}",
+                "{depth: 3, water: 0}",
+            )
+        ),
+        *(
+            ("slope", text)
+            for text in (
+                "{face: 90/180, height: 10}",
+                "{face: 60/180, height: 1e6}",
+                "{face: 60/180, height: 1e-3}",
+                "{face: 89.9/180, upper: 5/000, height: 10}",
+                "{face: 60/180, upper: 34.99/180, height: 9}",
+            )
+        ),
+        *(
+            ("joints", f"{{J1: {{plane: {plane}}}}}")
+            for plane in ("35/180", "0.01/180", "59.99/180", "35/199", "59/180", "2/180")
+        ),
     ),
     "footing": (
         *(part for part in _COMMON if part[0] in ("strength", "analysis")),
-        ("footing", "{load: 1e-6, at: 0}"), ("footing", "{load: 1e12}"), ("footing", "{load: 100, at: 4}"),
-        ("weak_plane", "{dip: 89.9, length: 5}"), ("weak_plane", "{dip: 0.01, length: 5}"), ("rock",
-        "{unit_weight: 400}"),
-        ("weak_plane", "{dip: 60, length: 1e6, pairs: 2001}"), ("weak_plane", "{dip: 60, length: 1e-3, pairs: 3}"),
+        ("footing", "{load: 1e-6, at: 0}"),
+        ("footing", "{load: 1e12}"),
+        ("footing", "{load: 100, at: 4}"),
+        ("weak_plane", "{dip: 89.9, length: 5}"),
+        ("weak_plane", "{dip: 0.01, length: 5}"),
+        ("rock", "{unit_weight: 400}"),
+        ("weak_plane", "{dip: 60, length: 1e6, pairs: 2001}"),
+        ("weak_plane", "{dip: 60, length: 1e-3, pairs: 3}"),
     ),
     "surface": (
-        *_COMMON, *(("slope", f"{{profile: {profile}}}") for profile in _PROFILES),
+        *_COMMON,
+        *(("slope", f"{{profile: {profile}}}") for profile in _PROFILES),
         *(("slip", text) for text in _SLIPS),
-        *(("slope", f"{{mesh: {name}.stl}}") for name in ("ground", "open", "ball", "inside-out", "broken")),
+        *(
+            ("slope", f"{{mesh: {name}.stl}}")
+            for name in ("ground", "open", "ball", "inside-out", "broken")
+        ),
     ),
-}  # fmt: skip
+}
 SPICES |= {kind: (*SPICES.get(kind, ()), *sections) for kind, sections in SECTIONS.items()}
 #: Values that fit no key, or the wrong ones.
 WRONG: dict[str, tuple[str | None, ...]] = {
-    "numbers": ("nan", ".nan", "inf", "-inf", ".inf", "1e308", "-1e308", "1e400", "1e-400", "1e19", "0", "-0.0", "-1",
-                "-1e-9",
-                "0x10", "010", "1_000", "1,5", "1e", "1.2.3", "+5", ".5", "5.", "١٢", "½", "1/2", "5 5", "5±1"),
-    "texts": ("", "weak", "full", "true", "null", "~", "φ", "岩盤", "\u202e5", "e\u0301", "\U0001f4a5", " ", "a b",
-              "x" * 500,
-              "../../etc/passwd", "/", ".", "-", "?", "fos", "45", "45/115/3", "/", "@", "%", "kPa", "J1", "slip.stl"),
-    "planes": ("95/115", "115/45", "45/-5", "nan/115", "45/400", "N25E 45SE", "45/", "/115", "45", "1e400/1"),
+    "numbers": (
+        "nan",
+        ".nan",
+        "inf",
+        "-inf",
+        ".inf",
+        "1e308",
+        "-1e308",
+        "1e400",
+        "1e-400",
+        "1e19",
+        "0",
+        "-0.0",
+        "-1",
+        "-1e-9",
+        "0x10",
+        "010",
+        "1_000",
+        "1,5",
+        "1e",
+        "1.2.3",
+        "+5",
+        ".5",
+        "5.",
+        "١٢",
+        "½",
+        "1/2",
+        "5 5",
+        "5±1",
+    ),
+    "texts": (
+        "",
+        "weak",
+        "full",
+        "true",
+        "null",
+        "~",
+        "φ",
+        "岩盤",
+        "\u202e5",
+        "e\u0301",
+        "\U0001f4a5",
+        " ",
+        "a b",
+        "x" * 500,
+        "../../etc/passwd",
+        "/",
+        ".",
+        "-",
+        "?",
+        "fos",
+        "45",
+        "45/115/3",
+        "/",
+        "@",
+        "%",
+        "kPa",
+        "J1",
+        "slip.stl",
+    ),
+    "planes": (
+        "95/115",
+        "115/45",
+        "45/-5",
+        "nan/115",
+        "45/400",
+        "N25E 45SE",
+        "45/",
+        "/115",
+        "45",
+        "1e400/1",
+    ),
     "nothing": (None,),
-    "rules": ("fos = 1", "fos >= x", "fos >= -1", "fos.limt >= 1", ">= 1.5", "1.5 < fos", "fos >= nan"),
-    "forces": ("5@", "@5", "5@180", "5@180/100", "5@nan/1", "1e18@180/0", "-5@180/0", "5@180/0,glued"),
-    "units": ("5 kg", "5 kN", "5 kPa", "5 m", "5 furlong", "5 %", "500 %", "0.5 rad", "2650 kN/m3", "2.6", "5 m/s2"),
-}  # fmt: skip
+    "rules": (
+        "fos = 1",
+        "fos >= x",
+        "fos >= -1",
+        "fos.limt >= 1",
+        ">= 1.5",
+        "1.5 < fos",
+        "fos >= nan",
+    ),
+    "forces": (
+        "5@",
+        "@5",
+        "5@180",
+        "5@180/100",
+        "5@nan/1",
+        "1e18@180/0",
+        "-5@180/0",
+        "5@180/0,glued",
+    ),
+    "units": (
+        "5 kg",
+        "5 kN",
+        "5 kPa",
+        "5 m",
+        "5 furlong",
+        "5 %",
+        "500 %",
+        "0.5 rad",
+        "2650 kN/m3",
+        "2.6",
+        "5 m/s2",
+    ),
+}
 #: Keys with values, to stand where they may not belong.
 FRAGMENTS = (
-    "water: {mode: full}", "crack: {depth: 3 m}", "crack: {plane: 80/180, distance: 5}", "c: 5", "phi: 20",
+    "water: {mode: full}",
+    "crack: {depth: 3 m}",
+    "crack: {plane: 80/180, distance: 5}",
+    "c: 5",
+    "phi: 20",
     "dist: normal",
-    "mean: 5", "strength: weak", "kind: plane", "slip: {shape: sphere}", "mesh: ball.stl", "loads: {seismic: 0.2}",
-    "at: middle", "csv: joints.csv", "pick: [A1]", "edge: 1", "<<: {a: 1}", "a.b: 1", "J3: {plane: 50/180}",
+    "mean: 5",
+    "strength: weak",
+    "kind: plane",
+    "slip: {shape: sphere}",
+    "mesh: ball.stl",
+    "loads: {seismic: 0.2}",
+    "at: middle",
+    "csv: joints.csv",
+    "pick: [A1]",
+    "edge: 1",
+    "<<: {a: 1}",
+    "a.b: 1",
+    "J3: {plane: 50/180}",
     "spare: {c: 1, phi: 5}",
-    "correlation: {J1.phi/J2.phi: 2}", "correlation: {a/b: 0.1, b/a: 0.2}", "rock: {density: 2600}", "length: 5",
+    "correlation: {J1.phi/J2.phi: 2}",
+    "correlation: {a/b: 0.1, b/a: 0.2}",
+    "rock: {density: 2600}",
+    "length: 5",
     "unit_weight: 25",
-    "fill: 10 %", "pressures: 5", "tension: 3", "dilation: 2", "origin: [1, 2, 3]", "refine: 2", "head: [0, 0, 5]",
-    "title: x", *_OF_SLOPES,
-)  # fmt: skip
+    "fill: 10 %",
+    "pressures: 5",
+    "tension: 3",
+    "dilation: 2",
+    "origin: [1, 2, 3]",
+    "refine: 2",
+    "head: [0, 0, 5]",
+    "title: x",
+    *_OF_SLOPES,
+)
 
 
 def write_files(folder: Path) -> None:
@@ -403,10 +670,13 @@ def write_files(folder: Path) -> None:
     for name, text in FACTOR_FILES.items():
         (folder / name).write_text(text, encoding="utf-8")
     (folder / "joints.csv").write_text(
-        "name,dip,dip direction,c,phi\nA1,45,120,,\nA2,50,125,10,30\nB1,55,245,,\nB2,60,240,20,35\n", encoding="utf-8"
+        "name,dip,dip direction,c,phi\nA1,45,120,,\nA2,50,125,10,30\nB1,55,245,,\nB2,60,240,20,35\n",
+        encoding="utf-8",
     )
     (folder / "strikes.csv").write_text("name;dip;strike\nA;45;30\nB;50,5;155\n", encoding="utf-8")
-    (folder / "bad.csv").write_text("name,dip,dip_direction\nA,95,120\nB,x,30\nB,40,30,5\n", encoding="utf-8")
+    (folder / "bad.csv").write_text(
+        "name,dip,dip_direction\nA,95,120\nB,x,30\nB,40,30,5\n", encoding="utf-8"
+    )
     line = np.array([[35.0, 0.0], [20.0, 0.0], [0.0, 20.0], [-25.0, 22.0]])
     ground = profile_prism(line, -20.0, 30.0, (-25.0, 35.0))
     _write(folder / "ground.stl", ground.vertices, ground.triangles)
@@ -415,7 +685,12 @@ def write_files(folder: Path) -> None:
     middle = np.array([20.0, 0.0, 22.0])
     _write(folder / "ball.stl", ball.vertices + middle, ball.faces)
     _write(folder / "inside-out.stl", ball.vertices + middle, ball.faces[:, ::-1])
-    for name, reach, bowl in (("sheet", 30.0, 1.0), ("short", 8.0, 1.0), ("folded", 30.0, 1.0), ("flat", 60.0, 0.0)):
+    for name, reach, bowl in (
+        ("sheet", 30.0, 1.0),
+        ("short", 8.0, 1.0),
+        ("folded", 30.0, 1.0),
+        ("flat", 60.0, 0.0),
+    ):
         vertices, triangles = _sheet(reach, bowl)
         if name == "folded":
             vertices[40:60, 0] += 8.0

@@ -170,118 +170,233 @@ _FACTORS = ("0", "1e-6", "0.9", "1", "1.25", "1.35", "10", "11")
 _SIZES = ("1e-9", "0.5", "5 m", "20", "1e3", "1e9")
 #: Values of their keys.
 VALUES: dict[str, tuple[object, ...]] = {
-    "by": ("scale", "filter"), "trace_length": _SIZES, "slope_length": _SIZES, "bench_width": _SIZES,
-    "persistence": ("0", "1e-9", "0.5", "0.97", "1", "99 %", "25"), "max_volume": ("1e-9", "1", "100 m3", "1e12"),
-    "min_volume": ("0", "1e-9", "1", "1e12"), "pond": ("-100", "-1e-9", "0", "1e-6", "3 m", "12", "20", "1e4"),
-    "points": ("-1e6", "-5", "0", "9", "15", "20", "1e6"), "surcharge": ("0", "1e-9", "10 kPa", "1e3", "1e12"),
-    "base_angle": ("0.01", "10", "24", "25", "30", "45", "89"), "base_step": ("0", "1e-6", "0.5", "2", "50"),
-    "heights": ("1e-6", "0.5", "4", "40", "1e5"), "width": ("1e-3", "0.5", "2", "10", "1e4"),
-    "thickness": ("1e-3", "1", "100"), "mechanisms": ("1", "2", "5"),
-    "waviness": ("0", "1", "15", "40", "89"), "jrc": ("0", "1", "8", "20", "25"),
-    "jcs": ("1e-6", "1 MPa", "50 MPa", "1e9"), "phi_r": ("0", "15", "30", "60", "69.9"),
-    "a": ("0", "0.1", "2", "1000"), "d": ("0", "5", "1e6"), "i": ("0", "5", "15", "45", "60"),
-    "sigma_t": ("1e-6", "1", "300 kPa", "1e9"), "c_rock": ("0", "1 MPa", "1e9"), "phi_rock": ("0", "45", "89.9"),
-    "length_0": ("1e-3", "0.1", "1 m", "1e4"), "law": ("mohr-coulomb", "barton-bandis", "power", "bilinear", "bridged"),
-    "set": ("DA1-C1", "DA1-C2", "DA2", "DA3"), "partial_factors": ("DA1-C1", "DA2", "DA3", "office.yaml", "gone.yaml"),
+    "by": ("scale", "filter"),
+    "trace_length": _SIZES,
+    "slope_length": _SIZES,
+    "bench_width": _SIZES,
+    "persistence": ("0", "1e-9", "0.5", "0.97", "1", "99 %", "25"),
+    "max_volume": ("1e-9", "1", "100 m3", "1e12"),
+    "min_volume": ("0", "1e-9", "1", "1e12"),
+    "pond": ("-100", "-1e-9", "0", "1e-6", "3 m", "12", "20", "1e4"),
+    "points": ("-1e6", "-5", "0", "9", "15", "20", "1e6"),
+    "surcharge": ("0", "1e-9", "10 kPa", "1e3", "1e12"),
+    "base_angle": ("0.01", "10", "24", "25", "30", "45", "89"),
+    "base_step": ("0", "1e-6", "0.5", "2", "50"),
+    "heights": ("1e-6", "0.5", "4", "40", "1e5"),
+    "width": ("1e-3", "0.5", "2", "10", "1e4"),
+    "thickness": ("1e-3", "1", "100"),
+    "mechanisms": ("1", "2", "5"),
+    "waviness": ("0", "1", "15", "40", "89"),
+    "jrc": ("0", "1", "8", "20", "25"),
+    "jcs": ("1e-6", "1 MPa", "50 MPa", "1e9"),
+    "phi_r": ("0", "15", "30", "60", "69.9"),
+    "a": ("0", "0.1", "2", "1000"),
+    "d": ("0", "5", "1e6"),
+    "i": ("0", "5", "15", "45", "60"),
+    "sigma_t": ("1e-6", "1", "300 kPa", "1e9"),
+    "c_rock": ("0", "1 MPa", "1e9"),
+    "phi_rock": ("0", "45", "89.9"),
+    "length_0": ("1e-3", "0.1", "1 m", "1e4"),
+    "law": ("mohr-coulomb", "barton-bandis", "power", "bilinear", "bridged"),
+    "set": ("DA1-C1", "DA1-C2", "DA2", "DA3"),
+    "partial_factors": ("DA1-C1", "DA2", "DA3", "office.yaml", "gone.yaml"),
     "accept": ("fos >= 1", "fos >= 5", "fos.closed_form > 0.1", "fos.static_bound >= 1"),
-    "spacing": ("1e-3", "0.5", "3 m", "50"), "scatter": ("0", "1e-6", "5", "45"), "offset": ("-5", "0", "0.3", "1e3"),
-    "spacing_scatter": ("0", "10 %", "1"), "max_blocks": ("1", "20", "500"), "seed": ("0", "7", "9223372036854775807"),
-    "tan_phi": _FACTORS, "resistance": _FACTORS, "permanent_unfavourable": _FACTORS,
-    "permanent_favourable": _FACTORS, "variable_unfavourable": _FACTORS, "variable_favourable": _FACTORS,
-}  # fmt: skip
+    "spacing": ("1e-3", "0.5", "3 m", "50"),
+    "scatter": ("0", "1e-6", "5", "45"),
+    "offset": ("-5", "0", "0.3", "1e3"),
+    "spacing_scatter": ("0", "10 %", "1"),
+    "max_blocks": ("1", "20", "500"),
+    "seed": ("0", "7", "9223372036854775807"),
+    "tan_phi": _FACTORS,
+    "resistance": _FACTORS,
+    "permanent_unfavourable": _FACTORS,
+    "permanent_favourable": _FACTORS,
+    "variable_unfavourable": _FACTORS,
+    "variable_favourable": _FACTORS,
+}
 
 _TABLES = (
-    "{mode: table, depth: 2 m}", "{mode: table, depth: 0}", "{mode: table, depth: 1e4}", "{mode: table, pond: 5 m}",
-    "{mode: table, points: [[0, 0], [10, 6], [30, 12]]}", "{mode: table, points: [[0, 50], [30, 50]]}",
-    "{mode: table, points: [[0, 5]], pond: 3}", "{mode: table, plane: 5/180@2m}", "{mode: table, plane: 20/000@9m}",
-    "{mode: table, plane: 0/0@-1m, pond: 30}", "{mode: table, depth: 1, pond: 8, unit_weight: 15}",
-    "{mode: table, points: [[-1e5, 3], [1e5, 9]]}", "{mode: table}", "{depth: 2}",
-)  # fmt: skip
+    "{mode: table, depth: 2 m}",
+    "{mode: table, depth: 0}",
+    "{mode: table, depth: 1e4}",
+    "{mode: table, pond: 5 m}",
+    "{mode: table, points: [[0, 0], [10, 6], [30, 12]]}",
+    "{mode: table, points: [[0, 50], [30, 50]]}",
+    "{mode: table, points: [[0, 5]], pond: 3}",
+    "{mode: table, plane: 5/180@2m}",
+    "{mode: table, plane: 20/000@9m}",
+    "{mode: table, plane: 0/0@-1m, pond: 30}",
+    "{mode: table, depth: 1, pond: 8, unit_weight: 15}",
+    "{mode: table, points: [[-1e5, 3], [1e5, 9]]}",
+    "{mode: table}",
+    "{depth: 2}",
+)
 _OF_LOADS = (
-    "{surcharge: 10}", "{surcharge: 1e5}", "{surcharge: 0}", "{surcharge: 50 kPa, seismic: 0.4}",
-    "{surcharge: {B1: 9}}", "{surcharge: {C1: 20 kPa, C2: 1e4}}",
-)  # fmt: skip
+    "{surcharge: 10}",
+    "{surcharge: 1e5}",
+    "{surcharge: 0}",
+    "{surcharge: 50 kPa, seismic: 0.4}",
+    "{surcharge: {B1: 9}}",
+    "{surcharge: {C1: 20 kPa, C2: 1e4}}",
+)
 _OF_CASES = (
-    '{one: {accept: "fos >= 1.5"}}', "{a: {set: {loads.seismic.k: 0.2}}, b: {set: {water: full}}}",
-    "{a: {set: {analysis.partial_factors: DA2}}}", "{a: {set: {slope.height: 5}}, A: {set: {slope.height: 6}}}",
-    "{a: {set: {title: x}}}", "{a: {set: {kind: plane}}}", "{a: {set: {cases: {b: {}}}}}", "{a: {}}", "{a: ~}",
-    "{a: {set: {support.bolts: [1e5@000/0]}}}", "{a: {set: {strength: null}}}", "{a: {set: {joints.J1: null}}}",
-    "{a: {set: {water.pressures: {J1: 5}, water.fill: 0.5}}}", "{../a: {set: {water: full}}}",
-    "{a: {set: {acceptance.rules: fos > 2}, accept: fos > 1}}", "{a: {set: {crack.distance: worst}}}",
-)  # fmt: skip
+    '{one: {accept: "fos >= 1.5"}}',
+    "{a: {set: {loads.seismic.k: 0.2}}, b: {set: {water: full}}}",
+    "{a: {set: {analysis.partial_factors: DA2}}}",
+    "{a: {set: {slope.height: 5}}, A: {set: {slope.height: 6}}}",
+    "{a: {set: {title: x}}}",
+    "{a: {set: {kind: plane}}}",
+    "{a: {set: {cases: {b: {}}}}}",
+    "{a: {}}",
+    "{a: ~}",
+    "{a: {set: {support.bolts: [1e5@000/0]}}}",
+    "{a: {set: {strength: null}}}",
+    "{a: {set: {joints.J1: null}}}",
+    "{a: {set: {water.pressures: {J1: 5}, water.fill: 0.5}}}",
+    "{../a: {set: {water: full}}}",
+    "{a: {set: {acceptance.rules: fos > 2}, accept: fos > 1}}",
+    "{a: {set: {crack.distance: worst}}}",
+)
 _OF_ANALYSIS = (
-    "{partial_factors: DA1-C2}", "{partial_factors: {set: DA2, forces: variable}}",
-    "{partial_factors: {tan_phi: 1e-3}}", "{partial_factors: {tan_phi: 1.2, c: 1.4}, criterion: all-pairs}",
+    "{partial_factors: DA1-C2}",
+    "{partial_factors: {set: DA2, forces: variable}}",
+    "{partial_factors: {tan_phi: 1e-3}}",
+    "{partial_factors: {tan_phi: 1.2, c: 1.4}, criterion: all-pairs}",
     "{partial_factors: office.yaml}",
-    "{partial_factors: office.yaml ULS}", "{partial_factors: broken.yaml}",
+    "{partial_factors: office.yaml ULS}",
+    "{partial_factors: broken.yaml}",
     "{partial_factors: {set: DA1-C1, unit_weight: 1.1, resistance: 5}}",
-)  # fmt: skip
+)
 _OF_STRENGTH = (
     "{s: {law: bridged, c: 0, phi: 30, c_rock: 1e3, phi_rock: 50, persistence: 0}}",
     "{s: {law: bridged, c: 0, phi: 0, c_rock: 0, phi_rock: 0, persistence: 1}}",
     "{s: {law: bridged, c: 0, phi: 30, c_rock: 1 MPa, phi_rock: 45, persistence: 0.9, waviness: 5}}",
     "{s: {law: bridged, c: 5, phi: 30, c_rock: 1, phi_rock: 20, persistence: 0.5, residual: {c: 0, phi: 25}}}",
-    "{s: {c: 20, phi: 35, residual: {c: 0, phi: 0}}}", "{s: {c: 20, phi: 35, residual: {c: 20, phi: 35}}}",
-    "{s: {law: power, a: 1, b: 0.7, residual: {c: 0, phi: 20}}}", "{s: {law: power, a: 0, b: 1, d: 5}}",
-    "{s: {law: barton-bandis, jrc: 20, jcs: 1 MPa, phi_r: 35}}", "{s: {law: bilinear, phi: 30, i: 20, sigma_t: 50}}",
-)  # fmt: skip
+    "{s: {c: 20, phi: 35, residual: {c: 0, phi: 0}}}",
+    "{s: {c: 20, phi: 35, residual: {c: 20, phi: 35}}}",
+    "{s: {law: power, a: 1, b: 0.7, residual: {c: 0, phi: 20}}}",
+    "{s: {law: power, a: 0, b: 1, d: 5}}",
+    "{s: {law: barton-bandis, jrc: 20, jcs: 1 MPa, phi_r: 35}}",
+    "{s: {law: bilinear, phi: 30, i: 20, sigma_t: 50}}",
+)
 _COMMON = tuple(
     (key, text)
     for key, texts in (
-        ("water", _TABLES), ("loads", _OF_LOADS), ("cases", _OF_CASES), ("analysis", _OF_ANALYSIS),
+        ("water", _TABLES),
+        ("loads", _OF_LOADS),
+        ("cases", _OF_CASES),
+        ("analysis", _OF_ANALYSIS),
         ("strength", _OF_STRENGTH),
     )
     for text in texts
-)  # fmt: skip
+)
 #: Sections to put in the place of a design's own, by kind.
 SECTIONS: dict[str, tuple[tuple[str, str], ...]] = {
     "wedge": (
         *_COMMON,
-        *(("basal", text) for text in (
-            "{plane: 25/180, height: 5}", "{plane: 0/0, height: 2}", "{plane: 60/000, height: 3}",
-            "{plane: 30/180, height: 1e-9}", "{plane: 20/150, height: -3}", "{plane: 10/200, height: 19.9}",
-            "{plane: 45/180, height: 1e5}", "{plane: 70/180, height: 4}",
-        )),
-        *(("limits", text) for text in (
-            "{trace_length: 5}", "{persistence: {J1: 3}}", "{bench_width: 1e-6}", "{slope_length: 2, by: filter}",
-            "{max_volume: 1, min_volume: 2}", "{min_volume: 1e9}", "{}", "{trace_length: {X: 3}}", "{by: filter}",
-        )),
-        *(("crack", text) for text in (
-            "{plane: 80/180, distance: worst}", "{plane: 90/180, distance: worst, water: full}",
-            "{plane: 85/200, distance: worst, water: 5 kPa}",
-        )),
+        *(
+            ("basal", text)
+            for text in (
+                "{plane: 25/180, height: 5}",
+                "{plane: 0/0, height: 2}",
+                "{plane: 60/000, height: 3}",
+                "{plane: 30/180, height: 1e-9}",
+                "{plane: 20/150, height: -3}",
+                "{plane: 10/200, height: 19.9}",
+                "{plane: 45/180, height: 1e5}",
+                "{plane: 70/180, height: 4}",
+            )
+        ),
+        *(
+            ("limits", text)
+            for text in (
+                "{trace_length: 5}",
+                "{persistence: {J1: 3}}",
+                "{bench_width: 1e-6}",
+                "{slope_length: 2, by: filter}",
+                "{max_volume: 1, min_volume: 2}",
+                "{min_volume: 1e9}",
+                "{}",
+                "{trace_length: {X: 3}}",
+                "{by: filter}",
+            )
+        ),
+        *(
+            ("crack", text)
+            for text in (
+                "{plane: 80/180, distance: worst}",
+                "{plane: 90/180, distance: worst, water: full}",
+                "{plane: 85/200, distance: worst, water: 5 kPa}",
+            )
+        ),
     ),
     "plane": (
         *_COMMON,
-        *(("crack", text) for text in (
-            "{distance: worst}", "{distance: worst, water: full}", "{distance: worst, water: 30 %}",
-            "{distance: worst, water: 2}", "{distance: worst, depth: 3}", "{depth: 3, water: 5 kPa}",
-        )),
+        *(
+            ("crack", text)
+            for text in (
+                "{distance: worst}",
+                "{distance: worst, water: full}",
+                "{distance: worst, water: 30 %}",
+                "{distance: worst, water: 2}",
+                "{distance: worst, depth: 3}",
+                "{depth: 3, water: 5 kPa}",
+            )
+        ),
     ),
     "surface": _COMMON,
     "topple": (
         *_COMMON,
-        *(("slope", text) for text in (
-            "{height: 30, face: 60}", "{height: 10, face: 40, upper: 10}", "{height: 1e-3, face: 80}",
-            "{height: 500, face: 70}", "{height: 20, face: 20}", "{height: 20, face: 60, upper: 60}",
-        )),
-        *(("columns", text) for text in (
-            "{dip: 60, width: 3, base_angle: 35}", "{dip: 60, width: 3, base_angle: 30}", "{dip: 85, width: 2}",
-            "{dip: 60, width: 3, base_angle: 20}", "{dip: 60, width: 3, heights: [3, 4, 5], base_angle: 33}",
-            "{dip: 70, width: 5, base_step: 1}",
-        )),
+        *(
+            ("slope", text)
+            for text in (
+                "{height: 30, face: 60}",
+                "{height: 10, face: 40, upper: 10}",
+                "{height: 1e-3, face: 80}",
+                "{height: 500, face: 70}",
+                "{height: 20, face: 20}",
+                "{height: 20, face: 60, upper: 60}",
+            )
+        ),
+        *(
+            ("columns", text)
+            for text in (
+                "{dip: 60, width: 3, base_angle: 35}",
+                "{dip: 60, width: 3, base_angle: 30}",
+                "{dip: 85, width: 2}",
+                "{dip: 60, width: 3, base_angle: 20}",
+                "{dip: 60, width: 3, heights: [3, 4, 5], base_angle: 33}",
+                "{dip: 70, width: 5, base_step: 1}",
+            )
+        ),
     ),
     "bench": _COMMON,
     "blocks": _COMMON,
-}  # fmt: skip
+}
 #: Keys with values, to stand where they may not belong.
 FRAGMENTS = (
-    "basal: {plane: 25/180, height: 4}", "limits: {max_volume: 10}", "surcharge: 10 kPa", "mode: table", "depth: 3 m",
-    "pond: 2 m", "points: [[0, 0], [9, 5]]", "residual: {c: 0, phi: 20}", "law: bridged", "persistence: 0.9",
-    "partial_factors: DA2", 'cases: {a: {accept: "fos > 1"}}', "distance: worst", "base_angle: 33",
-    "waviness: 4", "set: DA1-C1", "forces: variable", "by: filter", "height: 5", "trace_length: 4",
+    "basal: {plane: 25/180, height: 4}",
+    "limits: {max_volume: 10}",
+    "surcharge: 10 kPa",
+    "mode: table",
+    "depth: 3 m",
+    "pond: 2 m",
+    "points: [[0, 0], [9, 5]]",
+    "residual: {c: 0, phi: 20}",
+    "law: bridged",
+    "persistence: 0.9",
+    "partial_factors: DA2",
+    'cases: {a: {accept: "fos > 1"}}',
+    "distance: worst",
+    "base_angle: 33",
+    "waviness: 4",
+    "set: DA1-C1",
+    "forces: variable",
+    "by: filter",
+    "height: 5",
+    "trace_length: 4",
     "project: {name: x}",
-)  # fmt: skip
+)
 #: Files of partial factors that they name.
 FACTOR_FILES = {
     "office.yaml": "title: of the office\nsource: memo 12\ndate: 2026\nsets: {ULS: {tan_phi: 1.3, c: 1.6}}\n",

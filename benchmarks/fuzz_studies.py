@@ -41,32 +41,54 @@ OPTIONS: dict[str, dict[str, tuple[object, ...]]] = {
     "bench-design": {
         "height": ("10", "10,15", "5:20:3", "1e-3", "1e4", "0", "15 m", "10:20:+5", "10,10"),
         "face": ("65", "60:80:3", "60,75", "90", "1", "95", "0.5", "60:80:+0"),
-        "dip_direction": ("180", "000", "360", "359.99", "-10", "S"), "berm": ("6", "0", "4,8", "-1", "1e5"),
-        "c": ("10", "0", "-1", "5 MPa", "5,6"), "phi": ("30", "0", "89.9", "0.5", "90", "30,31"),
-        "reliability": ("80%", "0.5", "0.999", "0.4", "1"), "catch": ("7.5", "0", "1e5", "-1"),
-        "toe": ("anywhere", "bench", "crest"), "trace": ("10", "1e-3", "0", "1e7"), "spacing": ("2", "1e-3", "0"),
-        "every": ("5", "0.01", "0", "1e6"), "lateral": ("20", "0", "90", "91"),
-        "lateral_toppling": ("30", "0", "90", "-1"), "density": ("2600", "2.6", "20000"),
-        "unit_weight": ("26", "2650", "0"), "water": ("dry", "full", "50%", "u=9.8kPa", "101%", "u=-1"),
-        "seismic": ("0.1", "0", "2", "3", "0.1@180", "0.1@90"), "swell": ("1.4", "1", "3", "0.9"),
-        "repose": ("37", "10", "60", "61"), "fos": ("1", "1e-6", "1.5", "1e6", "0"),
+        "dip_direction": ("180", "000", "360", "359.99", "-10", "S"),
+        "berm": ("6", "0", "4,8", "-1", "1e5"),
+        "c": ("10", "0", "-1", "5 MPa", "5,6"),
+        "phi": ("30", "0", "89.9", "0.5", "90", "30,31"),
+        "reliability": ("80%", "0.5", "0.999", "0.4", "1"),
+        "catch": ("7.5", "0", "1e5", "-1"),
+        "toe": ("anywhere", "bench", "crest"),
+        "trace": ("10", "1e-3", "0", "1e7"),
+        "spacing": ("2", "1e-3", "0"),
+        "every": ("5", "0.01", "0", "1e6"),
+        "lateral": ("20", "0", "90", "91"),
+        "lateral_toppling": ("30", "0", "90", "-1"),
+        "density": ("2600", "2.6", "20000"),
+        "unit_weight": ("26", "2650", "0"),
+        "water": ("dry", "full", "50%", "u=9.8kPa", "101%", "u=-1"),
+        "seismic": ("0.1", "0", "2", "3", "0.1@180", "0.1@90"),
+        "swell": ("1.4", "1", "3", "0.9"),
+        "repose": ("37", "10", "60", "61"),
+        "fos": ("1", "1e-6", "1.5", "1e6", "0"),
         "n": ("100", "500", "99", "1e9", "150.5"),
-        "confidence": ("95%", "0.5", "1"), "accept": ("0.8", "0", "1", "1.1"),
+        "confidence": ("95%", "0.5", "1"),
+        "accept": ("0.8", "0", "1", "1.1"),
         "seed": ("1", "-1", "2.5", "9e18"),
-        "convention": ("dip-direction", "right-hand-rule", "strike", "left-hand-rule"), "skip_bad": (True, False),
+        "convention": ("dip-direction", "right-hand-rule", "strike", "left-hand-rule"),
+        "skip_bad": (True, False),
         "columns": ("dip,dip_direction", "dip_direction,dip", "name"),
     },
     "sets": {
-        "n": (1, 2, 3, 9, 0, -1, 100), "ignore_sets": (True, False),
+        "n": (1, 2, 3, 9, 0, -1, 100),
+        "ignore_sets": (True, False),
         "scanline": ("090/00", "045/45", "000/90", "090", "x", "400/10", "090/-5"),
-        "bias_angle": ("15", "0", "90", "91", "1e-6", "x"), "skip_bad": (True, False),
-        "convention": ("dip-direction", "right-hand-rule", "strike"), "columns": ("dip,dip_direction", "dip"),
+        "bias_angle": ("15", "0", "90", "91", "1e-6", "x"),
+        "skip_bad": (True, False),
+        "convention": ("dip-direction", "right-hand-rule", "strike"),
+        "columns": ("dip,dip_direction", "dip"),
     },
-}  # fmt: skip
+}
 _NEEDED = {
-    "bench-design": {"height": "10", "face": "65", "dip_direction": "180", "c": "5", "phi": "30", "n": "200"},
+    "bench-design": {
+        "height": "10",
+        "face": "65",
+        "dip_direction": "180",
+        "c": "5",
+        "phi": "30",
+        "n": "200",
+    },
     "sets": {},
-}  # fmt: skip
+}
 
 
 def study_case(index: int, seed: int) -> tuple[str, str, bytes, dict[str, Any], str]:
@@ -83,7 +105,9 @@ def study_case(index: int, seed: int) -> tuple[str, str, bytes, dict[str, Any], 
     for _ in range(rng.choice((0, 1, 2, 4))):
         option = rng.choice(tuple(known))
         is_text = isinstance(known[option][0], str)  # the command line hands it on as it is
-        wrong = rng.choice(WRONG[rng.choice(tuple(WRONG))]) if is_text and rng.random() < 0.15 else None
+        wrong = (
+            rng.choice(WRONG[rng.choice(tuple(WRONG))]) if is_text and rng.random() < 0.15 else None
+        )
         options[option] = rng.choice(known[option]) if wrong is None else wrong
     if options and rng.random() < 0.05:
         options.pop(rng.choice(tuple(options)))
@@ -97,7 +121,9 @@ def _of_a_cell(text: str, rng: random.Random) -> tuple[bytes, str]:
     mark = "," if "," in lines[k] else ";"
     cells = lines[k].split(mark)
     value = rng.choice(WRONG[rng.choice(tuple(WRONG))]) or ""
-    cells[rng.randrange(len(cells))] = rng.choice((value, value, "", "0", "90", "360", "1e-9", "1e9", "-5", "45/115"))
+    cells[rng.randrange(len(cells))] = rng.choice(
+        (value, value, "", "0", "90", "360", "1e-9", "1e9", "-5", "45/115")
+    )
     lines[k] = mark.join(cells)
     return ("\n".join(lines) + "\n").encode("utf-8", "surrogatepass"), "cell"
 
@@ -124,7 +150,9 @@ def run_study(index: int, seed: int, folder: Path) -> Outcome:
     except Exception:  # what the command would call a bug of ours
         code, codes, escaped = 5, ("E599",), traceback.format_exc(limit=-6)
     seconds = time.process_time() - began
-    return Outcome(index, origin, stage, code, codes, study if stage == "result" else "", (), seconds, escaped)
+    return Outcome(
+        index, origin, stage, code, codes, study if stage == "result" else "", (), seconds, escaped
+    )
 
 
 def study_outcomes(count: int, seed: int, folder: Path) -> Sequence[Outcome]:

@@ -55,7 +55,9 @@ def arguments(name: str) -> list[str]:
 def loaded(name: str) -> list[str]:
     """The modules that a command loads, apart from those of a bare Python."""
     bare = subprocess.run([sys.executable, "-c", _LIST], capture_output=True, text=True, check=True)
-    run = subprocess.run([sys.executable, "-c", _RUN, *arguments(name)], capture_output=True, text=True, check=True)
+    run = subprocess.run(
+        [sys.executable, "-c", _RUN, *arguments(name)], capture_output=True, text=True, check=True
+    )
     return sorted(set(json.loads(run.stdout.splitlines()[-1])) - set(json.loads(bare.stdout)))
 
 
@@ -74,21 +76,32 @@ def by_package(modules: list[str]) -> Counter[str]:
 def declared() -> set[str]:
     """The packages that pyproject.toml names, as they are imported."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    named = [*project["dependencies"], *(one for extra in project["optional-dependencies"].values() for one in extra)]
+    named = [
+        *project["dependencies"],
+        *(one for extra in project["optional-dependencies"].values() for one in extra),
+    ]
     return {re.split(r"[^\w-]", one)[0].replace("-", "_") for one in named}
 
 
 def modules_of(name: str) -> Section:
     """What is stored of a command: packages, and the modules of slopekit by package."""
     modules = loaded(name)
-    own = [module.removeprefix("slopekit.") for module in modules if module.partition(".")[0] == "slopekit"]
+    own = [
+        module.removeprefix("slopekit.")
+        for module in modules
+        if module.partition(".")[0] == "slopekit"
+    ]
     packages = sorted(by_package(modules).keys() & declared())
     rooms: dict[str, list[str]] = {}
     for module in own:
         room, _, rest = module.partition(".")
-        rooms.setdefault(room if rest or (SOURCES / room).is_dir() else "(top)", []).append(rest or module)
+        rooms.setdefault(room if rest or (SOURCES / room).is_dir() else "(top)", []).append(
+            rest or module
+        )
     lines = [f"{name}: packages = {' '.join(packages)}", f"{name}: modules = {len(own)}"]
-    return lines + [f"{name}: {room} = {' '.join(sorted(names))}" for room, names in sorted(rooms.items())]
+    return lines + [
+        f"{name}: {room} = {' '.join(sorted(names))}" for room, names in sorted(rooms.items())
+    ]
 
 
 def sizes() -> Section:
@@ -122,7 +135,9 @@ def differences(name: str) -> list[Difference]:
 
 def packages_of(name: str) -> list[str]:
     """The packages that a command loads beside slopekit and the standard library."""
-    return sorted(top for top in by_package(loaded(name)) if top not in ("slopekit", "(standard library)"))
+    return sorted(
+        top for top in by_package(loaded(name)) if top not in ("slopekit", "(standard library)")
+    )
 
 
 def cold(name: str, packages: list[str], repeat: int = REPEAT) -> tuple[float, float, float]:
@@ -131,11 +146,17 @@ def cold(name: str, packages: list[str], repeat: int = REPEAT) -> tuple[float, f
     Compiled modules are kept even where the environment asks for none, as containers do: else every run compiles ours.
     """
     command = [sys.executable, "-m", "slopekit.cli", *arguments(name)]
-    imports = ", ".join("ruamel.yaml" if one == "ruamel" else one for one in packages)  # ruamel alone is empty
+    imports = ", ".join(
+        "ruamel.yaml" if one == "ruamel" else one for one in packages
+    )  # ruamel alone is empty
     bare = [sys.executable, "-c", f"import {imports}"]
-    environment = {key: value for key, value in os.environ.items() if key != "PYTHONDONTWRITEBYTECODE"}
+    environment = {
+        key: value for key, value in os.environ.items() if key != "PYTHONDONTWRITEBYTECODE"
+    }
     ours, theirs = [], []
-    for turn in range(repeat + 1):  # in turn, so that the machine's mood hits both; the first fills the caches
+    for turn in range(
+        repeat + 1
+    ):  # in turn, so that the machine's mood hits both; the first fills the caches
         for work, times in ((command, ours), (bare, theirs)):
             began = time.perf_counter()
             subprocess.run(work, capture_output=True, check=False, env=environment)
@@ -155,16 +176,23 @@ def main(words: list[str]) -> None:
     print("modules loaded, by package, beyond a bare Python")
     for name in COMMANDS:
         counts = by_package(loaded(name))
-        print(f"  {name:<18}{sum(counts.values()):5d}  " + "  ".join(f"{top} {n}" for top, n in counts.most_common()))
+        print(
+            f"  {name:<18}{sum(counts.values()):5d}  "
+            + "  ".join(f"{top} {n}" for top, n in counts.most_common())
+        )
         for one in differences(name):
-            print(f"    {one.key}: new {one.old.removeprefix('without ')}; gone {one.new.removeprefix('without ')}")
+            print(
+                f"    {one.key}: new {one.old.removeprefix('without ')}; gone {one.new.removeprefix('without ')}"
+            )
     before = dict(line.split(" = ") for line in stored() if line.startswith("src "))
     print("sources, modules and lines by package")
     for line in sizes():
         room, now = line.split(" = ")
         was = "" if before.get(room) == now else f"   stored: {before.get(room, 'nothing')}"
         print(f"  {room.removeprefix('src '):<18}{now}{was}")
-    print(f"cold, median of {REPEAT} runs in turn with importing alone what the command loads of other packages")
+    print(
+        f"cold, median of {REPEAT} runs in turn with importing alone what the command loads of other packages"
+    )
     for name in list(COMMANDS)[:2]:
         needs = packages_of(name)
         ours, theirs, ratio = cold(name, needs)

@@ -25,7 +25,7 @@ from benchmarks.golden_text import Section, lines_of, text_of
 from slopekit.design.templates import folder as templates_folder
 from slopekit.design.templates import names
 from slopekit.studies.suite import suite
-from slopekit.studies.suite.references import chosen
+from slopekit.studies.suite.references import selected_cases
 from tests.commands import slopekit
 
 ROOT = Path(__file__).parents[1]
@@ -37,7 +37,18 @@ EXAMPLES = ROOT / "examples"
 HEAVY = ("checks/bench", "checks/paper-ellipsoid", "suite/rows")
 RESULTS = "run {} --quiet --no-pictures -o out"
 #: The functions whose results are kept where an example calls them.
-RECORDED = ("run", "wedge", "prob", "combos", "kinematic", "check", "solve", "support", "sweep", "tornado")
+RECORDED = (
+    "run",
+    "wedge",
+    "prob",
+    "combos",
+    "kinematic",
+    "check",
+    "solve",
+    "support",
+    "sweep",
+    "tornado",
+)
 #: Rows of the suite: what stands in verification.json already is left out.
 ROW = ("value", "status", "closed_form", "limit", "static_bound", "error", "ok", "reason")
 _TEXTS = (".txt", ".csv", ".yaml", ".obj", ".md")
@@ -70,7 +81,9 @@ def prepare(folder: Path) -> None:
     shutil.copytree(INPUTS, folder / "inputs")
     (folder / "designs").mkdir()
     for name in rich_designs():
-        (folder / "designs" / f"{name.replace(' ', '-')}.yaml").write_text(SEEDS[name], encoding="utf-8")
+        (folder / "designs" / f"{name.replace(' ', '-')}.yaml").write_text(
+            SEEDS[name], encoding="utf-8"
+        )
     for place in ("inputs", "designs"):
         write_files(folder / place)
 
@@ -88,7 +101,10 @@ def cases() -> list[Case]:
         found[f"checks/{name}"] = [f"check templates/{name}.yaml --quiet -o out"]
     for name in rich_designs():
         word = name.replace(" ", "-")
-        found[f"designs/{word}"] = [f"lint designs/{word}.yaml --json", RESULTS.format(f"designs/{word}.yaml")]
+        found[f"designs/{word}"] = [
+            f"lint designs/{word}.yaml --json",
+            RESULTS.format(f"designs/{word}.yaml"),
+        ]
     for path in sorted(INPUTS.glob("*.yaml")):
         found[f"broken/{path.stem}"] = [f"lint inputs/{path.name}"]
     for name, command in listed():
@@ -121,10 +137,14 @@ def _commands(commands: list[str]) -> Callable[[Path], Answer]:
             head = [f"$ slopekit {command}", f"exit {ran.returncode}"]
             is_json = ran.stdout.startswith("{")
             said = [] if is_json else text_of(ran.stdout)
-            answer[f"command{number}"] = head + said + [f"2> {line}" for line in text_of(ran.stderr)]
+            answer[f"command{number}"] = (
+                head + said + [f"2> {line}" for line in text_of(ran.stderr)]
+            )
             if is_json:
                 answer[f"stdout{number} values"] = lines_of(_document(ran.stdout))
-            for path in sorted(Path(name) for name, stamp in _files(folder).items() if before.get(name) != stamp):
+            for path in sorted(
+                Path(name) for name, stamp in _files(folder).items() if before.get(name) != stamp
+            ):
                 answer[str(path.relative_to(folder))] = _content(path)
             if drawn:
                 answer[f"drawn{number}"] = drawn
@@ -164,8 +184,10 @@ def _document(text: str) -> Any:
     if "study" in document:
         return _without_sheet(document)
     if isinstance(sheet := document.get("sheet"), dict):
-        document["sheet"] = {label: [entry if isinstance(entry, str) else entry["shown"] for entry in entries]
-                             for label, entries in sheet.items()}  # fmt: skip
+        document["sheet"] = {
+            label: [entry if isinstance(entry, str) else entry["shown"] for entry in entries]
+            for label, entries in sheet.items()
+        }
     return document
 
 
@@ -249,7 +271,7 @@ def _suite(_: Path) -> Answer:
 def names_of_rows() -> list[str]:
     """A name for each row of the suite: case, quantity and source."""
     found: list[str] = []
-    for case in chosen(None):
+    for case in selected_cases(None):
         for reference in case.references:
             of = "" if reference.of is None else f"@{reference.of:g}"
             name = f"{case.id}: {reference.quantity}{of} ({reference.source})"
@@ -259,5 +281,8 @@ def names_of_rows() -> list[str]:
 
 def in_store() -> dict[str, Path]:
     """Names of what is stored, and its files."""
-    return {str(path.relative_to(STORE).with_suffix("")): path for path in STORE.glob("*/*.txt")
-            if path.parent != INPUTS}  # fmt: skip
+    return {
+        str(path.relative_to(STORE).with_suffix("")): path
+        for path in STORE.glob("*/*.txt")
+        if path.parent != INPUTS
+    }

@@ -29,26 +29,61 @@ RELATIVE = 1e-9
 LOOSER: tuple[tuple[re.Pattern[str], float, float, str], ...] = tuple(
     (re.compile(pattern), relative, absolute, why)
     for pattern, relative, absolute, why in (
-        (r"balance\.(force|moment|pull|friction_excess)$", RELATIVE, 1e-7, "parts of the load, left by the solvers"),
-        (r"(residual|mesh_change|_error|plane_error_m|largest_unbalanced_force)$", RELATIVE, 1e-8, "left by rounding"),
-        (r"(difference|error|misses_by|findings\.\d+\.value)$", RELATIVE, 1e-8, "two numbers that are nearly one"),
+        (
+            r"balance\.(force|moment|pull|friction_excess)$",
+            RELATIVE,
+            1e-7,
+            "parts of the load, left by the solvers",
+        ),
+        (
+            r"(residual|mesh_change|_error|plane_error_m|largest_unbalanced_force)$",
+            RELATIVE,
+            1e-8,
+            "left by rounding",
+        ),
+        (
+            r"(difference|error|misses_by|findings\.\d+\.value)$",
+            RELATIVE,
+            1e-8,
+            "two numbers that are nearly one",
+        ),
         (r"orders$", 1e-6, 0.0, "of errors that are small themselves"),
-        (r"(displacement_m|rotation_rad)$", RELATIVE, 1e-14, "metres and radians of a bed: 0 of a symmetric slope"),
+        (
+            r"(displacement_m|rotation_rad)$",
+            RELATIVE,
+            1e-14,
+            "metres and radians of a bed: 0 of a symmetric slope",
+        ),
         (
             r"^(\w+/)\S*(wall|blocks|bench|topple|goodman)\S* (mechanism|assembly|scene\.velocity)",
             1e-6,
             1e-6,
             "many blocks: the motion stops changing, it is not solved for",
         ),
-        (r"(rotation|scene\.velocity)$", RELATIVE, 1e-10, "of a motion of length 1: 0 where a block slides"),
+        (
+            r"(rotation|scene\.velocity)$",
+            RELATIVE,
+            1e-10,
+            "of a motion of length 1: 0 where a block slides",
+        ),
         (
             r"^(\w+/)\S*(bench|surface|ellipsoid|sphere|cylinder)\S* .*(static_bound|fos\.highest|ladder\.\d+\.fos)$",
             1e-6,
             0.0,
             "of a conic program, solved to 1e-6",
         ),
-        (r"^designs/rich-wedge (forces_kn|scene\.pairs)", 1e-7, 0.0, "tractions of an iterated bed"),
-        (r"model\.passes$", 0.25, 3.0, "steps of a search: compiled kernels and NumPy round differently"),
+        (
+            r"^designs/rich-wedge (forces_kn|scene\.pairs)",
+            1e-7,
+            0.0,
+            "tractions of an iterated bed",
+        ),
+        (
+            r"model\.passes$",
+            0.25,
+            3.0,
+            "steps of a search: compiled kernels and NumPy round differently",
+        ),
     )
 )
 RESIDUE = 1e-7  # a number of a sheet below this is rounding
@@ -62,8 +97,14 @@ _MASKS = (
     (re.compile(r"\bslopekit \d+\.\d+\.\d+\S*"), "slopekit #"),
     (re.compile(r" *(?<![\w.])\d+(?:\.\d+)? (ms|µs)\b"), r" # \1"),
     (re.compile(r"; \d+(?:\.\d+)? s$"), "; # s"),
-    (re.compile(r"\b\d+ factorisations"), "# factorisations"),  # their number stands in model.passes
-    (re.compile(r"^(Usage:).*\bslopekit\b"), r"\1 slopekit"),  # the program that runs the cases names itself there
+    (
+        re.compile(r"\b\d+ factorisations"),
+        "# factorisations",
+    ),  # their number stands in model.passes
+    (
+        re.compile(r"^(Usage:).*\bslopekit\b"),
+        r"\1 slopekit",
+    ),  # the program that runs the cases names itself there
 )
 
 Section = list[str]
@@ -100,7 +141,11 @@ def text_of(text: str) -> Section:
         if not line.startswith(" "):
             label, width = line.partition(" ")[0], None
         if label == "LADDER":  # of a check: its last two columns are times
-            width = line.index("error") + len("error") if re.search(r"error +ms +times$", line) else width
+            width = (
+                line.index("error") + len("error")
+                if re.search(r"error +ms +times$", line)
+                else width
+            )
         if label not in TIMED:
             kept.append(_masked(line[:width]).rstrip())
     return kept
@@ -116,8 +161,15 @@ def _flat(value: Any, path: str) -> Iterator[tuple[str, str]]:
     if isinstance(value, Mapping):
         if "zlib_base64" in value:
             array = _unpacked(value)
-            ordered = not path.endswith("triangles")  # of a flat face: any of its triangulations is right
-            yield path, _nested(array.tolist()) if array.size <= LONG_LIST and ordered else _digest(array, ordered)
+            ordered = not path.endswith(
+                "triangles"
+            )  # of a flat face: any of its triangulations is right
+            yield (
+                path,
+                _nested(array.tolist())
+                if array.size <= LONG_LIST and ordered
+                else _digest(array, ordered),
+            )
             return
         items = [(str(key), one) for key, one in value.items() if key not in TIMES]
         if not path or "sheet" in value:  # a document, or one within it
@@ -172,9 +224,15 @@ def _scalar(value: Any) -> str:
 def _numbers(values: list[Any]) -> np.ndarray | None:
     """A list, or a list of lists of one length, of numbers alone; None for any other."""
     flat = values
-    if values and all(isinstance(one, list | tuple) for one in values) and len({len(one) for one in values}) == 1:
+    if (
+        values
+        and all(isinstance(one, list | tuple) for one in values)
+        and len({len(one) for one in values}) == 1
+    ):
         flat = [part for one in values for part in one]
-    if not flat or not all(isinstance(one, int | float) and not isinstance(one, bool) for one in flat):
+    if not flat or not all(
+        isinstance(one, int | float) and not isinstance(one, bool) for one in flat
+    ):
         return None
     return np.array(values, dtype=float)
 
@@ -192,9 +250,15 @@ def _digest(array: np.ndarray, ordered: bool = True) -> str:
     flat = array.astype(float).ravel()
     known = np.where(np.isfinite(flat), flat, 0.0)
     weights = np.cos(np.arange(1, flat.size + 1))
-    parts = [("least", known.min()), ("greatest", known.max()), ("sum", math.fsum(known)),
-             ("weighted", math.fsum(known * weights))]  # fmt: skip
-    text = " ".join(f"{name} {value + 0.0:.12g}" for name, value in (parts if ordered else parts[:2]))
+    parts = [
+        ("least", known.min()),
+        ("greatest", known.max()),
+        ("sum", math.fsum(known)),
+        ("weighted", math.fsum(known * weights)),
+    ]
+    text = " ".join(
+        f"{name} {value + 0.0:.12g}" for name, value in (parts if ordered else parts[:2])
+    )
     if not np.isfinite(flat).all():
         text += f" not finite {int((~np.isfinite(flat)).sum())}"
     if array.dtype.kind in "iub" and ordered:
@@ -242,7 +306,9 @@ def compare_text(case: str, section: str, old: Section, new: Section) -> list[Di
     """Lines of a text, in their order; where only rounding differs lines may break elsewhere."""
     if old == new:
         return []
-    words_differ = "\n".join(old).split() != "\n".join(new).split()  # where they do not, the layout does
+    words_differ = (
+        "\n".join(old).split() != "\n".join(new).split()
+    )  # where they do not, the layout does
     if words_differ and _flowing(old) == _flowing(new):
         return []
     before, after = [_comparable(line) for line in old], [_comparable(line) for line in new]
@@ -270,7 +336,10 @@ def same_value(where: str, old: str, new: str) -> bool:
     a, b = [float(one) for one in before], [float(one) for one in after]
     relative, absolute = tolerance_of(where)
     scale = max(map(abs, _sizes(old, a) + _sizes(new, b)), default=0.0)
-    return all(abs(x - y) <= max(absolute, relative * max(abs(x), abs(y), scale)) for x, y in zip(a, b, strict=True))
+    return all(
+        abs(x - y) <= max(absolute, relative * max(abs(x), abs(y), scale))
+        for x, y in zip(a, b, strict=True)
+    )
 
 
 def tolerance_of(where: str) -> tuple[float, float]:
@@ -318,10 +387,15 @@ def _flowing(lines: Section) -> list[str]:
 
 def _same_line(old: str, new: str) -> bool:
     before, after = _NUMBER.findall(_comparable(old)), _NUMBER.findall(_comparable(new))
-    if len(before) != len(after) or _NUMBER.split(_comparable(old)) != _NUMBER.split(_comparable(new)):
+    if len(before) != len(after) or _NUMBER.split(_comparable(old)) != _NUMBER.split(
+        _comparable(new)
+    ):
         return False
-    return all(a == b or (_digits(a) >= 10 <= _digits(b) and math.isclose(float(a), float(b), rel_tol=RELATIVE))
-               for a, b in zip(before, after, strict=True))  # fmt: skip
+    return all(
+        a == b
+        or (_digits(a) >= 10 <= _digits(b) and math.isclose(float(a), float(b), rel_tol=RELATIVE))
+        for a, b in zip(before, after, strict=True)
+    )
 
 
 def _digits(number: str) -> int:

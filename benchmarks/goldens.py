@@ -61,9 +61,13 @@ def differences(name: str, old: Answer, new: Answer) -> list[Difference]:
     found = []
     for section in [*old, *(section for section in new if section not in old)]:
         if section not in new:
-            found.append(Difference(name, section, "all of it", f"{len(old[section])} lines", "(gone)"))
+            found.append(
+                Difference(name, section, "all of it", f"{len(old[section])} lines", "(gone)")
+            )
         elif section not in old:
-            found.append(Difference(name, section, "all of it", "(not stored)", f"{len(new[section])} lines"))
+            found.append(
+                Difference(name, section, "all of it", "(not stored)", f"{len(new[section])} lines")
+            )
         else:
             compare = compare_values if is_values(section) else compare_text
             found += compare(name, section, old[section], new[section])
@@ -86,9 +90,14 @@ def store(some: Sequence[Case], whole: bool) -> list[str]:
     for case, answer in answers(some):
         path = STORE / f"{case.name}.txt"
         old = read(path) if path.exists() else {}
-        same = {name: kept(case.name, is_values(name), old[name], lines) if name in old else lines
-                for name, lines in answer.items()}  # fmt: skip
-        text = "".join(f"{_MARK}{name}\n" + "".join(f"{line}\n" for line in lines) for name, lines in same.items())
+        same = {
+            name: kept(case.name, is_values(name), old[name], lines) if name in old else lines
+            for name, lines in answer.items()
+        }
+        text = "".join(
+            f"{_MARK}{name}\n" + "".join(f"{line}\n" for line in lines)
+            for name, lines in same.items()
+        )
         if not path.exists() or path.read_text(encoding="utf-8") != text:
             path.parent.mkdir(exist_ok=True)
             path.write_text(text, encoding="utf-8")
@@ -127,7 +136,9 @@ def main(words: list[str]) -> int:
         if len(shown) < len(found):
             print(f"    ... and {len(found) - len(shown)} more")
     took = time.process_time() - began
-    print(f"{len(some)} cases in {took:.0f} s of processor time: {wrong or 'none'} differ{'s' if wrong == 1 else ''}")
+    print(
+        f"{len(some)} cases in {took:.0f} s of processor time: {wrong or 'none'} differ{'s' if wrong == 1 else ''}"
+    )
     print(_slowest())
     return wrong
 

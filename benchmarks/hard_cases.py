@@ -22,27 +22,43 @@ from tests.hard_cases.sweeps import NO_DRIVE, Point, Sweep, verdict, walk
 
 DOCS = Path(__file__).parents[1] / "docs"
 TITLES = {
-    "angle": "Joints nearly parallel", "size": "Size: 1 mm to 100 km",
+    "angle": "Joints nearly parallel",
+    "size": "Size: 1 mm to 100 km",
     "size-blocks": "Size of many blocks",
     "offset": "Coordinates far from the origin",
-    "aspect": "Long, thin and slender blocks", "stiffness": "Joint stiffness",
-    "water": "Water, past the loss of contact", "pull": "Pulled uphill until sliding reverses",
-    "unloaded": "One joint unloaded", "facing": "A joint that turns out of contact",
-    "seismic": "Earthquake until the block is lifted", "plunge": "Line or plane close to the face",
-    "flat": "Flat joints", "steep": "Steep joints", "friction": "Friction from 0 to 89°", "cohesion": "Cohesion from 0",
-}  # fmt: skip
+    "aspect": "Long, thin and slender blocks",
+    "stiffness": "Joint stiffness",
+    "water": "Water, past the loss of contact",
+    "pull": "Pulled uphill until sliding reverses",
+    "unloaded": "One joint unloaded",
+    "facing": "A joint that turns out of contact",
+    "seismic": "Earthquake until the block is lifted",
+    "plunge": "Line or plane close to the face",
+    "flat": "Flat joints",
+    "steep": "Steep joints",
+    "friction": "Friction from 0 to 89°",
+    "cohesion": "Cohesion from 0",
+}
 #: Which jumps a picture shows, by the beginning of their names, and what is written beside them.
 SHOWN = {
-    "water": (("Wyllie & Mah's wedge, water on both: J2", "J2 loses contact (also water on J2)"),
-              ("Wyllie & Mah's wedge, water on both: it is", "lifted: both joints"),
-              ("Wyllie & Mah's wedge, water on J1", "J1 loses contact"),
-              ("paper's wedge, water on both", "lifted: symmetric wedge"), ("plane, water", "lifted: plane"),
-              ("block on wet ground", "block tips")),
+    "water": (
+        ("Wyllie & Mah's wedge, water on both: J2", "J2 loses contact (also water on J2)"),
+        ("Wyllie & Mah's wedge, water on both: it is", "lifted: both joints"),
+        ("Wyllie & Mah's wedge, water on J1", "J1 loses contact"),
+        ("paper's wedge, water on both", "lifted: symmetric wedge"),
+        ("plane, water", "lifted: plane"),
+        ("block on wet ground", "block tips"),
+    ),
     "facing": (("wedge, dip direction of J2", "J2 comes into contact"),),
-    "seismic": (("steep wedge", "steep wedge is lifted"), ("plane, earthquake: it is", "plane is lifted")),
-    "pull": (("paper's wedge pulled uphill", "wedge: sliding reverses"),
-             ("plane pulled uphill", "plane: sliding reverses")),
-}  # fmt: skip
+    "seismic": (
+        ("steep wedge", "steep wedge is lifted"),
+        ("plane, earthquake: it is", "plane is lifted"),
+    ),
+    "pull": (
+        ("paper's wedge pulled uphill", "wedge: sliding reverses"),
+        ("plane pulled uphill", "plane: sliding reverses"),
+    ),
+}
 #: Jumps whose parameter is not that of their picture, by the beginning of their names: what to multiply it with.
 IN_PICTURE = {"plane pulled uphill": 1.0 / 1835.0}
 #: What the errors of a picture are errors of, and what is written below it.
@@ -75,23 +91,29 @@ class Walked:
     sweep: Sweep
     points: Sequence[Point]
 
-    def kept(self) -> dict[str, Any]:
+    def collecting(self) -> dict[str, Any]:
         """The curve as columns."""
         sweep, points = self.sweep, self.points
         rows = [asdict(found) | {"seconds": round(found.seconds, 4)} for found in points]
         return {
-            "picture": sweep.picture, "name": sweep.name, "kind": sweep.kind, "label": sweep.label,
-            "quantity": sweep.quantity, "tolerance": sweep.tolerance[0], "cause": sweep.tolerance[1],
+            "picture": sweep.picture,
+            "name": sweep.name,
+            "kind": sweep.kind,
+            "label": sweep.label,
+            "quantity": sweep.quantity,
+            "tolerance": sweep.tolerance[0],
+            "cause": sweep.tolerance[1],
             "verdict": [verdict(sweep, found) for found in points],
             **{key: [row[key] for row in rows] for key in rows[0]},
-        }  # fmt: skip
+        }
 
     def worst(self, *, governed: bool = False) -> tuple[float, float] | None:
         """Largest error and where it is: of what is compared, or of the forces alone where moments govern the limit."""
         errors = [
-            (found.error, found.value) for found in self.points
+            (found.error, found.value)
+            for found in self.points
             if found.error is not None and self.governed(found) == governed
-        ]  # fmt: skip
+        ]
         return max(errors) if errors else None
 
     def governed(self, found: Point) -> bool:
@@ -103,7 +125,9 @@ def draw(picture: str, walks: Sequence[Walked], jumps: Sequence[tuple[Jump, Loca
     """One chart: the errors along all sweeps that share a parameter."""
     curves: list[Curve] = []
     for one in walks:
-        curves += _curves(one.sweep.name, one.sweep, [(x.value, x.error, one.governed(x)) for x in one.points])
+        curves += _curves(
+            one.sweep.name, one.sweep, [(x.value, x.error, one.governed(x)) for x in one.points]
+        )
     quantities = dict.fromkeys(one.sweep.quantity for one in walks)
     errors = "of the " + ", ".join(ERRORS[quantity] for quantity in quantities)
     if len(quantities) > 1:
@@ -111,22 +135,37 @@ def draw(picture: str, walks: Sequence[Walked], jumps: Sequence[tuple[Jump, Loca
     if picture == "stiffness":
         errors = f"of the limit; {ALL_PAIRS} (as named)"
         for one in walks:
-            failed = [(x.value, 1.0 - x.all_pairs / x.limit) for x in one.points if x.all_pairs and x.limit]
+            failed = [
+                (x.value, 1.0 - x.all_pairs / x.limit)
+                for x in one.points
+                if x.all_pairs and x.limit
+            ]
             below = [(value, distance, False) for value, distance in failed if distance > BRACKET]
             curves += _curves(f"{one.sweep.name}: {ALL_PAIRS}", one.sweep, below)
     shown = [
-        (found.exact_place * _in_picture(jump), text) for start, text in SHOWN.get(picture, ())
-        for jump, found in jumps if jump.name.startswith(start)
-    ]  # fmt: skip
+        (found.exact_place * _in_picture(jump), text)
+        for start, text in SHOWN.get(picture, ())
+        for jump, found in jumps
+        if jump.name.startswith(start)
+    ]
     sweep = walks[0].sweep
     sweep_chart(
-        curves, DOCS / "images" / f"hard-{picture}.png", TITLES[picture], sweep.label, logarithmic=sweep.logarithmic,
-        jumps=shown, errors=errors, tolerances=_tolerances([one.sweep for one in walks]), crosses=ALONE,
-    )  # fmt: skip
+        curves,
+        DOCS / "images" / f"hard-{picture}.png",
+        TITLES[picture],
+        sweep.label,
+        logarithmic=sweep.logarithmic,
+        jumps=shown,
+        errors=errors,
+        tolerances=_tolerances([one.sweep for one in walks]),
+        crosses=ALONE,
+    )
 
 
 def _in_picture(jump: Jump) -> float:
-    return next((factor for start, factor in IN_PICTURE.items() if jump.name.startswith(start)), 1.0)
+    return next(
+        (factor for start, factor in IN_PICTURE.items() if jump.name.startswith(start)), 1.0
+    )
 
 
 def _tolerances(sweeps: Sequence[Sweep]) -> list[tuple[float, str]]:
@@ -139,7 +178,9 @@ def _tolerances(sweeps: Sequence[Sweep]) -> list[tuple[float, str]]:
     return [(size, others if size == most else "; ".join(of)) for size, of in names.items()]
 
 
-def _curves(name: str, sweep: Sweep, points: Iterable[tuple[float, float | None, bool]]) -> list[Curve]:
+def _curves(
+    name: str, sweep: Sweep, points: Iterable[tuple[float, float | None, bool]]
+) -> list[Curve]:
     """The pieces of a curve between the points that have no number; each point with whether it is drawn as a cross."""
     pieces = []
     seen = [at for at in points if at[0] > 0.0 or not sweep.logarithmic]
@@ -159,14 +200,17 @@ def page(walks: Sequence[Walked], jumps: Sequence[tuple[Jump, Located]]) -> str:
     shapes = sum(sweep.quantity != "factor" for sweep, _ in agreed)
     none = sum(
         found.limit is None for sweep, found in points if verdict(sweep, found) == "moments govern"
-    )  # fmt: skip
+    )
     sizes = sorted({one.sweep.tolerance[0] for one in walks})
     lines = [
-        "# Hard cases", "",
+        "# Hard cases",
+        "",
         f"Sweeps of one input to the edge of what is possible, slopekit {__version__} against closed forms in 50 "
         "digits (`tests/hard_cases/exact.py`). Made by `python -m benchmarks.hard_cases`; every point, with its "
-        "status, is in [hard-cases.json](hard-cases.json).", "",
-        f"{len(points)} points:", "",
+        "status, is in [hard-cases.json](hard-cases.json).",
+        "",
+        f"{len(points)} points:",
+        "",
         f"- {verdicts['agrees']} agree with the closed form within the tolerance of their sweep "
         f"({in_short(sizes[0])} to {in_short(sizes[-1])}, causes below): {numbers} factors of safety, {shapes} volumes "
         f"and places of corners, {len(agreed) - numbers - shapes} without a number on either side.",
@@ -174,26 +218,49 @@ def page(walks: Sequence[Walked], jumps: Sequence[tuple[Jump, Located]]) -> str:
         "reference: checked are slopekit's forces alone, within the same tolerances, and that the limit does not lie "
         f"above them (in {none} the block topples or turns and has no limit).",
         f"- {verdicts['said']} without an answer that say so.",
-        f"- {verdicts['wrong']} wrong.", "",
+        f"- {verdicts['wrong']} wrong.",
+        "",
         "Errors are relative. In the pictures a cross is the error of the forces alone where moments govern, an open "
-        "marker at the bottom is no error to 16 digits, dashed lines are tolerances, dotted lines jumps.", "",
+        "marker at the bottom is no error to 16 digits, dashed lines are tolerances, dotted lines jumps.",
+        "",
         "Compared is the limit, or what the name of the sweep says. Below each picture stands what was swept, the "
-        "largest error beside the tolerance, and where moments govern the largest error of the forces alone.", "",
-        "## Causes of the tolerances", "",
-        *(f"- {in_short(size)}: {cause}" for size, cause in sorted({one.sweep.tolerance for one in walks})), "",
+        "largest error beside the tolerance, and where moments govern the largest error of the forces alone.",
+        "",
+        "## Causes of the tolerances",
+        "",
+        *(
+            f"- {in_short(size)}: {cause}"
+            for size, cause in sorted({one.sweep.tolerance for one in walks})
+        ),
+        "",
         f"- `no_driving_force` instead of a number above {in_short(NO_DRIVE)}: what drives is less than a millionth of "
-        "the strength.", "",
-        "## Jumps", "",
-        "Where the status changes, by bisection. Values on either side are in hard-cases.json.", "",
+        "the strength.",
+        "",
+        "## Jumps",
+        "",
+        "Where the status changes, by bisection. Values on either side are in hard-cases.json.",
+        "",
         "| jump | parameter | place, 50 digits | slopekit | apart | tolerance | status below | above |",
         "|---|---|---|---|---|---|---|---|",
-        *(f"| {jump.name} | {jump.label} | {found.exact_place:.13g} | {found.place:.13g} | {found.off:.1e} "
-          f"| {in_short(jump.tolerance[0])} | {found.below.status} | {found.above.status} |" for jump, found in jumps),
+        *(
+            f"| {jump.name} | {jump.label} | {found.exact_place:.13g} | {found.place:.13g} | {found.off:.1e} "
+            f"| {in_short(jump.tolerance[0])} | {found.below.status} | {found.above.status} |"
+            for jump, found in jumps
+        ),
         "",
-        *(f"- {in_short(size)}: {cause}" for size, cause in sorted({jump.tolerance for jump, _ in jumps})), "",
-    ]  # fmt: skip
+        *(
+            f"- {in_short(size)}: {cause}"
+            for size, cause in sorted({jump.tolerance for jump, _ in jumps})
+        ),
+        "",
+    ]
     for picture in dict.fromkeys(one.sweep.picture for one in walks):
-        lines += [f"## {TITLES[picture]}", "", f"![{TITLES[picture]}](images/hard-{picture}.png)", ""]
+        lines += [
+            f"## {TITLES[picture]}",
+            "",
+            f"![{TITLES[picture]}](images/hard-{picture}.png)",
+            "",
+        ]
         lines += [*_sweeps_of([one for one in walks if one.sweep.picture == picture]), ""]
         if picture in WORDS:
             lines += [WORDS[picture]]
@@ -214,7 +281,11 @@ def _sweeps_of(walks: Sequence[Walked]) -> list[str]:
         errors = [worst[0] for one in members if (worst := one.worst()) is not None]
         alone = [worst[0] for one in members if (worst := one.worst(governed=True)) is not None]
         governed = sum(one.governed(found) for one in members for found in one.points)
-        told = f"largest error {max(errors):.1e}, tolerance {in_short(tolerance)}" if errors else "no error compared"
+        told = (
+            f"largest error {max(errors):.1e}, tolerance {in_short(tolerance)}"
+            if errors
+            else "no error compared"
+        )
         if governed:
             told += f"; moments govern at {governed} points (forces alone {max(alone):.1e})"
         lines.append(f"- {label}, {min(values):.4g} to {max(values):.4g}: {told}. Sweeps: {names}.")
@@ -225,8 +296,9 @@ def _toppling(walks: Sequence[Walked]) -> str:
     """From where on blocks topple before they slide."""
     starts = [
         f"{min(found.value for found in one.points if found.status == 'topples'):g} ({one.sweep.name})"
-        for one in walks if any(found.status == "topples" for found in one.points)
-    ]  # fmt: skip
+        for one in walks
+        if any(found.status == "topples" for found in one.points)
+    ]
     return f"From {' and '.join(starts)} on the block topples before it slides, and there is no limit.\n"
 
 
@@ -234,9 +306,15 @@ def main(again: Sequence[str]) -> None:
     """Walk, bisect, write, draw; with names of pictures, "jumps" or "pictures" only these, the rest as on file."""
     unknown = sorted(set(again) - {*TITLES, "jumps", "pictures"})
     if unknown:
-        sys.exit(f"no such picture: {', '.join(unknown)}; there are {', '.join(TITLES)}, and the words jumps, pictures")
+        sys.exit(
+            f"no such picture: {', '.join(unknown)}; there are {', '.join(TITLES)}, and the words jumps, pictures"
+        )
     (DOCS / "images").mkdir(parents=True, exist_ok=True)
-    kept = json.loads((DOCS / "hard-cases.json").read_text(encoding="utf-8")) if again else {"sweeps": [], "jumps": []}
+    kept = (
+        json.loads((DOCS / "hard-cases.json").read_text(encoding="utf-8"))
+        if again
+        else {"sweeps": [], "jumps": []}
+    )
     curves = {(curve["picture"], curve["name"]): curve for curve in kept["sweeps"]}
     places = {place["name"]: place for place in kept["jumps"]}
     walks, jumps = [], []
@@ -262,7 +340,10 @@ def main(again: Sequence[str]) -> None:
 
 def _points(curve: Mapping[str, Any]) -> list[Point]:
     names = [field.name for field in fields(Point)]
-    return [_point(dict(zip(names, row, strict=True))) for row in zip(*(curve[name] for name in names), strict=True)]
+    return [
+        _point(dict(zip(names, row, strict=True)))
+        for row in zip(*(curve[name] for name in names), strict=True)
+    ]
 
 
 def _point(row: Mapping[str, Any]) -> Point:
@@ -270,23 +351,37 @@ def _point(row: Mapping[str, Any]) -> Point:
 
 
 def _place(place: Mapping[str, Any]) -> Located:
-    return Located(place["exact_place"], place["place"], _point(place["below"]), _point(place["above"]))
+    return Located(
+        place["exact_place"], place["place"], _point(place["below"]), _point(place["above"])
+    )
 
 
 def write(walks: Sequence[Walked], jumps: Sequence[tuple[Jump, Located]]) -> None:
     """The data, the page and the pictures."""
     kept = {
         "slopekit": __version__,
-        "sweeps": [one.kept() for one in walks],
+        "sweeps": [one.collecting() for one in walks],
         "jumps": [
-            {"name": jump.name, "label": jump.label, "tolerance": jump.tolerance[0], "cause": jump.tolerance[1],
-             "exact_place": found.exact_place, "place": found.place, "apart": found.off,
-             "below": asdict(found.below), "above": asdict(found.above)}
+            {
+                "name": jump.name,
+                "label": jump.label,
+                "tolerance": jump.tolerance[0],
+                "cause": jump.tolerance[1],
+                "exact_place": found.exact_place,
+                "place": found.place,
+                "apart": found.off,
+                "below": asdict(found.below),
+                "above": asdict(found.above),
+            }
             for jump, found in jumps
         ],
-    }  # fmt: skip
-    text = json.dumps(kept, ensure_ascii=False, allow_nan=False).replace('{"picture"', '\n{"picture"')
-    (DOCS / "hard-cases.json").write_text(text.replace('{"name"', '\n{"name"') + "\n", encoding="utf-8")
+    }
+    text = json.dumps(kept, ensure_ascii=False, allow_nan=False).replace(
+        '{"picture"', '\n{"picture"'
+    )
+    (DOCS / "hard-cases.json").write_text(
+        text.replace('{"name"', '\n{"name"') + "\n", encoding="utf-8"
+    )
     (DOCS / "hard-cases.md").write_text(page(walks, jumps), encoding="utf-8")
     for picture, group in groupby(walks, key=lambda one: one.sweep.picture):
         draw(picture, list(group), jumps)

@@ -19,7 +19,7 @@ from benchmarks.benches import bench
 from benchmarks.populations import Design
 from slopekit.core.errors import SlopekitError
 from slopekit.preie import kernels
-from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.contact_model import ElasticContactModel
 
 _WAYS = ("numpy", "compiled")
 _STEPS = 20
@@ -37,26 +37,26 @@ _LARGE = ("the same, 5 kPa", "bench, 628 blocks")
 
 def analysed(design: Design, beds: list[Any]) -> tuple[float, float | None]:
     """CPU seconds and the factor; what the beds are made of is added to `beds`."""
-    first = Bed.__init__
+    first = ElasticContactModel.__init__
 
-    def noted(bed: Bed, *given: Any, **named: Any) -> None:
+    def noted(bed: ElasticContactModel, *given: Any, **named: Any) -> None:
         beds.append((given, named))
         first(bed, *given, **named)
 
-    Bed.__init__ = noted  # type: ignore[method-assign]
+    ElasticContactModel.__init__ = noted  # type: ignore[method-assign]
     began = time.process_time()
     try:
         factor = sk.run(design).fos.limit
     except SlopekitError:
         factor = None
     finally:
-        Bed.__init__ = first  # type: ignore[method-assign]
+        ElasticContactModel.__init__ = first  # type: ignore[method-assign]
     return time.process_time() - began, factor
 
 
 def step(given: tuple[Any, ...], named: dict[str, Any]) -> float:
     """CPU seconds of one Newton step, the median."""
-    bed = Bed(*given, **named)
+    bed = ElasticContactModel(*given, **named)
     at, taken = bed.elastic_displacement, []
     for _ in range(_STEPS):
         began = time.process_time()
@@ -68,7 +68,12 @@ def step(given: tuple[Any, ...], named: dict[str, Any]) -> float:
 
 def row(name: str, designs: Iterable[Design]) -> str:
     """Both ways on some designs, each design in turns."""
-    seconds, steps, apart, beds = dict.fromkeys(_WAYS, 0.0), dict.fromkeys(_WAYS, 0.0), 0.0, list[Any]()
+    seconds, steps, apart, beds = (
+        dict.fromkeys(_WAYS, 0.0),
+        dict.fromkeys(_WAYS, 0.0),
+        0.0,
+        list[Any](),
+    )
     for number, design in enumerate(designs):
         found: dict[str, float | None] = {}
         for way in _WAYS if number % 2 else reversed(_WAYS):
@@ -100,8 +105,10 @@ def main(quick: bool) -> None:
         print(f"nothing to compare: {missing}")
         return
     sk.run(populations.section(0))  # imports
-    print(f"{'designs':20s}{'NumPy s':>9s}{'comp. s':>9s}{'times':>7s}{'moving':>9s}{'step ms':>9s}{'comp. ms':>9s}"
-          f"{'times':>7s}{'F apart':>10s}")  # fmt: skip
+    print(
+        f"{'designs':20s}{'NumPy s':>9s}{'comp. s':>9s}{'times':>7s}{'moving':>9s}{'step ms':>9s}{'comp. ms':>9s}"
+        f"{'times':>7s}{'F apart':>10s}"
+    )
     for name, make in _CASES.items():
         if not (quick and name in _LARGE):
             print(row(name, make()), flush=True)

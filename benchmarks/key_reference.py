@@ -25,7 +25,10 @@ def written(page: str) -> str:
             page = page.replace(_BEHIND_KINDS, own + _BEHIND_KINDS)
         mark = re.escape(begins)
         page, count = re.subn(
-            rf"({mark}).*?(<!-- end of keys -->)", lambda m, t=table: m[1] + t + m[2], page, flags=re.S
+            rf"({mark}).*?(<!-- end of keys -->)",
+            lambda m, t=table: m[1] + t + m[2],
+            page,
+            flags=re.S,
         )
         if count != 1:
             raise ValueError(f"{PAGE.name} has {count} places for the keys of {name}")
@@ -36,7 +39,10 @@ def listed(page: str) -> str:
     """The page of templates with the list of today, as `slopekit templates list` prints it."""
     rows = "".join(f"{name:<20}{summary(name)}\n" for name in names())
     return re.sub(
-        r"(slopekit templates list\n```\n\n```text\n).*?(```\n)", lambda m: m[1] + rows + m[2], page, flags=re.S
+        r"(slopekit templates list\n```\n\n```text\n).*?(```\n)",
+        lambda m: m[1] + rows + m[2],
+        page,
+        flags=re.S,
     )
 
 

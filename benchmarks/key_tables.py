@@ -27,7 +27,9 @@ def tables() -> dict[str, str]:
     """The tables of the reference by their names: what every kind has, then each kind."""
     from slopekit.design.registry import KINDS, record_of
 
-    return {"every kind": key_table(Design)} | {kind: key_table(record_of(kind), Design) for kind in KINDS}
+    return {"every kind": key_table(Design)} | {
+        kind: key_table(record_of(kind), Design) for kind in KINDS
+    }
 
 
 def _rows(record: Any) -> Iterator[str]:
@@ -50,11 +52,14 @@ def _unit(field: Field) -> str:
 def _left_out(field: Field, defaults: Any) -> str:
     if field.left_out:
         return field.left_out
-    of_kind = field.path.count(".") == 1 or field.path in ("strength.*.c", "strength.*.phi")  # else a namesake
+    of_kind = field.path.count(".") == 1 or field.path in (
+        "strength.*.c",
+        "strength.*.phi",
+    )  # else a namesake
     value = defaults.get(field.key, field.default) if of_kind else field.default
     if field.is_required or (field.may_lack and value is None):
         return "required"
-    if value in (None, "", ()) or field.of is not None:
+    if value in (None, "", ()) or field.record_type is not None:
         return "none"
     if isinstance(value, float | int) and not isinstance(value, bool):
         return _limit(value)
@@ -83,7 +88,7 @@ def _limit(value: float) -> str:
 
 
 def _range(field: Field) -> str:
-    if field.whole:
+    if field.is_integer:
         return f"{'odd' if field.is_odd else 'whole'}, {_limit(field.least)} to {int(field.most)}"
     low, high = (_limit(one) if isfinite(one) else "" for one in (field.least, field.most))
     if field.most > 1e300:

@@ -18,8 +18,8 @@ import time
 import numpy as np
 
 import slopekit as sk
-from slopekit.core.onlooker import Clock
 from slopekit.core.orientation import Line, Plane
+from slopekit.core.progress import Clock
 from slopekit.kinds import cut
 from slopekit.kinds.single_block.one_block_limit import find_limit
 from slopekit.kinds.wedge.cutting import J1, J2
@@ -44,7 +44,9 @@ def bed_factor(found):
 def springs_of(kwargs, made, count=_SPRINGS):
     """Return a wedge on that many separate springs on each joint."""
     block, faces = made.block, [made.block.faces[joint] for joint in (J1, J2)]
-    springs = springs_on(faces, kwargs["c"], np.tan(np.radians(kwargs["phi"])), block.centroid, count)
+    springs = springs_on(
+        faces, kwargs["c"], np.tan(np.radians(kwargs["phi"])), block.centroid, count
+    )
     return Block(springs, made.loads.force, made.loads.moment)
 
 
@@ -52,7 +54,9 @@ def compare(kwargs, made, found):
     """Return the oracle's bracket of one wedge, None where it finds no rest, and how far the bed lies off it."""
     bed, factor = springs_of(kwargs, made), bed_factor(found)
     guess = factor or found.factors.forces.factor or 1.0
-    bracket = best_bracket(bed, guess, lambda known: factor is None or abs(beside(factor, known)) <= _AGAIN)
+    bracket = best_bracket(
+        bed, guess, lambda known: factor is None or abs(beside(factor, known)) <= _AGAIN
+    )
     return bracket, None if bracket is None or factor is None else beside(factor, bracket)
 
 
@@ -74,14 +78,23 @@ def lower_of_both(kwargs, count=_SPRINGS):
     None in place of the bracket where either has no number.
     """
     limit = sk.wedge(**kwargs).fos.limit
-    (joint1, joint2), (face, upper) = ([Plane(*plane) for plane in planes] for planes in (
-        kwargs["dips"], (kwargs["face"], kwargs["upper"])))  # fmt: skip
+    (joint1, joint2), (face, upper) = (
+        [Plane(*plane) for plane in planes]
+        for planes in (kwargs["dips"], (kwargs["face"], kwargs["upper"]))
+    )
     forces = [bolt["force"] * Line(*bolt["toward"]).vector() for bolt in kwargs.get("bolts", [])]
     closed = hoek_bray_wedge(
-        (joint1, joint2), face, upper, kwargs["height"], kwargs["c"], kwargs["phi"], kwargs["unit_weight"],
-        water=WedgeWater(pressures=tuple(kwargs.get("water", ()))), seismic=(kwargs.get("seismic", 0.0), None),
+        (joint1, joint2),
+        face,
+        upper,
+        kwargs["height"],
+        kwargs["c"],
+        kwargs["phi"],
+        kwargs["unit_weight"],
+        water=WedgeWater(pressures=tuple(kwargs.get("water", ()))),
+        seismic=(kwargs.get("seismic", 0.0), None),
         forces=forces,
-    )  # fmt: skip
+    )
     if closed.factor is None or limit is None:
         return limit, None
     bed = springs_of(kwargs, cut(wedge_design(kwargs)), count)
@@ -111,8 +124,13 @@ def any_wedge(count: int = 500, seed: int = 12) -> None:
             continue
         off.append(beside(limit, bracket))
         if abs(off[-1]) > 0.01:
-            print(f"{number:5d}  limit {limit:.5g}  {bracket[0]:.5g} .. {bracket[1]:.5g}  {off[-1]:+.2%}", flush=True)
-    print(f"{count} wedges, {len(without)} without a number to compare with; of the other {len(off)}")
+            print(
+                f"{number:5d}  limit {limit:.5g}  {bracket[0]:.5g} .. {bracket[1]:.5g}  {off[-1]:+.2%}",
+                flush=True,
+            )
+    print(
+        f"{count} wedges, {len(without)} without a number to compare with; of the other {len(off)}"
+    )
     for part in _SHARES:
         print(f"  {int((np.abs(off) <= part).sum())} within {part:g} of the lower of both")
 
@@ -128,7 +146,9 @@ def opens_cohesive(kwargs, found) -> bool:
     if found.factors.state is None:
         return False
     shares = [opening["pressed_share"] for opening in found.openings.values()]
-    return not shares or any(share < 1.0 and c > 0.0 for share, c in zip(shares, kwargs["c"], strict=True))
+    return not shares or any(
+        share < 1.0 and c > 0.0 for share, c in zip(shares, kwargs["c"], strict=True)
+    )
 
 
 def main(count: int = 400, seed: int = 11) -> None:
@@ -165,7 +185,9 @@ def main(count: int = 400, seed: int = 11) -> None:
     for part in _SHARES:
         print(f"  {int((off <= part).sum())} within {part * 100:g} % of the springs' bracket")
     print(f"  median {np.median(off) * 100:.3g} %, worst {off.max() * 100:.3g} %")
-    print(f"CPU time of a limit: median {np.median(times):.3g} s, 95 % {np.percentile(times, 95):.3g} s")
+    print(
+        f"CPU time of a limit: median {np.median(times):.3g} s, 95 % {np.percentile(times, 95):.3g} s"
+    )
 
 
 if __name__ == "__main__":

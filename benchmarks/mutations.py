@@ -26,9 +26,17 @@ PAGE = ROOT / "docs" / "mutations.md"
 RECORD = PAGE.with_suffix(".json")
 _COPIED = ("src", "tests", "templates", "examples", "benchmarks", "pyproject.toml", "README.md")
 _PYTEST = (
-    "-m", "pytest", "-o", "addopts=--strict-markers --doctest-modules --import-mode=importlib", "-q", "--no-header",
-    "-p", "no:cacheprovider", "--tb=no", "-rfE",
-)  # fmt: skip
+    "-m",
+    "pytest",
+    "-o",
+    "addopts=--strict-markers --doctest-modules --import-mode=importlib",
+    "-q",
+    "--no-header",
+    "-p",
+    "no:cacheprovider",
+    "--tb=no",
+    "-rfE",
+)
 _SHOWN = 3  # failing tests that are named
 Row = dict[str, Any]  # of the record: group, name, file, failed tests
 _LONGEST = 600  # s; tests that hang have seen it
@@ -41,8 +49,14 @@ def stale(mutations: Sequence[Mutation] = MUTATIONS) -> list[str]:
         path = ROOT / mutation.file
         times = path.read_text(encoding="utf-8").count(mutation.old) if path.is_file() else 0
         if times != 1:
-            found.append(f"{mutation.name}: {mutation.old!r} occurs {times} times in {mutation.file}")
-        found += [f"{mutation.name}: {test} is not there" for test in mutation.tests if not (ROOT / test).exists()]
+            found.append(
+                f"{mutation.name}: {mutation.old!r} occurs {times} times in {mutation.file}"
+            )
+        found += [
+            f"{mutation.name}: {test} is not there"
+            for test in mutation.tests
+            if not (ROOT / test).exists()
+        ]
     return found
 
 
@@ -73,9 +87,14 @@ def _python(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
     """Python in the copy; its sources come before an editable installation."""
     variables = os.environ | {"PYTHONPATH": str(folder / "src")}
     return subprocess.run(
-        [sys.executable, *words], cwd=folder, env=variables, capture_output=True, text=True, timeout=_LONGEST,
+        [sys.executable, *words],
+        cwd=folder,
+        env=variables,
+        capture_output=True,
+        text=True,
+        timeout=_LONGEST,
         check=False,
-    )  # fmt: skip
+    )
 
 
 def checked(folder: Path) -> None:
@@ -97,7 +116,9 @@ def run(folder: Path, mutation: Mutation, everything: bool) -> Outcome:
     path = folder / mutation.file
     whole = path.read_text(encoding="utf-8")
     if whole.count(mutation.old) != 1:
-        sys.exit(f"{mutation.name}: {mutation.old!r} occurs {whole.count(mutation.old)} times in {mutation.file}")
+        sys.exit(
+            f"{mutation.name}: {mutation.old!r} occurs {whole.count(mutation.old)} times in {mutation.file}"
+        )
     _write(path, whole.replace(mutation.old, mutation.new))
     tests = list(dict.fromkeys(mutation.tests))
     try:
@@ -107,9 +128,15 @@ def run(folder: Path, mutation: Mutation, everything: bool) -> Outcome:
     finally:
         _write(path, whole)
     lines = found.stdout.splitlines()
-    failed = [line.split(" - ")[0].split(" ", 1)[1] for line in lines if line.startswith(("FAILED ", "ERROR "))]
+    failed = [
+        line.split(" - ")[0].split(" ", 1)[1]
+        for line in lines
+        if line.startswith(("FAILED ", "ERROR "))
+    ]
     if not failed and found.returncode not in (0, 1):
-        sys.exit(f"{mutation.name}: pytest could not run\n{found.stdout[-2000:]}{found.stderr[-2000:]}")
+        sys.exit(
+            f"{mutation.name}: pytest could not run\n{found.stdout[-2000:]}{found.stderr[-2000:]}"
+        )
     return Outcome(mutation, tuple(failed))
 
 
@@ -125,7 +152,12 @@ def recorded(outcomes: Sequence[Outcome], before: Sequence[Row] = ()) -> list[Ro
         one = outcome.mutation
         failed = [test.removeprefix("tests/") for test in outcome.failed]
         file = one.file.removeprefix("src/slopekit/")
-        rows[one.group, one.name] = {"group": one.group, "name": one.name, "file": file, "failed": failed}
+        rows[one.group, one.name] = {
+            "group": one.group,
+            "name": one.name,
+            "file": file,
+            "failed": failed,
+        }
     return [rows[one.group, one.name] for one in MUTATIONS if (one.group, one.name) in rows]
 
 
@@ -145,7 +177,9 @@ def page(rows: Sequence[Row]) -> str:
     ]
     for group in dict.fromkeys(row["group"] for row in rows):
         members = [row for row in rows if row["group"] == group]
-        names = "; ".join(row["name"] if row["failed"] else f"**{row['name']}: not caught**" for row in members)
+        names = "; ".join(
+            row["name"] if row["failed"] else f"**{row['name']}: not caught**" for row in members
+        )
         lines.append(f"| {group} | {len(members)} | {names} |")
     return "\n".join([*lines, ""])
 
@@ -164,7 +198,11 @@ def main(words: list[str]) -> int:
         return 1 if old else 0
     everything = "--all" in words
     chosen = [word.lower() for word in words if word != "--all"]
-    wanted = [m for m in MUTATIONS if not chosen or any(word in f"{m.group} {m.name}".lower() for word in chosen)]
+    wanted = [
+        m
+        for m in MUTATIONS
+        if not chosen or any(word in f"{m.group} {m.name}".lower() for word in chosen)
+    ]
     outcomes: list[Outcome] = []
     with tempfile.TemporaryDirectory() as made:
         folder = copied(Path(made))
@@ -175,7 +213,10 @@ def main(words: list[str]) -> int:
             outcomes.append(outcome)
             seen = ", ".join(outcome.failed[:_SHOWN]) if outcome.caught else "SURVIVES"
             took = time.perf_counter() - began
-            print(f"{mutation.group}: {mutation.name}: {len(outcome.failed)} ({took:.0f} s) {seen}", flush=True)
+            print(
+                f"{mutation.group}: {mutation.name}: {len(outcome.failed)} ({took:.0f} s) {seen}",
+                flush=True,
+            )
     survivors = [outcome.mutation.name for outcome in outcomes if not outcome.caught]
     print(f"{len(outcomes) - len(survivors)} of {len(outcomes)} caught")
     if survivors:

@@ -43,7 +43,9 @@ def run(path: Path, kernel: Any = None) -> Any:
             shutil.copy(data, folder)
         notebook = nbformat.read(path, as_version=4)
         notebook.cells.insert(0, nbformat.v4.new_code_cell(_WITHOUT_PANDAS))
-        client = NotebookClient(notebook, timeout=_SECONDS, km=kernel, resources={"metadata": {"path": folder}})
+        client = NotebookClient(
+            notebook, timeout=_SECONDS, km=kernel, resources={"metadata": {"path": folder}}
+        )
         if kernel is None:
             made = client.execute()
         else:

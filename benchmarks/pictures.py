@@ -22,13 +22,18 @@ from slopekit.design.templates import path_of
 from slopekit.views.solid.scenes import SCENES, compose
 
 BENCH = {
-    "slope.height": "18 m", "slope.length": "44 m", "sets.S1.spacing": "2 m", "sets.S2.spacing": "2.2 m",
+    "slope.height": "18 m",
+    "slope.length": "44 m",
+    "sets.S1.spacing": "2 m",
+    "sets.S2.spacing": "2.2 m",
     "sets.S3.spacing": "2.2 m",
-}  # fmt: skip
+}
 DESIGNS: dict[str, tuple[str, dict[str, str]]] = {
-    "wedge": ("wedge", {}), "ellipsoid": ("paper-ellipsoid", {}), "columns": ("goodman-bray", {}),
+    "wedge": ("wedge", {}),
+    "ellipsoid": ("paper-ellipsoid", {}),
+    "columns": ("goodman-bray", {}),
     "bench": ("bench", BENCH),
-}  # fmt: skip
+}
 FILES = ("stl", "obj", "glb", "vtu", "dxf")
 
 
@@ -49,7 +54,11 @@ def bare(document: dict[str, Any], what: str) -> float:
         plotter = pyvista.Plotter(off_screen=True, window_size=[1600, 1304])
         for layer in layers:
             if len(layer.triangles):
-                plotter.add_mesh(pyvista.PolyData(layer.vertices, np.insert(layer.triangles, 0, 3, axis=1).ravel()))
+                plotter.add_mesh(
+                    pyvista.PolyData(
+                        layer.vertices, np.insert(layer.triangles, 0, 3, axis=1).ravel()
+                    )
+                )
         plotter.screenshot(None, return_img=True)
         plotter.close()
 
@@ -69,8 +78,10 @@ def main(folder: Path) -> None:
         shapes = result.scene.shapes
         free = int((~shapes.fixed).sum())
         pairs = len(result.limit_state.node_pairs)
-        print(f"\n{name}: {len(shapes.names)} blocks ({free} may move), {pairs} node pairs, "
-              f"solved in {solved:.1f} s, JSON {len(text) / 1e3:.0f} kB")  # fmt: skip
+        print(
+            f"\n{name}: {len(shapes.names)} blocks ({free} may move), {pairs} node pairs, "
+            f"solved in {solved:.1f} s, JSON {len(text) / 1e3:.0f} kB"
+        )
         sk.plot(document, "scene", folder / "warm.png")
         for what in (*SCENES, "stereonet"):
             out = folder / f"{name}-{what}.png"
@@ -79,7 +90,9 @@ def main(folder: Path) -> None:
             except DesignError as error:
                 print(f"  {what:<14}{error.faults[0].code} {error.faults[0].message}")
                 continue
-            ratio = f"{time_ / bare(document, what):6.1f} times bare pyvista" if what in SCENES else ""
+            ratio = (
+                f"{time_ / bare(document, what):6.1f} times bare pyvista" if what in SCENES else ""
+            )
             print(f"  {what:<14}{time_:6.2f} s {out.stat().st_size / 1e3:8.0f} kB  {ratio}")
         for ending in FILES:
             out = folder / f"{name}.{ending}"

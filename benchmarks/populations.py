@@ -18,7 +18,9 @@ import numpy as np
 Design = dict[str, Any]
 Outline = list[tuple[float, float]]
 
-_VERIFICATION = Path(__file__).parents[1] / "src" / "slopekit" / "studies" / "suite" / "verification.json"
+_VERIFICATION = (
+    Path(__file__).parents[1] / "src" / "slopekit" / "studies" / "suite" / "verification.json"
+)
 
 # -- sections ---------------------------------------------------------------------------------------------------------
 
@@ -83,36 +85,59 @@ def _columns(rng: np.random.Generator) -> Design:
     step = round(width * rng.uniform(0.05, 0.3), 3)
     heights = [round(step + width * rng.uniform(0.4, 3.0), 3) for _ in range(rng.integers(3, 9))]
     design: Design = {
-        "slopekit": 1, "kind": "topple",
-        "columns": {"dip": dip, "width": width, "heights": heights, "base_step": step, "base": "base", "sides": "side"},
-        "strength": {"base": {"c": _one_of(rng, (0.0, 0.0, 8.0)), "phi": _rounded(rng, 25.0, 48.0, 1)},
-                     "side": {"c": 0.0, "phi": _rounded(rng, 15.0, 45.0, 1)}},
+        "slopekit": 1,
+        "kind": "topple",
+        "columns": {
+            "dip": dip,
+            "width": width,
+            "heights": heights,
+            "base_step": step,
+            "base": "base",
+            "sides": "side",
+        },
+        "strength": {
+            "base": {"c": _one_of(rng, (0.0, 0.0, 8.0)), "phi": _rounded(rng, 25.0, 48.0, 1)},
+            "side": {"c": 0.0, "phi": _rounded(rng, 15.0, 45.0, 1)},
+        },
         "rock": {"unit_weight": 25.0},
-    }  # fmt: skip
+    }
     if rng.uniform() < 0.5:
         design["loads"] = {"seismic": {"k": _rounded(rng, 0.02, 0.15), "toward": 270.0}}
     return design
 
 
 def _on_a_slope(
-    rng: np.random.Generator, outlines: list[Outline], dip: float, cohesions: tuple[float, ...] = (0.0, 0.0, 0.0, 4.0)
+    rng: np.random.Generator,
+    outlines: list[Outline],
+    dip: float,
+    cohesions: tuple[float, ...] = (0.0, 0.0, 0.0, 4.0),
 ) -> Design:
     """Outlines (x, z) on a level base, B1 upward, all turned to fall toward -x; with loads or without."""
     a = math.radians(dip)
     x = [point[0] for outline in outlines for point in outline]
     base = [(min(x) - 2.0, -2.0), (max(x) + 2.0, -2.0), (max(x) + 2.0, 0.0), (min(x) - 2.0, 0.0)]
     design: Design = {
-        "slopekit": 1, "kind": "blocks",
+        "slopekit": 1,
+        "kind": "blocks",
         "blocks": {
-            name: {"polygon": [[u * math.cos(a) - v * math.sin(a), u * math.sin(a) + v * math.cos(a)]
-                               for u, v in outline]}
-            for name, outline in [("base", base), *((f"B{k}", outline) for k, outline in enumerate(outlines, 1))]
+            name: {
+                "polygon": [
+                    [u * math.cos(a) - v * math.sin(a), u * math.sin(a) + v * math.cos(a)]
+                    for u, v in outline
+                ]
+            }
+            for name, outline in [
+                ("base", base),
+                *((f"B{k}", outline) for k, outline in enumerate(outlines, 1)),
+            ]
         },
         "interfaces": {"default": "joint", "base/B1": "base"},
-        "strength": {name: {"c": _one_of(rng, cohesions), "phi": _rounded(rng, 12.0, 48.0, 1)}
-                     for name in ("joint", "base")},
+        "strength": {
+            name: {"c": _one_of(rng, cohesions), "phi": _rounded(rng, 12.0, 48.0, 1)}
+            for name in ("joint", "base")
+        },
         "rock": {"unit_weight": 25.0},
-    }  # fmt: skip
+    }
     design["blocks"]["base"]["fixed"] = True
     what = rng.choice(["nothing", "nothing", "earthquake", "water", "push"])
     if what == "earthquake":
@@ -134,7 +159,10 @@ def wall(number: int) -> Design:
     while True:
         length, high = float(rng.integers(1, 3)), float(rng.choice([0.5, 0.75, 1.0, 1.5]))
         per_course = int(rng.integers(1, 5))
-        whole, broken = [length] * per_course, [length / 2.0, *[length] * (per_course - 1), length / 2.0]
+        whole, broken = (
+            [length] * per_course,
+            [length / 2.0, *[length] * (per_course - 1), length / 2.0],
+        )
         turn = int(rng.integers(2))
         courses = [(whole, broken)[(k + turn) % 2] for k in range(rng.integers(2, 8))]
         if 5 <= sum(map(len, courses)) <= 23:
@@ -144,10 +172,14 @@ def wall(number: int) -> Design:
     return masonry(courses, 1.0, high, round(as_one * rng.uniform(0.4, 1.0), 4), phi, 25.0)
 
 
-def masonry(courses: list[list[float]], length: float, high: float, k: float, phi: float, unit_weight: float) -> Design:
+def masonry(
+    courses: list[list[float]], length: float, high: float, k: float, phi: float, unit_weight: float
+) -> Design:
     """Courses from the lowest up, of blocks so many `length` long (negative: an opening), pushed toward +x by k W."""
     wide = length * sum(map(abs, courses[0]))
-    blocks: Design = {"base": {"polygon": [[0.0, -high], [wide, -high], [wide, 0.0], [0.0, 0.0]], "fixed": True}}
+    blocks: Design = {
+        "base": {"polygon": [[0.0, -high], [wide, -high], [wide, 0.0], [0.0, 0.0]], "fixed": True}
+    }
     for course, parts in enumerate(courses):
         ends = [round(length * float(x), 9) for x in np.cumsum([0.0, *map(abs, parts)])]
         low, top = round(course * high, 9), round((course + 1) * high, 9)
@@ -155,9 +187,13 @@ def masonry(courses: list[list[float]], length: float, high: float, k: float, ph
         for place, (a, b) in enumerate(spans, 1):
             blocks[f"r{course + 1}b{place}"] = {"polygon": [[a, low], [b, low], [b, top], [a, top]]}
     return {
-        "slopekit": 1, "kind": "blocks", "blocks": blocks, "strength": {"joint": {"c": 0.0, "phi": phi}},
-        "rock": {"unit_weight": unit_weight}, "loads": {"seismic": {"k": k, "toward": 90.0}},
-    }  # fmt: skip
+        "slopekit": 1,
+        "kind": "blocks",
+        "blocks": blocks,
+        "strength": {"joint": {"c": 0.0, "phi": phi}},
+        "rock": {"unit_weight": unit_weight},
+        "loads": {"seismic": {"k": k, "toward": 90.0}},
+    }
 
 
 # -- benches ----------------------------------------------------------------------------------------------------------
@@ -176,15 +212,28 @@ def bench(number: int, most: int = 60) -> Design:
 def _bench_of(rng: np.random.Generator, cohesion: float, most: int) -> Design | None:
     height = _rounded(rng, 8.0, 20.0, 1)
     design: Design = {
-        "slopekit": 1, "kind": "bench",
-        "slope": {"face": [_rounded(rng, 50.0, 85.0, 1), 180.0], "upper": [0.0, 180.0], "height": height,
-                  "length": 2.0 * height, "depth": height},
-        "sets": {f"S{k}": {"plane": [_rounded(rng, 15.0, 88.0, 1), _rounded(rng, 0.0, 359.9, 1)],
-                           "offset": _rounded(rng, 0.0, 1.0, 2), "strength": "joint"} for k in (1, 2, 3)},
+        "slopekit": 1,
+        "kind": "bench",
+        "slope": {
+            "face": [_rounded(rng, 50.0, 85.0, 1), 180.0],
+            "upper": [0.0, 180.0],
+            "height": height,
+            "length": 2.0 * height,
+            "depth": height,
+        },
+        "sets": {
+            f"S{k}": {
+                "plane": [_rounded(rng, 15.0, 88.0, 1), _rounded(rng, 0.0, 359.9, 1)],
+                "offset": _rounded(rng, 0.0, 1.0, 2),
+                "strength": "joint",
+            }
+            for k in (1, 2, 3)
+        },
         "strength": {"joint": {"c": cohesion, "phi": _rounded(rng, 20.0, 48.0, 1)}},
-        "rock": {"unit_weight": 26.0}, "cut": {"seed": int(rng.integers(1000))},
+        "rock": {"unit_weight": 26.0},
+        "cut": {"seed": int(rng.integers(1000))},
         "loads": {"seismic": {"k": _one_of(rng, (0.0, 0.0, 0.05)), "toward": 180.0}},
-    }  # fmt: skip
+    }
     if rng.uniform() < 1.0 / 3.0:
         design["water"] = {"pressures": {"S1": _rounded(rng, 2.0, 12.0, 1)}}
     if rng.uniform() < 1.0 / 3.0:
@@ -215,8 +264,10 @@ def blocks_of(design: Design) -> int:
 
 #: What `python -m benchmarks.blocks populations` runs, and how many of each there are.
 POPULATIONS: Mapping[str, tuple[Callable[[int], Design], int]] = {
-    "sections": (section, 700), "walls": (wall, 300), "benches": (bench, 200),
-}  # fmt: skip
+    "sections": (section, 700),
+    "walls": (wall, 300),
+    "benches": (bench, 200),
+}
 
 
 def designs(population: str, count: int | None = None) -> Iterator[Design]:
@@ -229,15 +280,30 @@ def designs(population: str, count: int | None = None) -> Iterator[Design]:
 
 _HALF, _WINDOW = 0.5, -1.0
 _LOW = [[1.0] * 5, [_HALF, *[1.0] * 4, _HALF]]  # walls 1 and 2
-_W3 = {"E": [1.0] * 4, "U": [_HALF, 1.0, 1.0, 1.0, _HALF],
-       "e": [1.0, _HALF, _WINDOW, _HALF, 1.0], "u": [_HALF, 1.0, _WINDOW, 1.0, _HALF]}  # fmt: skip
-_W4 = {"E": _LOW[1], "U": _LOW[0], "u": [1.0, _WINDOW, 1.0, _WINDOW, 1.0],
-       "e": [_HALF, _HALF, _WINDOW, _HALF, _HALF, _WINDOW, _HALF, _HALF]}  # fmt: skip
-_W5 = {"E": [_HALF, 1.0, 1.0, _HALF], "U": [1.0] * 3, "u": [1.0, _WINDOW, 1.0],
-       "e": [_HALF, _HALF, _WINDOW, _HALF, _HALF]}  # fmt: skip
-_W6 = {"E": [_HALF, *[1.0] * 6, _HALF], "U": [1.0] * 7,
-       "u": [_HALF, 1.0, _WINDOW, 1.0, 1.0, _WINDOW, 1.0, _HALF],
-       "e": [1.0, _HALF, _WINDOW, _HALF, 1.0, _HALF, _WINDOW, _HALF, 1.0]}  # fmt: skip
+_W3 = {
+    "E": [1.0] * 4,
+    "U": [_HALF, 1.0, 1.0, 1.0, _HALF],
+    "e": [1.0, _HALF, _WINDOW, _HALF, 1.0],
+    "u": [_HALF, 1.0, _WINDOW, 1.0, _HALF],
+}
+_W4 = {
+    "E": _LOW[1],
+    "U": _LOW[0],
+    "u": [1.0, _WINDOW, 1.0, _WINDOW, 1.0],
+    "e": [_HALF, _HALF, _WINDOW, _HALF, _HALF, _WINDOW, _HALF, _HALF],
+}
+_W5 = {
+    "E": [_HALF, 1.0, 1.0, _HALF],
+    "U": [1.0] * 3,
+    "u": [1.0, _WINDOW, 1.0],
+    "e": [_HALF, _HALF, _WINDOW, _HALF, _HALF],
+}
+_W6 = {
+    "E": [_HALF, *[1.0] * 6, _HALF],
+    "U": [1.0] * 7,
+    "u": [_HALF, 1.0, _WINDOW, 1.0, 1.0, _WINDOW, 1.0, _HALF],
+    "e": [1.0, _HALF, _WINDOW, _HALF, 1.0, _HALF, _WINDOW, _HALF, 1.0],
+}
 
 
 @dataclass(frozen=True)
@@ -277,9 +343,12 @@ def goodman_bray(columns: int = 16) -> Design:
     rising = round(10 * columns / 16)
     heights = [4.0 * min(k, rising) - 6.0 * max(k - rising, 0) for k in range(1, columns + 1)]
     return {
-        "slopekit": 1, "kind": "topple", "columns": {"dip": 60, "width": 10, "base_step": 1, "heights": heights},
-        "strength": {"joint": {"c": 0, "phi": 38.15}}, "rock": {"unit_weight": 25},
-    }  # fmt: skip
+        "slopekit": 1,
+        "kind": "topple",
+        "columns": {"dip": 60, "width": 10, "base_step": 1, "heights": heights},
+        "strength": {"joint": {"c": 0, "phi": 38.15}},
+        "rock": {"unit_weight": 25},
+    }
 
 
 def goodman_bray_factor(columns: int = 16) -> float | None:
@@ -312,9 +381,12 @@ def arch(thickness: float = 0.200637, friction: float = 0.6, voussoirs: int = 44
     for name, (a, b) in {"L": (-high, -low), "R": (low, high)}.items():
         blocks[name] = {"polygon": [[a, -1.0], [b, -1.0], [b, 0.0], [a, 0.0]], "fixed": True}
     return {
-        "slopekit": 1, "kind": "blocks", "blocks": blocks, "rock": {"unit_weight": 25.0},
+        "slopekit": 1,
+        "kind": "blocks",
+        "blocks": blocks,
+        "rock": {"unit_weight": 25.0},
         "strength": {"joint": {"c": 0.0, "phi": math.degrees(math.atan(friction))}},
-    }  # fmt: skip
+    }
 
 
 def frame() -> Design:
@@ -322,18 +394,39 @@ def frame() -> Design:
 
     The associated multiplier 11.227424439243126 of its horizontal force, 20 kN times that, is published with μ = 0.58.
     """
-    boxes = [(0, 3, 1, 4), (0, 2, 1, 3), (1, 2, 2, 4), (2, 3, 3, 4), (3, 3, 4, 4), (2, 2, 4, 3), (0, 1, 2, 2),
-             (2, 1, 3, 2), (3, 1, 4, 2), (0, 0, 1, 1), (1, 0, 2, 1), (2, 0, 3, 1), (3, 0, 4, 1)]  # fmt: skip
-    outlines = {f"b{k}": _box(x, z, end - x, top - z) for k, (x, z, end, top) in enumerate(boxes, 1)}
+    boxes = [
+        (0, 3, 1, 4),
+        (0, 2, 1, 3),
+        (1, 2, 2, 4),
+        (2, 3, 3, 4),
+        (3, 3, 4, 4),
+        (2, 2, 4, 3),
+        (0, 1, 2, 2),
+        (2, 1, 3, 2),
+        (3, 1, 4, 2),
+        (0, 0, 1, 1),
+        (1, 0, 2, 1),
+        (2, 0, 3, 1),
+        (3, 0, 4, 1),
+    ]
+    outlines = {
+        f"b{k}": _box(x, z, end - x, top - z) for k, (x, z, end, top) in enumerate(boxes, 1)
+    }
     outlines |= {"base": _box(0, -1, 4, 1), "beam": _box(0, 4, 4, 1)}
-    blocks: Design = {name: {"polygon": [list(map(float, point)) for point in o]} for name, o in outlines.items()}
+    blocks: Design = {
+        name: {"polygon": [list(map(float, point)) for point in o]} for name, o in outlines.items()
+    }
     blocks["base"]["fixed"] = True
     blocks["beam"]["unit_weight"] = 120.0
     push = {"force": [20.0 * 11.227424439243126, 0.0, 0.0], "block": "beam", "at": [2.0, 0.0, 4.5]}
     return {
-        "slopekit": 1, "kind": "blocks", "blocks": blocks, "rock": {"unit_weight": 5.0},
-        "strength": {"joint": {"c": 0.0, "phi": math.degrees(math.atan(0.58))}}, "loads": {"forces": [push]},
-    }  # fmt: skip
+        "slopekit": 1,
+        "kind": "blocks",
+        "blocks": blocks,
+        "rock": {"unit_weight": 5.0},
+        "strength": {"joint": {"c": 0.0, "phi": math.degrees(math.atan(0.58))}},
+        "loads": {"forces": [push]},
+    }
 
 
 def stack(count: int = 10, dip: float = 30.0, phi: float = 35.0) -> Design:
@@ -369,15 +462,23 @@ def torsion(factor: float = 2.2956) -> Design:
     def box(x: float, low: float, high: float) -> list[list[float]]:
         return [[a, b, c] for a in (-x, x) for b in (-x, x) for c in (low, high)]
 
-    forces = [{"force": [sign * push, 0.0, 0.0], "block": "B1", "at": [0.0, -sign * half, half]} for sign in (1, -1)]
+    forces = [
+        {"force": [sign * push, 0.0, 0.0], "block": "B1", "at": [0.0, -sign * half, half]}
+        for sign in (1, -1)
+    ]
     return {
-        "slopekit": 1, "kind": "blocks", "solids": {"base": box(9.0, -2.0, 0.0), "B1": box(half, 0.0, side)},
-        "strength": {"joint": {"c": 0.0, "phi": phi}}, "rock": {"unit_weight": unit_weight},
+        "slopekit": 1,
+        "kind": "blocks",
+        "solids": {"base": box(9.0, -2.0, 0.0), "B1": box(half, 0.0, side)},
+        "strength": {"joint": {"c": 0.0, "phi": phi}},
+        "rock": {"unit_weight": unit_weight},
         "loads": {"forces": forces},
-    }  # fmt: skip
+    }
 
 
-_MEAN_DISTANCE = (math.sqrt(2.0) + math.log(1.0 + math.sqrt(2.0))) / 6.0  # of a unit square from its middle
+_MEAN_DISTANCE = (
+    math.sqrt(2.0) + math.log(1.0 + math.sqrt(2.0))
+) / 6.0  # of a unit square from its middle
 
 # -- numbers and polygons ---------------------------------------------------------------------------------------------
 
@@ -385,7 +486,8 @@ _MEAN_DISTANCE = (math.sqrt(2.0) + math.log(1.0 + math.sqrt(2.0))) / 6.0  # of a
 def rolled(design: Design) -> Design:
     """Every polygon from its second corner on."""
     blocks = {
-        name: block | ({"polygon": [*block["polygon"][1:], block["polygon"][0]]} if "polygon" in block else {})
+        name: block
+        | ({"polygon": [*block["polygon"][1:], block["polygon"][0]]} if "polygon" in block else {})
         for name, block in design.get("blocks", {}).items()
     }
     return design | ({"blocks": blocks} if blocks else {})
@@ -420,7 +522,10 @@ def _above(points: np.ndarray, height: np.ndarray) -> Outline:
             found.append(points[k])
         if height[k] * height[after] < 0.0:
             low, high = sorted((k, after))  # the same point for both parts, bit for bit
-            found.append(points[low] + height[low] / (height[low] - height[high]) * (points[high] - points[low]))
+            found.append(
+                points[low]
+                + height[low] / (height[low] - height[high]) * (points[high] - points[low])
+            )
     return [(float(x), float(z)) for x, z in found]
 
 

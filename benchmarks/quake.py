@@ -15,15 +15,21 @@ from slopekit.kinds import cut
 from slopekit.kinds.assemblies.many_blocks_scene import scene_loads
 from slopekit.kinds.assemblies.many_blocks_states import gyration
 from slopekit.kinds.solver_inputs import joint_strength
-from slopekit.preie.elastic_path.bed import Bed
-from slopekit.preie.elastic_path.bed_states import Drive
-from slopekit.preie.elastic_path.flow import relaxed
+from slopekit.preie.elastic_path.contact_model import ElasticContactModel
+from slopekit.preie.elastic_path.contact_states import Drive
+from slopekit.preie.elastic_path.flow import viscous_relaxation
 from slopekit.preie.many_blocks.ravelling import critical_load
 from slopekit.preie.motion.seismic_gain import mass_of
 
 _KEY = "loads.seismic.k"
 _STEP = 10.0  # times the period of a spring: they follow and do not ring
-_NEARER = (0.0, 0.5, 0.9, 0.99, 0.999)  # parts of the load at which the blocks are brought to rest before
+_NEARER = (
+    0.0,
+    0.5,
+    0.9,
+    0.99,
+    0.999,
+)  # parts of the load at which the blocks are brought to rest before
 _MOST = 60
 
 
@@ -49,10 +55,12 @@ def rate_above(design: Design, block: str, above: float, steps: int = 100) -> fl
     mass = np.zeros((count * size, count * size))
     for k, one in enumerate(blocks):
         mass[k * size : (k + 1) * size, k * size : (k + 1) * size] = one
-    bed = Bed(model, Drive(model.load.ravel(), model.live.ravel(), 1.0), part.limit.bond)
+    bed = ElasticContactModel(
+        model, Drive(model.load.ravel(), model.live.ravel(), 1.0), part.limit.bond
+    )
     at: Floats = bed.elastic_displacement
     for share in _NEARER:
-        at = relaxed(bed, at, share * multiplier, 0.0, runs_at=1e3).at
+        at = viscous_relaxation(bed, at, share * multiplier, 0.0, runs_at=1e3).displacement
     which = model.moving.tolist().index(scene.names.index(block))
     moves = slice(which * size, which * size + (2 if size == 3 else 3))
     velocity, speeds = np.zeros(count * size), []
@@ -64,7 +72,9 @@ def rate_above(design: Design, block: str, above: float, steps: int = 100) -> fl
     return (speeds[-1] - speeds[half]) / (_STEP * (steps - 1 - half)) / above
 
 
-def _stepped(bed: Bed, mass: Floats, at: Floats, before: Floats, load: float) -> Floats:
+def _stepped(
+    bed: ElasticContactModel, mass: Floats, at: Floats, before: Floats, load: float
+) -> Floats:
     """Velocity at the end of a step."""
 
     def unbalanced(velocity: Floats) -> tuple[Any, Floats]:

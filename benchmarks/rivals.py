@@ -81,14 +81,18 @@ def slopekit_limit(contacts: Contacts, curved: bool = False, ranged: bool = Fals
         return Answer(contacts.limit())
     limit = limit_of_blocks(contacts, ranged)
     steps = f"bound {limit.bound_steps} steps, path {limit.steps} factorisations"
-    return Answer(limit.factor, note=f"{limit.outcome.name.lower()}, {limit.basis.name.lower()}: {steps}")
+    return Answer(
+        limit.factor, note=f"{limit.outcome.name.lower()}, {limit.basis.name.lower()}: {steps}"
+    )
 
 
 def conic_passes(contacts: Contacts, parts: float, most: int) -> Answer:
     """METHOD.md §4 plainly, until three factors lie within `parts`."""
     found = conic_sequence(contacts, parts=parts, most=most)
     settled = "" if found.settled or most == 1 else ", not settled"
-    return Answer(found.factor, note=f"{found.passes} pass{'es' if found.passes > 1 else ''}{settled}")
+    return Answer(
+        found.factor, note=f"{found.passes} pass{'es' if found.passes > 1 else ''}{settled}"
+    )
 
 
 class Feasibility:
@@ -101,25 +105,43 @@ class Feasibility:
         groups, width = contacts.slip_rows.shape[0], contacts.slip_rows.shape[1]
         pairs, unknowns = len(contacts.control_area), contacts.load.size
         self.size = pairs + groups * width + 1
-        summed = sp.csr_matrix((np.ones(pairs), (contacts.group_of_pair, np.arange(pairs))), (groups, pairs))
+        summed = sp.csr_matrix(
+            (np.ones(pairs), (contacts.group_of_pair, np.arange(pairs))), (groups, pairs)
+        )
         tips = np.arange(groups) * (1 + width)
-        tip = sp.csr_matrix((np.ones(groups), (tips, np.arange(groups))), (groups * (1 + width), groups))
+        tip = sp.csr_matrix(
+            (np.ones(groups), (tips, np.arange(groups))), (groups * (1 + width), groups)
+        )
         sides = sp.csr_matrix(
-            (np.ones(groups * width), ((tips[:, None] + 1 + np.arange(width)).ravel(), np.arange(groups * width))),
+            (
+                np.ones(groups * width),
+                ((tips[:, None] + 1 + np.arange(width)).ravel(), np.arange(groups * width)),
+            ),
             (groups * (1 + width), groups * width),
         )
         balance = sp.hstack([contacts.statics, sp.csr_matrix((unknowns, 1))])
         least = sp.diags(np.r_[-np.ones(pairs), np.zeros(groups * width), -1.0]).tocsr()
         least = least[np.r_[np.arange(pairs), self.size - 1]]
         areas = summed @ contacts.control_area
-        cones = sp.hstack([sp.csr_matrix((tip.shape[0], pairs)), -sides, tip @ sp.csr_matrix(-areas[:, None])])
-        coupled = sp.hstack([
-            tip @ sp.diags(contacts.tan_friction) @ summed, sp.csr_matrix((tip.shape[0], groups * width + 1))
-        ])  # fmt: skip
+        cones = sp.hstack(
+            [sp.csr_matrix((tip.shape[0], pairs)), -sides, tip @ sp.csr_matrix(-areas[:, None])]
+        )
+        coupled = sp.hstack(
+            [
+                tip @ sp.diags(contacts.tan_friction) @ summed,
+                sp.csr_matrix((tip.shape[0], groups * width + 1)),
+            ]
+        )
         self.matrix = sp.vstack([balance, least, cones]).tocsc()
-        self.coupled = sp.vstack([sp.csr_matrix((unknowns + pairs + 1, self.size)), coupled]).tocsc()
-        self.right = np.concatenate([-contacts.load.ravel(), np.zeros(pairs), [1.0], np.zeros(tip.shape[0])])
-        self.cohesion = np.concatenate([np.zeros(unknowns + pairs + 1), tip @ (summed @ contacts.cohesion)])
+        self.coupled = sp.vstack(
+            [sp.csr_matrix((unknowns + pairs + 1, self.size)), coupled]
+        ).tocsc()
+        self.right = np.concatenate(
+            [-contacts.load.ravel(), np.zeros(pairs), [1.0], np.zeros(tip.shape[0])]
+        )
+        self.cohesion = np.concatenate(
+            [np.zeros(unknowns + pairs + 1), tip @ (summed @ contacts.cohesion)]
+        )
         self.cones = [clarabel.ZeroConeT(unknowns), clarabel.NonnegativeConeT(pairs + 1)]
         self.cones += [clarabel.SecondOrderConeT(1 + width)] * groups
         self.cost = np.r_[np.zeros(self.size - 1), 1.0]
@@ -132,7 +154,9 @@ class Feasibility:
         settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-10
         matrix = (self.matrix - self.coupled / factor).tocsc()
         right = self.right + self.cohesion / factor
-        found = clarabel.DefaultSolver(self.none, self.cost, matrix, right, self.cones, settings).solve()
+        found = clarabel.DefaultSolver(
+            self.none, self.cost, matrix, right, self.cones, settings
+        ).solve()
         return "Infeasible" not in str(found.status) and float(found.obj_val) <= _BALANCED
 
 
@@ -141,7 +165,9 @@ def bisection_steps(width: float) -> int:
     return math.ceil(math.log2(math.log(BRACKET[1] / BRACKET[0]) / width))
 
 
-def conic_bisection(contacts: Contacts, width: float, about: float, bound: float | None, budget: float) -> Answer:
+def conic_bisection(
+    contacts: Contacts, width: float, about: float, bound: float | None, budget: float
+) -> Answer:
     """The static bound by bisection; where that would take more than `budget` seconds, one step times their number.
 
     Parameters
@@ -159,13 +185,17 @@ def conic_bisection(contacts: Contacts, width: float, about: float, bound: float
         low, high = (middle, high) if program.holds(middle) else (low, middle)
         spent = time.perf_counter() - began - built
         if done == 0 and spent * steps > budget:
-            note = f"1 of {steps} steps, {spent:.2g} s; " + ("F slopekit's bound" if bound else "F not found")
+            note = f"1 of {steps} steps, {spent:.2g} s; " + (
+                "F slopekit's bound" if bound else "F not found"
+            )
             # without a bound to stand for the answer the width of a bracket that was never closed says nothing
             return Answer(bound, built + spent * steps, True, note, width if bound else None)
     return _bisected(math.sqrt(low * high), about, width, f"{steps} steps")
 
 
-def _bisected(found: float, about: float, width: float, note: str, seconds: float | None = None) -> Answer:
+def _bisected(
+    found: float, about: float, width: float, note: str, seconds: float | None = None
+) -> Answer:
     """The middle of the last bracket, unless that lies at an end of the first: then the answer lies beyond."""
     if found > BRACKET[1] * about * (1.0 - 2.0 * width):
         return Answer(None, seconds, note=f"{note}; stands throughout the bracket")
@@ -179,7 +209,9 @@ def siconos_python() -> str | None:
     """The first interpreter that has Siconos' solvers, None where there is none."""
     for python in _PYTHONS:
         try:
-            done = subprocess.run([python, "-c", "import siconos.numerics, scipy.sparse"], capture_output=True)
+            done = subprocess.run(
+                [python, "-c", "import siconos.numerics, scipy.sparse"], capture_output=True
+            )
         except OSError:
             continue
         if done.returncode == 0:
@@ -201,9 +233,15 @@ def _handed_over(contacts: Contacts) -> Iterator[Path]:
         shares = contacts.control_area / contacts.by_group(contacts.control_area)[group]
         cohesion = contacts.by_group(contacts.cohesion)[group] * shares
         np.savez(
-            path, data=matrix.data, indices=matrix.indices, indptr=matrix.indptr, shape=matrix.shape,
-            load=contacts.load, tan_friction=contacts.tan_friction[group], cohesion=cohesion,
-        )  # fmt: skip
+            path,
+            data=matrix.data,
+            indices=matrix.indices,
+            indptr=matrix.indptr,
+            shape=matrix.shape,
+            load=contacts.load,
+            tan_friction=contacts.tan_friction[group],
+            cohesion=cohesion,
+        )
         yield path
 
 
@@ -214,16 +252,26 @@ def siconos(contacts: Contacts, width: float, about: float, budget: float) -> An
     """
     python = siconos_python()
     if python is None:
-        return Answer(None, math.nan, note="not installed (Debian: python3-siconos and python3-scipy)")
+        return Answer(
+            None, math.nan, note="not installed (Debian: python3-siconos and python3-scipy)"
+        )
     if isinstance(contacts, OneBlock) and len(contacts.control_area) > _MOST_OF_ONE:
-        return Answer(None, math.nan, note="not tried: every pair of one block meets every other, a dense operator")
+        return Answer(
+            None,
+            math.nan,
+            note="not tried: every pair of one block meets every other, a dense operator",
+        )
     steps = bisection_steps(width)
     ends = [end * about for end in BRACKET]
-    orders = json.dumps({"about": about, "bracket": ends, "width": width, "steps": steps, "budget": budget})
+    orders = json.dumps(
+        {"about": about, "bracket": ends, "width": width, "steps": steps, "budget": budget}
+    )
     with _handed_over(contacts) as path:
         command = [python, str(_WORKER), str(path), orders]
         try:
-            out = subprocess.run(command, capture_output=True, text=True, timeout=budget, check=False).stdout
+            out = subprocess.run(
+                command, capture_output=True, text=True, timeout=budget, check=False
+            ).stdout
         except subprocess.TimeoutExpired as late:
             out = late.stdout.decode() if isinstance(late.stdout, bytes) else late.stdout or ""
     return _judged([json.loads(line) for line in out.splitlines()], width, about, steps, budget)
@@ -238,9 +286,19 @@ def _judged(told: list[dict], width: float, about: float, steps: int, budget: fl
     if told[-1].get("done"):
         lost = sum(not check["settled"] for check in checks[2:])
         note = f"{len(checks) - 2} checks" + (f", {lost} not settled" if lost else "")
-        return _bisected(told[-1]["found"], about, width, note, setup + sum(check["seconds"] for check in checks[2:]))
+        return _bisected(
+            told[-1]["found"],
+            about,
+            width,
+            note,
+            setup + sum(check["seconds"] for check in checks[2:]),
+        )
     if len(checks) > 2:
-        return Answer(None, math.nan, note=f"gave up: {len(checks) - 2} of {steps} checks within {budget:.0f} s")
+        return Answer(
+            None,
+            math.nan,
+            note=f"gave up: {len(checks) - 2} of {steps} checks within {budget:.0f} s",
+        )
     mean = float(np.mean([check["seconds"] for check in checks]))
     said = ", ".join(
         f"{'stands' if check['stands'] else 'slides'} at {check['factor'] / about:.4g} F"
@@ -248,4 +306,6 @@ def _judged(told: list[dict], width: float, about: float, steps: int, budget: fl
         for check in checks
     )
     right = len(checks) > 1 and checks[0]["stands"] and not checks[1]["stands"]
-    return Answer(None, setup + mean * steps, True, f"{said}; {mean:.2g} s a check", width if right else None)
+    return Answer(
+        None, setup + mean * steps, True, f"{said}; {mean:.2g} s a check", width if right else None
+    )

@@ -29,21 +29,30 @@ class Pile:
 
     def __init__(self, path):
         held = np.load(path)
-        matrix = sp.csr_matrix((held["data"], held["indices"], held["indptr"]), tuple(held["shape"]))
+        matrix = sp.csr_matrix(
+            (held["data"], held["indices"], held["indptr"]), tuple(held["shape"])
+        )
         load, self.tan_friction = held["load"], held["tan_friction"]
         blocks, unknowns = load.shape
         translations = 2 if unknowns == 3 else 3
         self.dimension = matrix.shape[0] // len(self.tan_friction)
         squares = np.asarray(matrix.multiply(matrix).sum(axis=0)).reshape(blocks, unknowns)
-        self.mass = np.repeat(np.sqrt((load[:, :translations] ** 2).sum(axis=1))[:, None], unknowns, axis=1)
-        self.mass[:, translations:] *= squares[:, translations:] / squares[:, :translations].mean(axis=1)[:, None]
+        self.mass = np.repeat(
+            np.sqrt((load[:, :translations] ** 2).sum(axis=1))[:, None], unknowns, axis=1
+        )
+        self.mass[:, translations:] *= (
+            squares[:, translations:] / squares[:, :translations].mean(axis=1)[:, None]
+        )
         self.mass = self.mass.ravel()
         pull = np.zeros(matrix.shape[0])
         pull[:: self.dimension] = held["cohesion"] / self.tan_friction
         self.matrix, self.load = matrix, load.ravel() - matrix.T @ pull
         light = matrix @ sp.diags(1.0 / self.mass)
         delassus = (light @ matrix.T).tocsc()
-        delassus.indices, delassus.indptr = delassus.indices.astype(np.int64), delassus.indptr.astype(np.int64)
+        delassus.indices, delassus.indptr = (
+            delassus.indices.astype(np.int64),
+            delassus.indptr.astype(np.int64),
+        )
         self.kept = delassus  # Siconos keeps pointers into it
         built = sn.SBM_from_csparse(self.dimension, delassus)
         self.operator = built[1] if isinstance(built, (tuple, list)) else built
@@ -55,9 +64,13 @@ class Pile:
 
         An acceleration that goes away with the tolerance is the solver's, not the pile's.
         """
-        problem = sn.FrictionContactProblem(self.dimension, self.operator, self.free, self.tan_friction / factor)
+        problem = sn.FrictionContactProblem(
+            self.dimension, self.operator, self.free, self.tan_friction / factor
+        )
         flat = self.dimension == 2
-        options = sn.SolverOptions(sn.SICONOS_FRICTION_2D_NSGS if flat else sn.SICONOS_FRICTION_3D_NSGS)
+        options = sn.SolverOptions(
+            sn.SICONOS_FRICTION_2D_NSGS if flat else sn.SICONOS_FRICTION_3D_NSGS
+        )
         solve = sn.fc2d_nsgs_sbm if flat else sn.fc3d_nsgs
         before = np.inf
         for digit in range(_TIGHTER):

@@ -85,7 +85,9 @@ def measured(case: Case, rounds: int) -> list[Row]:
     times: dict[int, list[float]] = {k: [] for k in range(len(case.entrants))}
     for turn in range(rounds + 1):  # the first warms up, and counts only for what is not repeated
         for k, (_, _, work) in enumerate(case.entrants):
-            if turn and (not sum(times[k]) < _ENOUGH or answers[k].estimated):  # nan: it never ended
+            if turn and (
+                not sum(times[k]) < _ENOUGH or answers[k].estimated
+            ):  # nan: it never ended
                 continue
             began = time.perf_counter()
             answers[k] = work()
@@ -99,10 +101,22 @@ def measured(case: Case, rounds: int) -> list[Row]:
         error = answer.within
         if answer.factor is not None:
             error = max(abs(answer.factor / case.reference - 1.0), answer.within or 0.0)
-        rows.append(Row(
-            case.model, case.blocks, case.node_pairs, solver, effort, seconds if math.isfinite(seconds) else None,
-            answer.factor, error, None, None, answer.estimated, answer.note,
-        ))  # fmt: skip
+        rows.append(
+            Row(
+                case.model,
+                case.blocks,
+                case.node_pairs,
+                solver,
+                effort,
+                seconds if math.isfinite(seconds) else None,
+                answer.factor,
+                error,
+                None,
+                None,
+                answer.estimated,
+                answer.note,
+            )
+        )
     return with_ratios(rows)
 
 
@@ -110,24 +124,51 @@ def with_ratios(rows: Sequence[Row]) -> list[Row]:
     """Times as multiples of the closed form's and of slopekit's on the same model."""
 
     def ratio(row: Row, solver: str) -> float | None:
-        base = next((other.seconds for other in rows if other.model == row.model and other.solver == solver), None)
+        base = next(
+            (
+                other.seconds
+                for other in rows
+                if other.model == row.model and other.solver == solver
+            ),
+            None,
+        )
         return row.seconds / base if base and row.seconds is not None else None
 
-    return [replace(row, to_closed_form=ratio(row, CLOSED), to_slopekit=ratio(row, SLOPEKIT)) for row in rows]
+    return [
+        replace(row, to_closed_form=ratio(row, CLOSED), to_slopekit=ratio(row, SLOPEKIT))
+        for row in rows
+    ]
 
 
-def rivals_of(contacts, about: float, *, parts, widths, checks, budget: float, bound=None,
-              siconos_budget: float | None = None):  # fmt: skip
+def rivals_of(
+    contacts,
+    about: float,
+    *,
+    parts,
+    widths,
+    checks,
+    budget: float,
+    bound=None,
+    siconos_budget: float | None = None,
+):
     """The rivals on one model: conic sequences, bisections and Siconos (widths)."""
     wait = budget if siconos_budget is None else siconos_budget
     entrants = [
-        (SEQUENCE, "1 pass" if part == 1.0 else f"to {part:g}",
-         partial(conic_passes, contacts, part, 1 if part == 1.0 else 40)) for part in parts
-    ]  # fmt: skip
-    entrants += [
-        (CONIC, f"to {width:g}", partial(conic_bisection, contacts, width, about, bound, budget)) for width in widths
+        (
+            SEQUENCE,
+            "1 pass" if part == 1.0 else f"to {part:g}",
+            partial(conic_passes, contacts, part, 1 if part == 1.0 else 40),
+        )
+        for part in parts
     ]
-    return entrants + [(SICONOS, f"to {width:g}", partial(siconos, contacts, width, about, wait)) for width in checks]
+    entrants += [
+        (CONIC, f"to {width:g}", partial(conic_bisection, contacts, width, about, bound, budget))
+        for width in widths
+    ]
+    return entrants + [
+        (SICONOS, f"to {width:g}", partial(siconos, contacts, width, about, wait))
+        for width in checks
+    ]
 
 
 def wedge(quick: bool) -> list[Row]:
@@ -143,13 +184,25 @@ def wedge(quick: bool) -> list[Row]:
         entrants = [
             (CLOSED, "", lambda: Answer(closed_form(design).factor)),
             (SLOPEKIT, "", partial(slopekit_limit, contacts)),
-            *rivals_of(contacts, exact, parts=(1.0, 1e-2, 1e-4, 1e-6), widths=(1e-2, 1e-4, 1e-6),
-                       checks=(1e-2, 1e-4, 1e-6) if refine < 2 else (1e-2, 1e-4), budget=20.0),
-        ]  # fmt: skip
-        rows += measured(Case(f"wedge, {pairs} pairs", 1, pairs, exact, entrants), TURNS["quick" if quick else "full"])
+            *rivals_of(
+                contacts,
+                exact,
+                parts=(1.0, 1e-2, 1e-4, 1e-6),
+                widths=(1e-2, 1e-4, 1e-6),
+                checks=(1e-2, 1e-4, 1e-6) if refine < 2 else (1e-2, 1e-4),
+                budget=20.0,
+            ),
+        ]
+        rows += measured(
+            Case(f"wedge, {pairs} pairs", 1, pairs, exact, entrants),
+            TURNS["quick" if quick else "full"],
+        )
     first = rows[0]
     said = Answer(1.554, 5.0, note="Sheng et al. 2023, their machine")
-    rows += measured(Case(first.model, 1, first.node_pairs, exact, [(PUBLISHED, "their program", lambda: said)]), 1)
+    rows += measured(
+        Case(first.model, 1, first.node_pairs, exact, [(PUBLISHED, "their program", lambda: said)]),
+        1,
+    )
     return with_command(rows)
 
 
@@ -190,14 +243,29 @@ def ellipsoid(quick: bool) -> list[Row]:
             wait = 10.0 if quick else 60.0 if pairs < 500 else 30.0
             entrants = [
                 (SLOPEKIT, "", partial(slopekit_limit, contacts, True)),
-                *rivals_of(contacts, exact, parts=(1.0, 1e-2, 1e-4), widths=(1e-2, 1e-4),
-                           checks=(1e-2,), budget=25.0, siconos_budget=wait),
-            ]  # fmt: skip
+                *rivals_of(
+                    contacts,
+                    exact,
+                    parts=(1.0, 1e-2, 1e-4),
+                    widths=(1e-2, 1e-4),
+                    checks=(1e-2,),
+                    budget=25.0,
+                    siconos_budget=wait,
+                ),
+            ]
             rows += measured(Case(model, 1, pairs, exact, entrants), TURNS["quick"])
     reference = Row(
-        f"true normals, {most:,} pairs", 1, most, SLOPEKIT, "the reference", finest.timing_s["solve"], exact, None,
-        None, 1.0,
-    )  # fmt: skip
+        f"true normals, {most:,} pairs",
+        1,
+        most,
+        SLOPEKIT,
+        "the reference",
+        finest.timing_s["solve"],
+        exact,
+        None,
+        None,
+        1.0,
+    )
     return [*rows, reference]
 
 
@@ -220,22 +288,33 @@ def many(name: str, blocks: int, quick: bool, passes_at_1000: int) -> list[Row]:
         (SLOPEKIT, "", partial(steps_to_the_limit, contacts)),
         *([] if large else [(RANGED, "", partial(steps_to_the_limit, contacts, ranged=True))]),
         *rivals_of(
-            contacts, exact,
-            parts=(1.0,) if large else (1.0, 1e-2, 1e-4), widths=(1e-2, 1e-4) if small else (1e-2,), checks=(1e-2,),
-            budget=0.0 if large else budget, bound=bound, siconos_budget=40.0 if large else budget,
+            contacts,
+            exact,
+            parts=(1.0,) if large else (1.0, 1e-2, 1e-4),
+            widths=(1e-2, 1e-4) if small else (1e-2,),
+            checks=(1e-2,),
+            budget=0.0 if large else budget,
+            bound=bound,
+            siconos_budget=40.0 if large else budget,
         ),
-    ]  # fmt: skip
+    ]
     rows = measured(
-        Case(f"{len(scene):,} blocks", len(scene), len(contacts.control_area), exact, entrants), TURNS["quick"]
+        Case(f"{len(scene):,} blocks", len(scene), len(contacts.control_area), exact, entrants),
+        TURNS["quick"],
     )
     if not large:
         return rows
     one = next(row for row in rows if row.solver == SEQUENCE)
     assert one.seconds is not None
     whole = replace(
-        one, effort="to 0.0001", seconds=one.seconds * passes_at_1000, factor=None, error=None, estimated=True,
+        one,
+        effort="to 0.0001",
+        seconds=one.seconds * passes_at_1000,
+        factor=None,
+        error=None,
+        estimated=True,
         note=f"1 pass times the {passes_at_1000} passes of 1,000 blocks, error of those",
-    )  # fmt: skip
+    )
     return with_ratios([*rows, whole])
 
 
@@ -260,8 +339,21 @@ def many_sizes(name: str, quick: bool) -> list[Row]:
     for blocks in SIZES[name][:2] if quick else SIZES[name]:
         last = [row for row in rows if row.solver == SEQUENCE]
         passes = int(last[-1].note.split()[0]) if last else 0
-        command = [sys.executable, "-m", "benchmarks", "case", name, str(blocks), str(passes), "quick" if quick else ""]
-        alone = os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "RAYON_NUM_THREADS": "1"}
+        command = [
+            sys.executable,
+            "-m",
+            "benchmarks",
+            "case",
+            name,
+            str(blocks),
+            str(passes),
+            "quick" if quick else "",
+        ]
+        alone = os.environ | {
+            "OPENBLAS_NUM_THREADS": "1",
+            "OMP_NUM_THREADS": "1",
+            "RAYON_NUM_THREADS": "1",
+        }
         done = subprocess.run(command, capture_output=True, text=True, env=alone, check=False)
         if done.returncode:
             raise RuntimeError(f"{name}, {blocks} blocks: {done.stderr[-2000:]}")

@@ -42,29 +42,34 @@ class SceneOfSpeed:
 
 SCENES = {
     "wedge": SceneOfSpeed(
-        "The paper's wedge, one block", wedge,
+        "The paper's wedge, one block",
+        wedge,
         "Table 4 of Sheng et al. 2023; reference: Hoek & Bray. The paper's 5 s are of its authors' machine; the cold "
         "command beside it is a whole process, imports included.",
     ),
     "ellipsoid": SceneOfSpeed(
-        "The paper's ellipsoid, one block", ellipsoid,
+        "The paper's ellipsoid, one block",
+        ellipsoid,
         "No closed form; reference: slopekit on the finest mesh. Siconos picks normal forces of its own, which are not "
         "unique on a curved surface.",
         "the finest true-normal answer",
     ),
     "columns": SceneOfSpeed(
-        "Toppling columns in rows", partial(many_sizes, "columns"),
+        "Toppling columns in rows",
+        partial(many_sizes, "columns"),
         "Goodman & Bray's 16 columns (φ = 38.15°) in rows that do not touch, one model; reference: limit equilibrium.",
     ),
     "wall": SceneOfSpeed(
-        "Wall in running bond", partial(many_sizes, "wall"),
+        "Wall in running bond",
+        partial(many_sizes, "wall"),
         "Ten courses on a base of 20°, φ = 35°; reference: tan φ / tan β. Normal forces are not unique here.",
     ),
     "stack": SceneOfSpeed(
-        "Stacks of 100 blocks", partial(many_sizes, "stack"),
+        "Stacks of 100 blocks",
+        partial(many_sizes, "stack"),
         "As many stacks on a base of 30° as it takes, φ = 35°; reference: tan φ / tan β.",
     ),
-}  # fmt: skip
+}
 
 _PREFACE = """# Speed against error
 
@@ -95,7 +100,11 @@ def keep(name: str, rows: Sequence[Row], quick: bool) -> None:
     """Put a scene's rows into docs/speed.json beside those of the others."""
     held = json.loads(_JSON.read_text()) if _JSON.exists() else {"scenes": {}}
     command = f"python -m benchmarks{' quick' if quick else ''} {name}"
-    held["scenes"][name] = {"command": command, "machine": machine(), "rows": [asdict(row) for row in rows]}
+    held["scenes"][name] = {
+        "command": command,
+        "machine": machine(),
+        "rows": [asdict(row) for row in rows],
+    }
     held["scenes"] = {key: held["scenes"][key] for key in SCENES if key in held["scenes"]}
     _DOCS.mkdir(exist_ok=True)
     _JSON.write_text(json.dumps(held, indent=1) + "\n")
@@ -113,8 +122,10 @@ def keep_command() -> None:
 def machine() -> str:
     """The machine in words, without its name."""
     libraries = ", ".join(f"{name} {version(name)}" for name in _LIBRARIES)
-    return (f"{os.cpu_count()} cores ({platform.machine()}, {platform.system()}), Python "
-            f"{platform.python_version()}, {libraries}; one thread a solver")  # fmt: skip
+    return (
+        f"{os.cpu_count()} cores ({platform.machine()}, {platform.system()}), Python "
+        f"{platform.python_version()}, {libraries}; one thread a solver"
+    )
 
 
 def write(charts: Sequence[str] = tuple(SCENES)) -> None:
@@ -163,17 +174,39 @@ def most_effort(rows: Sequence[Row]) -> list[Row]:
 
 def table(rows: Sequence[Row]) -> str:
     """Rows as a table of Markdown that also reads as plain text."""
-    head = ("model", "solver", "effort", "seconds", "F", "error", "x closed form", "x slopekit", "note")
+    head = (
+        "model",
+        "solver",
+        "effort",
+        "seconds",
+        "F",
+        "error",
+        "x closed form",
+        "x slopekit",
+        "note",
+    )
     lines = [
-        (row.model, row.solver, row.effort or "-",
-         _number(row.seconds, ".2g") + ("e" if row.estimated else ""), _number(row.factor, ".6f"),
-         _number(row.error, ".1e"), _number(row.to_closed_form, ".2g"), _number(row.to_slopekit, ".2g"), row.note)
-        for row in sorted(rows, key=lambda row: (row.blocks, _place(rows, row.model), SOLVERS.index(row.solver)))
-    ]  # fmt: skip
+        (
+            row.model,
+            row.solver,
+            row.effort or "-",
+            _number(row.seconds, ".2g") + ("e" if row.estimated else ""),
+            _number(row.factor, ".6f"),
+            _number(row.error, ".1e"),
+            _number(row.to_closed_form, ".2g"),
+            _number(row.to_slopekit, ".2g"),
+            row.note,
+        )
+        for row in sorted(
+            rows, key=lambda row: (row.blocks, _place(rows, row.model), SOLVERS.index(row.solver))
+        )
+    ]
     widths = [max(len(line[k]) for line in (head, *lines)) for k in range(len(head))]
     rule = tuple("-" * width for width in widths)
     return "\n".join(
-        "| " + " | ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)) + " |"
+        "| "
+        + " | ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True))
+        + " |"
         for line in (head, rule, *lines)
     )
 
@@ -196,7 +229,9 @@ def chart(name: str, rows: Sequence[Row]) -> None:
     scene = SCENES[name]
     shown = [row for row in rows if row.error is not None and row.seconds is not None]
     fewest = min(row.node_pairs for row in rows)
-    if name in SIZES:  # there the book is the reference, of no error, and its microseconds would squeeze the rest
+    if (
+        name in SIZES
+    ):  # there the book is the reference, of no error, and its microseconds would squeeze the rest
         shown = [row for row in shown if row.solver != CLOSED]
     if name == "wedge":  # more node pairs change nothing there but the time of slopekit
         shown = [row for row in shown if row.node_pairs == fewest or row.solver == SLOPEKIT]
@@ -207,10 +242,21 @@ def chart(name: str, rows: Sequence[Row]) -> None:
         models = list(dict.fromkeys(row.model for row in mine))
         for model in models:
             line = [row for row in mine if row.model == model]
-            errors = [row.error if row.error > FLOOR else 0.0 for row in line if row.error is not None]
+            errors = [
+                row.error if row.error > FLOOR else 0.0 for row in line if row.error is not None
+            ]
             labels = [_label(name, row, row is line[-1]) for row in line]
-            curves.append(Curve(_curve_name(name, line[0]), [row.seconds or math.nan for row in line], errors, labels))
-    speed_error_chart(curves, _DOCS / "images" / f"speed-{name}.png", scene.title, against=scene.against)
+            curves.append(
+                Curve(
+                    _curve_name(name, line[0]),
+                    [row.seconds or math.nan for row in line],
+                    errors,
+                    labels,
+                )
+            )
+    speed_error_chart(
+        curves, _DOCS / "images" / f"speed-{name}.png", scene.title, against=scene.against
+    )
 
 
 def _curve_name(scene: str, row: Row) -> str:
@@ -224,7 +270,11 @@ def _label(scene: str, row: Row, last: bool) -> str:
     if scene == "wedge":
         if row.solver in (CLOSED, COMMAND, PUBLISHED):
             return ""
-        return f"{row.node_pairs} pairs" if row.solver == SLOPEKIT else row.effort.removeprefix("to ")
+        return (
+            f"{row.node_pairs} pairs" if row.solver == SLOPEKIT else row.effort.removeprefix("to ")
+        )
     if not last:
         return ""
-    return (f"{row.node_pairs:,} pairs" if scene == "ellipsoid" else f"{row.blocks:,}") + " e" * row.estimated
+    return (
+        f"{row.node_pairs:,} pairs" if scene == "ellipsoid" else f"{row.blocks:,}"
+    ) + " e" * row.estimated

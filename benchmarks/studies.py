@@ -31,7 +31,7 @@ from slopekit.studies.points import point_of
 from slopekit.studies.prob import prob
 from slopekit.studies.prob.rows import SampleRows
 from slopekit.studies.prob.sampling import METHODS, samples
-from slopekit.studies.running import Crew, checked_crew, run_all
+from slopekit.studies.running import ExecutorOptions, checked_crew, run_all
 from slopekit.studies.sweep import sweep
 
 _DOCS = Path(__file__).resolve().parent.parent / "docs"
@@ -85,17 +85,26 @@ def scattering(correlation: bool = False) -> dict[str, Any]:
     """The paper's wedge with 15 numbers that scatter: planes, face, upper slope, height, strengths, weight, water."""
 
     def plane(dip: float, direction: float) -> dict[str, Any]:
-        return {"dip": {"dist": "normal", "mean": dip, "sd": 2}, "dip_direction":
-                {"dist": "normal", "mean": direction, "sd": 3}}  # fmt: skip
+        return {
+            "dip": {"dist": "normal", "mean": dip, "sd": 2},
+            "dip_direction": {"dist": "normal", "mean": direction, "sd": 3},
+        }
 
     wedge = {
-        "slopekit": 1, "kind": "wedge",
-        "joints": {"J1": {"plane": plane(45, 115), "strength": "a"}, "J2": {"plane": plane(45, 245), "strength": "b"}},
+        "slopekit": 1,
+        "kind": "wedge",
+        "joints": {
+            "J1": {"plane": plane(45, 115), "strength": "a"},
+            "J2": {"plane": plane(45, 245), "strength": "b"},
+        },
         "slope": {"face": plane(60, 180), "upper": plane(10, 180), "height": normal(64.89, 0.05)},
-        "strength": {"a": {"c": normal(50, 0.2), "phi": normal(20, 0.1)},
-                     "b": {"c": normal(50, 0.2), "phi": normal(20, 0.1)}},
-        "rock": {"density": normal(2600, 0.02)}, "water": {"fill": {"dist": "uniform", "min": 0, "max": 1}},
-    }  # fmt: skip
+        "strength": {
+            "a": {"c": normal(50, 0.2), "phi": normal(20, 0.1)},
+            "b": {"c": normal(50, 0.2), "phi": normal(20, 0.1)},
+        },
+        "rock": {"density": normal(2600, 0.02)},
+        "water": {"fill": {"dist": "uniform", "min": 0, "max": 1}},
+    }
     both = {"J1.phi/J2.phi": 0.5, "J1.c/J1.phi": -0.3, "J2.c/J2.phi": -0.3}
     return wedge | ({"correlation": both} if correlation else {})
 
@@ -118,7 +127,10 @@ def closed_forms(columns: Vectorised, values: Floats) -> None:
 
 def sampling_rows(n: int = 200_000) -> list[str]:
     """What drawing costs beside evaluating, for every method, with and without correlation."""
-    rows = ["| samples of 15 numbers | draw, ns | evaluate, ns | draw / evaluate |", "|---|---|---|---|"]
+    rows = [
+        "| samples of 15 numbers | draw, ns | evaluate, ns | draw / evaluate |",
+        "|---|---|---|---|",
+    ]
     for correlation in (False, True):
         design = load(scattering(correlation))
         for method in METHODS:
@@ -128,7 +140,9 @@ def sampling_rows(n: int = 200_000) -> list[str]:
             assert fast is not None
             drawing, judging = best(draw), best(partial(closed_forms, fast, drawn.values))
             name = method + (", 3 correlations" if correlation else "")
-            rows.append(f"| {name} | {drawing / n * 1e9:.0f} | {judging / n * 1e9:.0f} | {drawing / judging:.2f} |")
+            rows.append(
+                f"| {name} | {drawing / n * 1e9:.0f} | {judging / n * 1e9:.0f} | {drawing / judging:.2f} |"
+            )
     return rows
 
 
@@ -137,12 +151,44 @@ def cluster(workers: int) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]
     """A Dask scheduler and its workers on this machine, as a user starts them; these processes, the scheduler first."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "scheduler.json"
-        quiet: dict[str, Any] = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": folder}
+        quiet: dict[str, Any] = {
+            "stdout": subprocess.DEVNULL,
+            "stderr": subprocess.DEVNULL,
+            "cwd": folder,
+        }
         dask = [sys.executable, "-m", "dask"]
-        started = [subprocess.Popen([*dask, "scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard",
-                                     "--scheduler-file", str(file)], **quiet)]  # fmt: skip
-        started += [subprocess.Popen([*dask, "worker", "--scheduler-file", str(file), "--nthreads", "1", "--no-nanny",
-                                      "--no-dashboard"], **quiet) for _ in range(workers)]  # fmt: skip
+        started = [
+            subprocess.Popen(
+                [
+                    *dask,
+                    "scheduler",
+                    "--host",
+                    "127.0.0.1",
+                    "--port",
+                    "0",
+                    "--no-dashboard",
+                    "--scheduler-file",
+                    str(file),
+                ],
+                **quiet,
+            )
+        ]
+        started += [
+            subprocess.Popen(
+                [
+                    *dask,
+                    "worker",
+                    "--scheduler-file",
+                    str(file),
+                    "--nthreads",
+                    "1",
+                    "--no-nanny",
+                    "--no-dashboard",
+                ],
+                **quiet,
+            )
+            for _ in range(workers)
+        ]
         try:
             while not (file.exists() and file.stat().st_size):
                 time.sleep(0.05)
@@ -159,7 +205,9 @@ def wedge_crew_rows(n: int = 200_000) -> list[str]:
     design = load(scattering())
     rows = SampleRows(design, samples(design.variables, design.correlation, n, 1))
     ends = [*range(0, n, PIECE), n]
-    return crew_rows(partial(outcomes_of_part, True), [rows.part(*piece) for piece in pairwise(ends)], n, 1)
+    return crew_rows(
+        partial(outcomes_of_part, True), [rows.piece(*piece) for piece in pairwise(ends)], n, 1
+    )
 
 
 def bench_crew_rows() -> list[str]:
@@ -168,15 +216,27 @@ def bench_crew_rows() -> list[str]:
     places = product(np.linspace(25.0, 45.0, 40).tolist(), np.linspace(0.0, 0.2, 50).tolist())
     tasks = [{"strength.joint.phi": phi, "loads.seismic.k": k} for phi, k in places]
     rows = Rows(design, tasks)
-    return crew_rows(partial(outcomes_of_part, True), [rows.part(k, k + 1) for k in range(len(rows))], len(rows), 8)
+    return crew_rows(
+        partial(outcomes_of_part, True),
+        [rows.piece(k, k + 1) for k in range(len(rows))],
+        len(rows),
+        8,
+    )
 
 
-def crew_rows(work: Callable[[Any], Any], tasks: Sequence[Any], count: int, at_once: int) -> list[str]:
+def crew_rows(
+    work: Callable[[Any], Any], tasks: Sequence[Any], count: int, at_once: int
+) -> list[str]:
     """The same tasks by one process, two, Dask with two workers, one of them killed half-way; tasks that do nothing."""
-    rows = ["| crew | rows | seconds | against one process | seconds of processor |", "|---|---|---|---|---|"]
+    rows = [
+        "| crew | rows | seconds | against one process | seconds of processor |",
+        "|---|---|---|---|---|",
+    ]
     alone, base, processes = "", 0.0, list[subprocess.Popen[bytes]]()
 
-    def row(name: str, crew: Crew, advance: Callable[[int], None] = lambda _: None) -> None:
+    def row(
+        name: str, crew: ExecutorOptions, advance: Callable[[int], None] = lambda _: None
+    ) -> None:
         nonlocal alone, base
         began, processor = time.perf_counter(), _processor(processes)
         records = run_all(work, tasks, crew, advance=advance, at_once=at_once)
@@ -187,7 +247,7 @@ def crew_rows(work: Callable[[Any], Any], tasks: Sequence[Any], count: int, at_o
         used = _processor(processes) - processor
         rows.append(f"| {name} | {count:,} | {taken:.1f} | {base / taken:.2f} | {used:.1f} |")
 
-    row("one process", Crew())
+    row("one process", ExecutorOptions())
     row("two processes (their start included)", checked_crew(2))
     with cluster(2) as (address, started):
         processes, workers = started, started[1:]
@@ -211,16 +271,27 @@ def crew_rows(work: Callable[[Any], Any], tasks: Sequence[Any], count: int, at_o
     chunks = -(-len(tasks) // at_once)
     said = f"{chunks} chunks that do nothing took {idle:.2f} s of processor: {idle / chunks * 1e3:.2g} ms each, "
     load_average = os.getloadavg()[0]
-    return [*rows, "", f"{said}{idle / count * 1e6:.2g} µs a row. Load average at the end: {load_average:.0f}."]
+    return [
+        *rows,
+        "",
+        f"{said}{idle / count * 1e6:.2g} µs a row. Load average at the end: {load_average:.0f}.",
+    ]
 
 
 def memory_rows() -> list[str]:
     """Processor time and most memory of a process for samples of a template and all that is said of them."""
-    rows = ["| by | samples | P(FoS < 1) | seconds of processor | most memory, MB |", "|---|---|---|---|---|"]
+    rows = [
+        "| by | samples | P(FoS < 1) | seconds of processor | most memory, MB |",
+        "|---|---|---|---|---|",
+    ]
     for n, by in ((1_000_000, "closed-form"), (10_000_000, "closed-form"), (100_000, "pre-ie")):
         command = [sys.executable, "-c", _MEASURED, str(n), by]
-        share, seconds, most = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
-        rows.append(f"| {by} | {n:,} | {float(share):.5f} | {float(seconds):.0f} | {float(most):.0f} |")
+        share, seconds, most = subprocess.run(
+            command, capture_output=True, text=True, check=True
+        ).stdout.split()
+        rows.append(
+            f"| {by} | {n:,} | {float(share):.5f} | {float(seconds):.0f} | {float(most):.0f} |"
+        )
     return rows
 
 
@@ -233,12 +304,17 @@ def prob_rows() -> list[str]:
     """P(F < target) of the default wedge with φ = N(20, 2) against quadrature."""
     from tests.studies.test_probability import by_quadrature, default_wedge
 
-    rows = ["| rank correlation | target | quadrature | estimate | 95 % limits | within |", "|---|---|---|---|---|---|"]
+    rows = [
+        "| rank correlation | target | quadrature | estimate | 95 % limits | within |",
+        "|---|---|---|---|---|---|",
+    ]
     for rank in (0.0, 0.8, 1.0):
         for target in (1.0, 1.4, 1.5):
             exact = by_quadrature(target, rank)
             for method in METHODS:
-                study = prob(load(default_wedge(rank)), 100_000, method=method, fos=target, by="closed-form")
+                study = prob(
+                    load(default_wedge(rank)), 100_000, method=method, fos=target, by="closed-form"
+                )
                 found = study.all_samples
                 within = found.low <= exact <= found.high
                 rows.append(
@@ -251,7 +327,10 @@ def prob_rows() -> list[str]:
 def both_rows(n: int = 20_000) -> list[str]:
     """Samples of a template by the closed form alone and by both methods, all at once in one process."""
     design = load(str(path_of("wedge-scatter")))
-    rows = ["| by | samples | P(FoS < 1) | by the closed form | seconds of processor |", "|---|---|---|---|---|"]
+    rows = [
+        "| by | samples | P(FoS < 1) | by the closed form | seconds of processor |",
+        "|---|---|---|---|---|",
+    ]
     for words, by in (("closed form", "closed-form"), ("both methods", "pre-ie")):
         began = _processor()
         study = prob(design, n, by=by)
@@ -268,7 +347,10 @@ def sweep_rows() -> list[str]:
     keys = [key_of(design, path) for path in ("water.fill", "strength.weak.phi")]
     rows = ["| points | ms of processor each | each by itself | ratio |", "|---|---|---|---|"]
     for side in (20, 100):
-        grid = {key.path: np.linspace(*ends, side).tolist() for key, ends in zip(keys, ((0, 1), (15, 35)), strict=True)}
+        grid = {
+            key.path: np.linspace(*ends, side).tolist()
+            for key, ends in zip(keys, ((0, 1), (15, 35)), strict=True)
+        }
         began = _processor()
         swept = sweep(design, grid)
         taken, began = (_processor() - began) / len(swept.points), _processor()
@@ -276,7 +358,9 @@ def sweep_rows() -> list[str]:
         for place in some:
             point_of(design, values_of(design, keys, place))
         alone = (_processor() - began) / len(some)
-        rows.append(f"| {side * side:,} | {taken * 1e3:.2f} | {alone * 1e3:.2f} | {alone / taken:.0f} |")
+        rows.append(
+            f"| {side * side:,} | {taken * 1e3:.2f} | {alone * 1e3:.2f} | {alone / taken:.0f} |"
+        )
     return rows
 
 
@@ -285,7 +369,7 @@ def set_rows(surveys: int = 20) -> list[str]:
     from scipy.stats import vonmises_fisher
 
     from slopekit.core.orientation import normals
-    from slopekit.studies.sets.clustering import best, clusters_of
+    from slopekit.studies.sets.clustering import clusters_of, least_bic
 
     rows = [
         "| drawn sets (K) | joints | anywhere | by BIC | s each, one core |",
@@ -304,14 +388,20 @@ def set_rows(surveys: int = 20) -> list[str]:
             loose = rng.normal(size=(anywhere, 3))
             parts = [loose / np.linalg.norm(loose, axis=1)[:, None]]
             for (dip, way), k in zip(planes, concentrations, strict=False):
-                parts.append(vonmises_fisher(normals(np.array(dip), np.array(way)), k).rvs(each, random_state=rng))
+                parts.append(
+                    vonmises_fisher(normals(np.array(dip), np.array(way)), k).rvs(
+                        each, random_state=rng
+                    )
+                )
             poles = np.concatenate(parts)
             start = time.process_time()
             found = clusters_of(poles, np.ones(len(poles)), None, np.random.default_rng(1))
             began += time.process_time() - start
-            by_bic += best(found) == sets
+            by_bic += least_bic(found) == sets
         said = f"{sets} ({', '.join(map(str, concentrations))})" if sets else "0"
-        rows.append(f"| {said} | {sets * each + anywhere} | {anywhere} | {by_bic} of {times} | {began / times:.2g} |")
+        rows.append(
+            f"| {said} | {sets * each + anywhere} | {anywhere} | {by_bic} of {times} | {began / times:.2g} |"
+        )
     return rows
 
 
@@ -320,15 +410,26 @@ def bench_rows(count: int = 300) -> list[str]:
     from slopekit.studies.bench_design import bench_design
 
     rng = np.random.default_rng(4)
-    mean = np.array([(54, 142), (60, 226), (78, 4), (24, 176)], dtype=float)[rng.integers(0, 4, count)]
+    mean = np.array([(54, 142), (60, 226), (78, 4), (24, 176)], dtype=float)[
+        rng.integers(0, 4, count)
+    ]
     planes = [
         (float(np.clip(dip + 7.0 * one, 1.0, 90.0)), float((direction + 9.0 * two) % 360.0))
-        for (dip, direction), one, two in zip(mean, rng.standard_normal(count), rng.standard_normal(count), strict=True)
+        for (dip, direction), one, two in zip(
+            mean, rng.standard_normal(count), rng.standard_normal(count), strict=True
+        )
     ]
     given: dict[str, Any] = {
-        "height": [10, 15, 20], "face": "60:90:7", "dip_direction": 180, "berm": [7, 9], "c": 10, "phi": 30,
-        "spacing": 2, "trace": 15, "n": 2_000,
-    }  # fmt: skip
+        "height": [10, 15, 20],
+        "face": "60:90:7",
+        "dip_direction": 180,
+        "berm": [7, 9],
+        "c": 10,
+        "phi": 30,
+        "spacing": 2,
+        "trace": 15,
+        "n": 2_000,
+    }
     rows = [
         "| both methods | trials in 21 benches | blocks by PRE-IE | moments govern | seconds of processor | seconds |",
         "|---|---|---|---|---|---|",
@@ -353,20 +454,37 @@ def quake_rows(records: int = 20, samples: int = 4000) -> list[str]:
     rng, t = np.random.default_rng(2), 0.01 * np.arange(samples)
     made = []
     for k in range(records):
-        noise = np.convolve(rng.normal(size=samples), np.hanning(9), "same") * np.exp(-(((t - 12.0) / 6.0) ** 2))
-        made.append(record_of(f"made {k + 1}", t, noise * (0.2 + 0.03 * k) * 9.81 / np.abs(noise).max()))
+        noise = np.convolve(rng.normal(size=samples), np.hanning(9), "same") * np.exp(
+            -(((t - 12.0) / 6.0) ** 2)
+        )
+        made.append(
+            record_of(f"made {k + 1}", t, noise * (0.2 + 0.03 * k) * 9.81 / np.abs(noise).max())
+        )
     rows = ["| what | seconds of processor | seconds |", "|---|---|---|"]
     for words, names, given, more in (
-        (f"{records} records of {samples:,} samples, wedge, plane and blocks", ("wedge", "plane", "blocks"), made, {}),
-        ("one of them in six degrees of freedom, both ways, wedge", ("wedge",), made[-1], {"six": True}),
+        (
+            f"{records} records of {samples:,} samples, wedge, plane and blocks",
+            ("wedge", "plane", "blocks"),
+            made,
+            {},
+        ),
+        (
+            "one of them in six degrees of freedom, both ways, wedge",
+            ("wedge",),
+            made[-1],
+            {"six": True},
+        ),
     ):
         began, processor = time.perf_counter(), _processor()
         for name in names:
             sk.quake(sk.load(str(path_of(name))), given, **more)
         seconds, processor = time.perf_counter() - began, _processor() - processor
         rows.append(f"| {words} | {processor:.1f} | {seconds:.1f} |")
-    rows += ["", "| samples of one cycle of 1 Hz, 0.5 g, k_y 0.2 | displacement, m | off its formula, 0.2333261 m |",
-             "|---|---|---|"]  # fmt: skip
+    rows += [
+        "",
+        "| samples of one cycle of 1 Hz, 0.5 g, k_y 0.2 | displacement, m | off its formula, 0.2333261 m |",
+        "|---|---|---|",
+    ]
     for count in (50, 200, 1000, 4000):
         cycle = np.arange(count + 1) / count
         found = slide(cycle, 0.5 * 9.81 * np.sin(2.0 * np.pi * cycle), 0.2 * 9.81).displacement_m
@@ -391,17 +509,26 @@ def main(words: list[str]) -> None:
         ("Drawing samples beside evaluating them, one core", sampling_rows),
         ("Wedges by both methods a second, the same numbers from every crew", wedge_crew_rows),
         ("Benches a second, the same numbers from every crew", bench_crew_rows),
-        ("Memory: samples of templates/wedge-scatter with quantiles, histogram and sensitivities", memory_rows),
+        (
+            "Memory: samples of templates/wedge-scatter with quantiles, histogram and sensitivities",
+            memory_rows,
+        ),
         ("A plan for 100,000,000 rows", plan_rows),
-        ("Probability of failure against quadrature: the default wedge, φ = N(20, 2) on both planes", prob_rows),
+        (
+            "Probability of failure against quadrature: the default wedge, φ = N(20, 2) on both planes",
+            prob_rows,
+        ),
         ("Samples of templates/wedge-scatter by both methods", both_rows),
         ("Points of a sweep of templates/wedge by both methods", sweep_rows),
         ("Joint sets: is the number that was drawn found?", set_rows),
         ("Bench design: 300 joints x 7 faces x 3 heights", bench_rows),
         ("Earthquakes: 20 records x 3 slopes, the sliding against its formula", quake_rows),
     ]
-    text = ["# Design studies: what they cost and whether they are right", "",
-            f"Made by `python -m benchmarks.studies docs` on {machine()}."]  # fmt: skip
+    text = [
+        "# Design studies: what they cost and whether they are right",
+        "",
+        f"Made by `python -m benchmarks.studies docs` on {machine()}.",
+    ]
     for title, rows in chapters:
         chapter = ["", f"## {title}", "", *rows()]
         print("\n".join(chapter), flush=True)

@@ -26,43 +26,59 @@ Arrays = dict[str, np.ndarray]
 COUNT, FEW, TURNS, CHUNK = 1_000_000, 1_000, 7, 8192
 PLANES = ("joint1", "joint2", "face", "upper")
 PAPER = {
-    "joint1_dip_deg": 45.0, "joint1_dip_direction_deg": 115.0, "joint2_dip_deg": 45.0,
-    "joint2_dip_direction_deg": 245.0, "face_dip_deg": 60.0, "face_dip_direction_deg": 180.0,
-    "upper_dip_deg": 10.0, "upper_dip_direction_deg": 180.0,
-}  # fmt: skip
+    "joint1_dip_deg": 45.0,
+    "joint1_dip_direction_deg": 115.0,
+    "joint2_dip_deg": 45.0,
+    "joint2_dip_direction_deg": 245.0,
+    "face_dip_deg": 60.0,
+    "face_dip_direction_deg": 180.0,
+    "upper_dip_deg": 10.0,
+    "upper_dip_direction_deg": 180.0,
+}
 
 
 def scattered(rng: np.random.Generator, count: int, degrees: float) -> Arrays:
     """The paper's wedge with every angle scattered: what a Monte Carlo draws."""
     return {
         **{name: angle + degrees * rng.normal(size=count) for name, angle in PAPER.items()},
-        "height_m": rng.normal(64.89, 3.0, count), "cohesion1_kpa": rng.lognormal(math.log(50.0), 0.3, count),
-        "cohesion2_kpa": rng.lognormal(math.log(50.0), 0.3, count), "friction1_deg": rng.normal(20.0, 2.0, count),
-        "friction2_deg": rng.normal(20.0, 2.0, count), "unit_weight_kn_m3": rng.normal(25.5, 0.5, count),
+        "height_m": rng.normal(64.89, 3.0, count),
+        "cohesion1_kpa": rng.lognormal(math.log(50.0), 0.3, count),
+        "cohesion2_kpa": rng.lognormal(math.log(50.0), 0.3, count),
+        "friction1_deg": rng.normal(20.0, 2.0, count),
+        "friction2_deg": rng.normal(20.0, 2.0, count),
+        "unit_weight_kn_m3": rng.normal(25.5, 0.5, count),
         "fill": rng.uniform(0.0, 1.0, count),
-    }  # fmt: skip
+    }
 
 
 def any_direction(rng: np.random.Generator, count: int) -> Arrays:
     """Joints of any direction in slopes of any steepness; a quarter of them cut a wedge."""
     facing = rng.uniform(0.0, 360.0, count)
     return {
-        "joint1_dip_deg": rng.uniform(10.0, 89.0, count), "joint1_dip_direction_deg": rng.uniform(0.0, 360.0, count),
-        "joint2_dip_deg": rng.uniform(10.0, 89.0, count), "joint2_dip_direction_deg": rng.uniform(0.0, 360.0, count),
-        "face_dip_deg": rng.uniform(40.0, 89.0, count), "face_dip_direction_deg": facing,
+        "joint1_dip_deg": rng.uniform(10.0, 89.0, count),
+        "joint1_dip_direction_deg": rng.uniform(0.0, 360.0, count),
+        "joint2_dip_deg": rng.uniform(10.0, 89.0, count),
+        "joint2_dip_direction_deg": rng.uniform(0.0, 360.0, count),
+        "face_dip_deg": rng.uniform(40.0, 89.0, count),
+        "face_dip_direction_deg": facing,
         "upper_dip_deg": rng.uniform(0.0, 30.0, count),
         "upper_dip_direction_deg": facing + rng.uniform(-30.0, 30.0, count),
-        "height_m": 10.0 ** rng.uniform(0.0, 2.0, count), "cohesion1_kpa": rng.uniform(0.0, 100.0, count),
-        "cohesion2_kpa": rng.uniform(0.0, 100.0, count), "friction1_deg": rng.uniform(5.0, 50.0, count),
-        "friction2_deg": rng.uniform(5.0, 50.0, count), "unit_weight_kn_m3": rng.uniform(20.0, 30.0, count),
+        "height_m": 10.0 ** rng.uniform(0.0, 2.0, count),
+        "cohesion1_kpa": rng.uniform(0.0, 100.0, count),
+        "cohesion2_kpa": rng.uniform(0.0, 100.0, count),
+        "friction1_deg": rng.uniform(5.0, 50.0, count),
+        "friction2_deg": rng.uniform(5.0, 50.0, count),
+        "unit_weight_kn_m3": rng.uniform(20.0, 30.0, count),
         "fill": rng.uniform(0.0, 1.0, count),
-    }  # fmt: skip
+    }
 
 
 def that_form(rng: np.random.Generator, count: int) -> Arrays:
     """Those of any direction that do cut a wedge."""
     given = any_direction(rng, 4 * count)
-    formed = np.flatnonzero(hoek_bray_wedges(WedgeArrays(**given)).outcome < OUTCOMES.index("E201"))[:count]
+    formed = np.flatnonzero(
+        hoek_bray_wedges(WedgeArrays(**given)).outcome < OUTCOMES.index("E201")
+    )[:count]
     return {name: values[formed] for name, values in given.items()}
 
 
@@ -74,16 +90,23 @@ def one_by_one(given: Arrays, tests: bool) -> Iterator[tuple[str, float]]:
     names = list(given)
     for row in zip(*(values.tolist() for values in given.values()), strict=True):
         value = dict(zip(names, row, strict=True))
-        one, two, face, upper = (Plane(value[f"{p}_dip_deg"], value[f"{p}_dip_direction_deg"]) for p in PLANES)
+        one, two, face, upper = (
+            Plane(value[f"{p}_dip_deg"], value[f"{p}_dip_direction_deg"]) for p in PLANES
+        )
         try:
             if tests:
                 joints = np.array([one.normal(), two.normal()])
                 wedge_corners(joints, face.normal(), upper.normal(), value["height_m"])
             found = hoek_bray_wedge(
-                (one, two), face, upper, value["height_m"], (value["cohesion1_kpa"], value["cohesion2_kpa"]),
-                (value["friction1_deg"], value["friction2_deg"]), value["unit_weight_kn_m3"],
+                (one, two),
+                face,
+                upper,
+                value["height_m"],
+                (value["cohesion1_kpa"], value["cohesion2_kpa"]),
+                (value["friction1_deg"], value["friction2_deg"]),
+                value["unit_weight_kn_m3"],
                 water=WedgeWater(value["fill"]),
-            )  # fmt: skip
+            )
         except GeometryError as error:
             yield error.codes[0], math.nan
             continue
@@ -97,7 +120,10 @@ def plainly(given: Mapping[str, np.ndarray]) -> np.ndarray:
     """Factors by corners and cross products, in chunks: no test whether planes cut a wedge, no status, no workspace."""
     count = len(given["height_m"])
     return np.concatenate(
-        [_plain_chunk({k: v[at : at + CHUNK] for k, v in given.items()}) for at in range(0, count, CHUNK)]
+        [
+            _plain_chunk({k: v[at : at + CHUNK] for k, v in given.items()})
+            for at in range(0, count, CHUNK)
+        ]
     )
 
 
@@ -119,7 +145,10 @@ def _plain_chunk(v: Mapping[str, np.ndarray]) -> np.ndarray:
     trace1, trace2, line = cross(n1, face), cross(n2, face), cross(n1, n2)
     crest1 = scaled(trace1, v["height_m"] / trace1[2])
     offset = dot(upper, crest1)
-    crest2, back = scaled(trace2, offset / dot(upper, trace2)), scaled(line, offset / dot(upper, line))
+    crest2, back = (
+        scaled(trace2, offset / dot(upper, trace2)),
+        scaled(line, offset / dot(upper, line)),
+    )
     weight = v["unit_weight_kn_m3"] * np.abs(dot(crest1, cross(crest2, back))) / 6.0
     across1, across2 = cross(crest1, back), cross(crest2, back)
     area1, area2 = np.sqrt(dot(across1, across1)) / 2.0, np.sqrt(dot(across2, across2)) / 2.0
@@ -128,7 +157,11 @@ def _plain_chunk(v: Mapping[str, np.ndarray]) -> np.ndarray:
     highest = np.maximum(np.maximum(crest1[2], crest2[2]), back[2])
     mean = v["fill"] * 9.81 * (highest - np.minimum(crest2[2], 0.0)) / 6.0
     push1, push2 = mean * area1, mean * area2
-    load = (n1[0] * push1 + n2[0] * push2, n1[1] * push1 + n2[1] * push2, n1[2] * push1 + n2[2] * push2 - weight)
+    load = (
+        n1[0] * push1 + n2[0] * push2,
+        n1[1] * push1 + n2[1] * push2,
+        n1[2] * push1 + n2[2] * push2 - weight,
+    )
     on1, on2, b = dot(load, n1), dot(load, n2), dot(n1, n2)
     share = 1.0 - b * b
     both1, both2 = (on2 * b - on1) / share, (on1 * b - on2) / share
@@ -139,7 +172,9 @@ def _plain_chunk(v: Mapping[str, np.ndarray]) -> np.ndarray:
     square = dot(load, load)
     alone1 = (bond1 - on1 * tan1) / np.sqrt(square - on1 * on1)
     alone2 = (bond2 - on2 * tan2) / np.sqrt(square - on2 * on2)
-    factor = np.where((on1 < 0.0) & (both2 <= 0.0), alone1, np.where((on2 < 0.0) & (both1 <= 0.0), alone2, factor))
+    factor = np.where(
+        (on1 < 0.0) & (both2 <= 0.0), alone1, np.where((on2 < 0.0) & (both1 <= 0.0), alone2, factor)
+    )
     return np.where((on1 >= 0.0) & (on2 >= 0.0), np.nan, factor)
 
 
@@ -175,20 +210,34 @@ def speed(name: str, given: Arrays) -> None:
             f"  (median {statistics.median(found) * 1e9:9,.0f})  {least / best:7.1f} x"
         )
     counts = hoek_bray_wedges(wedges).counts()
-    print("outcomes: " + ", ".join(f"{outcome} {number / count:.2%}" for outcome, number in counts.items()))
+    print(
+        "outcomes: "
+        + ", ".join(f"{outcome} {number / count:.2%}" for outcome, number in counts.items())
+    )
 
 
 def planes(rng: np.random.Generator) -> None:
     slopes = PlaneArrays(
-        face_dip_deg=rng.normal(60.0, 3.0, COUNT), upper_dip_deg=rng.normal(5.0, 2.0, COUNT),
-        plane_dip_deg=rng.normal(35.0, 5.0, COUNT), height_m=rng.normal(12.0, 1.0, COUNT),
-        cohesion_kpa=rng.lognormal(math.log(25.0), 0.3, COUNT), friction_deg=rng.normal(37.0, 3.0, COUNT),
-        unit_weight_kn_m3=rng.normal(26.0, 0.5, COUNT), crack_distance_m=rng.uniform(0.0, 8.0, COUNT),
+        face_dip_deg=rng.normal(60.0, 3.0, COUNT),
+        upper_dip_deg=rng.normal(5.0, 2.0, COUNT),
+        plane_dip_deg=rng.normal(35.0, 5.0, COUNT),
+        height_m=rng.normal(12.0, 1.0, COUNT),
+        cohesion_kpa=rng.lognormal(math.log(25.0), 0.3, COUNT),
+        friction_deg=rng.normal(37.0, 3.0, COUNT),
+        unit_weight_kn_m3=rng.normal(26.0, 0.5, COUNT),
+        crack_distance_m=rng.uniform(0.0, 8.0, COUNT),
         fill=rng.uniform(0.0, 1.0, COUNT),
-    )  # fmt: skip
+    )
     each = min(seconds_each(lambda: plane_failures(slopes), COUNT) for _ in range(3))
-    print(f"\n## Plane failure: {COUNT:,} blocks with a crack, 9 inputs vary\n{1.0 / each:,.0f} a second")
-    print("outcomes: " + ", ".join(f"{name} {k / COUNT:.2%}" for name, k in plane_failures(slopes).counts().items()))
+    print(
+        f"\n## Plane failure: {COUNT:,} blocks with a crack, 9 inputs vary\n{1.0 / each:,.0f} a second"
+    )
+    print(
+        "outcomes: "
+        + ", ".join(
+            f"{name} {k / COUNT:.2%}" for name, k in plane_failures(slopes).counts().items()
+        )
+    )
 
 
 def mood() -> None:
@@ -196,7 +245,11 @@ def mood() -> None:
     x, out = np.linspace(0.1, 1.0, CHUNK), np.empty(CHUNK)
     found = {
         name: min(seconds_each(lambda run=run: run(x), CHUNK) for _ in range(200)) * 1e9  # type: ignore[misc]
-        for name, run in (("sin", np.sin), ("tan", np.tan), ("multiply", lambda a: np.multiply(a, a, out)))
+        for name, run in (
+            ("sin", np.sin),
+            ("tan", np.tan),
+            ("multiply", lambda a: np.multiply(a, a, out)),
+        )
     }
     print("NumPy in the cache: " + ", ".join(f"{name} {ns:.2f} ns" for name, ns in found.items()))
 

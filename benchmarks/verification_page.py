@@ -15,7 +15,15 @@ from pathlib import Path
 from slopekit._version import __version__
 from slopekit.studies.suite import suite
 from slopekit.studies.suite.run import Row, Verification
-from slopekit.studies.suite.sheet import MARKS, against, by_source, error_text, line_of, quantity, value_text
+from slopekit.studies.suite.sheet import (
+    MARKS,
+    against,
+    by_source,
+    error_text,
+    line_of,
+    quantity,
+    value_text,
+)
 
 _BED = "bed"  # the source of wedges governed by moments
 _READING = """\
@@ -72,7 +80,9 @@ def page_of(verification: Verification) -> str:
         "\n".join(f"- `{key}`: {text}" for key, text in verification.sources.items()),
         "## Versions",
         f"Versions: slopekit {__version__}, python {platform.python_version()}, "
-        + ", ".join(f"{name} {version(name)}" for name in ("numpy", "scipy", "clarabel", "manifold3d")),
+        + ", ".join(
+            f"{name} {version(name)}" for name in ("numpy", "scipy", "clarabel", "manifold3d")
+        ),
     ]
     return "\n\n".join(part.rstrip() for part in parts) + "\n"
 
@@ -83,10 +93,15 @@ def page_of(verification: Verification) -> str:
 def _moments(verification: Verification) -> Iterator[str]:
     """What stands behind limits that moments decide; nothing where the case is not among the rows."""
     rows = [
-        row for row in verification.rows if row.reference.source == _BED and row.reference.quantity == "limit"
-    ]  # fmt: skip
+        row
+        for row in verification.rows
+        if row.reference.source == _BED and row.reference.quantity == "limit"
+    ]
     if rows:
-        held = ", ".join(f"`{row.case.id}` {value_text(against(row))} against {row.limit or 0.0:.4g}" for row in rows)
+        held = ", ".join(
+            f"`{row.case.id}` {value_text(against(row))} against {row.limit or 0.0:.4g}"
+            for row in rows
+        )
         yield (
             "Where moments govern, the limit of a wedge that its closed form does not see (it balances forces) is held "
             f"against an independent program: {held}. "
@@ -108,7 +123,7 @@ def judged_by(verification: Verification) -> dict[str, int]:
     """
     judged = [row.reference for row in verification.rows if row.ok is not None]
     published = [one for one in judged if one.printed is not None]
-    own = sum(one.own for one in judged)
+    own = sum(one.is_own_source for one in judged)
     return {
         "published": len(published),
         "published_alone": sum(one.exact is None for one in published),
@@ -120,13 +135,22 @@ def judged_by(verification: Verification) -> dict[str, int]:
 
 def unmet(verification: Verification) -> list[Row]:
     """Rows that are not judged and have a published factor of safety, from the lowest error to the highest."""
-    rows = [row for row in verification.not_judged if row.reference.printed is not None and row.error is not None]
-    return sorted((row for row in rows if row.reference.is_factor), key=lambda row: row.error or 0.0)
+    rows = [
+        row
+        for row in verification.not_judged
+        if row.reference.printed is not None and row.error is not None
+    ]
+    return sorted(
+        (row for row in rows if row.reference.is_factor), key=lambda row: row.error or 0.0
+    )
 
 
 def _standing(verification: Verification) -> str:
     """What the judged rows are held against, and how far the others are off, in words."""
-    of, judged = judged_by(verification), verification.counts["within"] + verification.counts["outside"]
+    of, judged = (
+        judged_by(verification),
+        verification.counts["within"] + verification.counts["outside"],
+    )
     said = (
         f"Of the {judged} judged rows {of['published']} have a value published by somebody else; "
         f"{of['published_alone']} of these rest on it alone, the others have an exact or recomputed one beside it that "
@@ -161,8 +185,10 @@ def _exact(row: Row) -> str:
     """The exact value and a short formula of it; of an own source a status."""
     reference = row.reference
     if reference.exact is None:
-        return value_text(reference.published) if reference.own else ""
-    formula = f" = {reference.formula}" if reference.formula and len(reference.formula) <= 60 else ""
+        return value_text(reference.published) if reference.is_own_source else ""
+    formula = (
+        f" = {reference.formula}" if reference.formula and len(reference.formula) <= 60 else ""
+    )
     return value_text(reference.exact) + formula.replace("*", r"\*")
 
 
@@ -203,7 +229,9 @@ def _grid(rows: Sequence[Row]) -> str:
 def _outside(verification: Verification) -> str:
     if not verification.failed:
         return "No judged row is outside its tolerance."
-    return "Outside their tolerance:\n\n" + "\n".join(f"- {row.id}: {row.reason}" for row in verification.failed)
+    return "Outside their tolerance:\n\n" + "\n".join(
+        f"- {row.id}: {row.reason}" for row in verification.failed
+    )
 
 
 def _reasons(verification: Verification) -> str:

@@ -62,13 +62,23 @@ def cold() -> None:
     print("\n## Cold command against the bare imports of what it loads")
     packages = packages_of("wedge")
     ours, theirs, ratio = seconds_cold("wedge", packages)
-    print(f"slopekit wedge {ours * 1e3:.0f} ms, import {', '.join(packages)} {theirs * 1e3:.0f} ms, ratio {ratio:.2f}")
+    print(
+        f"slopekit wedge {ours * 1e3:.0f} ms, import {', '.join(packages)} {theirs * 1e3:.0f} ms, ratio {ratio:.2f}"
+    )
 
 
 def random_wedges(count: int = 2000, seed: int = 2000) -> None:
     print(f"\n## {count} random wedges (seed {seed})")
     rng = np.random.default_rng(seed)
-    outcomes, statuses, worst, worst_alone, above, over_bound, times = Counter(), Counter(), 0.0, 0.0, 0, 0, []
+    outcomes, statuses, worst, worst_alone, above, over_bound, times = (
+        Counter(),
+        Counter(),
+        0.0,
+        0.0,
+        0,
+        0,
+        [],
+    )
     for _ in range(count):
         wedge = random_wedge(rng)
         began = time.perf_counter()
@@ -93,9 +103,15 @@ def random_wedges(count: int = 2000, seed: int = 2000) -> None:
     for name, number in outcomes.most_common():
         print(f"{number:6d}  {name}")
     print("statuses: " + ", ".join(f"{name} {number}" for name, number in statuses.most_common()))
-    print(f"worst relative error: limit {worst:.1e}; forces alone where moments govern {worst_alone:.1e}")
-    print(f"limit above the closed form where moments govern: {above}; above the static bound: {over_bound}")
-    print(f"time per wedge: median {statistics.median(times) * 1e3:.1f} ms, largest {max(times) * 1e3:.0f} ms")
+    print(
+        f"worst relative error: limit {worst:.1e}; forces alone where moments govern {worst_alone:.1e}"
+    )
+    print(
+        f"limit above the closed form where moments govern: {above}; above the static bound: {over_bound}"
+    )
+    print(
+        f"time per wedge: median {statistics.median(times) * 1e3:.1f} ms, largest {max(times) * 1e3:.0f} ms"
+    )
 
 
 def all_pairs() -> None:
@@ -106,7 +122,9 @@ def all_pairs() -> None:
         seconds = time.perf_counter() - began
         pairs = result.all_pairs
         name = shear if isinstance(shear, str) else f"k_t/k_n = {shear / 1e7:g}"
-        print(f"{name:16s} F = {result.fos.all_pairs_failed:.5f}, {len(pairs.history)} trials, {seconds * 1e3:.0f} ms")
+        print(
+            f"{name:16s} F = {result.fos.all_pairs_failed:.5f}, {len(pairs.history)} trials, {seconds * 1e3:.0f} ms"
+        )
     result = sk.wedge(**PAPER, criterion="all-pairs", refine=2)
     print(
         f"failed pairs of {result.model.node_pairs}: "

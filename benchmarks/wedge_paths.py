@@ -41,19 +41,37 @@ def as_assembly(scene) -> AssemblyModel:
         centroids.append(parts @ ((polygon[0] + polygon[1:-1] + polygon[2:]) / 3.0) / parts.sum())
     none = np.zeros(len(joints), dtype=np.int64)
     patches = Patches(
-        none, none + BEDROCK, np.arange(len(joints)), normals, np.array(areas), np.array(centroids),
-        np.concatenate(corners), np.cumsum([0, *(len(polygon) for polygon in corners)]),
-    )  # fmt: skip
+        none,
+        none + BEDROCK,
+        np.arange(len(joints)),
+        normals,
+        np.array(areas),
+        np.array(centroids),
+        np.concatenate(corners),
+        np.cumsum([0, *(len(polygon) for polygon in corners)]),
+    )
     per_area = model.control_area * model.area_scale / model.force_scale
     strength = JointStrength(
-        np.array([model.cohesion[k] / per_area[k] for k in at]), model.tan_friction[at], model.tan_dilation[at],
+        np.array([model.cohesion[k] / per_area[k] for k in at]),
+        model.tan_friction[at],
+        model.tan_dilation[at],
         np.zeros(len(at)),
-    )  # fmt: skip
-    force, moment = model.load[:3] * model.force_scale, model.load[3:] * model.force_scale * model.length_scale
+    )
+    force, moment = (
+        model.load[:3] * model.force_scale,
+        model.load[3:] * model.force_scale * model.length_scale,
+    )
     return build_assembly(
-        patches, np.zeros(1, dtype=bool), bedding.centroid[None, :], force[None, :], moment[None, :], strength, False,
-        refine=np.full(len(joints), _SPLIT), bolts=_bolts(model, bedding.centroid),
-    )  # fmt: skip
+        patches,
+        np.zeros(1, dtype=bool),
+        bedding.centroid[None, :],
+        force[None, :],
+        moment[None, :],
+        strength,
+        False,
+        refine=np.full(len(joints), _SPLIT),
+        bolts=_bolts(model, bedding.centroid),
+    )
 
 
 def _bolts(model: Model, centroid: np.ndarray) -> PassiveBolts:
@@ -61,9 +79,11 @@ def _bolts(model: Model, centroid: np.ndarray) -> PassiveBolts:
     along, turning = model.bolt_rows[:, :3], model.bolt_rows[:, 3:]
     none = np.zeros(len(along), dtype=np.int64)
     return PassiveBolts(
-        none, none + BEDROCK, along * (model.bolt_capacity * model.force_scale)[:, None],
+        none,
+        none + BEDROCK,
+        along * (model.bolt_capacity * model.force_scale)[:, None],
         centroid + np.cross(along, turning) * model.length_scale,
-    )  # fmt: skip
+    )
 
 
 def compared(rng: np.random.Generator, passive: bool = False) -> tuple[str, float]:

@@ -44,7 +44,10 @@ napoleon_preprocess_types = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
 
-_HIDDEN = ("desk", "unknown")  # of a signature: for the command line, and for the names that it has not
+_HIDDEN = (
+    "desk",
+    "unknown",
+)  # of a signature: for the command line, and for the names that it has not
 
 
 def contents(index: str) -> str:
@@ -53,22 +56,41 @@ def contents(index: str) -> str:
     listed: list[str] = []
     seen: set[str] = set()
     for head, text in zip(parts[3::2], parts[4::2], strict=True):
-        pages = [page for page in re.findall(r"\]\(([\w/-]+)\.md\)", text) if not (page in seen or seen.add(page))]
+        pages = [
+            page
+            for page in re.findall(r"\]\(([\w/-]+)\.md\)", text)
+            if not (page in seen or seen.add(page))
+        ]
         if pages:
-            listed += ["", "```{toctree}", ":hidden:", ":maxdepth: 1", f":caption: {head}", "", *pages, "```"]
+            listed += [
+                "",
+                "```{toctree}",
+                ":hidden:",
+                ":maxdepth: 1",
+                f":caption: {head}",
+                "",
+                *pages,
+                "```",
+            ]
     return "\n".join([index, *listed, ""])
 
 
 def on_the_site(text: str) -> str:
     """A page whose links out of the docs are words alone: README, templates and the like are not on the site."""
-    return re.sub(r"\[([^\]]+)\]\((?:\.\./)+(?:[A-Z_]+(?:\.md)?|(?:templates|examples|\.github)/[^)]*)\)", r"\1", text)
+    return re.sub(
+        r"\[([^\]]+)\]\((?:\.\./)+(?:[A-Z_]+(?:\.md)?|(?:templates|examples|\.github)/[^)]*)\)",
+        r"\1",
+        text,
+    )
 
 
 def _as_pages(_app: "Sphinx", name: str, source: list[str]) -> None:
     source[0] = on_the_site(contents(source[0]) if name == root_doc else source[0])
 
 
-def _described(_app: "Sphinx", _what: str, _name: str, _of: Any, _options: Any, lines: list[str]) -> None:
+def _described(
+    _app: "Sphinx", _what: str, _name: str, _of: Any, _options: Any, lines: list[str]
+) -> None:
     lines[:] = as_numpydoc(lines)
 
 
@@ -82,20 +104,31 @@ def as_numpydoc(lines: list[str]) -> list[str]:
         if inside and re.match(r"\w[\w, ]* : ", line):
             for one in re.split(r"; (?=\w[\w, ]* : )", line):
                 name, _, said = one.partition(" : ")
-                found += [name, "    " + re.sub(r"(?<=\w)@(?=\w)", r"\\@", said)]  # no address of mail
+                found += [
+                    name,
+                    "    " + re.sub(r"(?<=\w)@(?=\w)", r"\\@", said),
+                ]  # no address of mail
         else:
             found.append(line)
     return found
 
 
 def _signature(
-    _app: "Sphinx", what: str, name: str, obj: Any, _options: Any, signature: str | None, returns: str | None
+    _app: "Sphinx",
+    what: str,
+    name: str,
+    obj: Any,
+    _options: Any,
+    signature: str | None,
+    returns: str | None,
 ) -> tuple[str | None, str | None]:
     """Names and defaults: what the annotations say of the command line stands under Parameters."""
     if what != "function":
         return signature, returns
     own, bare = inspect.signature(obj), inspect.Parameter.empty
-    kept = [one.replace(annotation=bare) for key, one in own.parameters.items() if key not in _HIDDEN]
+    kept = [
+        one.replace(annotation=bare) for key, one in own.parameters.items() if key not in _HIDDEN
+    ]
     return str(own.replace(parameters=kept, return_annotation=inspect.Signature.empty)), None
 
 

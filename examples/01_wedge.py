@@ -19,7 +19,9 @@ wedge = sk.wedge(
 )
 # The same wedge elastic, on joints of a constant shear stiffness (kN/m³). The paper prints no modulus: 20 GPa is ours.
 has_elastic = find_spec("skfem") is not None
-plain = sk.wedge(dips=("45/115", "45/245"), shear_stiffness=1e5, modulus="20 GPa", elastic=has_elastic)
+plain = sk.wedge(
+    dips=("45/115", "45/245"), shear_stiffness=1e5, modulus="20 GPa", elastic=has_elastic
+)
 
 print(f"The wedge has {wedge.geometry.volume_m3:.0f} m³ and {wedge.status.replace('_', ' ')}.")
 if not has_elastic:
@@ -28,7 +30,10 @@ if not has_elastic:
 
 def row(name: str, *values: float | str | None) -> None:
     """A line of a table: numbers with four decimals, a dash for none."""
-    shown = ("-" if value is None else value if isinstance(value, str) else f"{value:.4f}" for value in values)
+    shown = (
+        "-" if value is None else value if isinstance(value, str) else f"{value:.4f}"
+        for value in values
+    )
     print(f"{name:46s}" + "".join(f"{one:>18s}" for one in shown))
 
 
@@ -42,7 +47,9 @@ row("PRE-IE, all pairs failed", "1.554", wedge.fos.all_pairs_failed)
 row("PRE-IE, limit at zero dilation", None, wedge.fos.limit)
 row("static bound (joints dilate)", None, wedge.fos.static_bound)
 if plain.elastic is not None:
-    opened = f"{plain.elastic.opened_share:.1%} of the contact area is pulled open, its cohesion gone"
+    opened = (
+        f"{plain.elastic.opened_share:.1%} of the contact area is pulled open, its cohesion gone"
+    )
     print(f"elastic: {plain.elastic.modulus_kpa * 1e-6:g} GPa on rigid bedrock; {opened}")
 
 print("\nfactor  failed node pairs")
@@ -54,15 +61,23 @@ print()
 row("Table 7: one iteration / in all", "paper", "slopekit")
 tried = len(wedge.all_pairs.history)
 seconds = wedge.timing_s["all_pairs"]
-row("PRE-IE, search for all pairs failed", "1 s / 5 s", f"{1e3 * seconds / tried:.0f} ms / {1e3 * seconds:.0f} ms")
+row(
+    "PRE-IE, search for all pairs failed",
+    "1 s / 5 s",
+    f"{1e3 * seconds / tried:.0f} ms / {1e3 * seconds:.0f} ms",
+)
 if plain.elastic is not None:
     steps, seconds = plain.elastic.steps, plain.timing_s["elastic"]
     row(
-        "elastic blocks (paper: PFE-IE)", "52..70 s / 305 s", f"{1e3 * seconds / steps:.0f} ms / {1e3 * seconds:.0f} ms"
+        "elastic blocks (paper: PFE-IE)",
+        "52..70 s / 305 s",
+        f"{1e3 * seconds / steps:.0f} ms / {1e3 * seconds:.0f} ms",
     )
 rest = plain.timing_s["total"] - plain.timing_s.get("elastic", 0.0)
 row("PRE-IE, limit, closed form and bound", None, f"{1e3 * rest:.1f} ms")
-print(f"slopekit on {platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}")
+print(
+    f"slopekit on {platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}"
+)
 
 if plain.elastic is not None:
     assert abs(plain.elastic.limit - 1.5489) < 2e-3  # its bracket: 1.5483 .. 1.5484

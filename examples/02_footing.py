@@ -5,16 +5,26 @@ import slopekit as sk
 # A strip footing of 1500 kN/m above a weak plane of 45 degrees that daylights in a vertical face; c = 200, φ = 0, no
 # weight. F = 1500 and c = 200 agree only in like units, on a plane 5 √2 m long (docs/method.md).
 PAPER = {
-    1.0: (-11.2, -17.0, 0), 1.1: (-11.2, -17.0, 2), 1.2: (-11.6, -17.5, 6), 1.3: (-10.0, -17.4, 8),
-    1.33: (-10.7, -17.8, 8), 1.333: (-10.8, -17.8, 8), 1.334: (-33.3, -40.3, 9), 1.34: (-234.8, -241.9, 9),
-    1.35: (-566.7, -573.7, 9), 1.36: (-1039.9, -1047.1, 9), 1.37: (-1415.8, -1422.9, 9),
-}  # fmt: skip
+    1.0: (-11.2, -17.0, 0),
+    1.1: (-11.2, -17.0, 2),
+    1.2: (-11.6, -17.5, 6),
+    1.3: (-10.0, -17.4, 8),
+    1.33: (-10.7, -17.8, 8),
+    1.333: (-10.8, -17.8, 8),
+    1.334: (-33.3, -40.3, 9),
+    1.34: (-234.8, -241.9, 9),
+    1.35: (-566.7, -573.7, 9),
+    1.36: (-1039.9, -1047.1, 9),
+    1.37: (-1415.8, -1422.9, 9),
+}
 DESIGN = {
     "slopekit": 1,
     "kind": "footing",
     "footing": {"load": "1500 kN", "at": "middle"},
     "weak_plane": {"dip": 45, "length": "7.0710678 m", "pairs": 9},
-    "strength": {"seam": {"c": "200 kPa", "phi": 0, "stiffness": {"normal": 3.66e4, "shear": 7.52e3}}},
+    "strength": {
+        "seam": {"c": "200 kPa", "phi": 0, "stiffness": {"normal": 3.66e4, "shear": 7.52e3}}
+    },
     "analysis": {"factors": list(PAPER)},
 }
 
@@ -27,7 +37,9 @@ uneven = sk.run(DESIGN, set={"footing.at": "3 m", "strength.seam.stiffness.shear
 
 print("Displacements in mm (x as the paper has it: negative out of the face) and failed pairs of 9")
 print(f"{'':8s}{'Table 3':>26s}{'load 0.5 m off the middle':>30s}{'load over the middle':>26s}")
-for (factor, (x, y, failed)), off, over in zip(PAPER.items(), uneven.series, even.series, strict=True):
+for (factor, (x, y, failed)), off, over in zip(
+    PAPER.items(), uneven.series, even.series, strict=True
+):
     row = f"{factor:<8.3f}{x:10.1f}{y:10.1f}{failed:6d}"
     for step in (off, over):
         if step.movement is None:
@@ -39,7 +51,9 @@ for (factor, (x, y, failed)), off, over in zip(PAPER.items(), uneven.series, eve
 
 for name, result in (("off the middle", uneven), ("over the middle", even)):
     fos = result.fos
-    print(f"load {name:16s} limit {fos.limit:.6f}, closed form {fos.closed_form:.6f}, bound {fos.static_bound:.6f}")
+    print(
+        f"load {name:16s} limit {fos.limit:.6f}, closed form {fos.closed_form:.6f}, bound {fos.static_bound:.6f}"
+    )
 
 failed = [step.failed_pairs for step in uneven.series]
 stands = [step.stands for step in uneven.series]

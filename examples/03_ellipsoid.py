@@ -13,7 +13,9 @@ DESIGN = {
     "rock": {"unit_weight": "21.56 kN/m3"},  # 2200 kg/m³ at 9.8 m/s²
 }
 true = sk.run(DESIGN)
-print(f"{true.geometry.volume_m3:.1f} m³ on {true.geometry.areas_m2['slip surface']:.1f} m²: {true.status_text}")
+print(
+    f"{true.geometry.volume_m3:.1f} m³ on {true.geometry.areas_m2['slip surface']:.1f} m²: {true.status_text}"
+)
 
 print(f"\n{'method':34s}{'slopekit':>10s}{'Table 9':>10s}")
 for method, ours, paper in (
@@ -33,7 +35,9 @@ for normals in ("smoothed", "true"):
     for edge in (10, 5, 2.5):
         found = sk.run(DESIGN, set={"slip.normals": normals, "slip.edge": edge})
         size, fos = found.geometry.edge_m, found.fos
-        print(f"{normals:12s}{size:8.2f}{found.model.node_pairs:8d}{fos.limit:10.4f}{fos.static_bound:10.4f}")
+        print(
+            f"{normals:12s}{size:8.2f}{found.model.node_pairs:8d}{fos.limit:10.4f}{fos.static_bound:10.4f}"
+        )
 
 # With φ = 0 on a sphere moments alone decide, and the answer is exact (Hungr, Salgado & Byrne 1989).
 sphere = sk.run(
@@ -45,6 +49,8 @@ sphere = sk.run(
         "rock.unit_weight": 20,
     },
 )
-print(f"\nsphere, φ = 0: limit {sphere.fos.limit:.5f}, closed form {sphere.fos.closed_form:.5f} (published: 1.402)")
+print(
+    f"\nsphere, φ = 0: limit {sphere.fos.limit:.5f}, closed form {sphere.fos.closed_form:.5f} (published: 1.402)"
+)
 assert abs(sphere.fos.limit - 1.4016) < 5e-4
 assert abs(true.fos.limit - 1.3436) < 1e-3

@@ -60,7 +60,11 @@ for case in needed.cases:
 pairs = sk.combos("joints.csv", face="65/180", phi=30, fos=1.2)
 assert_type(pairs, sk.Combos)
 worst = pairs.worst[0]
-titled = {"title": " x ".join(worst.names), "joints": {"J1": {"plane": worst.planes[0]}}, "slope": worst.height_m}
+titled = {
+    "title": " x ".join(worst.names),
+    "joints": {"J1": {"plane": worst.planes[0]}},
+    "slope": worst.height_m,
+}
 assert_type(pairs.removable > 0, bool)
 if design.source is not None and isinstance(plain := design.source.root.plain(), dict):
     sk.load(plain, {"water.fill": 1.0})
@@ -69,12 +73,16 @@ if one.fos.limit is not None and one.fos.closed_form is not None:
 poles = sk.kinematic(["45/115"], face="65/180")
 assert_type(poles, sk.Kinematic)
 assert_type(sk.sets("joints.csv", n=3), sk.JointSets)
-assert_type(sk.bench_design("joints.csv", height=10, face="60:80:5", dip_direction=180), sk.BenchDesigns)
+assert_type(
+    sk.bench_design("joints.csv", height=10, face="60:80:5", dip_direction=180), sk.BenchDesigns
+)
 assert_type(sk.check(design), sk.Check | sk.Cases[sk.Check])
 assert_type(sk.quake(design, "sine:0.5g,1Hz"), sk.Quake | sk.Cases[sk.Quake])
 found = sk.sets(["45/115", "46/116"])
 assert_type(found, sk.JointSets)
-benches = sk.bench_design(["45/115", "46/245"], height=15, face=65, dip_direction=180, c=5, phi=30, berm=9, accept=0.8)
+benches = sk.bench_design(
+    ["45/115", "46/245"], height=15, face=65, dip_direction=180, c=5, phi=30, berm=9, accept=0.8
+)
 assert_type(benches, sk.BenchDesigns)
 chosen = benches.steepest_accepted
 if chosen is not None:

@@ -40,7 +40,7 @@ def _times_are_not_compared() -> None:
     """How long a rung of a check takes is shown and never compared."""
     from slopekit.kinds.single_block import ladders
 
-    ladders._REPEATS, ladders._ONCE_S = 1, 0.0
+    ladders._REPEATS, ladders._REPEATED_ONCE_BELOW_S = 1, 0.0
 
 
 @pytest.hookimpl(wrapper=True)
@@ -55,4 +55,6 @@ def pytest_collect_file(file_path: Path) -> Iterator[None]:
 def pytest_collection_finish() -> None:
     gc.freeze()
     gc.enable()
-    gc.set_threshold(50_000, 20, 100)  # what tests leave behind is little: 4 % of their time went into looking for it
+    gc.set_threshold(
+        50_000, 20, 100
+    )  # what tests leave behind is little: 4 % of their time went into looking for it

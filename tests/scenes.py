@@ -18,15 +18,21 @@ SPHERE = {"shape": "sphere", "centre": [40, 0, 40], "radius": 40}
 COARSE = {"edge": 16}  # 370 node pairs: four digits on a smooth cap
 
 
-def inputs(slip: dict, slope: Any = SLOPE, c: float = 30.0, phi: float = 30.0, **more: Any) -> dict[str, Any]:
+def inputs(
+    slip: dict, slope: Any = SLOPE, c: float = 30.0, phi: float = 30.0, **more: Any
+) -> dict[str, Any]:
     """A surface design as a mapping; `slope` is a profile, or the path of a mesh."""
     strength = {"c": c, "phi": phi} | {key: more.pop(key) for key in ("dilation",) if key in more}
     unit_weight = more.pop("unit_weight", 21.56)
     return {
-        "slopekit": 1, "kind": "surface", "slip": slip, "strength": {"slip": strength},
+        "slopekit": 1,
+        "kind": "surface",
+        "slip": slip,
+        "strength": {"slip": strength},
         "slope": {"mesh": str(slope)} if isinstance(slope, str | Path) else {"profile": slope},
-        "rock": {"unit_weight": unit_weight}, **more,
-    }  # fmt: skip
+        "rock": {"unit_weight": unit_weight},
+        **more,
+    }
 
 
 def run(slip: dict, slope: Any = SLOPE, **more: Any):
@@ -47,7 +53,10 @@ def model_of(slip: dict, slope: Any = SLOPE, **more: Any) -> tuple[Model, Slippa
 def tilted(distance: float, dip: float, reach: float) -> np.ndarray:
     """A straight profile at a distance (above: +) from the origin, dipping toward +x."""
     beta = math.radians(dip)
-    normal, down = np.array([math.sin(beta), math.cos(beta)]), np.array([math.cos(beta), -math.sin(beta)])
+    normal, down = (
+        np.array([math.sin(beta), math.cos(beta)]),
+        np.array([math.cos(beta), -math.sin(beta)]),
+    )
     return np.array([distance * normal - reach * down, distance * normal + reach * down])
 
 
@@ -57,7 +66,9 @@ def ground_about(body: Cutter, profile: Any) -> Cutter:
     low, high = body.vertices.min(axis=0), body.vertices.max(axis=0)
     margin = 0.1 * float((high - low).max())
     bottom = min(float(low[2]), float(line[:, 1].min())) - margin
-    return profile_prism(line, bottom, float(high[1]) + margin, (float(low[0]) - margin, float(high[0]) + margin))
+    return profile_prism(
+        line, bottom, float(high[1]) + margin, (float(low[0]) - margin, float(high[0]) + margin)
+    )
 
 
 def ellipsoid_mesh(level: int, radii=(40, 28.284271247461902, 40), centre=(40, 0, 40)):
@@ -77,9 +88,15 @@ def sheet(dip: float, width: float, length: float, through=(40.0, 0.0, 0.0), n: 
     beta = math.radians(dip)
     u, v = np.meshgrid(np.linspace(-0.3, 0.7, n + 1), np.linspace(-0.5, 0.5, n + 1))
     along = np.array([-math.cos(beta), 0.0, math.sin(beta)])
-    points = np.array(through) + length * u.reshape(-1, 1) * along + width * v.reshape(-1, 1) * [0.0, 1.0, 0.0]
+    points = (
+        np.array(through)
+        + length * u.reshape(-1, 1) * along
+        + width * v.reshape(-1, 1) * [0.0, 1.0, 0.0]
+    )
     grid = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
-    quads = np.stack([grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]], axis=-1).reshape(-1, 4)
+    quads = np.stack([grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]], axis=-1).reshape(
+        -1, 4
+    )
     return points, np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
 
 

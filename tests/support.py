@@ -46,10 +46,14 @@ def random_wedge(rng: np.random.Generator) -> dict[str, Any]:
     volume, total = back
     unit_weight = float(rng.uniform(20.0, 30.0))
     wedge: dict[str, Any] = {
-        "dips": joints.tolist(), "face": face.tolist(), "upper": upper.tolist(), "height": height,
-        "c": rng.uniform(0.0, 100.0, 2).tolist(), "phi": rng.uniform(5.0, 50.0, 2).tolist(),
+        "dips": joints.tolist(),
+        "face": face.tolist(),
+        "upper": upper.tolist(),
+        "height": height,
+        "c": rng.uniform(0.0, 100.0, 2).tolist(),
+        "phi": rng.uniform(5.0, 50.0, 2).tolist(),
         "unit_weight": unit_weight,
-    }  # fmt: skip
+    }
     if rng.random() < 0.5:
         wedge["water"] = (rng.uniform(0.0, 1.5, 2) * 9.81 * total / 6.0).tolist()
     if rng.random() < 0.25:
@@ -57,10 +61,17 @@ def random_wedge(rng: np.random.Generator) -> dict[str, Any]:
         if rng.random() < 0.5:
             wedge["seismic"] = float(rng.uniform(0.0, 0.3))
         else:
-            trend, plunge = (face[1] + 180.0 + rng.uniform(-40.0, 40.0)) % 360.0, rng.uniform(-20.0, 40.0)
+            trend, plunge = (
+                (face[1] + 180.0 + rng.uniform(-40.0, 40.0)) % 360.0,
+                rng.uniform(-20.0, 40.0),
+            )
             acts = "active" if rng.random() < 0.5 else "passive"
             wedge["bolts"] = [
-                {"force": float(rng.uniform(0.01, 0.5) * weight), "toward": (trend, plunge), "acts": acts}
+                {
+                    "force": float(rng.uniform(0.01, 0.5) * weight),
+                    "toward": (trend, plunge),
+                    "acts": acts,
+                }
             ]
     return wedge
 
@@ -68,7 +79,9 @@ def random_wedge(rng: np.random.Generator) -> dict[str, Any]:
 def upward_normal(plane: Any) -> np.ndarray:
     """Upward unit normal of (dip, dip direction)."""
     dip, direction = math.radians(plane[0]), math.radians(plane[1])
-    return np.array([math.sin(dip) * math.sin(direction), math.sin(dip) * math.cos(direction), math.cos(dip)])
+    return np.array(
+        [math.sin(dip) * math.sin(direction), math.sin(dip) * math.cos(direction), math.cos(dip)]
+    )
 
 
 def _back_corner(joints: Any, face: Any, upper: Any, height: float) -> tuple[float, float] | None:
@@ -99,7 +112,9 @@ def forget_kinds() -> None:
 def study_of_the_page(folder: Path) -> Iterator[None]:
     """The study of docs/add-a-study.md: its files where the page says that they are, and its line of registration."""
     text = (Path(__file__).parents[1] / "docs/add-a-study.md").read_text(encoding="utf-8")
-    files = re.findall(r"`src/slopekit/studies/flip/(\w+\.py)`.*?```python\n(.*?)```", text, re.DOTALL)
+    files = re.findall(
+        r"`src/slopekit/studies/flip/(\w+\.py)`.*?```python\n(.*?)```", text, re.DOTALL
+    )
     assert [name for name, _ in files] == ["__init__.py", "run.py", "sheet.py"]
     (folder / "flip").mkdir(parents=True)
     for name, code in files:

@@ -10,9 +10,22 @@ import pytest
 
 import benchmarks
 import slopekit as sk
-from benchmarks import block_speed, census, elastic_speed, moments, mutations, rivals, speed_error, speed_pages
+from benchmarks import (
+    block_speed,
+    census,
+    elastic_speed,
+    moments,
+    mutations,
+    rivals,
+    speed_error,
+    speed_pages,
+)
 
-_ELSEWHERE = {"__init__", "__main__", "siconos_worker"}  # the last runs in an environment of its own
+_ELSEWHERE = {
+    "__init__",
+    "__main__",
+    "siconos_worker",
+}  # the last runs in an environment of its own
 _MODULES = sorted(path.stem for path in Path(benchmarks.__file__).parent.glob("*.py"))
 
 
@@ -86,7 +99,11 @@ def test_every_mutation_still_changes_a_line() -> None:
     """Code that moves takes its row of `benchmarks.mutation_table` with it; the tests named there are there."""
     assert mutations.stale() == []
     first = mutations.MUTATIONS[0]
-    gone = [replace(first, old="no such line"), replace(first, file="src/gone.py"), replace(first, tests=("tests/no",))]
+    gone = [
+        replace(first, old="no such line"),
+        replace(first, file="src/gone.py"),
+        replace(first, tests=("tests/no",)),
+    ]
     assert len(mutations.stale(gone)) == len(gone)
 
 
@@ -95,7 +112,9 @@ def test_what_is_run_again_takes_its_row_and_leaves_the_others() -> None:
     rows = json.loads(mutations.RECORD.read_text(encoding="utf-8"))
     page = mutations.PAGE.read_text(encoding="utf-8")
     assert mutations.page(mutations.recorded([], rows)) == page
-    assert [(row["group"], row["name"]) for row in rows] == [(one.group, one.name) for one in mutations.MUTATIONS]
+    assert [(row["group"], row["name"]) for row in rows] == [
+        (one.group, one.name) for one in mutations.MUTATIONS
+    ]
     one = mutations.MUTATIONS[3]
     again = mutations.recorded([mutations.Outcome(one, ())], rows)
     changed = [row for row, before in zip(again, rows, strict=True) if row != before]
@@ -109,5 +128,7 @@ def test_what_is_run_again_takes_its_row_and_leaves_the_others() -> None:
 def test_a_count_that_rises_is_named() -> None:
     """Whether the source is within `.ci/limits.json` is asked by `.ci/run`."""
     limits = json.loads(census.LIMITS.read_text(encoding="utf-8"))
-    (fault,) = census.exceeded(census.census_of(["def own(): pass"]), dict(limits) | {"function_words": 0})
+    (fault,) = census.exceeded(
+        census.census_of(["def own(): pass"]), dict(limits) | {"function_words": 0}
+    )
     assert fault == "function_words: 1, limit 0"

@@ -34,8 +34,10 @@ def test_solids_are_closed_and_hold_the_volume(name: str) -> None:
     scene = result.scene
     volume = 0.0
     for block, fixed in enumerate(scene.shapes.fixed):
-        vertices, triangles = scene.shapes.solids.of(block)
-        edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]).tolist()
+        vertices, triangles = scene.shapes.solids.block_surface(block)
+        edges = np.concatenate(
+            [triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]
+        ).tolist()
         once = {(a, b) for a, b in edges}
         assert len(once) == len(edges)
         assert all((b, a) in once for a, b in once)
@@ -62,9 +64,11 @@ def test_the_forces_of_the_node_pairs_carry_the_loads(name: str) -> None:
 
 def bolted() -> Result:
     return sk.wedge(
-        dips=("45/115", "45/245"), water="50%", bolts=["2000000@000/10,passive", "100000@010/20,active"],
+        dips=("45/115", "45/245"),
+        water="50%",
+        bolts=["2000000@000/10,passive", "100000@010/20,active"],
         origin=(300.0, -200.0, 50.0),
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.parametrize("name", ["wedge-scatter", "plane", "cylinder", "surface", "bolted"])
@@ -82,7 +86,9 @@ def test_forces_and_moments_of_loads_and_pairs_cancel(name: str) -> None:
 
 
 def test_without_a_limit_state_the_node_pairs_carry_nothing() -> None:
-    scene = sk.wedge(dips=("45/115", "45/245"), water="u=900kPa", bolts=["100@000/10,passive"]).scene
+    scene = sk.wedge(
+        dips=("45/115", "45/245"), water="u=900kPa", bolts=["100@000/10,passive"]
+    ).scene
     assert not scene.pairs.normal_kn.any()
     assert not scene.pairs.shear_kn.any()
     assert "passive bolt 1, full capacity" in scene.loads.names
@@ -103,7 +109,9 @@ def test_node_pairs_lie_on_their_interfaces(name: str) -> None:
             planes.append([*(normal / np.linalg.norm(normal)), *corners[0]])
         flat = np.array(planes)
         points = pairs.points_m[pairs.joint == joint] - middle
-        apart = np.abs(np.einsum("pkx,kx->pk", points[:, None, :] - flat[None, :, 3:], flat[:, :3])).min(axis=1)
+        apart = np.abs(
+            np.einsum("pkx,kx->pk", points[:, None, :] - flat[None, :, 3:], flat[:, :3])
+        ).min(axis=1)
         assert apart.max() < (1e-2 if solved(name).kind == "surface" else 1e-9) * size
 
 
@@ -112,10 +120,22 @@ def test_json_keeps_every_array() -> None:
     again = BlockScene.from_dict(json.loads(json.dumps(solved("wall").to_dict()["scene"])))
     assert again.shapes.names == scene.shapes.names
     assert again.loads.names == scene.loads.names
-    for part in ("points_m", "normals", "normal_kn", "shear_kn", "mode", "plus", "minus", "control_area_m2", "joint"):
+    for part in (
+        "points_m",
+        "normals",
+        "normal_kn",
+        "shear_kn",
+        "mode",
+        "plus",
+        "minus",
+        "control_area_m2",
+        "joint",
+    ):
         np.testing.assert_array_equal(getattr(again.pairs, part), getattr(scene.pairs, part))
     for part in ("vertices", "triangles", "block", "face"):
-        np.testing.assert_array_equal(getattr(again.shapes.solids, part), getattr(scene.shapes.solids, part))
+        np.testing.assert_array_equal(
+            getattr(again.shapes.solids, part), getattr(scene.shapes.solids, part)
+        )
     np.testing.assert_array_equal(again.velocity, scene.velocity)
     np.testing.assert_array_equal(again.factor, scene.factor)
 
@@ -132,16 +152,20 @@ def test_map_coordinates_are_put_back() -> None:
     near, far = sk.wedge(**at).scene, sk.wedge(**at, origin=(4e6, 5.5e6, 300.0)).scene
     offset = np.array([4e6, 5.5e6, 300.0])
     for a, b in (
-        (near.shapes.solids.vertices, far.shapes.solids.vertices), (near.pairs.points_m, far.pairs.points_m),
-        (near.loads.at_m, far.loads.at_m), (near.shapes.contacts.corners, far.shapes.contacts.corners),
+        (near.shapes.solids.vertices, far.shapes.solids.vertices),
+        (near.pairs.points_m, far.pairs.points_m),
+        (near.loads.at_m, far.loads.at_m),
+        (near.shapes.contacts.corners, far.shapes.contacts.corners),
         (near.shapes.centroids, far.shapes.centroids),
-    ):  # fmt: skip
+    ):
         np.testing.assert_allclose(b - offset, a, atol=2e-9)
 
 
 def test_a_plane_stands_in_map_axes() -> None:
     """A face that dips toward 090: the section's x is east, and the block slides that way."""
-    scene = sk.run(path_of("plane"), set={"slope.face": "60/090", "joints.J1.plane": "35/090"}).scene
+    scene = sk.run(
+        path_of("plane"), set={"slope.face": "60/090", "joints.J1.plane": "35/090"}
+    ).scene
     assert scene.velocity[0, 0] > 0.8
     assert abs(scene.velocity[0, 1]) < 1e-12
     assert np.ptp(scene.shapes.solids.vertices[:, 1]) == pytest.approx(1.0)
@@ -172,7 +196,9 @@ def test_corners_that_faces_share_are_one() -> None:
     square = np.array([[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
     up = np.array([0.0, 0.0, 1.0])
     top = square[::-1] + up
-    sides = [np.array([square[k], square[k - 1], square[k - 1] + up, square[k] + up]) for k in range(4)]
+    sides = [
+        np.array([square[k], square[k - 1], square[k - 1] + up, square[k] + up]) for k in range(4)
+    ]
     vertices, triangles, face = closed([square, top, *sides])
     assert (len(vertices), len(triangles), set(face.tolist())) == (8, 12, set(range(6)))
     assert abs(volume_of(vertices, triangles)) == pytest.approx(1.0)

@@ -19,8 +19,13 @@ from tests.bolted import WEDGE, bolt, bolted
 
 
 def outward(plane: str) -> np.ndarray:
-    dip, bearing = math.radians(parse_plane(plane, "").dip_deg), math.radians(parse_plane(plane, "").dip_direction_deg)
-    return np.array([math.sin(dip) * math.sin(bearing), math.sin(dip) * math.cos(bearing), math.cos(dip)])
+    dip, bearing = (
+        math.radians(parse_plane(plane, "").dip_deg),
+        math.radians(parse_plane(plane, "").dip_direction_deg),
+    )
+    return np.array(
+        [math.sin(dip) * math.sin(bearing), math.sin(dip) * math.cos(bearing), math.cos(dip)]
+    )
 
 
 def test_heads_ends_and_plates() -> None:
@@ -60,7 +65,7 @@ def test_bolts_of_many_blocks_belong_to_the_block_of_their_head() -> None:
     result = bolted("bench")
     scene = result.scene
     for head, block in zip(scene.bolts.heads_m, scene.bolts.block.tolist(), strict=True):
-        vertices, triangles = scene.shapes.solids.of(block)
+        vertices, triangles = scene.shapes.solids.block_surface(block)
         assert not scene.shapes.fixed[block]
         corners = vertices[triangles]
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -72,8 +77,19 @@ def test_bolts_of_many_blocks_belong_to_the_block_of_their_head() -> None:
 def test_json_has_bolts_only_where_there_are_any() -> None:
     document = json.loads(json.dumps(bolted("three").to_dict()))
     back = BlockScene.from_dict(document["scene"]).bolts
-    for name in ("number", "block", "heads_m", "ends_m", "plates", "passive", "force_kn", "length_m"):
-        np.testing.assert_array_equal(getattr(back, name), getattr(bolted("three").scene.bolts, name))
+    for name in (
+        "number",
+        "block",
+        "heads_m",
+        "ends_m",
+        "plates",
+        "passive",
+        "force_kn",
+        "length_m",
+    ):
+        np.testing.assert_array_equal(
+            getattr(back, name), getattr(bolted("three").scene.bolts, name)
+        )
     assert back.passive.dtype == bool
     bare = sk.run(WEDGE | {"support": {"bolts": [{"force": 50, "toward": "010/10"}]}}).to_dict()
     assert "bolts" not in bare["scene"]
@@ -81,12 +97,19 @@ def test_json_has_bolts_only_where_there_are_any() -> None:
 
 
 def test_rods_and_plates_are_closed_and_in_place() -> None:
-    heads, ends = np.array([[1.0, 2.0, 3.0], [5e6, 0.0, 0.0]]), np.array([[1.0, 9.0, 3.0], [5e6, 3.0, 4.0]])
+    heads, ends = (
+        np.array([[1.0, 2.0, 3.0], [5e6, 0.0, 0.0]]),
+        np.array([[1.0, 9.0, 3.0], [5e6, 3.0, 4.0]]),
+    )
     vertices, triangles = rods(heads, ends, 0.05)
     mesh = trimesh.Trimesh(*rods(heads[:1], ends[:1], 0.05), process=False)
     assert mesh.is_watertight
-    assert mesh.volume == pytest.approx(7.0 * 12 / 2 * 0.05**2 * math.sin(math.radians(30.0)), rel=1e-9)
-    np.testing.assert_array_equal(vertices.reshape(2, -1, 3)[:, -2:], np.stack([heads, ends], axis=1))
+    assert mesh.volume == pytest.approx(
+        7.0 * 12 / 2 * 0.05**2 * math.sin(math.radians(30.0)), rel=1e-9
+    )
+    np.testing.assert_array_equal(
+        vertices.reshape(2, -1, 3)[:, -2:], np.stack([heads, ends], axis=1)
+    )
     assert len(triangles) == 2 * 48
     plate = trimesh.Trimesh(*plates(heads[:1], np.array([[0.0, -1.0, 0.0]]), 0.2), process=False)
     assert plate.is_watertight
@@ -108,7 +131,9 @@ def test_the_schedule_is_the_designs(name) -> None:
             assert place == ["", "", ""]
         else:
             assert all(len(text.partition(".")[2]) == 3 for text in place)
-            assert [float(text) for text in place] == pytest.approx(list(given.head_m), abs=5.0001e-4)
+            assert [float(text) for text in place] == pytest.approx(
+                list(given.head_m), abs=5.0001e-4
+            )
         assert row["length_m"] == ("" if given.length_m is None else f"{given.length_m:.3f}")
         assert float(row["force_kn"]) == pytest.approx(given.force_kn, abs=5e-4)
         assert float(row["trend_deg"]) == pytest.approx(given.toward.trend_deg % 360.0, abs=5e-3)
@@ -132,11 +157,22 @@ def test_words_of_the_schedule() -> None:
     three = schedule(bolted("three").to_dict())
     lines = Section("", schedule_entries(three)).lines()
     assert lines[-1].strip() == "bolt 3 has no head and is not drawn: a force through the centroid"
-    assert lines[1].split() == ["1", "0.000", millimetre(5.0 / math.tan(math.radians(65.0))), "5.000", "20.000",
-                                "000.0/5.0", "300.0", "active"]  # fmt: skip
+    assert lines[1].split() == [
+        "1",
+        "0.000",
+        millimetre(5.0 / math.tan(math.radians(65.0))),
+        "5.000",
+        "20.000",
+        "000.0/5.0",
+        "300.0",
+        "active",
+    ]
     assert lines[2].split()[4] == "-"  # no length
     assert schedule_entries(three[2:]) == []  # no place, no table
-    assert schedule_entries(schedule(bolted("plane").to_dict()))[-1] == "a section: forces are those on 1 m of slope"
+    assert (
+        schedule_entries(schedule(bolted("plane").to_dict()))[-1]
+        == "a section: forces are those on 1 m of slope"
+    )
 
 
 def test_bolts_with_heads_stand_in_their_table_alone() -> None:

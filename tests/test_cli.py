@@ -14,7 +14,7 @@ import pytest
 
 import slopekit as sk
 from slopekit.cli import main
-from slopekit.core.options import given_by
+from slopekit.core.options import declared_option
 from tests.commands import slopekit
 
 PAPER = ["wedge", "--dips", "45/115", "45/245"]
@@ -24,7 +24,11 @@ QUIET = "slides_on_both  1.557  agree  W379 (face, upper, height, c, phi, densit
 def started(*arguments: str, **more) -> subprocess.CompletedProcess:
     """A process of its own, as a shell starts it."""
     return subprocess.run(
-        [sys.executable, "-m", "slopekit.cli", *arguments], capture_output=True, text=True, timeout=120, **more
+        [sys.executable, "-m", "slopekit.cli", *arguments],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        **more,
     )
 
 
@@ -40,8 +44,13 @@ def test_the_sheet_of_the_papers_wedge() -> None:
     assert "J1 45/115  dips 45° toward 115 (ESE)" in run.stdout
     assert "NOT GIVEN example values used: face, upper, height, c, φ, density" in run.stdout
     assert [line[:10].strip() for line in lines[1:] if not line.startswith(" ")] == [
-        "PLANES", "SIZE", "LOADS", "STATUS", "FoS", "NOT GIVEN",
-    ]  # fmt: skip
+        "PLANES",
+        "SIZE",
+        "LOADS",
+        "STATUS",
+        "FoS",
+        "NOT GIVEN",
+    ]
     assert len(run.stdout.split()) <= 120
     assert not {"FORCES", "MODEL", "MOVES", "TIME"} & {line[:10].strip() for line in lines}
 
@@ -53,20 +62,52 @@ def test_the_full_sheet_has_the_details() -> None:
     assert full[0] == f"{short[0]}   sha 3dfd01"
     labels = [line.split("  ")[0].strip() for line in full[1:] if not line.startswith(" ")]
     assert [label.split()[0] for label in labels] == [
-        "PLANES", "SIZE", "LOADS", "FORCES", "STATUS", "FoS", "MODEL", "MOVES", "TIME", "SENSITIVITY", "NOT",
-    ]  # fmt: skip
+        "PLANES",
+        "SIZE",
+        "LOADS",
+        "FORCES",
+        "STATUS",
+        "FoS",
+        "MODEL",
+        "MOVES",
+        "TIME",
+        "SENSITIVITY",
+        "NOT",
+    ]
     assert "          face 60/180  dips 60° toward 180 (S)" in full
 
 
 def test_json_is_one_document_with_the_contracts_keys() -> None:
     document = json.loads(slopekit(*PAPER, "--json").stdout)
     assert set(document) >= {
-        "slopekit", "kind", "status", "fos", "difference", "agree", "moments_govern", "geometry", "forces_kn", "model",
-        "mechanism", "inputs", "defaults", "warnings", "timing_s",
-    }  # fmt: skip
-    assert document["fos"].keys() == {"limit", "closed_form", "static_bound", "all_pairs_failed", "lowest", "highest"}
+        "slopekit",
+        "kind",
+        "status",
+        "fos",
+        "difference",
+        "agree",
+        "moments_govern",
+        "geometry",
+        "forces_kn",
+        "model",
+        "mechanism",
+        "inputs",
+        "defaults",
+        "warnings",
+        "timing_s",
+    }
+    assert document["fos"].keys() == {
+        "limit",
+        "closed_form",
+        "static_bound",
+        "all_pairs_failed",
+        "lowest",
+        "highest",
+    }
     assert document["fos"]["all_pairs_failed"] is None
-    assert document["geometry"]["line"] == pytest.approx({"trend_deg": 180.0, "plunge_deg": 22.9098}, abs=1e-4)
+    assert document["geometry"]["line"] == pytest.approx(
+        {"trend_deg": 180.0, "plunge_deg": 22.9098}, abs=1e-4
+    )
     assert document["geometry"]["areas_m2"].keys() == {"J1", "J2"}
     assert document["forces_kn"].keys() == {"weight", "normal", "water", "driving", "resisting"}
     assert document["model"]["unknowns"] == 6
@@ -76,7 +117,11 @@ def test_json_is_one_document_with_the_contracts_keys() -> None:
 
 def test_the_same_command_gives_the_same_numbers() -> None:
     def run() -> dict:
-        return {key: value for key, value in json.loads(slopekit(*PAPER, "--json").stdout).items() if key != "timing_s"}
+        return {
+            key: value
+            for key, value in json.loads(slopekit(*PAPER, "--json").stdout).items()
+            if key != "timing_s"
+        }
 
     assert run() == run()
 
@@ -105,7 +150,9 @@ def test_exit_codes(arguments, code) -> None:
 
 
 def test_the_package_is_the_command_too() -> None:
-    run = subprocess.run([sys.executable, "-m", "slopekit", "--version"], capture_output=True, text=True, timeout=60)
+    run = subprocess.run(
+        [sys.executable, "-m", "slopekit", "--version"], capture_output=True, text=True, timeout=60
+    )
     assert (run.returncode, run.stdout) == (0, f"slopekit {sk.__version__}\n")
 
 
@@ -131,7 +178,11 @@ def test_faults_go_to_stderr_and_into_the_json() -> None:
 
 def test_options_and_parameters_of_a_wedge_are_declared_once() -> None:
     """What the command takes is what `sk.wedge` takes, in its order; a fault names each as its user wrote it."""
-    taken = [name for name, one in inspect.signature(sk.wedge).parameters.items() if given_by(one) is not None]
+    taken = [
+        name
+        for name, one in inspect.signature(sk.wedge).parameters.items()
+        if declared_option(one) is not None
+    ]
     shown = re.findall(r"^  --([\w-]+)", slopekit("wedge", "--help").stdout, re.MULTILINE)
     names = {"forces": "force", "bolts": "bolt", "limits": "limit", "accept": "accept-fos"}
     assert shown[: len(taken)] == [names.get(name, name).replace("_", "-") for name in taken]
@@ -141,7 +192,10 @@ def test_options_and_parameters_of_a_wedge_are_declared_once() -> None:
     assert "\n     --force much\n" in ran.stderr
     with pytest.raises(sk.DesignError) as refused:
         sk.wedge(("45/115", "45/245"), unit_weight=2650, forces=["much", "500kN@180/10"])
-    assert [fault.where for fault in refused.value.faults] == ["unit_weight = 2650", "forces = much"]
+    assert [fault.where for fault in refused.value.faults] == [
+        "unit_weight = 2650",
+        "forces = much",
+    ]
 
 
 def test_quiet_and_output_folder(tmp_path) -> None:
@@ -204,17 +258,36 @@ def test_text_is_folded_to_the_terminal(columns, widest, monkeypatch) -> None:
 )
 def test_the_shell_completes(typed, wanted) -> None:
     words = f"slopekit {typed}"
-    asked = {"_SLOPEKIT_COMPLETE": "complete_bash", "COMP_WORDS": words, "COMP_CWORD": str(len(words.split()) - 1)}
+    asked = {
+        "_SLOPEKIT_COMPLETE": "complete_bash",
+        "COMP_WORDS": words,
+        "COMP_CWORD": str(len(words.split()) - 1),
+    }
     start = "import sys; sys.argv = ['slopekit']; from slopekit.cli import main; main()"
     ran = subprocess.run(
-        [sys.executable, "-c", start], env=os.environ | asked, capture_output=True, text=True, check=True
+        [sys.executable, "-c", start],
+        env=os.environ | asked,
+        capture_output=True,
+        text=True,
+        check=True,
     )
     assert ran.stdout.split() == wanted
 
 
 def test_a_wedge_loads_nothing_that_it_does_not_use() -> None:
-    """DESIGN.md: heavy imports sit inside the functions that need them."""
-    heavy = ["trimesh", "pyvista", "matplotlib", "ezdxf", "scipy", "clarabel", "pydantic", "ruamel", "shapely", "yaml"]
+    """Heavy imports sit inside the functions that need them."""
+    heavy = [
+        "trimesh",
+        "pyvista",
+        "matplotlib",
+        "ezdxf",
+        "scipy",
+        "clarabel",
+        "pydantic",
+        "ruamel",
+        "shapely",
+        "yaml",
+    ]
     heavy.append("_hashlib")  # OpenSSL
     program = (
         "import sys\n"
@@ -225,7 +298,9 @@ def test_a_wedge_loads_nothing_that_it_does_not_use() -> None:
         "    except SystemExit: pass\n"
         f"print([name for name in {heavy} if name in sys.modules])"
     )
-    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    run = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=60
+    )
     assert run.stdout.splitlines()[:1] + run.stdout.splitlines()[-1:] == [QUIET, "[]"]
 
 
@@ -233,10 +308,11 @@ def test_a_wedge_loads_nothing_that_it_does_not_use() -> None:
 @pytest.mark.parametrize(
     ("before", "is_ended_by_python"),
     [
-        ("", False), ("import cProfile", True),
+        ("", False),
+        ("import cProfile", True),
         ("threading.Thread(target=threading.main_thread().join).start()", True),
     ],
-)  # fmt: skip
+)
 def test_a_process_ends_when_all_is_written(before, is_ended_by_python) -> None:
     """Nothing is taken down first, but where something waits for that; output and exit code are the same."""
     program = (
@@ -246,7 +322,9 @@ def test_a_process_ends_when_all_is_written(before, is_ended_by_python) -> None:
         "from slopekit.cli import start\n"
         "start()"
     )
-    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    run = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=60
+    )
     said = ["ended by Python"] if is_ended_by_python else []
     assert (run.returncode, run.stderr) == (1, "")
     assert run.stdout.splitlines()[1:] == said
@@ -288,7 +366,9 @@ def test_picture(tmp_path, monkeypatch) -> None:
 def test_streams_that_take_nothing(redirected, code, says, tmp_path) -> None:
     """A full disk is no bug of ours, a closed stdout bad input, a closed stderr no reason to stop."""
     line = f"{sys.executable} -m slopekit.cli {redirected}"
-    run = subprocess.run(["bash", "-c", line], capture_output=True, text=True, timeout=120, cwd=tmp_path)
+    run = subprocess.run(
+        ["bash", "-c", line], capture_output=True, text=True, timeout=120, cwd=tmp_path
+    )
     assert run.returncode == code
     assert run.stderr.startswith(says)
     assert "Traceback" not in run.stderr
@@ -369,7 +449,9 @@ def test_a_command_that_is_stopped_while_it_loads_ends_quietly(library, tmp_path
         "sys.argv = ['slopekit', 'wedge', '--dips', '45/115', '45/245']\n"
         "runpy.run_module('slopekit', run_name='__main__')\n"
     )
-    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    ended = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False
+    )
     assert (ended.returncode, ended.stdout, ended.stderr) == (130, "", "")
 
 
@@ -377,25 +459,65 @@ def test_a_command_that_is_stopped_while_it_loads_ends_quietly(library, tmp_path
 def test_a_pipe_that_closes_is_no_criterion(command, tmp_path) -> None:
     """`slopekit ... | head -1`: 141 as of other programs in a shell, not 1, which says that a criterion is not met."""
     line = f"{sys.executable} -m slopekit.cli {command} | true; exit ${{PIPESTATUS[0]}}"
-    run = subprocess.run(["bash", "-c", line], capture_output=True, text=True, timeout=120, cwd=tmp_path)
+    run = subprocess.run(
+        ["bash", "-c", line], capture_output=True, text=True, timeout=120, cwd=tmp_path
+    )
     assert (run.returncode, run.stderr) == (141, "")
 
 
-@pytest.mark.parametrize(("arguments", "codes"), [
-    (("wedge", "--dips", "45/115", "95/245", "--phi", "30", "--phi", "95", "--c", "-3"),
-     ["E100", "E101", "E114", "E115"]),
-    (("wedge", "--phi", "3", "--phi", "4"), ["E100", "E100"]),  # no --dips
-    (("wedge", "--dips", "45/115", "45/245", "--phi", "30", "--phi", "40", "--hight", "3"), ["E100", "E100"]),
-    (("run", "templates/wedge.yaml", "--case", "a", "--case", "b", "--set", "slope.height=-1"), ["E100", "E116"]),
-    (("run", "nowhere.yaml", "--case", "a", "--case", "b", "--picture", "out.txt"), ["E100", "E141", "E147"]),
-    (("prob", "templates/wedge-scatter.yaml", "-n", "x", "--seed", "1", "--seed", "2", "--fos", "y"),
-     ["E100", "E106", "E106"]),
-    (("lint", "templates/wedge.yaml", "--case", "a", "--case", "b"), ["E100"]),
-    (("run", "templates/wedge.yaml", "-o", "a", "-o", "b"), ["E100"]),
-    (("wedge", "--dips", "45/115", "45/245", "--force", "1@180/-5", "--force", "2@180/-5"), []),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("arguments", "codes"),
+    [
+        (
+            ("wedge", "--dips", "45/115", "95/245", "--phi", "30", "--phi", "95", "--c", "-3"),
+            ["E100", "E101", "E114", "E115"],
+        ),
+        (("wedge", "--phi", "3", "--phi", "4"), ["E100", "E100"]),  # no --dips
+        (
+            ("wedge", "--dips", "45/115", "45/245", "--phi", "30", "--phi", "40", "--hight", "3"),
+            ["E100", "E100"],
+        ),
+        (
+            (
+                "run",
+                "templates/wedge.yaml",
+                "--case",
+                "a",
+                "--case",
+                "b",
+                "--set",
+                "slope.height=-1",
+            ),
+            ["E100", "E116"],
+        ),
+        (
+            ("run", "nowhere.yaml", "--case", "a", "--case", "b", "--picture", "out.txt"),
+            ["E100", "E141", "E147"],
+        ),
+        (
+            (
+                "prob",
+                "templates/wedge-scatter.yaml",
+                "-n",
+                "x",
+                "--seed",
+                "1",
+                "--seed",
+                "2",
+                "--fos",
+                "y",
+            ),
+            ["E100", "E106", "E106"],
+        ),
+        (("lint", "templates/wedge.yaml", "--case", "a", "--case", "b"), ["E100"]),
+        (("run", "templates/wedge.yaml", "-o", "a", "-o", "b"), ["E100"]),
+        (("wedge", "--dips", "45/115", "45/245", "--force", "1@180/-5", "--force", "2@180/-5"), []),
+    ],
+)
 def test_an_option_given_twice_hides_no_other_fault(arguments, codes) -> None:
     """Every fault at once; nothing is analysed, and what may be repeated is no fault."""
     done = slopekit(*arguments, cwd=Path(__file__).parents[1])
-    assert [line.split()[0] for line in done.stderr.splitlines() if re.match(r"E\d{3} ", line)] == codes
+    assert [
+        line.split()[0] for line in done.stderr.splitlines() if re.match(r"E\d{3} ", line)
+    ] == codes
     assert (done.returncode, bool(done.stdout)) == ((2, False) if codes else (0, True))

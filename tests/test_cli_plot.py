@@ -14,7 +14,11 @@ from slopekit.design.templates import path_of
 
 pytest.importorskip("matplotlib")
 
-WEDGE = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
+WEDGE = {
+    "slopekit": 1,
+    "kind": "wedge",
+    "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
+}
 
 
 @pytest.fixture
@@ -36,8 +40,11 @@ def folder(tmp_path_factory) -> Path:
     """A folder with a sweep, a result and a kinematic study."""
     made = tmp_path_factory.mktemp("plot")
     swept = sk.sweep(sk.load(WEDGE), {"slope.face.dip": [60, 80]}, closed_form=True)
-    for name, study in (("sweep", swept), ("result", sk.run(WEDGE)),
-                        ("kinematic", sk.kinematic(["40/175", "35/090"], face="65/180"))):  # fmt: skip
+    for name, study in (
+        ("sweep", swept),
+        ("result", sk.run(WEDGE)),
+        ("kinematic", sk.kinematic(["40/175", "35/090"], face="65/180")),
+    ):
         (made / f"{name}.json").write_text(json.dumps(study.to_dict()))
     return made
 
@@ -58,7 +65,11 @@ def test_it_lists_and_draws(run, folder) -> None:
 def test_it_says_what_the_studies_draw(run, folder, tmp_path) -> None:
     """`sweep --picture` and `plot sweep.json curve` are one function: the same bytes."""
     assert run(folder / "sweep.json", "curve", "-o", tmp_path / "a.png")[0] == 0
-    sk.plot(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [60, 80]}, closed_form=True), "curve", tmp_path / "b.png")
+    sk.plot(
+        sk.sweep(sk.load(WEDGE), {"slope.face.dip": [60, 80]}, closed_form=True),
+        "curve",
+        tmp_path / "b.png",
+    )
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
 
 
@@ -73,10 +84,22 @@ def test_it_says_what_the_studies_draw(run, folder, tmp_path) -> None:
         (("sweep.json", "curve", "-o", "a.gif"), "E141", "Known: .png, .svg, .pdf."),
         (("sweep.json", "curve", "-o", "a.glb"), "E141", "curve cannot be written as .glb"),
         (("sweep.json", "curve", "-o", "/proc/nowhere/a.png"), "E129", "cannot be written"),
-        (("result.json", "factors"), "E273", "factors wants result.json of many blocks: bench, blocks, topple"),
-        (("result.json", "displacement", "--step", "2"), "E313", "--step says nothing of this displacement"),
+        (
+            ("result.json", "factors"),
+            "E273",
+            "factors wants result.json of many blocks: bench, blocks, topple",
+        ),
+        (
+            ("result.json", "displacement", "--step", "2"),
+            "E313",
+            "--step says nothing of this displacement",
+        ),
         (("sweep.json", "curve", "--test", "planar"), "E313", "--test says nothing of this curve"),
-        (("result.json", "stereonet", "--test", "planar"), "E313", "--test says nothing of this stereonet"),
+        (
+            ("result.json", "stereonet", "--test", "planar"),
+            "E313",
+            "--test says nothing of this stereonet",
+        ),
         (
             ("kinematic.json", "stereonet", "--test", "planer"),
             "E313",
@@ -92,7 +115,9 @@ def test_wrong_use(arguments, code, says, run, folder) -> None:
     assert err.startswith(f"{code} ")
     assert says.format(folder=folder) in " ".join(err.split())
     assert explanation(code)
-    assert code == "E147" or max(map(len, err.splitlines())) <= 100  # E147 names a folder of the test
+    assert (
+        code == "E147" or max(map(len, err.splitlines())) <= 100
+    )  # E147 names a folder of the test
 
 
 @pytest.mark.parametrize(
@@ -105,12 +130,28 @@ def test_wrong_use(arguments, code, says, run, folder) -> None:
         ("name,dip,dip_direction\na,40,175\n", "E340", "x.json is not JSON"),
         ("slopekit: 1\nkind: wedge\n", "E340", "is not JSON"),
         ('{"slopekit": "0.1.0", "kind": "wedge", "fos": NaN}', "E340", "NaN is no number of JSON"),
-        ('{"slopekit": "0.1.0", "kind": "wedge", "fos": 1e999}', "E340", "1e999 is no number of JSON"),
+        (
+            '{"slopekit": "0.1.0", "kind": "wedge", "fos": 1e999}',
+            "E340",
+            "1e999 is no number of JSON",
+        ),
         ("[1, 2]", "E340", "is not of slopekit"),
         ('{"kind": "wedge"}', "E340", "it has no key slopekit"),
-        ('{"slopekit": "0.1.0", "errors": [{"code": "E101"}]}', "E340", "faults of a run that failed (E101)"),
-        ('{"slopekit": "0.1.0", "study": "sweep", "keys": [{}]}', "E340", "x.json cannot be drawn as curve"),
-        ('{"slopekit": "0.1.0", "study": "sweep", "keys": [7], "points": 3}', "E340", "Make it again"),
+        (
+            '{"slopekit": "0.1.0", "errors": [{"code": "E101"}]}',
+            "E340",
+            "faults of a run that failed (E101)",
+        ),
+        (
+            '{"slopekit": "0.1.0", "study": "sweep", "keys": [{}]}',
+            "E340",
+            "x.json cannot be drawn as curve",
+        ),
+        (
+            '{"slopekit": "0.1.0", "study": "sweep", "keys": [7], "points": 3}',
+            "E340",
+            "Make it again",
+        ),
     ],
 )
 def test_wrong_files(text, code, says, run, tmp_path) -> None:
@@ -151,7 +192,7 @@ def test_scenes_are_handed_on(run, tmp_path, monkeypatch) -> None:
     assert run(file, "exploded", "-o", tmp_path / "r.glb")[0] == 0
     assert called == [
         (("exploded", tmp_path / "r.glb", 1), {}),
-    ]  # fmt: skip
+    ]
 
 
 def test_folders(run, folder, tmp_path) -> None:
@@ -197,10 +238,20 @@ def test_a_changed_document_is_named(folder, tmp_path) -> None:
     for document, what, says in (
         (swept | {"points": swept["points"][:1]}, "curve", "ValueError: 1 points for 2 values"),
         (swept | {"points": 3}, "curve", "TypeError: "),
-        (swept | {"levels": [{"fos": "x", "what": "y"}]}, "curve", "could not convert string to float: 'x'"),
+        (
+            swept | {"levels": [{"fos": "x", "what": "y"}]},
+            "curve",
+            "could not convert string to float: 'x'",
+        ),
         (result | {"inputs": faces}, "stereonet", "Error: "),
         (
-            result | {"fos": 3, "series": [{"factor": 1.0, "stands": True, "failed_pairs": 0, "displacement_m": None}]},
+            result
+            | {
+                "fos": 3,
+                "series": [
+                    {"factor": 1.0, "stands": True, "failed_pairs": 0, "displacement_m": None}
+                ],
+            },
             "reduction",
             "TypeError: ",
         ),
@@ -214,7 +265,11 @@ def test_a_changed_document_is_named(folder, tmp_path) -> None:
 def test_a_strength_without_friction_is_no_net() -> None:
     """Where a document lacks the angle of a joint, the net is not offered, and the rest is."""
     bench = {"name": "S1", "plane": "30/175", "strength": "a"}
-    document = {"slopekit": "0.1.0", "kind": "bench", "inputs": {"sets": [bench], "strengths": [["a", {}]]}}
+    document = {
+        "slopekit": "0.1.0",
+        "kind": "bench",
+        "inputs": {"sets": [bench], "strengths": [["a", {}]]},
+    }
     assert sk.plot(document) == {}
     document["inputs"]["strengths"] = [["a", {"friction_angle_deg": 40.0}]]
     assert list(sk.plot(document)) == ["stereonet"]
@@ -237,7 +292,17 @@ def test_without_a_picture_the_words(folder) -> None:
 @pytest.mark.parametrize(("ending", "begins"), [("pdf", b"%PDF")])
 def test_pictures_of_studies_take_every_ending(ending, begins, monkeypatch, tmp_path) -> None:
     target = tmp_path / f"a.{ending}"
-    arguments = ["kinematic", "examples/joints.csv", "--face", "65/180", "--phi", "30", "--quiet", "--picture", target]
+    arguments = [
+        "kinematic",
+        "examples/joints.csv",
+        "--face",
+        "65/180",
+        "--phi",
+        "30",
+        "--quiet",
+        "--picture",
+        target,
+    ]
     monkeypatch.setattr("sys.argv", ["slopekit", *map(str, arguments)])
     with pytest.raises(SystemExit) as left:
         main()
@@ -261,6 +326,9 @@ def test_prob_and_kinematic_draw_with_their_folder(monkeypatch, capsys, tmp_path
         main()
     assert capsys.readouterr().err == ""
     assert {file.name for file in (tmp_path / "p").iterdir()} == {
-        "prob.json", "prob.txt", "samples.csv", "histogram.png",
-    }  # fmt: skip
+        "prob.json",
+        "prob.txt",
+        "samples.csv",
+        "histogram.png",
+    }
     assert sum(json.loads((tmp_path / "p" / "prob.json").read_text())["histogram"]["counts"]) > 190

@@ -38,14 +38,32 @@ from slopekit.design.templates import names, path_of
 from tests.support import forget_kinds, study_of_the_page
 
 ROOT = Path(__file__).parents[1]
-GENERATED = ("verification.md", "hard-cases.md", "speed.md", "mutations.md", "studies.md", "messages.md", "gallery.md")
+GENERATED = (
+    "verification.md",
+    "hard-cases.md",
+    "speed.md",
+    "mutations.md",
+    "studies.md",
+    "messages.md",
+    "gallery.md",
+)
 WRITTEN = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 PAGES = [path for path in WRITTEN if path.name not in GENERATED]
 #: Lines of sh blocks that are not run: what installs, fetches, tests and measures.
 NOT_RUN = (
-    "git clone", "cd ", "pip install", "python -m pip", "python -m venv", ". ", "python -m pytest",
-    "python -m benchmarks", "python examples/", "dask ", "slopekit check --suite", "slopekit app",
-)  # fmt: skip
+    "git clone",
+    "cd ",
+    "pip install",
+    "python -m pip",
+    "python -m venv",
+    ". ",
+    "python -m pytest",
+    "python -m benchmarks",
+    "python examples/",
+    "dask ",
+    "slopekit check --suite",
+    "slopekit app",
+)
 #: Commands that are run with less work than they are shown with, and not compared; "": run by a test of its own.
 LESS = {
     "slopekit prob templates/wedge-scatter.yaml -n 20000": "-n 100",
@@ -72,7 +90,9 @@ class Block:
         """The language; of a block without one what it holds."""
         kind, first = self.info.partition(" ")[0], self.lines[0] if self.lines else ""
         if not kind:
-            return "sh" if re.match(r"slopekit [a-z]", first) or first.startswith(NOT_RUN) else "text"
+            return (
+                "sh" if re.match(r"slopekit [a-z]", first) or first.startswith(NOT_RUN) else "text"
+            )
         return "sh" if kind == "console" else kind
 
 
@@ -137,7 +157,7 @@ _VARIES = (
     (re.compile(r"^slopekit \d+\.\d+\.\d+\S*"), "slopekit"),
     (re.compile(r"\d[\d.,]* (?:ms|s|pairs/s)\b"), "· s"),
     (re.compile(r"\b(?:\d(?:\.\d+)?e-1\d|0\.0e\+00)\b"), "rounding"),
-)  # fmt: skip
+)
 
 
 def normal(text: str) -> list[str]:
@@ -173,7 +193,11 @@ def difference(shown: str, true: str) -> str:
             near = next((line for line in part if line not in found), part[0])
             return f"the program does not print: {near}"
         at = place + len(part)
-    return "" if (len(parts) > 1 and not parts[-1]) or at == len(found) else f"left out without ...: {found[at]}"
+    return (
+        ""
+        if (len(parts) > 1 and not parts[-1]) or at == len(found)
+        else f"left out without ...: {found[at]}"
+    )
 
 
 class Page:
@@ -210,7 +234,9 @@ class Page:
             run = re.sub(r" -n \d+", "", command) + " " + shlex.join(words) if shorter else command
             code, printed = run_command(run)
             self.output = None if shorter else printed
-            if code != wanted and not (self.path.name == "README.md" and code == 1):  # the README is short
+            if code != wanted and not (
+                self.path.name == "README.md" and code == 1
+            ):  # the README is short
                 yield f"{command} ends with {code}, not {wanted}: {printed[-300:]}"
 
     def _text(self, block: Block) -> Iterator[str]:
@@ -264,7 +290,9 @@ def test_page(path, tmp_path, monkeypatch) -> None:
     for folder in ("templates", "examples"):
         shutil.copytree(ROOT / folder, tmp_path / folder)
     page = Page(path)
-    added = study_of_the_page(tmp_path / "found") if path.name == "add-a-study.md" else nullcontext()
+    added = (
+        study_of_the_page(tmp_path / "found") if path.name == "add-a-study.md" else nullcontext()
+    )
     with chdir(tmp_path), added:
         page.run()
     forget_kinds()
@@ -275,13 +303,17 @@ def test_links_lead_somewhere() -> None:
     """Files, and headings within them, by GitHub's way to name them."""
 
     def anchors(path: Path) -> set[str]:
-        text = re.sub(r"^```.*?^```", "", path.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+        text = re.sub(
+            r"^```.*?^```", "", path.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL
+        )
         heads = re.findall(r"^#+ (.*)$", text, re.MULTILINE)
         return {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
 
     wrong = []
     for page in WRITTEN:
-        text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+        text = re.sub(
+            r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL
+        )
         for link in re.findall(r"\]\(([^)\s]+)\)", text):
             if link.startswith(("https://", "http://", "mailto:")):
                 continue
@@ -296,7 +328,9 @@ def commands_by_name() -> dict[str, Any]:
     import typer
 
     group: Any = typer.main.get_command(app)
-    return {name: group.get_command(None, name) for name in group.list_commands(None)}  # some are made when asked for
+    return {
+        name: group.get_command(None, name) for name in group.list_commands(None)
+    }  # some are made when asked for
 
 
 def test_every_command_has_its_page_and_every_page_its_command() -> None:
@@ -312,7 +346,11 @@ def test_every_option_is_named_on_its_page() -> None:
         every = [command, *getattr(command, "commands", {}).values()]
         for parameter in (parameter for one in every for parameter in one.params):
             long = max(parameter.opts, key=len)
-            if long.startswith("-") and long != "--help" and not re.search(rf"{long}(?![\w-])", page):
+            if (
+                long.startswith("-")
+                and long != "--help"
+                and not re.search(rf"{long}(?![\w-])", page)
+            ):
                 missing.append(f"{name} {long}")
     assert not missing, missing
 
@@ -335,9 +373,13 @@ def test_every_key_of_a_design_stands_on_its_page() -> None:
     sections = dict(re.findall(r"^## (\w+)\n(.*?)(?=^## |\Z)", page, re.MULTILINE | re.DOTALL))
     shared = page.partition("\n## wedge\n")[0]
     missing = [
-        f"{kind}: {key}" for kind in KINDS_OF_DESIGN for key in _keys_of(record_spec(record_of(kind)))
-        if not re.search(rf"[`.{{ ]{key}\b", shared + sections[kind] + sections["Distributions"] + page[-4000:])
-    ]  # fmt: skip
+        f"{kind}: {key}"
+        for kind in KINDS_OF_DESIGN
+        for key in _keys_of(record_spec(record_of(kind)))
+        if not re.search(
+            rf"[`.{{ ]{key}\b", shared + sections[kind] + sections["Distributions"] + page[-4000:]
+        )
+    ]
     assert missing == []
 
 
@@ -351,13 +393,30 @@ def test_defaults_of_a_kind_are_not_told_of_their_namesakes() -> None:
     """A wedge takes 50 kPa and 20° for c and φ, and for no partial factor of c nor the φ of Clough & Duncan's law."""
     page = PAGE.read_text(encoding="utf-8")
     wedge = page.partition("<!-- keys of wedge -->")[2].partition("<!-- end of keys -->")[0]
-    told = dict(re.findall(r"^\| `([\w.]+\.(?:c|phi))` \|[^|]*\| ([^|]*) \|", wedge, flags=re.MULTILINE))
+    told = dict(
+        re.findall(r"^\| `([\w.]+\.(?:c|phi))` \|[^|]*\| ([^|]*) \|", wedge, flags=re.MULTILINE)
+    )
     assert told == {"strength.NAME.c": "50", "strength.NAME.phi": "20"}
 
 
 #: Groups of a document whose keys are names of the design, of outcomes, stages or changes, shares, or a design's own.
-_NAMED = {"areas_m2", "trace_lengths_m", "corners_m", "normal", "water", "methods", "inputs", "assumed", "timing_s",
-          "pairs_by_mode", "sheet", "outcomes", "counts", "quantiles", "support"}  # fmt: skip
+_NAMED = {
+    "areas_m2",
+    "trace_lengths_m",
+    "corners_m",
+    "normal",
+    "water",
+    "methods",
+    "inputs",
+    "assumed",
+    "timing_s",
+    "pairs_by_mode",
+    "sheet",
+    "outcomes",
+    "counts",
+    "quantiles",
+    "support",
+}
 
 
 def _keys_in(value: Any, group: str = "") -> Iterator[str]:
@@ -369,13 +428,24 @@ def _keys_in(value: Any, group: str = "") -> Iterator[str]:
         yield from _keys_in(one, group)
 
 
-@pytest.mark.parametrize("command", [
-    *(f"run templates/{name}.yaml" for name in ("paper-wedge", "paper-footing", "paper-ellipsoid", "goodman-bray")),
-    "run templates/plane.yaml", "run templates/bench.yaml", "run templates/blocks.yaml",
-    "prob templates/wedge-scatter.yaml -n 100 --fos 1.1", "sweep templates/wedge-basal.yaml slope.height=10:30:3",
-    "sweep templates/wedge.yaml strength.weak.phi=10:30:3", "sweep templates/wedge.yaml --tornado",
-    "solve templates/wedge.yaml strength.weak.phi --fos 1.3", "support templates/plane.yaml --fos 1.6",
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "command",
+    [
+        *(
+            f"run templates/{name}.yaml"
+            for name in ("paper-wedge", "paper-footing", "paper-ellipsoid", "goodman-bray")
+        ),
+        "run templates/plane.yaml",
+        "run templates/bench.yaml",
+        "run templates/blocks.yaml",
+        "prob templates/wedge-scatter.yaml -n 100 --fos 1.1",
+        "sweep templates/wedge-basal.yaml slope.height=10:30:3",
+        "sweep templates/wedge.yaml strength.weak.phi=10:30:3",
+        "sweep templates/wedge.yaml --tornado",
+        "solve templates/wedge.yaml strength.weak.phi --fos 1.3",
+        "support templates/plane.yaml --fos 1.6",
+    ],
+)
 def test_every_key_of_a_document_stands_on_its_page(command) -> None:
     page = (ROOT / "docs/json.md").read_text(encoding="utf-8")
     with chdir(ROOT):
@@ -406,13 +476,17 @@ def test_files_that_add_a_kind_names_exist() -> None:
     named = [name for name in re.findall(r"`([\w/.-]+\.py)`", text) if "KIND" not in name]
     folders = (ROOT, ROOT / "src/slopekit", ROOT / "src/slopekit/design", ROOT / "tests")
     assert len(named) > 5
-    assert [name for name in named if not any((folder / name).is_file() for folder in folders)] == []
+    assert [
+        name for name in named if not any((folder / name).is_file() for folder in folders)
+    ] == []
 
 
 def test_the_page_of_messages_is_up_to_date() -> None:
     code, page = called(["explain", "--all"])
     assert code == 0
-    assert page == (ROOT / "docs/messages.md").read_text(encoding="utf-8"), "slopekit explain --all > docs/messages.md"
+    assert page == (ROOT / "docs/messages.md").read_text(encoding="utf-8"), (
+        "slopekit explain --all > docs/messages.md"
+    )
     assert set(re.findall(r"^### (\w+)$", page, re.MULTILINE)) == set(explanations())
 
 
@@ -426,7 +500,10 @@ def test_explain_takes_codes_or_all(arguments) -> None:
 def test_explain_takes_several_codes() -> None:
     """Each once, in their order."""
     code, said = called(["explain", "W307", "e203", "w307"])
-    assert (code, [line for line in said.splitlines() if re.fullmatch(r"[EW]\d{3}", line)]) == (0, ["W307", "E203"])
+    assert (code, [line for line in said.splitlines() if re.fullmatch(r"[EW]\d{3}", line)]) == (
+        0,
+        ["W307", "E203"],
+    )
 
 
 def test_codes_that_pages_name_exist() -> None:
@@ -437,13 +514,17 @@ def test_codes_that_pages_name_exist() -> None:
 
 def test_no_page_names_a_place_on_somebodys_machine() -> None:
     for path in WRITTEN:
-        found = re.search(r"(?<![\w.])(/home/|/work/|/tmp/|/root/|C:\\)", path.read_text(encoding="utf-8"))
+        found = re.search(
+            r"(?<![\w.])(/home/|/work/|/tmp/|/root/|C:\\)", path.read_text(encoding="utf-8")
+        )
         assert found is None, f"{path.name}: {found}"
 
 
 def test_the_index_names_every_page() -> None:
     text = (ROOT / "docs/index.md").read_text(encoding="utf-8")
-    pages = {str(path.relative_to(ROOT / "docs")) for path in (ROOT / "docs").rglob("*.md")} - {"index.md"}
+    pages = {str(path.relative_to(ROOT / "docs")) for path in (ROOT / "docs").rglob("*.md")} - {
+        "index.md"
+    }
     assert {page for page in pages if f"]({page})" not in text} == set()
 
 
@@ -462,7 +543,9 @@ def test_what_is_shown_wrongly_is_found(tmp_path) -> None:
     with chdir(tmp_path):
         found = Page(page)
         found.run()
-    assert [fault.split(": ")[0] for fault in found.faults] == [f"page.md:{line}" for line in (4, 7, 10, 13, 16, 19)]
+    assert [fault.split(": ")[0] for fault in found.faults] == [
+        f"page.md:{line}" for line in (4, 7, 10, 13, 16, 19)
+    ]
 
 
 @pytest.mark.parametrize(

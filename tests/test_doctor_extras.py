@@ -13,7 +13,9 @@ from slopekit.views import doctor
 from slopekit.views.doctor import _EXTRAS
 
 _FOR_WORK_ON_IT = {"test", "docs", "dev", "all"}
-PROJECT = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+PROJECT = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text(encoding="utf-8"))[
+    "project"
+]
 
 
 def _name(requirement: str) -> str:
@@ -45,7 +47,7 @@ def quick(monkeypatch):
 
     monkeypatch.setattr(doctor.metadata, "version", version)
     asked = {"typer": ">=0.26,<0.29", "pyvista": ">=0.44", "ruamel-yaml": ">=0.18"}
-    monkeypatch.setattr(doctor, "wanted", lambda: asked)
+    monkeypatch.setattr(doctor, "required_versions", lambda: asked)
     return have
 
 
@@ -74,10 +76,17 @@ def test_doctor_names_what_is_missing_and_goes_on(quick, monkeypatch) -> None:
 
 
 def test_the_versions_that_are_asked_for_are_those_of_the_package(monkeypatch) -> None:
-    monkeypatch.setattr(_needs.metadata, "requires", lambda _: [
-        *PROJECT["dependencies"], "pyvista>=0.44; extra == 'plot'", "bare", "pyvista>=0.1; extra == 'other'",
-    ])  # fmt: skip
-    found = _needs.wanted()
+    monkeypatch.setattr(
+        _needs.metadata,
+        "requires",
+        lambda _: [
+            *PROJECT["dependencies"],
+            "pyvista>=0.44; extra == 'plot'",
+            "bare",
+            "pyvista>=0.1; extra == 'other'",
+        ],
+    )
+    found = _needs.required_versions()
     assert [f"{name}{bounds}" for name, bounds in found.items()][:-2] == [
         one.replace("ruamel.yaml", "ruamel-yaml") for one in PROJECT["dependencies"]
     ]
@@ -87,17 +96,26 @@ def test_the_versions_that_are_asked_for_are_those_of_the_package(monkeypatch) -
         raise metadata.PackageNotFoundError(name)
 
     monkeypatch.setattr(_needs.metadata, "requires", unknown)
-    assert _needs.wanted() == {}
+    assert _needs.required_versions() == {}
 
 
 @pytest.mark.parametrize(
     ("version", "bounds", "is_one"),
     [
-        ("1.26", ">=1.26", True), ("1.25.9", ">=1.26", False), ("1.3", ">=1.26", False), ("2", ">=1.26", True),
-        ("0.29", "<0.29", False), ("0.28.9", "<0.29", True), ("3.0.0", "==3", True), ("3.1", "!=3.1", False),
-        ("3.1", "<=3.1", True), ("3.1", ">3.1", False), ("1.2", "", True), ("unreadable", ">=1", False),
+        ("1.26", ">=1.26", True),
+        ("1.25.9", ">=1.26", False),
+        ("1.3", ">=1.26", False),
+        ("2", ">=1.26", True),
+        ("0.29", "<0.29", False),
+        ("0.28.9", "<0.29", True),
+        ("3.0.0", "==3", True),
+        ("3.1", "!=3.1", False),
+        ("3.1", "<=3.1", True),
+        ("3.1", ">3.1", False),
+        ("1.2", "", True),
+        ("unreadable", ">=1", False),
     ],
-)  # fmt: skip
+)
 def test_versions_are_compared_as_numbers(version, bounds, is_one) -> None:
     assert _needs.fits(version, bounds) is is_one
 
@@ -108,7 +126,9 @@ _WITHOUT = "import sys; sys.modules[sys.argv[1]] = None; sys.argv = ['slopekit',
 
 def _without(library: str, *arguments: str) -> subprocess.CompletedProcess[str]:
     program = _WITHOUT + "from slopekit.cli import main; main()"
-    return subprocess.run([sys.executable, "-c", program, library, *arguments], capture_output=True, text=True)
+    return subprocess.run(
+        [sys.executable, "-c", program, library, *arguments], capture_output=True, text=True
+    )
 
 
 @pytest.mark.parametrize("library", ["numpy", "typer"])
@@ -116,7 +136,9 @@ def test_a_command_says_which_library_it_misses(library) -> None:
     run = _without(library, "wedge", "--dips", "45/115", "45/245")
     assert run.returncode == 2
     assert run.stdout == ""
-    assert run.stderr.startswith(f"E140 {library}, which slopekit needs, is not installed\n     Install slopekit again")
+    assert run.stderr.startswith(
+        f"E140 {library}, which slopekit needs, is not installed\n     Install slopekit again"
+    )
     assert "Traceback" not in run.stderr
 
 

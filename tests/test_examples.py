@@ -24,7 +24,12 @@ def test_example(path, capsys) -> None:
 
 def kinds_stored(cell) -> list[str]:
     """What a cell is stored with of the value of its last line, by MIME type."""
-    return [kind for one in cell["outputs"] if one["output_type"] == "execute_result" for kind in sorted(one["data"])]
+    return [
+        kind
+        for one in cell["outputs"]
+        if one["output_type"] == "execute_result"
+        for kind in sorted(one["data"])
+    ]
 
 
 @pytest.mark.slow
@@ -43,8 +48,14 @@ def test_notebook(path, tmp_path, monkeypatch) -> None:
         shutil.copy(data, tmp_path)
     monkeypatch.chdir(tmp_path)
     shown: list[str] = []
-    monkeypatch.setattr(shell.displayhook, "write_format_data", lambda data, _: shown.extend(sorted(data)))
-    cells = [one for one in json.loads(path.read_text(encoding="utf-8"))["cells"] if one["cell_type"] == "code"]
+    monkeypatch.setattr(
+        shell.displayhook, "write_format_data", lambda data, _: shown.extend(sorted(data))
+    )
+    cells = [
+        one
+        for one in json.loads(path.read_text(encoding="utf-8"))["cells"]
+        if one["cell_type"] == "code"
+    ]
     assert "".join(cells[-1]["source"]).startswith("assert ")
     for cell in cells:
         assert cell["execution_count"], "python -m benchmarks.notebooks"

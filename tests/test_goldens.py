@@ -40,10 +40,14 @@ def test_every_template_example_study_and_row_of_the_suite_is_stored() -> None:
     """What is new wants `python -m benchmarks.goldens store NAME`."""
     wanted = {case.name for case in cases()}
     assert wanted ^ in_store().keys() == set()
-    assert {f"templates/{name}" for name in names()} | {f"checks/{name}" for name in names()} <= wanted
+    assert {f"templates/{name}" for name in names()} | {
+        f"checks/{name}" for name in names()
+    } <= wanted
     assert set(HEAVY) <= wanted
     rows = read(in_store()["suite/rows"])["values"]
-    assert {line.rpartition(" value = ")[0] for line in rows if " value = " in line} == set(names_of_rows())
+    assert {line.rpartition(" value = ")[0] for line in rows if " value = " in line} == set(
+        names_of_rows()
+    )
 
 
 def test_every_command_is_run_and_every_input_is_used() -> None:
@@ -54,14 +58,28 @@ def test_every_command_is_run_and_every_input_is_used() -> None:
     text = COMMANDS.read_text(encoding="utf-8") + "".join(
         path.read_text(encoding="utf-8", errors="replace") for path in INPUTS.glob("*.yaml")
     )
-    assert [path.name for path in INPUTS.iterdir() if path.suffix != ".yaml" and path.name not in text] == []
+    assert [
+        path.name for path in INPUTS.iterdir() if path.suffix != ".yaml" and path.name not in text
+    ] == []
 
 
 def test_every_fault_of_reading_is_stored() -> None:
     package = Path(sk.__file__).parent
-    reading = [*(package / "design").rglob("*.py"), package / "core/orientation.py", package / "core/units.py"]
-    said = {code for path in reading for code in re.findall(r'"(E\d{3})"', path.read_text(encoding="utf-8"))}
-    stored = {code for path in in_store().values() for code in re.findall(r"\bE\d{3}\b", path.read_text("utf-8"))}
+    reading = [
+        *(package / "design").rglob("*.py"),
+        package / "core/orientation.py",
+        package / "core/units.py",
+    ]
+    said = {
+        code
+        for path in reading
+        for code in re.findall(r'"(E\d{3})"', path.read_text(encoding="utf-8"))
+    }
+    stored = {
+        code
+        for path in in_store().values()
+        for code in re.findall(r"\bE\d{3}\b", path.read_text("utf-8"))
+    }
     assert said - stored == NOT_REACHED.keys()
 
 
@@ -74,7 +92,9 @@ def test_a_command_loads_what_it_loaded(name) -> None:
 def test_nothing_of_this_machine_is_stored() -> None:
     for path in in_store().values():
         text = path.read_text(encoding="utf-8")
-        assert not re.search(r"/tmp/|/home/|/work/|/root/|timing_s|\nTIME |\d ms\b", text), path.name
+        assert not re.search(r"/tmp/|/home/|/work/|/root/|timing_s|\nTIME |\d ms\b", text), (
+            path.name
+        )
         assert sk.__version__ not in text
 
 
@@ -95,7 +115,12 @@ def test_nothing_of_this_machine_is_stored() -> None:
         ("a forces", "[1, 2]", "[1, 2, 3]", False),
         ("a balance.force", "1e-15", "3e-13", True),
         ("a balance.force", "1e-15", "3e-6", False),
-        ("a x", "numbers 3 least 1 greatest 2 weighted 1", "numbers 3 least 1 greatest 2 weighted 2", False),
+        (
+            "a x",
+            "numbers 3 least 1 greatest 2 weighted 1",
+            "numbers 3 least 1 greatest 2 weighted 2",
+            False,
+        ),
         ("a x", "words 2 checksum xab: a 1, b 1", "words 2 checksum xcd: a 1, b 1", False),
         ("templates/bench fos.static_bound", "1.7774220", "1.7774225", True),
         ("templates/wedge fos.static_bound", "1.7774220", "1.7774225", False),
@@ -106,13 +131,24 @@ def test_values_are_compared_within_their_tolerance(where, old, new, same) -> No
 
 
 def test_a_document_gives_a_line_a_value_and_no_times() -> None:
-    document = {"slopekit": "9.9", "a": {"b": [1.0, 2.0], "timing_s": {"x": 1}}, "rows": [{"k": 0.1}, {"k": None}],
-                "long": list(range(30)), "none": []}  # fmt: skip
+    document = {
+        "slopekit": "9.9",
+        "a": {"b": [1.0, 2.0], "timing_s": {"x": 1}},
+        "rows": [{"k": 0.1}, {"k": None}],
+        "long": list(range(30)),
+        "none": [],
+    }
     assert lines_of(document) == [
-        "a.b = [1, 2]", "rows.0.k = 0.1", "rows.1.k = null",
-        lines_of({"long": list(range(30))})[0], "none = []",
-    ]  # fmt: skip
-    up, down = (lines_of({"long": one})[0].partition(" = ")[2] for one in (list(range(30)), list(range(30))[::-1]))
+        "a.b = [1, 2]",
+        "rows.0.k = 0.1",
+        "rows.1.k = null",
+        lines_of({"long": list(range(30))})[0],
+        "none = []",
+    ]
+    up, down = (
+        lines_of({"long": one})[0].partition(" = ")[2]
+        for one in (list(range(30)), list(range(30))[::-1])
+    )
     assert not same_value("a long", up, down)
 
 
@@ -129,10 +165,18 @@ def test_a_sheet_is_compared_word_by_word_without_its_times() -> None:
     def found(old: str, new: str) -> list:
         return compare_text("a", "s", text_of(SHEET), text_of(SHEET.replace(old, new)))
 
-    assert text_of(SHEET) == ["slopekit #   wedge", "FoS       1.5574  limit", "NOTE      off by 1.2e-15"]
+    assert text_of(SHEET) == [
+        "slopekit #   wedge",
+        "FoS       1.5574  limit",
+        "NOTE      off by 1.2e-15",
+    ]
     assert found("1.1 ms", "9 ms") == found("0.1.0", "0.2.0") == found("1.2e-15", "0") == []
     (one,) = found("1.5574", "1.5575")
-    assert (one.key, one.old, one.new) == ("line 2", "FoS       1.5574  limit", "FoS       1.5575  limit")
+    assert (one.key, one.old, one.new) == (
+        "line 2",
+        "FoS       1.5574  limit",
+        "FoS       1.5575  limit",
+    )
     assert [one.key for one in found("FoS       ", "FoS     ")] == ["line 2"]
 
 
@@ -140,9 +184,12 @@ def test_differences_name_case_key_old_and_new() -> None:
     old = {"out/x.json": ["a = 1", "b = 2"], "out/x.txt": ["one"]}
     found = differences("group/case", old, {"out/x.json": ["a = 1.1", "c = 3"], "stdout": ["new"]})
     assert [(one.section, one.key, one.old, one.new) for one in found] == [
-        ("out/x.json", "a", "1", "1.1"), ("out/x.json", "b", "2", "(gone)"), ("out/x.json", "c", "(not stored)", "3"),
-        ("out/x.txt", "all of it", "1 lines", "(gone)"), ("stdout", "all of it", "(not stored)", "1 lines"),
-    ]  # fmt: skip
+        ("out/x.json", "a", "1", "1.1"),
+        ("out/x.json", "b", "2", "(gone)"),
+        ("out/x.json", "c", "(not stored)", "3"),
+        ("out/x.txt", "all of it", "1 lines", "(gone)"),
+        ("stdout", "all of it", "(not stored)", "1 lines"),
+    ]
     assert str(found[0]) == "group/case  out/x.json  a\n    old  1\n    new  1.1   (+1.0e-01 of it)"
 
 

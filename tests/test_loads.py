@@ -6,7 +6,7 @@ import pytest
 import slopekit as sk
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.geometry.polytopes import Block
-from slopekit.geometry.pressure import Pieces, even, pyramid, resultant
+from slopekit.geometry.pressure import Pieces, pyramid_pieces, resultant, uniform_pieces
 from slopekit.kinds.wedge.cutting import J1, J2, shape_of
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import Loads, PointForce, block_loads
@@ -14,7 +14,9 @@ from slopekit.loads import Loads, PointForce, block_loads
 
 @pytest.fixture(scope="module")
 def block() -> Block:
-    return shape_of(wedge_design({"dips": ("45/105", "70/235"), "face": "65/185", "upper": "12/195"})).block
+    return shape_of(
+        wedge_design({"dips": ("45/105", "70/235"), "face": "65/185", "upper": "12/195"})
+    ).block
 
 
 def moment_of(block: Block, forces=(), active=()) -> np.ndarray:
@@ -40,7 +42,7 @@ def test_even_pressure_acts_at_the_middle_of_its_face(block) -> None:
     pairs = node_pairs({J1: block.faces[J1]})
     forces = 7.0 * pairs.control_areas[:, None] * pairs.normals
     exact = np.cross(pairs.points - block.centroid, forces).sum(axis=0)
-    loads = loads_of_water(block, J1, even(block.faces[J1][None], 7.0))
+    loads = loads_of_water(block, J1, uniform_pieces(block.faces[J1][None], 7.0))
     assert loads.moment == pytest.approx(exact, rel=1e-10)
 
 
@@ -52,10 +54,14 @@ def test_pyramid_of_pressure_acts_where_integration_says(block, joint) -> None:
     """
     polygon = np.asarray(block.faces[joint])
     on_line = [
-        point for point in polygon if min(np.abs(other - point).sum() for other in block.faces[1 - joint]) < 1e-9
+        point
+        for point in polygon
+        if min(np.abs(other - point).sum() for other in block.faces[1 - joint]) < 1e-9
     ]
     apex = sum(on_line) / 2.0
-    rest = next(point for point in polygon if not any(np.array_equal(point, other) for other in on_line))
+    rest = next(
+        point for point in polygon if not any(np.array_equal(point, other) for other in on_line)
+    )
     force, moment = np.zeros(3), np.zeros(3)
     outward = np.cross(polygon[1] - polygon[0], polygon[2] - polygon[0])
     for end in on_line:
@@ -64,10 +70,15 @@ def test_pyramid_of_pressure_acts_where_integration_says(block, joint) -> None:
             triangle = triangle[::-1]
         pairs = node_pairs({0: triangle})
         # the share of the peak at each node: barycentric coordinate of the apex
-        share = np.array([1.0 if np.abs(p - apex).sum() < 1e-9 else 0.0 for p in triangle] + [1.0 / 3.0])
+        share = np.array(
+            [1.0 if np.abs(p - apex).sum() < 1e-9 else 0.0 for p in triangle] + [1.0 / 3.0]
+        )
         pushes = (30.0 * share * pairs.control_areas)[:, None] * pairs.normals
-        force, moment = force + pushes.sum(axis=0), moment + np.cross(pairs.points - block.centroid, pushes).sum(axis=0)
-    loads = loads_of_water(block, joint, pyramid(block.faces[joint][None], 10.0, apex[None]))
+        force, moment = (
+            force + pushes.sum(axis=0),
+            moment + np.cross(pairs.points - block.centroid, pushes).sum(axis=0),
+        )
+    loads = loads_of_water(block, joint, pyramid_pieces(block.faces[joint][None], 10.0, apex[None]))
     assert loads.force == pytest.approx(force, rel=1e-10)  # the mean is a third of the peak
     assert loads.moment == pytest.approx(moment, rel=1e-10)
 

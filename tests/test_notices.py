@@ -27,12 +27,27 @@ from tests.support import result_of
 
 DIPS = ("45/115", "45/245")
 #: cases.json, 9_single-plane: slides on J1 alone
-ONE_PLANE = {"dips": ("40/160", "80/220"), "face": "65/180", "upper": "0/180", "height": 10, "c": 20, "phi": 30,
-             "unit_weight": 26}  # fmt: skip
+ONE_PLANE = {
+    "dips": ("40/160", "80/220"),
+    "face": "65/180",
+    "upper": "0/180",
+    "height": 10,
+    "c": 20,
+    "phi": 30,
+    "unit_weight": 26,
+}
 # code, inputs of a wedge, what the notice says
 OF_A_WEDGE = [
-    ("W301", {"dips": ("45/178", "45/182")}, "less or more dip of J1 the factor of safety is 0.5794 or 0.5791"),
-    ("W301", {"dips": ("45/178", "45.3/178.4"), "water": "full"}, "it is not settled by the digits of the planes"),
+    (
+        "W301",
+        {"dips": ("45/178", "45/182")},
+        "less or more dip of J1 the factor of safety is 0.5794 or 0.5791",
+    ),
+    (
+        "W301",
+        {"dips": ("45/178", "45.3/178.4"), "water": "full"},
+        "it is not settled by the digits of the planes",
+    ),
     ("W302", {"unit_weight": 100}, "a unit weight of 100 kN/m³ is not that of rock"),
     ("W307", ONE_PLANE, "J2 has lost contact"),
     ("W308", {"c": 0, "phi": 0}, "the joints have no strength"),
@@ -44,45 +59,135 @@ OF_A_WEDGE = [
     ("W302", {"c": 50000}, "a cohesion of 50000 kPa is that of intact rock: is 50 kPa meant?"),
     ("W302", {"phi": 80}, "a friction angle of 80° is that of no joint"),
     ("W419", {"crack": "80/180@5m", "water": (5, 5)}, "the crack is dry"),
-    ("W302", {"height": 15000}, "m high, higher than nearly any rock slope: was a length typed in mm?"),
+    (
+        "W302",
+        {"height": 15000},
+        "m high, higher than nearly any rock slope: was a length typed in mm?",
+    ),
     ("W302", {"height": 0.01}, "m high, lower than any slope: was a length typed in km?"),
-    ("W302", {"water": "u=5000kPa"}, "a mean water pressure of 5000 kPa is that of 509.7 m of water, on blocks 100 m"),
-    ("W379", {"face": "65/180"}, "not given, taken from the paper's wedge: upper, height, c, phi, density"),
-]  # fmt: skip
+    (
+        "W302",
+        {"water": "u=5000kPa"},
+        "a mean water pressure of 5000 kPa is that of 509.7 m of water, on blocks 100 m",
+    ),
+    (
+        "W379",
+        {"face": "65/180"},
+        "not given, taken from the paper's wedge: upper, height, c, phi, density",
+    ),
+]
 # code, template, changes, what the notice says
 OF_A_FILE = [
-    ("W419", "wedge", {"crack": {"plane": "80/180", "distance": 5, "water": "full"}}, "the crack holds water"),
-    ("W320", "wedge", {"strength.weak.c": {"dist": "uniform", "min": 40, "max": 60}}, "distributions are taken at"),
-    ("W322", "paper-ellipsoid",
-     {"slope.profile": [[80, 20], [62, 20], [60, 0], [40, 0], [0, 40], [-20, 40]]}, "the slip surface cuts 2 pieces"),
-    ("W323", "plane", {"support": {"bolts": [{"force": 10, "toward": "090/0"}]}}, "bolts or forces act along the slo"),
-    ("W324", "paper-ellipsoid", {"loads": {"forces": [[10, 0, 0]]}}, "the methods of columns are left out: they know"),
+    (
+        "W419",
+        "wedge",
+        {"crack": {"plane": "80/180", "distance": 5, "water": "full"}},
+        "the crack holds water",
+    ),
+    (
+        "W320",
+        "wedge",
+        {"strength.weak.c": {"dist": "uniform", "min": 40, "max": 60}},
+        "distributions are taken at",
+    ),
+    (
+        "W322",
+        "paper-ellipsoid",
+        {"slope.profile": [[80, 20], [62, 20], [60, 0], [40, 0], [0, 40], [-20, 40]]},
+        "the slip surface cuts 2 pieces",
+    ),
+    (
+        "W323",
+        "plane",
+        {"support": {"bolts": [{"force": 10, "toward": "090/0"}]}},
+        "bolts or forces act along the slo",
+    ),
+    (
+        "W324",
+        "paper-ellipsoid",
+        {"loads": {"forces": [[10, 0, 0]]}},
+        "the methods of columns are left out: they know",
+    ),
     ("W325", "paper-ellipsoid", {"slip.radii": [40, 28, 36]}, "the normals were turned by"),
-    ("W328", "surface", {"loads": {"seismic": "0.1@180"}}, "the seismic load acts across the movement"),
-    ("W324", "surface", {"acceptance": {"rules": ["fos >= 1.362"]}}, "the limit meets fos >= 1.362, Fellenius"),
+    (
+        "W328",
+        "surface",
+        {"loads": {"seismic": "0.1@180"}},
+        "the seismic load acts across the movement",
+    ),
+    (
+        "W324",
+        "surface",
+        {"acceptance": {"rules": ["fos >= 1.362"]}},
+        "the limit meets fos >= 1.362, Fellenius",
+    ),
     ("W322", "sphere", {"slope.profile": [[5, -8.09017], [-30, 9.4098301]]}, "the mass reaches"),
-    ("W332", "sphere", {"acceptance": {"rules": ["fos.static_bound >= 1.3"]}}, "a rule judges the upper bound"),
-    ("W323", "plane", {"loads": {"seismic": "0.2@270"}}, "the seismic load acts off the section: 0 % of it"),
+    (
+        "W332",
+        "sphere",
+        {"acceptance": {"rules": ["fos.static_bound >= 1.3"]}},
+        "a rule judges the upper bound",
+    ),
+    (
+        "W323",
+        "plane",
+        {"loads": {"seismic": "0.2@270"}},
+        "the seismic load acts off the section: 0 % of it",
+    ),
     ("W302", "footing", {"weak_plane.length": 8000}, "the blocks are 5142 m high, higher"),
-    ("W302", "blocks", {"blocks": {"base": {"polygon": [[0, 0], [9000, 0], [9000, -1000], [0, -1000]], "fixed": True},
-                                   "B1": {"polygon": [[0, 0], [2000, 0], [2000, 3000], [0, 3000]]}},
-                        "interfaces": {"default": "joint"}, "strength": {"joint": {"c": 0, "phi": 30}}},
-     "the blocks are 4000 m high"),
-    ("W302", "blocks", {"water": {"pressures": {"base/B1": 900}}}, "a mean water pressure of 900 kPa is that of 91.7"),
-    ("W302", "topple", {"water": {"pressures": {"base": 2000}}}, "a mean water pressure of 2000 kPa is that"),
-    ("W302", "wedge", {"strength.weak": {"law": "power", "a": 200, "b": 0.75}}, "power curve 200 σ^0.75 kPa resists 6"),
-]  # fmt: skip
+    (
+        "W302",
+        "blocks",
+        {
+            "blocks": {
+                "base": {"polygon": [[0, 0], [9000, 0], [9000, -1000], [0, -1000]], "fixed": True},
+                "B1": {"polygon": [[0, 0], [2000, 0], [2000, 3000], [0, 3000]]},
+            },
+            "interfaces": {"default": "joint"},
+            "strength": {"joint": {"c": 0, "phi": 30}},
+        },
+        "the blocks are 4000 m high",
+    ),
+    (
+        "W302",
+        "blocks",
+        {"water": {"pressures": {"base/B1": 900}}},
+        "a mean water pressure of 900 kPa is that of 91.7",
+    ),
+    (
+        "W302",
+        "topple",
+        {"water": {"pressures": {"base": 2000}}},
+        "a mean water pressure of 2000 kPa is that",
+    ),
+    (
+        "W302",
+        "wedge",
+        {"strength.weak": {"law": "power", "a": 200, "b": 0.75}},
+        "power curve 200 σ^0.75 kPa resists 6",
+    ),
+]
 
 
 @pytest.mark.parametrize(("code", "inputs", "says"), OF_A_WEDGE, ids=lambda value: str(value)[:30])
 def test_notices_of_a_wedge(code, inputs, says) -> None:
-    said = [notice.message for notice in sk.wedge(**{"dips": DIPS, **inputs}).warnings if notice.code == code]
+    said = [
+        notice.message
+        for notice in sk.wedge(**{"dips": DIPS, **inputs}).warnings
+        if notice.code == code
+    ]
     assert any(says in message for message in said)
 
 
-@pytest.mark.parametrize(("code", "template", "changes", "says"), OF_A_FILE, ids=lambda value: str(value)[:30])
+@pytest.mark.parametrize(
+    ("code", "template", "changes", "says"), OF_A_FILE, ids=lambda value: str(value)[:30]
+)
 def test_notices_of_a_design_file(code, template, changes, says) -> None:
-    said = [notice.message for notice in sk.run(path_of(template), set=changes).warnings if notice.code == code]
+    said = [
+        notice.message
+        for notice in sk.run(path_of(template), set=changes).warnings
+        if notice.code == code
+    ]
     assert any(message.startswith(says) for message in said)
 
 
@@ -93,7 +198,14 @@ def test_a_plain_design_is_told_nothing() -> None:
 
 def facts(**changes) -> tuple[set[str], str]:
     """The codes said of the paper's wedge with some of the facts changed, and all that was said."""
-    given = {"face": "60/180", "upper": "10/180", "height": 64.89, "c": 50, "phi": 20, "density": 2600}
+    given = {
+        "face": "60/180",
+        "upper": "10/180",
+        "height": 64.89,
+        "c": 50,
+        "phi": 20,
+        "density": 2600,
+    }
     design = wedge_design({"dips": DIPS} | given)
     made = cut(design)
     scene = made.scene_at(0)
@@ -110,7 +222,11 @@ def facts(**changes) -> tuple[set[str], str]:
     ("code", "changes", "says"),
     [
         ("W312", {"change": 0.03}, "still moved the limit by 3.0 %"),
-        ("W317", {"swings": 0.01}, "a limit state: the block rests at 1.557 and runs at 1.573; the lower is printed"),
+        (
+            "W317",
+            {"swings": 0.01},
+            "a limit state: the block rests at 1.557 and runs at 1.573; the lower is printed",
+        ),
     ],
 )
 def test_notices_of_what_the_solver_met(code, changes, says) -> None:
@@ -125,7 +241,9 @@ def test_bugs_of_ours_have_codes() -> None:
     pairs, none = node_pairs(square), np.zeros((0, 3))
     strength = JointStrength(np.ones(1), np.ones(1), np.zeros(1), np.zeros(1))
     weightless = Loads(np.zeros(3), np.zeros(3), {"weight": np.zeros(3)}, none, none)
-    heavy = replace(weightless, force=np.array([0.0, 0, -1]), parts={"weight": np.array([0.0, 0, -1])})
+    heavy = replace(
+        weightless, force=np.array([0.0, 0, -1]), components={"weight": np.array([0.0, 0, -1])}
+    )
     with pytest.raises(SolverError) as caught:
         build_model(pairs, weightless, np.zeros(3), strength)
     assert caught.value.codes == ("E599",)
@@ -143,7 +261,10 @@ def test_bugs_of_ours_have_codes() -> None:
     [
         (("wedge", "--nonsense", "1"), "E100 "),
         (("wedge", "--dips", *DIPS, "--c", "5", "--c", "6"), "E100 --c is given twice"),
-        (("wedge", "--dips", *DIPS, "--picture", "wedge.jpg"), "E141 the picture wedge.jpg is not a .png, .glb or"),
+        (
+            ("wedge", "--dips", *DIPS, "--picture", "wedge.jpg"),
+            "E141 the picture wedge.jpg is not a .png, .glb or",
+        ),
     ],
 )
 def test_faults_of_the_command_line(arguments, starts, tmp_path) -> None:
@@ -216,7 +337,12 @@ def test_water_that_stands_little_above_the_blocks_is_no_slip(height) -> None:
     """Heads of 2.9 and 3.1 times the height of the blocks: what lifts a block is a result as any other."""
     total = sk.wedge(dips=DIPS, height=height).geometry.total_height_m
     said = [
-        {notice.code for notice in sk.wedge(dips=DIPS, height=height, water=(times * 9.81 * total,) * 2).warnings}
+        {
+            notice.code
+            for notice in sk.wedge(
+                dips=DIPS, height=height, water=(times * 9.81 * total,) * 2
+            ).warnings
+        }
         for times in (2.9, 3.1)
     ]
     assert ["W302" in codes for codes in said] == [False, True]
@@ -237,7 +363,9 @@ _STUDIES = {
 
 @pytest.mark.parametrize("study", _STUDIES)
 def test_every_study_says_the_slips_of_a_design_that_its_run_says(study) -> None:
-    scatters = {"strength.weak.phi": {"dist": "normal", "mean": 20, "sd": 2}} if study == "prob" else {}
+    scatters = (
+        {"strength.weak.phi": {"dist": "normal", "mean": 20, "sd": 2}} if study == "prob" else {}
+    )
     for slips, count in ((_SLIPS, 3), (_WET, 1)):
         design = sk.load(path_of("wedge"), set=slips | scatters)
         said = unlikely(sk.run(path_of("wedge"), set=slips))
@@ -293,6 +421,13 @@ def test_an_active_bolt_that_pulls_out_of_the_face_is_said(toward, acts, said) -
 
 def test_a_turned_wedge_without_a_factor_has_none(monkeypatch) -> None:
     """No wedge forms, or none moves, with a tenth of a degree less: a factor of 0 would be a number nobody found."""
-    monkeypatch.setattr("slopekit.kinds.wedge._turned_limit", lambda design, turn: 0.0 if turn < 0.0 else 0.5)
-    (said,) = [one.message for one in sk.wedge(dips=("45/178", "45/182")).warnings if one.code == "W301"]
-    assert said.endswith("the factor of safety is none or 0.5: it is not settled by the digits of the planes")
+    monkeypatch.setattr(
+        "slopekit.kinds.wedge._limit_with_dip_change",
+        lambda design, turn: 0.0 if turn < 0.0 else 0.5,
+    )
+    (said,) = [
+        one.message for one in sk.wedge(dips=("45/178", "45/182")).warnings if one.code == "W301"
+    ]
+    assert said.endswith(
+        "the factor of safety is none or 0.5: it is not settled by the digits of the planes"
+    )

@@ -61,8 +61,15 @@ def test_the_pure_wheel_holds_every_file_of_the_package_and_nothing_else(pure) -
     here = {name for name in here if "__pycache__" not in name and not name.endswith(".so")}
     here |= {f"slopekit/templates/{path.name}" for path in (ROOT / "templates").glob("*.yaml")}
     assert held == here
-    named = {"core/messages.toml", "py.typed", "views/templates/viewer.js", "views/templates/report.html.j2",
-             "templates/wedge.yaml", "studies/suite/verification.json", "preie/_kernels.c"}  # fmt: skip
+    named = {
+        "core/messages.toml",
+        "py.typed",
+        "views/templates/viewer.js",
+        "views/templates/report.html.j2",
+        "templates/wedge.yaml",
+        "studies/suite/verification.json",
+        "preie/_kernels.c",
+    }
     assert {f"slopekit/{name}" for name in named} <= held
 
 
@@ -72,7 +79,11 @@ def test_the_pure_wheel_says_what_the_project_says(pure) -> None:
         said = Parser().parsestr(wheel.read(f"{about}/METADATA").decode())
         entries = wheel.read(f"{about}/entry_points.txt").decode()
         assert f"{about}/licenses/LICENSE" in wheel.namelist()
-    assert (said["Name"], said["Version"], said["License-Expression"]) == ("slopekit", sk.__version__, "MIT")
+    assert (said["Name"], said["Version"], said["License-Expression"]) == (
+        "slopekit",
+        sk.__version__,
+        "MIT",
+    )
     assert "slopekit = slopekit.cli:start" in entries
     bare = {one for one in said.get_all("Requires-Dist") if "extra ==" not in one}
     assert {_library(one) for one in bare} == {_library(one) for one in PROJECT["dependencies"]}
@@ -83,7 +94,11 @@ def test_the_pure_wheel_says_what_the_project_says(pure) -> None:
 def test_the_page_of_the_package_leads_nowhere_that_it_has_not(pure) -> None:
     """A registry shows README alone: links into the sources would be dead, pictures broken."""
     with zipfile.ZipFile(pure) as wheel:
-        page = Parser().parsestr(wheel.read(f"slopekit-{sk.__version__}.dist-info/METADATA").decode()).get_payload()
+        page = (
+            Parser()
+            .parsestr(wheel.read(f"slopekit-{sk.__version__}.dist-info/METADATA").decode())
+            .get_payload()
+        )
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     assert page.startswith("# slopekit\n")
     assert re.findall(r"\]\((?!https?:)", page) == []
@@ -107,9 +122,12 @@ def test_the_pure_wheel_works_without_its_compiled_part(pure, tmp_path) -> None:
     )
     given = {key: value for key, value in os.environ.items() if key != "SLOPEKIT_KERNELS"}
     done = subprocess.run(
-        [sys.executable, "-c", program], cwd=tmp_path, env=given | {"PYTHONPATH": str(tmp_path)}, capture_output=True,
+        [sys.executable, "-c", program],
+        cwd=tmp_path,
+        env=given | {"PYTHONPATH": str(tmp_path)},
+        capture_output=True,
         text=True,
-    )  # fmt: skip
+    )
     assert done.returncode == 0, done.stderr
     place, is_pure, limit, closed_form = json.loads(done.stdout)
     assert Path(place).is_relative_to(tmp_path)
@@ -154,7 +172,9 @@ def test_the_conda_recipe_asks_for_what_the_package_asks_for() -> None:
 
 def test_workflows_run_every_python_that_the_package_names_on_three_systems() -> None:
     matrix = _read(GITHUB / "workflows/test.yml")["jobs"]["test"]["strategy"]["matrix"]
-    named = {one.rpartition(" ")[2] for one in PROJECT["classifiers"] if re.search(r":: 3\.\d+$", one)}
+    named = {
+        one.rpartition(" ")[2] for one in PROJECT["classifiers"] if re.search(r":: 3\.\d+$", one)
+    }
     assert named == set(matrix["python"])
     assert {one.partition("-")[0] for one in matrix["os"]} == {"ubuntu", "macos", "windows"}
     assert min(matrix["python"]) == PROJECT["requires-python"].removeprefix(">=")
@@ -162,15 +182,22 @@ def test_workflows_run_every_python_that_the_package_names_on_three_systems() ->
 
 def test_ci_installs_the_lowest_version_of_every_library_of_the_user() -> None:
     """`.ci/lowest` runs commands on them; every bound of pyproject.toml has to be in its list."""
-    listed = subprocess.run([sys.executable, ".ci/lowest.py"], cwd=ROOT, capture_output=True, text=True, check=True)
+    listed = subprocess.run(
+        [sys.executable, ".ci/lowest.py"], cwd=ROOT, capture_output=True, text=True, check=True
+    )
     extras = PROJECT["optional-dependencies"]
-    lines = {*PROJECT["dependencies"], *(one for name in extras.keys() - {"docs", "test"} for one in extras[name])}
+    lines = {
+        *PROJECT["dependencies"],
+        *(one for name in extras.keys() - {"docs", "test"} for one in extras[name]),
+    }
     lowest = {re.match(r"[\w.-]+>=[\d.]+", line)[0].replace(">=", "==") for line in lines}
     assert set(listed.stdout.split()) == lowest
     assert ".ci/lowest" in (ROOT / ".ci/run").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("path", sorted((GITHUB / "workflows").glob("*.yml")), ids=lambda path: path.name)
+@pytest.mark.parametrize(
+    "path", sorted((GITHUB / "workflows").glob("*.yml")), ids=lambda path: path.name
+)
 def test_workflows_install_extras_that_exist_and_may_only_read(path) -> None:
     flow = _read(path)
     assert flow["permissions"] == {"contents": "read"}
@@ -179,7 +206,9 @@ def test_workflows_install_extras_that_exist_and_may_only_read(path) -> None:
     assert asked <= set(PROJECT["optional-dependencies"])
 
 
-@pytest.mark.parametrize("path", sorted((GITHUB / "ISSUE_TEMPLATE").glob("*.yml")), ids=lambda path: path.name)
+@pytest.mark.parametrize(
+    "path", sorted((GITHUB / "ISSUE_TEMPLATE").glob("*.yml")), ids=lambda path: path.name
+)
 def test_forms_of_issues_have_what_github_asks_for(path) -> None:
     form = _read(path)
     assert set(form) <= {"name", "description", "labels", "body", "title", "assignees"}
@@ -187,14 +216,22 @@ def test_forms_of_issues_have_what_github_asks_for(path) -> None:
     assert form["description"]
     names = [field["id"] for field in form["body"]]
     assert len(names) == len(set(names))
-    assert all(field["type"] in ("textarea", "input", "dropdown", "checkboxes") for field in form["body"])
+    assert all(
+        field["type"] in ("textarea", "input", "dropdown", "checkboxes") for field in form["body"]
+    )
     assert any(field.get("validations", {}).get("required") for field in form["body"])
 
 
 def test_hooks_before_a_commit_are_those_that_have_to_pass() -> None:
     run = (ROOT / ".ci/run").read_text(encoding="utf-8").splitlines()
-    hooks = [hook for repo in _read(ROOT / ".pre-commit-config.yaml")["repos"] for hook in repo["hooks"]]
-    assert [hook["entry"] for hook in hooks if not any(f"{one} ".startswith(f"{hook['entry']} ") for one in run)] == []
+    hooks = [
+        hook for repo in _read(ROOT / ".pre-commit-config.yaml")["repos"] for hook in repo["hooks"]
+    ]
+    assert [
+        hook["entry"]
+        for hook in hooks
+        if not any(f"{one} ".startswith(f"{hook['entry']} ") for one in run)
+    ] == []
 
 
 def test_pages_for_those_who_take_part_name_files_that_exist() -> None:

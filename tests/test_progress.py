@@ -13,7 +13,7 @@ import pytest
 import slopekit as sk
 from slopekit.cli import progress as room
 from slopekit.cli.progress import aside, progress, watched
-from slopekit.core.onlooker import onlooker, say
+from slopekit.core.progress import listening, report_stage
 from tests.properties.test_not_unique import TWO_BLOCKS
 
 
@@ -41,23 +41,27 @@ def test_an_analysis_of_many_blocks_names_its_stages_in_their_order() -> None:
         heard.append((stage, head))
         factors.extend([value] if value is not None else [])
 
-    with onlooker(hear):
+    with listening(hear):
         found = sk.run(TWO_BLOCKS)
     heads = [stage for stage, head in heard if head]
     assert heads[0] == "cut"
     assert heads.index("loads") < heads.index("solve") < heads.index("closed form")
     inner = list(dict.fromkeys(stage for stage, head in heard if not head))
     assert inner == ["static bound", "path, strength divided by", "range of the mechanism"]
-    assert min(factors) < found.fos.limit < max(factors)  # from a strong start to where the blocks run
-    assert factors[0] == pytest.approx(found.fos.static_bound / 1.7, rel=1e-6)  # in the strength of the design
-    say("nobody hears")
+    assert (
+        min(factors) < found.fos.limit < max(factors)
+    )  # from a strong start to where the blocks run
+    assert factors[0] == pytest.approx(
+        found.fos.static_bound / 1.7, rel=1e-6
+    )  # in the strength of the design
+    report_stage("nobody hears")
     assert heard[-1][0] != "nobody hears"
 
 
 def test_the_line_has_time_and_stage_and_is_wiped(terminal) -> None:
     with redirect_stderr(terminal), watched():
-        say("solve", head=True)
-        say("path, strength divided by", 1.23456)
+        report_stage("solve", head=True)
+        report_stage("path, strength divided by", 1.23456)
         time.sleep(0.2)
     frames = terminal.getvalue().split("\r")
     assert frames[1].strip() == "0 s  solve: path, strength divided by 1.235"
@@ -66,14 +70,18 @@ def test_the_line_has_time_and_stage_and_is_wiped(terminal) -> None:
     assert len(frames[-2]) == len(frames[1])  # nothing is left of it
 
 
-@pytest.mark.parametrize(("label", "said"), [("cases", "cases: 3 of 10"), ("evaluations", "evaluations: 3")])
-def test_what_is_counted_stands_in_the_line_within_the_terminal(terminal, monkeypatch, label, said) -> None:
+@pytest.mark.parametrize(
+    ("label", "said"), [("cases", "cases: 3 of 10"), ("evaluations", "evaluations: 3")]
+)
+def test_what_is_counted_stands_in_the_line_within_the_terminal(
+    terminal, monkeypatch, label, said
+) -> None:
     """Of a total that is guessed no share is told: 15 minutes by a first evaluation of 150 guessed took 20 s."""
     monkeypatch.setattr(room, "_columns", lambda _: 40)
     with redirect_stderr(terminal), watched("reading"), progress(label, 10) as advance:
         advance(1)
         advance(2)
-        say("path, strength divided by", 1.23456)
+        report_stage("path, strength divided by", 1.23456)
         time.sleep(0.2)
     frames = [frame.strip() for frame in terminal.getvalue().split("\r")]
     whole = f"0 s  {said}  reading: path, strength divided by 1.235"
@@ -96,10 +104,16 @@ def test_what_is_printed_aside_stands_on_a_line_of_its_own(terminal) -> None:
     assert terminal.getvalue() == before + "E140 no plot\n" + after
 
 
-@pytest.mark.parametrize("arguments", [
-    ["run", "templates/wedge.yaml", "--no-pictures"], ["plot", "RESULT", "stereonet", "-o", "FOLDER/a.png"],
-    ["export", "RESULT", "-o", "FOLDER/a.stl"], ["doctor"],
-], ids=lambda given: given[0])  # fmt: skip
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["run", "templates/wedge.yaml", "--no-pictures"],
+        ["plot", "RESULT", "stereonet", "-o", "FOLDER/a.png"],
+        ["export", "RESULT", "-o", "FOLDER/a.stl"],
+        ["doctor"],
+    ],
+    ids=lambda given: given[0],
+)
 def test_every_command_that_may_take_long_is_watched(arguments, monkeypatch, tmp_path) -> None:
     """Reading, drawing, exporting and the self test, not the analysis alone."""
     from contextlib import contextmanager
@@ -118,22 +132,31 @@ def test_every_command_that_may_take_long_is_watched(arguments, monkeypatch, tmp
     monkeypatch.setattr("slopekit.views.doctor.examination", lambda: ([], True))
     assert common.aside is aside
     if "RESULT" in arguments:
-        (tmp_path / "result.json").write_text(json.dumps(sk.wedge(dips=("45/115", "45/245")).to_dict()))
+        (tmp_path / "result.json").write_text(
+            json.dumps(sk.wedge(dips=("45/115", "45/245")).to_dict())
+        )
     argv = [
-        word.replace("RESULT", str(tmp_path / "result.json")).replace("FOLDER", str(tmp_path)) for word in arguments
+        word.replace("RESULT", str(tmp_path / "result.json")).replace("FOLDER", str(tmp_path))
+        for word in arguments
     ]
     monkeypatch.setattr(sys, "argv", ["slopekit", *argv])
     with pytest.raises(SystemExit) as left:
         main()
     assert left.value.code == 0
     assert (
-        seen == {"run": ["reading", ""], "plot": ["stereonet"], "export": ["export"], "doctor": ["self test"]}[argv[0]]
+        seen
+        == {
+            "run": ["reading", ""],
+            "plot": ["stereonet"],
+            "export": ["export"],
+            "doctor": ["self test"],
+        }[argv[0]]
     )
 
 
 def test_what_is_quick_shows_nothing(terminal) -> None:
     with redirect_stderr(terminal), watched():
-        say("solve", head=True)
+        report_stage("solve", head=True)
     assert terminal.getvalue() == ""
 
 
@@ -152,7 +175,7 @@ def test_an_error_wipes_the_line_too(terminal) -> None:
 def test_nothing_is_shown_with(option, terminal, monkeypatch) -> None:
     monkeypatch.setattr(sys, "argv", ["slopekit", "run", "bench.yaml", option])
     with redirect_stderr(terminal), watched(), progress("samples", 10) as advance:
-        say("solve", head=True)
+        report_stage("solve", head=True)
         advance(5)
         time.sleep(0.1)
     assert terminal.getvalue() == ""
@@ -161,8 +184,12 @@ def test_nothing_is_shown_with(option, terminal, monkeypatch) -> None:
 def test_what_is_quick_shows_nothing_where_stderr_is_no_terminal_either() -> None:
     found = subprocess.run(
         [sys.executable, "-m", "slopekit.cli", "run", "templates/wedge.yaml"],
-        capture_output=True, text=True, timeout=120, check=False, cwd=os.path.dirname(os.path.dirname(__file__)),
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+        cwd=os.path.dirname(os.path.dirname(__file__)),
+    )
     assert found.stderr == ""
 
 

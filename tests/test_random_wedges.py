@@ -22,7 +22,13 @@ def results() -> list[Result]:
 def test_every_wedge_ends_with_an_answer(results) -> None:
     statuses = Counter(result.status for result in results)
     assert statuses["not_converged"] == 0
-    assert {"slides_on_both", "slides_on_J1", "slides_on_J2", "lifted", "rotates"} <= statuses.keys()
+    assert {
+        "slides_on_both",
+        "slides_on_J1",
+        "slides_on_J2",
+        "lifted",
+        "rotates",
+    } <= statuses.keys()
 
 
 def test_limit_equals_the_closed_form_or_moments_lower_it(results) -> None:
@@ -74,7 +80,9 @@ def test_forces_balance(results) -> None:
 def test_control_areas_sum_to_the_joints_and_normal_forces_are_pushes(results) -> None:
     for result in results:
         for joint, name in enumerate(("J1", "J2")):
-            area = result.limit_state.node_pairs.control_area_m2[result.limit_state.node_pairs.joint == joint].sum()
+            area = result.limit_state.node_pairs.control_area_m2[
+                result.limit_state.node_pairs.joint == joint
+            ].sum()
             assert area == pytest.approx(result.geometry.areas_m2[name], rel=1e-9)
         assert result.limit_state.node_pairs.normal_kn.min() >= 0.0
 

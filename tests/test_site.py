@@ -31,13 +31,19 @@ HIDDEN = {"desk", "unknown"}
 
 def _section(docstring: str, name: str) -> str:
     """What a section of a docstring in numpydoc's form says."""
-    found = re.search(rf"^{name}\n-+\n(.*?)(?=^\w[\w ]*\n-+\n|\Z)", docstring, re.MULTILINE | re.DOTALL)
+    found = re.search(
+        rf"^{name}\n-+\n(.*?)(?=^\w[\w ]*\n-+\n|\Z)", docstring, re.MULTILINE | re.DOTALL
+    )
     return found[1] if found else ""
 
 
 def _links(text: str) -> list[str]:
     text = re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
-    return [link for link in re.findall(r"\]\(([^)\s]+)\)", text) if not re.match(r"https?:|mailto:", link)]
+    return [
+        link
+        for link in re.findall(r"\]\(([^)\s]+)\)", text)
+        if not re.match(r"https?:|mailto:", link)
+    ]
 
 
 # -- what Python offers ------------------------------------------------------------------------------------------------
@@ -45,13 +51,15 @@ def _links(text: str) -> list[str]:
 
 def test_every_public_name_stands_in_the_reference() -> None:
     page = (DOCS / "api.md").read_text(encoding="utf-8")
-    shown = re.findall(r"^\.\. auto(?:function|class|exception|data):: (?:slopekit\.)?(\w+)$", page, re.MULTILINE)
+    shown = re.findall(
+        r"^\.\. auto(?:function|class|exception|data):: (?:slopekit\.)?(\w+)$", page, re.MULTILINE
+    )
     assert [name for name in shown if shown.count(name) > 1] == []
     assert set(sk.__all__) - set(shown) == set()
     assert [name for name in shown if not hasattr(sk, name)] == []
-    from slopekit import _LATER
+    from slopekit import _LAZY_EXPORTS
 
-    assert set(_LATER) - set(shown) == set()
+    assert set(_LAZY_EXPORTS) - set(shown) == set()
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -68,7 +76,9 @@ def test_every_public_docstring_has_an_example_that_runs(name) -> None:
 def test_every_function_says_what_it_takes_and_what_it_refuses(name) -> None:
     function = getattr(sk, name)
     said = inspect.getdoc(function) or ""
-    rows = CONF["as_numpydoc"](["Parameters", "----------", *_section(said, "Parameters").splitlines()])[2:]
+    rows = CONF["as_numpydoc"](
+        ["Parameters", "----------", *_section(said, "Parameters").splitlines()]
+    )[2:]
     told = {one for row in rows if re.match(r"\w", row) for one in row.split(", ")}
     # some are said under Notes
     told |= set(re.findall(r"`(\w+)`", _section(said, "Notes")))
@@ -108,13 +118,17 @@ def _contents() -> str:
 
 def test_every_page_stands_in_the_contents_once() -> None:
     trees = re.findall(r"^```\{toctree\}\n(.*?)^```", _contents(), re.MULTILINE | re.DOTALL)
-    listed = [line for tree in trees for line in tree.splitlines() if line and not line.startswith(":")]
+    listed = [
+        line for tree in trees for line in tree.splitlines() if line and not line.startswith(":")
+    ]
     assert sorted(f"{name}.md" for name in listed) == [page for page in PAGES if page != "index.md"]
 
 
 def test_parts_of_the_contents_are_called_as_in_the_index() -> None:
     heads = re.findall(r"^## (.*)$", (DOCS / "index.md").read_text(encoding="utf-8"), re.MULTILINE)
-    assert re.findall(r"^:caption: (.*)$", _contents(), re.MULTILINE) == [head for head in heads if head]
+    assert re.findall(r"^:caption: (.*)$", _contents(), re.MULTILINE) == [
+        head for head in heads if head
+    ]
 
 
 @pytest.mark.parametrize("page", PAGES)
@@ -122,7 +136,11 @@ def test_links_stay_on_the_site(page) -> None:
     """A link to a file that the site does not hold would be dead there; `tests/test_docs.py` follows the others."""
     text = CONF["on_the_site"]((DOCS / page).read_text(encoding="utf-8"))
     for link in _links(text):
-        target = (DOCS / page).parent / link.partition("#")[0] if not link.startswith("#") else DOCS / page
+        target = (
+            (DOCS / page).parent / link.partition("#")[0]
+            if not link.startswith("#")
+            else DOCS / page
+        )
         assert target.resolve().is_relative_to(DOCS), link
         assert target.exists(), link
 
@@ -131,7 +149,9 @@ def test_links_stay_on_the_site(page) -> None:
 def test_a_page_begins_with_its_title(page) -> None:
     """The sidebar takes it from there."""
     text = (DOCS / page).read_text(encoding="utf-8")
-    heads = re.findall(r"^(#+) ", re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL), re.MULTILINE)
+    heads = re.findall(
+        r"^(#+) ", re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL), re.MULTILINE
+    )
     assert text.startswith("# ")
     assert heads.count("#") == 1
     assert all(len(one) <= len(before) + 1 for before, one in pairwise(heads))
@@ -141,7 +161,10 @@ def test_every_picture_of_the_docs_is_shown() -> None:
     shown = {link for page in PAGES for link in _links((DOCS / page).read_text(encoding="utf-8"))}
     shown |= set(_links((ROOT / "README.md").read_text(encoding="utf-8")))
     names = {Path(link).name for link in shown}
-    assert sorted(path.name for path in (DOCS / "images").rglob("*.png") if path.name not in names) == []
+    assert (
+        sorted(path.name for path in (DOCS / "images").rglob("*.png") if path.name not in names)
+        == []
+    )
 
 
 def test_the_gallery_has_every_picture_as_its_commands_make_it() -> None:
@@ -149,13 +172,17 @@ def test_the_gallery_has_every_picture_as_its_commands_make_it() -> None:
     assert (DOCS / "gallery.md").read_text(encoding="utf-8") == gallery.page()
     pictures = [one for _, part in gallery.PARTS for one in part]
     assert {one.what for one in pictures} == set(EVERY)
-    assert sorted(one.name for one in pictures) == sorted(path.stem for path in gallery.IMAGES.glob("*.png"))
+    assert sorted(one.name for one in pictures) == sorted(
+        path.stem for path in gallery.IMAGES.glob("*.png")
+    )
     assert max(path.stat().st_size for path in gallery.IMAGES.glob("*.png")) < 130_000
 
 
 def test_the_commands_of_the_gallery_have_the_options_that_they_use() -> None:
     commands = commands_by_name()
-    for command in {command for _, part in gallery.PARTS for one in part for command in one.commands}:
+    for command in {
+        command for _, part in gallery.PARTS for one in part for command in one.commands
+    }:
         _, name, *words = shlex.split(command)
         known = {option for one in commands[name].params for option in one.opts}
         given = {word for word in words if re.match(r"--?[a-z]", word)}
@@ -163,7 +190,9 @@ def test_the_commands_of_the_gallery_have_the_options_that_they_use() -> None:
 
 
 def test_what_the_site_is_built_with_is_an_extra() -> None:
-    extras: dict[str, Any] = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extras: dict[str, Any] = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))[
+        "project"
+    ]
     given = {re.split(r"[<>=]", one)[0] for one in extras["optional-dependencies"]["docs"]}
     assert given == {"sphinx", "docutils", "myst-parser", "furo"}
     assert CONF["html_theme"] in given

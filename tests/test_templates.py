@@ -17,15 +17,35 @@ from tests.support import result_of
 ANSWERS = {
     "wedge": ("slides_on_both", 1.557396, 1e-6, "Hoek & Bray at g = 9.81 (METHOD.md §6)"),
     "paper-wedge": ("slides_on_both", 1.557396, 1e-6, "the same"),
-    "plane": ("slides_on_J1", 1.24666, 1e-4, "Wyllie & Mah, ch. 6, as recomputed in cases.json 4a_wm6"),
+    "plane": (
+        "slides_on_J1",
+        1.24666,
+        1e-4,
+        "Wyllie & Mah, ch. 6, as recomputed in cases.json 4a_wm6",
+    ),
     "paper-footing": ("slides_on_J1", 4.0 / 3.0, 1e-6, "Sheng et al. 2023, §3.3: K* = 1.3333"),
     # N = (2000 + W) cos 40, T = (2000 + W) sin 40, W = 24 · 8² sin 40 cos 40 / 2: by hand
     "footing": ("slides_on_J1", 1.183727, 1e-6, "limit equilibrium by hand"),
     "paper-ellipsoid": ("rotates", 1.3436, 1e-3, "METHOD.md §5: true normals towards 1.3436"),
-    "goodman-bray": ("topples", 0.9999568, 1e-5, "Goodman & Bray: φ required 38.1512°, cases.json 5a"),
+    "goodman-bray": (
+        "topples",
+        0.9999568,
+        1e-5,
+        "Goodman & Bray: φ required 38.1512°, cases.json 5a",
+    ),
     "blocks": ("slides", 3.291798, 1e-5, "cases.json 7c_two_block_1, closed form"),
-    "wall": ("slides", math.tan(math.radians(35)) / math.tan(math.radians(20)), 1e-5, "tan 35 / tan 20"),
-    "sphere": ("rotates", 1.4016, 5e-4, "Hungr, Salgado & Byrne 1989 as recomputed in cases.json 6d"),
+    "wall": (
+        "slides",
+        math.tan(math.radians(35)) / math.tan(math.radians(20)),
+        1e-5,
+        "tan 35 / tan 20",
+    ),
+    "sphere": (
+        "rotates",
+        1.4016,
+        5e-4,
+        "Hungr, Salgado & Byrne 1989 as recomputed in cases.json 6d",
+    ),
 }
 
 
@@ -40,7 +60,9 @@ def test_every_template_runs(name) -> None:
     result = ran(name)
     assert result.exit_code in (0, 1)
     assert result.fos.limit is not None
-    assert result.fos.static_bound is not None or name == "bench"  # dilating joints lock its key block
+    assert (
+        result.fos.static_bound is not None or name == "bench"
+    )  # dilating joints lock its key block
     assert result.fos.limit <= (result.fos.static_bound or math.inf) * (1 + 1e-9)
     assert result.agree is not False
     assert json.loads(json.dumps(result.to_dict(), allow_nan=False))["kind"] == result.kind
@@ -53,16 +75,42 @@ def test_every_template_runs(name) -> None:
 
 def test_there_is_a_template_for_every_kind_and_every_example_of_the_paper() -> None:
     kinds = {sk.load(path_of(name)).kind for name in names()}
-    assert kinds == set(KINDS) >= {"wedge", "plane", "footing", "surface", "bench", "blocks", "topple"}
+    assert (
+        kinds == set(KINDS) >= {"wedge", "plane", "footing", "surface", "bench", "blocks", "topple"}
+    )
     assert {"paper-wedge", "paper-footing", "paper-ellipsoid"} <= set(names())
 
 
 @pytest.mark.slow
 def test_a_wedge_from_a_file_is_the_wedge_of_the_command_line(tmp_path) -> None:
     """Everything but the title and the times: one path."""
-    command = ["--dips", "45/105", "70/235", "--face", "65/185", "--upper", "12/195", "--height", "30", "--c", "24,48",
-               "--phi", "20,30", "--unit-weight", "25", "--water", "50%", "--seismic", "0.08", "--crack", "80/185@3m",
-               "--bolt", "800@005/10,passive", "--accept", "1.3"]  # fmt: skip
+    command = [
+        "--dips",
+        "45/105",
+        "70/235",
+        "--face",
+        "65/185",
+        "--upper",
+        "12/195",
+        "--height",
+        "30",
+        "--c",
+        "24,48",
+        "--phi",
+        "20,30",
+        "--unit-weight",
+        "25",
+        "--water",
+        "50%",
+        "--seismic",
+        "0.08",
+        "--crack",
+        "80/185@3m",
+        "--bolt",
+        "800@005/10,passive",
+        "--accept",
+        "1.3",
+    ]
     (tmp_path / "same.yaml").write_text(
         "slopekit: 1\nkind: wedge\nslope: {face: 65/185, upper: 12/195, height: 30}\n"
         "joints: {J1: {plane: 45/105, strength: a}, J2: {plane: 70/235, strength: b}}\n"
@@ -86,11 +134,16 @@ def test_run_writes_sets_and_judges(tmp_path) -> None:
     assert slopekit("templates", "new", "plane", cwd=tmp_path).stdout == (
         "wrote plane.yaml; try: slopekit run plane.yaml\n"
     )
-    assert slopekit("run", "plane.yaml", "--quiet", cwd=tmp_path).stdout == "slides_on_J1  1.247  agree  met\n"
+    assert (
+        slopekit("run", "plane.yaml", "--quiet", cwd=tmp_path).stdout
+        == "slides_on_J1  1.247  agree  met\n"
+    )
     arguments = ("--set", "crack.water=0 m", "--quiet", "--no-pictures", "-o", "out")
     drier = slopekit("run", "plane.yaml", *arguments, cwd=tmp_path)
     assert drier.stdout == "slides_on_J1  1.544  agree  met\n"
-    assert json.loads((tmp_path / "out/result.json").read_text())["inputs"]["crack"]["water_m"] == 0.0
+    assert (
+        json.loads((tmp_path / "out/result.json").read_text())["inputs"]["crack"]["water_m"] == 0.0
+    )
     weaker = slopekit("run", "plane.yaml", "--set", "strength.bedding.c=0", "--quiet", cwd=tmp_path)
     assert weaker.returncode == 1
     assert weaker.stdout.endswith("not met\n")
@@ -127,7 +180,9 @@ def test_lint_reads_and_runs_nothing(tmp_path) -> None:
     document = json.loads(slopekit("lint", str(path_of("plane")), "--json").stdout)
     assert document["kind"] == "plane"
     assert document["inputs"]["height_m"] == 12.0
-    scattered = slopekit("lint", str(path_of("wedge")), "--set", "strength.weak.phi={dist: normal, mean: 20, sd: 2}")
+    scattered = slopekit(
+        "lint", str(path_of("wedge")), "--set", "strength.weak.phi={dist: normal, mean: 20, sd: 2}"
+    )
     assert "strength.weak.phi is a distribution: run takes 20" in scattered.stdout
 
 
@@ -137,9 +192,14 @@ def test_a_corner_of_the_ground_on_the_circle() -> None:
     By hand: the arc is π R / 2; a segment has its area times the distance of its centroid = chord³ / 12 (textbooks).
     """
     radius, c, weight = 40.0, 30.0, 20.0
-    found = sk.run(path_of("cylinder"), set={
-        "slip.radius": radius, "strength.shear zone": {"c": c, "phi": 0}, "rock": {"unit_weight": weight},
-    })  # fmt: skip
+    found = sk.run(
+        path_of("cylinder"),
+        set={
+            "slip.radius": radius,
+            "strength.shear zone": {"c": c, "phi": 0},
+            "rock": {"unit_weight": weight},
+        },
+    )
     moment = weight * (radius * math.sqrt(2.0)) ** 3 / 12.0 * math.cos(math.pi / 4.0)
     assert found.fos.closed_form == pytest.approx(c * radius**2 * math.pi / 2.0 / moment, rel=1e-9)
     assert found.fos.limit == pytest.approx(found.fos.closed_form, rel=1e-4)
@@ -175,14 +235,20 @@ def test_sheets_fit_the_page_and_name_what_they_give() -> None:
 @pytest.mark.parametrize("name", ["plane", "bench", "rough"])
 def test_a_column_of_forces_has_one_number_of_decimals(name) -> None:
     rows = ran(name).sheet.full.split("\nFORCES")[1].split("\nSTATUS")[0].splitlines()[1:]
-    table = [row[28:].split() for row in rows if not row.strip().startswith(("weight", "driving", "resisting"))]
+    table = [
+        row[28:].split()
+        for row in rows
+        if not row.strip().startswith(("weight", "driving", "resisting"))
+    ]
     for column in zip(*table, strict=True):
         assert len({len(cell.partition(".")[2]) for cell in column if cell != "-"}) == 1
 
 
 def test_half_an_orientation_can_be_set() -> None:
-    """`slope.face.dip` is a key of UX.md's sweeps."""
-    halves = sk.run(path_of("wedge"), set={"slope.face.dip": 65, "joints.J1.plane.dip_direction": 110})
+    """`slope.face.dip` is a key of the sweeps of docs/howto/sweep.md."""
+    halves = sk.run(
+        path_of("wedge"), set={"slope.face.dip": 65, "joints.J1.plane.dip_direction": 110}
+    )
     whole = sk.run(path_of("wedge"), set={"slope.face": "65/180", "joints.J1.plane": "45/110"})
     assert halves.fos == whole.fos
     assert halves.design == whole.design
@@ -197,8 +263,10 @@ def test_faults_of_yaml_structure_and_values_come_together(tmp_path) -> None:
         sk.load(tmp_path / "bad.yaml")
     assert caught.value.codes == ("E151", "E142", "E101")
     assert [fault.where.split()[0] for fault in caught.value.faults] == [
-        "bad.yaml:3:1", "bad.yaml:4:9", "bad.yaml:5:22",
-    ]  # fmt: skip
+        "bad.yaml:3:1",
+        "bad.yaml:4:9",
+        "bad.yaml:5:22",
+    ]
 
 
 @pytest.mark.parametrize(

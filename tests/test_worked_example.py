@@ -75,7 +75,9 @@ def test_sets(name) -> None:
     assert (count, shown_dip, shown_to) == (some.sum(), round(dip, 1), round(to, 1))
     assert f"{k:.3g}" == f"{(count - 1.0) / (count - resultant):.3g}"
     low, high, cone, inner, outer = numbers(rf"(SETS)? +{name}(?= +\d+ +[\d.]+/)")[4:]
-    turns = 2.0 * (count - 1.0)  # of chi-square (Wilson & Hilferty 1931), N - R being as many halves of 1 / K
+    turns = 2.0 * (
+        count - 1.0
+    )  # of chi-square (Wilson & Hilferty 1931), N - R being as many halves of 1 / K
     for one, z in ((low, -1.959964), (high, 1.959964)):
         part = (1.0 - 2.0 / (9.0 * turns) + z * math.sqrt(2.0 / (9.0 * turns))) ** 3
         assert one == pytest.approx((count - 1.0) / (count - resultant) * part, rel=5e-3)
@@ -83,7 +85,9 @@ def test_sets(name) -> None:
     assert cone == pytest.approx(math.degrees(math.acos(1.0 - away)), abs=0.0501)
     exact = (count - 1.0) / (count - resultant)
     for one, held in ((inner, 0.68), (outer, 0.95)):
-        assert one == pytest.approx(math.degrees(math.acos(1.0 + math.log(1.0 - held) / exact)), abs=0.0501)
+        assert one == pytest.approx(
+            math.degrees(math.acos(1.0 + math.log(1.0 - held) / exact)), abs=0.0501
+        )
     for end, key in (("  column", "spacing"), ("$", "trace")):
         row = numbers(rf" +{name}(?= +\d+ +[\d.]+ m +[\d.]+ to [\d.]+ +[\d.]+ m{end})")
         number, mean, _, _, spread = row[:5]
@@ -95,7 +99,9 @@ def test_scatter_in_the_text() -> None:
     """√(2 / K), the root mean square angle to the mean."""
     k = [numbers(rf" +{name}(?= +\d+ +[\d.]+/)")[3] for name in ("S1", "S2")]
     said = re.search(r"scatter by (\d+)° and (\d+)°", PAGE)
-    assert [round(math.degrees(math.sqrt(2.0 / one))) for one in k] == [int(one) for one in said.groups()]
+    assert [round(math.degrees(math.sqrt(2.0 / one))) for one in k] == [
+        int(one) for one in said.groups()
+    ]
 
 
 def test_kinematics() -> None:
@@ -122,7 +128,11 @@ def test_kinematics() -> None:
     plunge = np.degrees(np.arcsin(-line[:, 2]))
     primary = (line @ face > 0.0) & (plunge > np.minimum(of["phi"][i], of["phi"][j]))
     first, lines, share, both = numbers("WEDGE  +primary")[:4]
-    assert (first, lines, share) == (primary.sum(), real.sum(), round(100.0 * primary.sum() / real.sum(), 1))
+    assert (first, lines, share) == (
+        primary.sum(),
+        real.sum(),
+        round(100.0 * primary.sum() / real.sum(), 1),
+    )
     some = i[primary], j[primary]
     corners = wedge(n[some[0]], n[some[1]], FACE, np.ones(primary.sum()))
     on_both = (slides(n[some[0]], n[some[1]], *corners, 30.0, 30.0)[3] > 0.0).all(axis=-1)
@@ -161,13 +171,17 @@ def slides(n1, n2, a, b, p, phi1, phi2, c=COHESION, weight=WEIGHT):
     with np.errstate(all="ignore"):
         push = np.linalg.solve(matrix, load[..., None])[..., 0]
     tan = [np.tan(np.radians(phi)) for phi in (phi1, phi2)]
-    both = (c * (areas[0] + areas[1]) + push[..., 0] * tan[0] + push[..., 1] * tan[1]) / push[..., 2]
+    both = (c * (areas[0] + areas[1]) + push[..., 0] * tan[0] + push[..., 1] * tan[1]) / push[
+        ..., 2
+    ]
     single = []
     for k, own in enumerate((one, two)):
         normal = -np.einsum("...i,...i", load, own)
         driving = np.linalg.norm(load + normal[..., None] * own, axis=-1)
         with np.errstate(all="ignore"):
-            single.append(np.where(normal > 0.0, (c * areas[k] + normal * tan[k]) / driving, np.nan))
+            single.append(
+                np.where(normal > 0.0, (c * areas[k] + normal * tan[k]) / driving, np.nan)
+            )
     on_both = (push[..., 0] >= 0.0) & (push[..., 1] >= 0.0)
     factor = np.where(on_both, both, np.where(push[..., 0] < 0.0, single[1], single[0]))
     return factor, volume, areas, push[..., :2]
@@ -198,12 +212,16 @@ def becomes(face_dip: float):
     a, b, p = wedge(n1, n2, face_dip, up)
     with np.errstate(all="ignore"):  # parallel joints have no line
         behind = -(p - a) @ OUT
-        edges = [np.max([np.linalg.norm(part, axis=1) for part in (q, p - q, p)], axis=0) for q in (a, b)]
+        edges = [
+            np.max([np.linalg.norm(part, axis=1) for part in (q, p - q, p)], axis=0) for q in (a, b)
+        ]
         reach = (edges[0] <= of["trace"][first]) & (edges[1] <= of["trace"][second])
     forms = [(behind > 0.0) & reach & np.isfinite(p).all(axis=1)]
     whole = np.flatnonzero(forms[0])
     factor = np.full(len(toe), np.nan)
-    factor[whole] = slides(*(q[whole] for q in (n1, n2, a, b, p)), of["phi"][first[whole]], of["phi"][second[whole]])[0]
+    factor[whole] = slides(
+        *(q[whole] for q in (n1, n2, a, b, p)), of["phi"][first[whole]], of["phi"][second[whole]]
+    )[0]
     fails, sets, widths = [factor < 1.0], [behind], [np.linalg.norm(a - b, axis=1)]
     for k in np.flatnonzero((factor >= 1.0) & (factor < CLOSE)):
         fails[0][k] = turns(of, (first[k], second[k]), face_dip, up[k])
@@ -211,7 +229,9 @@ def becomes(face_dip: float):
     dip, phi = np.radians(of["dip"][first]), np.radians(of["phi"][first])
     long = up / np.sin(dip)
     forms.append(
-        (beside(of["to"][first], 180.0) <= 20.0) & (of["dip"][first] < face_dip) & (long <= of["trace"][first])
+        (beside(of["to"][first], 180.0) <= 20.0)
+        & (of["dip"][first] < face_dip)
+        & (long <= of["trace"][first])
     )
     weight = WEIGHT * up * up * (1.0 / np.tan(dip) - cot) / 2.0
     with np.errstate(all="ignore"):  # as steep as the face
@@ -239,13 +259,24 @@ def turns(of, joints: tuple[int, ...], face_dip: float, height: float) -> bool:
     names = ("J1", "J2")[: len(joints)]
     planes = [[of["dip"][one], of["to"][one] if len(joints) > 1 else 180.0] for one in joints]
     phis = [of["phi"][one] for one in joints]
-    factors = factors_of(sk.load({
-        "slopekit": 1, "kind": ("plane", "wedge")[len(joints) - 1], "rock": {"unit_weight": WEIGHT},
-        "slope": {"face": [face_dip, 180], "upper": [0, 180], "height": float(height)},
-        "joints": {name: {"plane": list(map(float, plane)), "strength": name}
-                   for name, plane in zip(names, planes, strict=True)},
-        "strength": {name: {"c": COHESION, "phi": float(phi)} for name, phi in zip(names, phis, strict=True)},
-    }))  # fmt: skip
+    factors = factors_of(
+        sk.load(
+            {
+                "slopekit": 1,
+                "kind": ("plane", "wedge")[len(joints) - 1],
+                "rock": {"unit_weight": WEIGHT},
+                "slope": {"face": [face_dip, 180], "upper": [0, 180], "height": float(height)},
+                "joints": {
+                    name: {"plane": list(map(float, plane)), "strength": name}
+                    for name, plane in zip(names, planes, strict=True)
+                },
+                "strength": {
+                    name: {"c": COHESION, "phi": float(phi)}
+                    for name, phi in zip(names, phis, strict=True)
+                },
+            }
+        )
+    )
     assert factors.closed_form >= 1.0
     return falls_short(factors.status, factors.limit, 1.0)
 
@@ -255,7 +286,13 @@ def columns(of, steep: int, base: int, face_dip: float, height: float):
     over, and how far behind the crest the last one that does ends (Goodman & Bray 1976)."""
     into, toward = beside(of["to"][steep], 0.0), beside(of["to"][base], 180.0)
     side, bottom, friction = of["dip"][steep], of["dip"][base], of["phi"][steep]
-    if into > 30.0 or toward > 30.0 or side >= 90.0 or bottom >= face_dip or 90.0 - face_dip + friction > side:
+    if (
+        into > 30.0
+        or toward > 30.0
+        or side >= 90.0
+        or bottom >= face_dip
+        or 90.0 - face_dip + friction > side
+    ):
         return None
     side, bottom, width = math.radians(side), math.radians(bottom), of["spacing"][steep]
     run = height / math.tan(math.radians(face_dip))
@@ -263,7 +300,9 @@ def columns(of, steep: int, base: int, face_dip: float, height: float):
     def deep(behind: float) -> float:
         """Down the side of a column whose top lies so far behind the crest, to the base (which daylights at 0)."""
         # top (run + s, h), down the side: x grows, since it dips into the slope
-        return (height - (run + behind) * math.tan(bottom)) / (math.sin(side) + math.cos(side) * math.tan(bottom))
+        return (height - (run + behind) * math.tan(bottom)) / (
+            math.sin(side) + math.cos(side) * math.tan(bottom)
+        )
 
     first = deep(0.0)
     # the foot of the first column: where the base must reach, and the side's own length
@@ -284,7 +323,9 @@ def every() -> float:
     """From joint to joint along the bench: each set is met |n · t| / spacing times a metre."""
     names, of = survey()
     met = np.abs(normals(of["dip"], of["to"])[:, 0])
-    return 1.0 / sum(met[names == one].mean() / of["spacing"][names == one].mean() for one in set(names))
+    return 1.0 / sum(
+        met[names == one].mean() / of["spacing"][names == one].mean() for one in set(names)
+    )
 
 
 def shown(label: str, face_dip: float) -> list[list[float]]:
@@ -299,7 +340,9 @@ def shown(label: str, face_dip: float) -> list[list[float]]:
 def test_what_forms_and_fails(face_dip) -> None:
     """Counted place by place."""
     forms, fails, _, _ = becomes(face_dip)
-    mine = [value for pair in zip(forms, fails, strict=True) for value in pair] + [fails.any(axis=0)]
+    mine = [value for pair in zip(forms, fails, strict=True) for value in pair] + [
+        fails.any(axis=0)
+    ]
     (row,) = shown("FAILS", face_dip)
     assert row[:7] == pytest.approx([100.0 * one.mean() for one in mine], abs=0.0501)
 
@@ -310,7 +353,10 @@ def test_berms(face_dip) -> None:
     _, fails, sets, widths = becomes(face_dip)
     lost = np.where(fails, sets, 0.0)
     which = lost.argmax(axis=0), np.arange(lost.shape[1])
-    lost, long = lost[which], np.where(fails.any(axis=0), np.maximum(widths[which], every()), every())
+    lost, long = (
+        lost[which],
+        np.where(fails.any(axis=0), np.maximum(widths[which], every()), every()),
+    )
     catch, cot = 0.2 * HEIGHT + 4.5, 1.0 / math.tan(math.radians(face_dip))
     order = np.argsort(lost)
     share = np.cumsum(long[order]) / long.sum()
@@ -325,7 +371,9 @@ def test_berms(face_dip) -> None:
         share_kept = 100.0 * long[berm - lost >= catch].sum() / long.sum()
         assert (shown_catch, round(kept, 1)) == (catch, pytest.approx(share_kept, abs=0.0501))
         assert low < kept or kept == 0.0
-        assert (left80, left95) == pytest.approx([max(0.0, berm - at[0.8]), max(0.0, berm - at[0.95])], abs=0.00501)
+        assert (left80, left95) == pytest.approx(
+            [max(0.0, berm - at[0.8]), max(0.0, berm - at[0.95])], abs=0.00501
+        )
         assert angle == pytest.approx(ramp(berm), abs=0.0501)
     (needed,) = shown("NEEDED", face_dip)
     assert needed[:3] == pytest.approx([catch, at[0.8], catch + at[0.8]], abs=0.00501)
@@ -334,14 +382,25 @@ def test_berms(face_dip) -> None:
 
 def test_the_choice() -> None:
     """The steepest toe-to-toe angle among the berms whose lower limit reaches 80 %."""
-    rows = [(row[8], row[0], dip) for dip in (65.0, 70.0, 75.0) for row in shown("BERMS", dip) if row[3] >= 80.0]
+    rows = [
+        (row[8], row[0], dip)
+        for dip in (65.0, 70.0, 75.0)
+        for row in shown("BERMS", dip)
+        if row[3] >= 80.0
+    ]
     angle, berm, dip = max(rows)
-    said = re.search(rf"steepest of these: 15 m at ({NUMBER})°, berm ({NUMBER}) m, inter-ramp ({NUMBER})°", PAGE)
+    said = re.search(
+        rf"steepest of these: 15 m at ({NUMBER})°, berm ({NUMBER}) m, inter-ramp ({NUMBER})°", PAGE
+    )
     assert [float(one) for one in said.groups()] == [dip, berm, angle]
-    chosen = re.search(rf"Chosen: 15 m at ({NUMBER})° with berms of ({NUMBER}) m, ({NUMBER})°", PAGE)
+    chosen = re.search(
+        rf"Chosen: 15 m at ({NUMBER})° with berms of ({NUMBER}) m, ({NUMBER})°", PAGE
+    )
     assert [float(one) for one in chosen.groups()] == [dip, berm, angle]
     assert f"{len(rows)} of 9 reach 80 %" in PAGE
-    best, at, wide = max((row[3], dip, row[2]) for dip in (65.0, 70.0, 75.0) for row in shown("NEEDED", dip))
+    best, at, wide = max(
+        (row[3], dip, row[2]) for dip in (65.0, 70.0, 75.0) for row in shown("NEEDED", dip)
+    )
     assert f"80 %: {best:.1f}° with benches of 15 m at {at:.0f}° and berms of {wide:.2f} m" in PAGE
 
 
@@ -390,10 +449,16 @@ def test_the_wedge_bare_and_bolted() -> None:
     for name, k, wanted in (("static", 0.0, 1.5), ("quake", 0.1, 1.1)):
         one, force = numbers(rf" +{name} .* reached ")[-1], factor_with(0.0, k)
         assert factor_with(one, k) == pytest.approx(wanted, abs=5e-5)
-        rows = [row for row in PAGE.splitlines() if re.match(rf" +{name} +(\d\.|loads).*\d\.\d{{3}}", row)]
+        rows = [
+            row
+            for row in PAGE.splitlines()
+            if re.match(rf" +{name} +(\d\.|loads).*\d\.\d{{3}}", row)
+        ]
         factors = [re.findall(r"\b\d\.\d{3}\b", row) for row in rows]
         bolted = factor_with(sum(bolts), k)
-        assert factors == [[f"{value:.3f}"] * 2 for value in (force, bolted)]  # every digit of the page
+        assert factors == [
+            [f"{value:.3f}"] * 2 for value in (force, bolted)
+        ]  # every digit of the page
 
 
 def test_lengths_of_the_bolts_and_volume_of_the_drawing() -> None:

@@ -8,7 +8,9 @@
 
 from slopekit._version import __version__
 
-TYPE_CHECKING = False  # typing's takes 10 ms to load, in which Ctrl-C would end a command with a traceback
+TYPE_CHECKING = (
+    False  # typing's takes 10 ms to load, in which Ctrl-C would end a command with a traceback
+)
 if TYPE_CHECKING:
     from typing import Any
 
@@ -42,40 +44,73 @@ if TYPE_CHECKING:
     from slopekit.studies.tornado import tornado
 
 __all__ = [
-    "DesignError", "Fault", "GeometryError", "SlopekitError", "SolverError", "__version__", "analyse",
-    "bench_design", "check", "combos", "evaluate", "export", "kinematic", "load", "plot", "prob", "quake", "report",
-    "run", "sets", "solve", "support", "sweep", "tornado", "wedge",
-]  # fmt: skip
+    "DesignError",
+    "Fault",
+    "GeometryError",
+    "SlopekitError",
+    "SolverError",
+    "__version__",
+    "analyse",
+    "bench_design",
+    "check",
+    "combos",
+    "evaluate",
+    "export",
+    "kinematic",
+    "load",
+    "plot",
+    "prob",
+    "quake",
+    "report",
+    "run",
+    "sets",
+    "solve",
+    "support",
+    "sweep",
+    "tornado",
+    "wedge",
+]
 
 
-#: What loads when it is asked for, and from where, so that the command line sets the garbage collector before anything
-#: is loaded (1 to 2 ms of a cold wedge); functions of studies stand in `slopekit.studies.protocol.STUDIES`.
-_LATER = {
+#: Names that are imported on first access, and their modules, so that the command line sets the garbage collector
+#: before anything is loaded (1 to 2 ms of a cold wedge); functions of studies: `slopekit.studies.protocol.STUDIES`.
+_LAZY_EXPORTS = {
     **dict.fromkeys(("analyse", "load", "plot", "report", "run", "wedge"), "api"),
-    **dict.fromkeys(("DesignError", "Fault", "GeometryError", "SlopekitError", "SolverError"), "core.errors"),
-    "BenchDesigns": "studies.bench_design", "Cases": "studies.cases",
-    "Check": "studies.check", "Combos": "studies.combos",
-    "evaluate": "studies.evaluation", "export": "exchange.export", "JointSets": "studies.sets",
-    "Kinematic": "studies.kinematic", "Probability": "studies.prob",
-    "Quake": "studies.quake", "Result": "result", "Solution": "studies.solve",
-    "Support": "studies.support", "Sweep": "studies.sweep", "Tornado": "studies.tornado",
-}  # fmt: skip
+    **dict.fromkeys(
+        ("DesignError", "Fault", "GeometryError", "SlopekitError", "SolverError"), "core.errors"
+    ),
+    "BenchDesigns": "studies.bench_design",
+    "Cases": "studies.cases",
+    "Check": "studies.check",
+    "Combos": "studies.combos",
+    "evaluate": "studies.evaluation",
+    "export": "exchange.export",
+    "JointSets": "studies.sets",
+    "Kinematic": "studies.kinematic",
+    "Probability": "studies.prob",
+    "Quake": "studies.quake",
+    "Result": "result",
+    "Solution": "studies.solve",
+    "Support": "studies.support",
+    "Sweep": "studies.sweep",
+    "Tornado": "studies.tornado",
+}
 
 
 def __getattr__(name: str) -> "Any":
     from importlib import import_module
 
-    from slopekit.core.taken import checked
+    from slopekit.core.argument_checks import with_checked_arguments
 
-    if name in _LATER:
-        attribute = getattr(import_module(f"slopekit.{_LATER[name]}"), name)
-        return attribute if isinstance(attribute, type) else checked(attribute)
+    if name in _LAZY_EXPORTS:
+        attribute = getattr(import_module(f"slopekit.{_LAZY_EXPORTS[name]}"), name)
+        return attribute if isinstance(attribute, type) else with_checked_arguments(attribute)
     from slopekit.studies.protocol import STUDIES, VARIANTS, function_of
 
     command = name.replace("_", "-")
     if command not in STUDIES and command not in VARIANTS:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return checked(function_of(command))
+    return with_checked_arguments(function_of(command))
 
 
 def __dir__() -> list[str]:

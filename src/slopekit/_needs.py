@@ -1,28 +1,41 @@
-"""What slopekit cannot do without, and what it says where that is missing; loads nothing of it."""
+"""The libraries that slopekit requires, their versions, and the message where one is missing; imports none of them."""
 
 import re
 from importlib import metadata
 
-NEEDED = ("numpy", "scipy", "manifold3d", "trimesh", "clarabel", "threadpoolctl", "ruamel.yaml", "typer")
-_ADVICE = "Install slopekit again with pip, which brings it; `slopekit doctor` says what else is missing."
+NEEDED = (
+    "numpy",
+    "scipy",
+    "manifold3d",
+    "trimesh",
+    "clarabel",
+    "threadpoolctl",
+    "ruamel.yaml",
+    "typer",
+)
+_ADVICE = (
+    "Install slopekit again with pip, which brings it; `slopekit doctor` says what else is missing."
+)
 
 
-def said_of(error: ModuleNotFoundError) -> str:
-    """E140 in words where a library is missing that slopekit needs, "" where something else is.
+def missing_library_message(error: ModuleNotFoundError) -> str:
+    """Return E140 in words where a required library is missing, "" where another module is.
 
-    >>> print(said_of(ModuleNotFoundError("No module named 'numpy'", name="numpy")))
+    >>> print(missing_library_message(ModuleNotFoundError("No module named 'numpy'", name="numpy")))
     E140 numpy, which slopekit needs, is not installed
          Install slopekit again with pip, which brings it; `slopekit doctor` says what else is missing.
-    >>> said_of(ModuleNotFoundError("No module named 'slopekit.nothing'", name="slopekit.nothing"))
+    >>> missing_library_message(ModuleNotFoundError("No module named 'slopekit.nothing'", name="slopekit.nothing"))
     ''
     """
     root = (error.name or "").partition(".")[0]
-    name = next((one for one in NEEDED if one.partition(".")[0] == root), "")
+    name = next(
+        (requirement for requirement in NEEDED if requirement.partition(".")[0] == root), ""
+    )
     return f"E140 {name}, which slopekit needs, is not installed\n     {_ADVICE}" if name else ""
 
 
-def wanted() -> dict[str, str]:
-    """The versions that this slopekit asks for, by `plain` names; none where it is not installed."""
+def required_versions() -> dict[str, str]:
+    """Return the required versions of all libraries by their `plain` names; empty where slopekit is not installed."""
     try:
         lines = metadata.requires("slopekit") or []
     except metadata.PackageNotFoundError:
@@ -35,7 +48,7 @@ def wanted() -> dict[str, str]:
 
 
 def plain(name: str) -> str:
-    """A library's name as all spellings of it have it.
+    """Return the normalised name of a library, the same for all its spellings.
 
     >>> plain("ruamel.yaml"), plain("Scikit_FEM ")
     ('ruamel-yaml', 'scikit-fem')
@@ -44,21 +57,36 @@ def plain(name: str) -> str:
 
 
 def fits(version: str, bounds: str) -> bool:
-    """Whether a version is one that is asked for.
+    """Return whether a version lies within bounds.
 
     >>> fits("0.28.0", ">=0.26,<0.29"), fits("0.29", ">=0.26,<0.29"), fits("2.4.6rc1", ">=1.26"), fits("1.9", ">=1.11")
     (True, False, True, False)
     """
-    for one in filter(None, bounds.split(",")):
-        bound = one.strip().lstrip("<>=!~")
-        sign, have, asked = one.strip().removesuffix(bound), _numbers(version), _numbers(bound.strip())
-        have, asked = (row + (0,) * (max(len(have), len(asked)) - len(row)) for row in (have, asked))
-        if not {">=": have >= asked, "<": have < asked, "<=": have <= asked, ">": have > asked,
-                "==": have == asked, "!=": have != asked}.get(sign, True):  # fmt: skip
+    for clause in filter(None, bounds.split(",")):
+        bound = clause.strip().lstrip("<>=!~")
+        sign, installed, required = (
+            clause.strip().removesuffix(bound),
+            _numbers(version),
+            _numbers(bound.strip()),
+        )
+        installed, required = (
+            row + (0,) * (max(len(installed), len(required)) - len(row))
+            for row in (installed, required)
+        )
+        if not {
+            ">=": installed >= required,
+            "<": installed < required,
+            "<=": installed <= required,
+            ">": installed > required,
+            "==": installed == required,
+            "!=": installed != required,
+        }.get(sign, True):
             return False
     return True
 
 
 def _numbers(version: str) -> tuple[int, ...]:
-    """1.26.4rc1 as (1, 26, 4)."""
-    return tuple(int(part) for part in re.split(r"[^\d.]", version, maxsplit=1)[0].split(".") if part)
+    """Return the numbers of a version: (1, 26, 4) of 1.26.4rc1."""
+    return tuple(
+        int(number) for number in re.split(r"[^\d.]", version, maxsplit=1)[0].split(".") if number
+    )

@@ -1,4 +1,4 @@
-"""What a script calls: `sk.wedge`, `sk.run`, the studies, pictures and the report; each loads its code when called."""
+"""The functions of scripts: `sk.wedge`, `sk.run`, the studies, pictures and the report; code is loaded on the call."""
 
 import os
 from collections.abc import Mapping
@@ -6,9 +6,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, overload
 
+from slopekit.core.argument_checks import wrong_kind
 from slopekit.core.errors import DesignError, Fault, Notice, writing
 from slopekit.core.options import DESIGN, DESK, Option, Workplace, documented
-from slopekit.core.taken import wrong_kind
 
 if TYPE_CHECKING:
     from slopekit.design.common import Design
@@ -21,14 +21,17 @@ if TYPE_CHECKING:
 ELASTIC = Option("Elastic blocks beside the rigid ones (extra: elastic).")
 
 
-_OF_ELASTIC = ("modulus", "poisson", "edge")
-_NO_INPUTS = ("desk", "elastic")
+_ELASTIC_OPTIONS = ("modulus", "poisson", "edge")
+_OPTIONS_NOT_IN_DESIGN = ("desk", "elastic")
 
 
 @documented
 def wedge(
     dips: Annotated[
-        Any, Option("The two joints, dip/dip direction each.", metavar="D/DD D/DD", texts=2, needed=True)
+        Any,
+        Option(
+            "The two joints, dip/dip direction each.", metavar="D/DD D/DD", texts=2, needed=True
+        ),
     ] = None,
     *,
     face: Annotated[Any, Option("Slope face, D/DD [60/180].")] = None,
@@ -40,26 +43,47 @@ def wedge(
     unit_weight: Annotated[Any, Option("Unit weight, kN/m3, instead of a density.")] = None,
     dilation: Annotated[Any, Option("Dilation angle of the joints, 0 to phi [0].")] = None,
     tension: Annotated[Any, Option("Tensile strength of the joints [0 kPa].")] = None,
-    water: Annotated[Any, Option("dry, full, 50%, u=9.8kPa or u=5kPa,8kPa[,basal][,crack] [dry].")] = None,
-    crack: Annotated[Any, Option("Tension crack, D/DD@DIST from the crest along J1's trace.")] = None,
+    water: Annotated[
+        Any, Option("dry, full, 50%, u=9.8kPa or u=5kPa,8kPa[,basal][,crack] [dry].")
+    ] = None,
+    crack: Annotated[
+        Any, Option("Tension crack, D/DD@DIST from the crest along J1's trace.")
+    ] = None,
     basal: Annotated[Any, Option("Basal joint, D/DD@HEIGHT over the toe on J1's trace.")] = None,
     seismic: Annotated[Any, Option("Pseudo-static coefficient, K or K@TREND.")] = None,
-    forces: Annotated[Any, Option("F@TREND/PLUNGE, kN; repeat for more.", flag="--force", texts=0)] = None,
-    bolts: Annotated[Any, Option("T@TREND/PLUNGE[,active|passive], kN; repeat.", flag="--bolt", texts=0)] = None,
+    forces: Annotated[
+        Any, Option("F@TREND/PLUNGE, kN; repeat for more.", flag="--force", texts=0)
+    ] = None,
+    bolts: Annotated[
+        Any, Option("T@TREND/PLUNGE[,active|passive], kN; repeat.", flag="--bolt", texts=0)
+    ] = None,
     normal_stiffness: Annotated[Any, Option("k_zz of closed joints [1e7 kN/m3].")] = None,
     shear_stiffness: Annotated[Any, Option("kN/m3, or clough-duncan [clough-duncan].")] = None,
-    criterion: Annotated[str | None, Option("limit, or all-pairs to add the paper's criterion.")] = None,
+    criterion: Annotated[
+        str | None, Option("limit, or all-pairs to add the paper's criterion.")
+    ] = None,
     accept: Annotated[
         float | None,
-        Option("Smallest factor of safety accepted; exit code 1 below it.", flag="--accept-fos", also=("--accept",)),
+        Option(
+            "Smallest factor of safety accepted; exit code 1 below it.",
+            flag="--accept-fos",
+            also=("--accept",),
+        ),
     ] = None,
-    agree_within: Annotated[float | None, Option("Largest difference of the two methods [1%].")] = None,
+    agree_within: Annotated[
+        float | None, Option("Largest difference of the two methods [1%].")
+    ] = None,
     gravity: Annotated[Any, Option("Acceleration of gravity [9.81 m/s2].")] = None,
     water_unit_weight: Annotated[Any, Option("Unit weight of water [9.81 kN/m3].")] = None,
     limits: Annotated[
-        Any, Option("Limit of size, as in design files: bench_width=6m; repeat.", flag="--limit", texts=0)
+        Any,
+        Option(
+            "Limit of size, as in design files: bench_width=6m; repeat.", flag="--limit", texts=0
+        ),
     ] = None,
-    refine: Annotated[int | None, Option("Split the joints' triangles in four this often [0].")] = None,
+    refine: Annotated[
+        int | None, Option("Split the joints' triangles in four this often [0].")
+    ] = None,
     origin: Annotated[Any, Option("Map coordinates of the toe, E,N,Z.")] = None,
     modulus: Annotated[Any, Option("Young's modulus of elastic rock [20 GPa].")] = None,
     poisson: Annotated[Any, Option("Its Poisson's ratio [0.25].")] = None,
@@ -114,22 +138,22 @@ def wedge(
     >>> round(wet.fos.limit, 4), wet.accepted
     (1.006, False)
     """
-    given = {name: value for name, value in locals().items() if name != "unknown"} | unknown
+    arguments = {name: value for name, value in locals().items() if name != "unknown"} | unknown
     if not isinstance(elastic, bool):
         raise wrong_kind("wedge", "elastic", "True or False", elastic)
-    design = design_of_wedge(given)
+    design = design_of_wedge(arguments)
     from slopekit.kinds import analyse as analyse_design
 
     result = analyse_design(design, elastic)
-    idle = [name for name in _OF_ELASTIC if given[name] is not None]
+    idle = [name for name in _ELASTIC_OPTIONS if arguments[name] is not None]
     if not idle or elastic:
         return result
     message = f"{' and '.join(idle)}: of elastic blocks, which were not asked for (--elastic); nothing was done with it"
     return replace(result, warnings=(*result.warnings, Notice("W366", message)))
 
 
-def design_of_wedge(given: Mapping[str, Any]) -> "Design":
-    """The design of what `wedge` is given by its names, checked and not analysed.
+def design_of_wedge(arguments: Mapping[str, Any]) -> "Design":
+    """Return the checked design of the arguments of `wedge`, by name, without analysing it.
 
     Raises
     ------
@@ -138,8 +162,8 @@ def design_of_wedge(given: Mapping[str, Any]) -> "Design":
     """
     from slopekit.kinds.wedge.design import wedge_design
 
-    desk = given.get("desk", DESK)
-    inputs = {key: value for key, value in given.items() if key not in _NO_INPUTS}
+    desk = arguments.get("desk", DESK)
+    inputs = {key: value for key, value in arguments.items() if key not in _OPTIONS_NOT_IN_DESIGN}
     return wedge_design(inputs) if desk is DESK else wedge_design(inputs, desk.named)
 
 
@@ -292,7 +316,14 @@ def run(
     source = design_from(source, "run", "source")
     if set:
         raise DesignError(
-            [Fault("E160", "a design that is loaded takes no further values", "set", "Give set to load.")]
+            [
+                Fault(
+                    "E160",
+                    "a design that is loaded takes no further values",
+                    "set",
+                    "Give set to load.",
+                )
+            ]
         )
     if case is not None:
         from slopekit.design.cases import case_named
@@ -363,7 +394,11 @@ def plot(
     from slopekit.views.notebook import Drawing
 
     document, file = load_document(source)
-    name = str(document.get("study") or document.get("kind") or "result") if file is None else file.stem
+    name = (
+        str(document.get("study") or document.get("kind") or "result")
+        if file is None
+        else file.stem
+    )
     if what is None:
         return plots.offers(document)
     folder = Path() if file is None else file.parent
@@ -420,12 +455,14 @@ def report(
     several = list(results) if isinstance(results, list | tuple) else [results]
     if not several:
         raise wrong_kind("report", "results", "one result or study, or more", results)
-    write_report([_document(one) for one in several], target, with_pictures=pictures, project=project)
+    write_report(
+        [_document(source) for source in several], target, with_pictures=pictures, project=project
+    )
     return target
 
 
 def _document(source: Any) -> Mapping[str, Any]:
-    """The JSON of anything that has one."""
+    """Return the JSON document of a result, a study, or the path of one."""
     from slopekit.exchange.documents import load_document
 
     if not isinstance(source, str | os.PathLike | Mapping) and not hasattr(source, "to_dict"):

@@ -23,7 +23,7 @@ STICK, SLIP, OPEN = range(3)
 CLOSED = 1e-9  # normal force below this part of the largest is none
 SLIPS = 1e-4  # slip beyond this part of the fastest motion is slip
 _TYPES = {"float64": np.float64, "int32": np.int32, "uint8": np.uint8}
-_LEVEL = 4  # of zlib: beyond it costs more time than it saves room
+_ZLIB_LEVEL = 4  # of zlib: beyond it costs more time than it saves room
 
 
 @dataclass(frozen=True)
@@ -64,10 +64,10 @@ class Solids:
     face: Ints
     faces: tuple[str, ...] = ()
 
-    def of(self, block: int) -> tuple[Floats, Ints]:
+    def block_surface(self, block: int) -> tuple[Floats, Ints]:
         """Vertices (k, 3) and triangles (m, 3) of one block, for itself."""
-        own = self.triangles[self.block == block]
-        used, index = np.unique(own, return_inverse=True)
+        triangles = self.triangles[self.block == block]
+        used, index = np.unique(triangles, return_inverse=True)
         return self.vertices[used], index.reshape(-1, 3)
 
 
@@ -201,13 +201,19 @@ class BlockScene:
         """The bolts with a head, none of them where there are none."""
         if self.bolts is not None:
             return self.bolts
-        none, whole, places = np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros((0, 3))
-        return Bolts(whole, whole, places, places, places, np.zeros(0, dtype=bool), none, none)
+        none, integers, points = np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros((0, 3))
+        return Bolts(
+            integers, integers, points, points, points, np.zeros(0, dtype=bool), none, none
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """The scene as JSON values, arrays packed; `bolts` only where there are any."""
         document: dict[str, Any] = _packed(self)
-        return document if self.bolts is not None else {key: part for key, part in document.items() if key != "bolts"}
+        return (
+            document
+            if self.bolts is not None
+            else {key: value for key, value in document.items() if key != "bolts"}
+        )
 
     @classmethod
     def from_dict(cls, document: Mapping[str, Any]) -> "BlockScene":
@@ -219,17 +225,24 @@ class BlockScene:
             E350 where the document holds no scene that can be read.
         """
         try:
-            shapes, moved = document["shapes"], document["displacement"]
+            shapes, displacement = document["shapes"], document["displacement"]
             return cls(
                 Shapes(
-                    tuple(shapes["names"]), unpacked(shapes["fixed"]).astype(bool), unpacked(shapes["centroids"]),
-                    tuple(shapes["joints"]), _read(Solids, shapes["solids"]), _read(Contacts, shapes["contacts"]),
+                    tuple(shapes["names"]),
+                    unpacked(shapes["fixed"]).astype(bool),
+                    unpacked(shapes["centroids"]),
+                    tuple(shapes["joints"]),
+                    _read(Solids, shapes["solids"]),
+                    _read(Contacts, shapes["contacts"]),
                 ),
-                _read(NodePairState, document["pairs"]), _read(Arrows, document["loads"]),
-                unpacked(document["velocity"]), unpacked(document["order"]), unpacked(document["factor"]),
-                None if moved is None else unpacked(moved),
+                _read(NodePairState, document["pairs"]),
+                _read(Arrows, document["loads"]),
+                unpacked(document["velocity"]),
+                unpacked(document["order"]),
+                unpacked(document["factor"]),
+                None if displacement is None else unpacked(displacement),
                 None if document.get("bolts") is None else _bolts(document["bolts"]),
-            )  # fmt: skip
+            )
         except zlib.error as error:
             raise unreadable(f"{type(error).__name__}: {error}") from None
         except MISREAD as error:
@@ -238,10 +251,12 @@ class BlockScene:
             raise unreadable(f"{type(error).__name__}: {error}") from None
 
 
-def unreadable(why: str) -> DesignError:
+def unreadable(reason: str) -> DesignError:
     """E350, with what is wrong with the scene of a result."""
     advice = "Make the file again with slopekit run -o DIR."
-    return DesignError([Fault("E350", f"the scene of the result cannot be read ({why})", "", advice)])
+    return DesignError(
+        [Fault("E350", f"the scene of the result cannot be read ({reason})", "", advice)]
+    )
 
 
 def packed(values: Floats | Ints | Bools) -> dict[str, Any]:
@@ -250,11 +265,13 @@ def packed(values: Floats | Ints | Bools) -> dict[str, Any]:
     >>> unpacked(packed(np.array([[1.5, 2.0]]))).tolist()
     [[1.5, 2.0]]
     """
-    name = "float64" if values.dtype.kind == "f" else "uint8" if values.dtype.kind == "b" else "int32"
+    name = (
+        "float64" if values.dtype.kind == "f" else "uint8" if values.dtype.kind == "b" else "int32"
+    )
     array = np.ascontiguousarray(values, dtype=np.dtype(_TYPES[name]).newbyteorder("<"))
     import base64  # of JSON alone
 
-    data = base64.b64encode(zlib.compress(array.tobytes(), _LEVEL)).decode()
+    data = base64.b64encode(zlib.compress(array.tobytes(), _ZLIB_LEVEL)).decode()
     return {"type": name, "shape": list(array.shape), "zlib_base64": data}
 
 
@@ -276,7 +293,7 @@ def unpacked(document: Mapping[str, Any]) -> Any:
 
 def _packed(value: Any) -> Any:
     if is_dataclass(value):
-        return {part.name: _packed(getattr(value, part.name)) for part in fields(value)}
+        return {field.name: _packed(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, np.ndarray):
         return packed(value)
     return list(value) if isinstance(value, tuple) else value
@@ -284,9 +301,12 @@ def _packed(value: Any) -> Any:
 
 def _read(kind: Any, document: Mapping[str, Any]) -> Any:
     """A dataclass of arrays and tuples of names."""
-    entries = {part.name: document[part.name] for part in fields(kind)}
+    entries = {field.name: document[field.name] for field in fields(kind)}
     return kind(
-        **{name: tuple(value) if isinstance(value, list) else unpacked(value) for name, value in entries.items()}
+        **{
+            name: tuple(value) if isinstance(value, list) else unpacked(value)
+            for name, value in entries.items()
+        }
     )
 
 
@@ -306,18 +326,25 @@ def closed(polygons: Sequence[Floats]) -> tuple[Floats, Ints, Ints]:
     corners = np.concatenate(polygons)
     size = max(float(np.ptp(corners, axis=0).max()), 1e-300)
     _, first, index = np.unique(
-        np.round((corners - corners.min(axis=0)) / size, 9), axis=0, return_index=True, return_inverse=True
+        np.round((corners - corners.min(axis=0)) / size, 9),
+        axis=0,
+        return_index=True,
+        return_inverse=True,
     )
     index = index.ravel()
     triangles, faces, begin = [], [], 0
     for k, polygon in enumerate(polygons):
-        own = index[begin : begin + len(polygon)]
+        face_corners = index[begin : begin + len(polygon)]
         begin += len(polygon)
-        for i in range(1, len(own) - 1):
-            if len({own[0], own[i], own[i + 1]}) == 3:
-                triangles.append((own[0], own[i], own[i + 1]))
+        for i in range(1, len(face_corners) - 1):
+            if len({face_corners[0], face_corners[i], face_corners[i + 1]}) == 3:
+                triangles.append((face_corners[0], face_corners[i], face_corners[i + 1]))
                 faces.append(k)
-    return corners[first], np.array(triangles, dtype=np.int64).reshape(-1, 3), np.array(faces, dtype=np.int64)
+    return (
+        corners[first],
+        np.array(triangles, dtype=np.int64).reshape(-1, 3),
+        np.array(faces, dtype=np.int64),
+    )
 
 
 def prism(outline: Floats, thickness: float, y: float = 0.0) -> tuple[Floats, Ints]:
@@ -333,13 +360,16 @@ def prism(outline: Floats, thickness: float, y: float = 0.0) -> tuple[Floats, In
     twice = float(x @ np.roll(z, -1) - z @ np.roll(x, -1))
     line = outline if twice > 0.0 else outline[::-1]
     count = len(line)
-    near = np.stack([line[:, 0], np.full(count, y - thickness / 2.0), line[:, 1]], axis=1)
-    far = near + np.array([0.0, thickness, 0.0])
+    front = np.stack([line[:, 0], np.full(count, y - thickness / 2.0), line[:, 1]], axis=1)
+    back = front + np.array([0.0, thickness, 0.0])
     cap = np.asarray(triangulate([line - line.mean(axis=0)]), dtype=np.int64)
-    here = np.arange(count)
-    next_ = np.roll(here, -1)
-    sides = [np.stack([here, here + count, next_ + count], axis=1), np.stack([here, next_ + count, next_], axis=1)]
-    return np.concatenate([near, far]), np.concatenate([cap, cap[:, ::-1] + count, *sides])
+    corner = np.arange(count)
+    next_corner = np.roll(corner, -1)
+    sides = [
+        np.stack([corner, corner + count, next_corner + count], axis=1),
+        np.stack([corner, next_corner + count, next_corner], axis=1),
+    ]
+    return np.concatenate([front, back]), np.concatenate([cap, cap[:, ::-1] + count, *sides])
 
 
 def joined(bodies: Sequence[tuple[Floats, Ints]]) -> tuple[Floats, Ints, Ints]:
@@ -347,7 +377,9 @@ def joined(bodies: Sequence[tuple[Floats, Ints]]) -> tuple[Floats, Ints, Ints]:
     firsts = np.cumsum([0, *(len(vertices) for vertices, _ in bodies)])
     return (
         np.concatenate([vertices for vertices, _ in bodies]),
-        np.concatenate([triangles + first for (_, triangles), first in zip(bodies, firsts, strict=False)]),
+        np.concatenate(
+            [triangles + first for (_, triangles), first in zip(bodies, firsts, strict=False)]
+        ),
         np.repeat(np.arange(len(bodies)), [len(triangles) for _, triangles in bodies]),
     )
 
@@ -356,6 +388,9 @@ def contacts_of(polygons: Sequence[Floats], joint: Sequence[int]) -> Contacts:
     """Polygons (k, 3) between one block, 0, and the bedrock."""
     count = len(polygons)
     return Contacts(
-        np.concatenate([np.zeros((0, 3)), *polygons]), np.cumsum([0, *map(len, polygons)]),
-        np.array(joint, dtype=np.int64), np.zeros(count, dtype=np.int64), np.full(count, -1),
-    )  # fmt: skip
+        np.concatenate([np.zeros((0, 3)), *polygons]),
+        np.cumsum([0, *map(len, polygons)]),
+        np.array(joint, dtype=np.int64),
+        np.zeros(count, dtype=np.int64),
+        np.full(count, -1),
+    )

@@ -1,4 +1,4 @@
-"""What stands beside the status of a result: its factors of safety, forces, movements and what they rest on."""
+"""The evidence of a result beside its status: factors of safety, forces, movements, and the state at the limit."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -50,9 +50,9 @@ class Forces:
 
 @dataclass(frozen=True)
 class ModelSize:
-    """What was modelled and what was left out.
+    """The size of the model and its assumptions.
 
-    `node_pairs` are those that bound, displacements and failed pairs are asked of; the limit's are those of `Balance`.
+    `node_pairs` counts those of upper bound, displacements and failed pairs; the limit's are counted by `Balance`.
     """
 
     moving_blocks: int
@@ -73,7 +73,7 @@ class Movement:
     rotation: Floats
 
     def vector(self) -> Floats:
-        """Displacement and rotation in one, (6,)."""
+        """Return displacement and rotation in one vector (6,)."""
         return np.concatenate([self.displacement, self.rotation])
 
 
@@ -81,15 +81,15 @@ class Movement:
 class AtFactorOne:
     """The blocks at rest at full strength on the elastic bed.
 
-    `movement` in m and radians of the block, of many blocks that of the one that moves most: `block` then names it, and
-    `every` (n, 6) has the displacements and rotations of all; `failed_pairs` slip or are open.
+    `movement` is that of the block in m and radians; of many blocks that of the block that moves most, which `block`
+    names. `block_movements` (n, 6) has the movements of all blocks; `failed_pairs` slip or are open.
     """
 
     movement: Movement
     failed_pairs: int
     residual: float
     block: str | None = None
-    every: Floats | None = None
+    block_movements: Floats | None = None
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ class ReductionStep:
 
 @dataclass(frozen=True)
 class WithoutBasal:
-    """What the whole wedge on J1 and J2 does by its closed form, where a basal joint cuts its toe off.
+    """The whole wedge on J1 and J2 by its closed form, where a basal joint cuts its toe off.
 
     `closed_form` is None where it has no factor.
     """
@@ -121,24 +121,24 @@ class WithoutBasal:
 
     @property
     def factor(self) -> float | None:
-        """What it is judged by."""
+        """The factor of safety that acceptance judges."""
         return self.closed_form
 
     def in_words(self) -> str:
-        """Status and factor."""
-        said = self.status.replace("_", " ")
-        return said if self.closed_form is None else f"{said}, FoS {self.closed_form:.4g}"
+        """Return status and factor in words."""
+        text = self.status.replace("_", " ")
+        return text if self.closed_form is None else f"{text}, FoS {self.closed_form:.4g}"
 
     def meets(self, rule: Rule) -> bool:
-        """Whether it keeps a least factor of safety: what is lifted or falls keeps none."""
+        """Return whether the wedge meets a least factor of safety; a wedge that is lifted or falls meets none."""
         if not rule.is_least:
             return True
         if self.closed_form is None:
             return self.status not in ("lifted", "falls")
-        return rule.met(self.closed_form)
+        return rule.is_met_by(self.closed_form)
 
     def falls_short(self, target: float) -> bool:
-        """Whether it has less than a factor of safety.
+        """Return whether the wedge has less than a target factor of safety.
 
         >>> WithoutBasal("slides_on_both", 1.2).falls_short(1.3), WithoutBasal("falls", None).falls_short(0.1)
         (True, True)
@@ -150,7 +150,7 @@ class WithoutBasal:
 
 @dataclass(frozen=True)
 class Factors:
-    """What the two methods say of a design.
+    """The factors of safety of a design by PRE-IE and by the closed form.
 
     Attributes
     ----------
@@ -214,7 +214,7 @@ class Displacements:
 
 @dataclass(frozen=True)
 class Comparisons:
-    """What else is known of the factor of safety.
+    """Other factors of safety to compare the limit with.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""The size and shape of what was analysed, by kind, and their JSON (a contract: keys never change)."""
+"""The size and shape of the analysed blocks, by kind, and their JSON, whose keys never change."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -12,52 +12,52 @@ from slopekit.core.codec import NO_JSON
 
 
 class Geometry(Protocol):
-    """The size and shape of what was analysed."""
+    """The size and shape of the analysed blocks."""
 
     @property
     def volume_m3(self) -> float:
-        """Volume of the moving block."""
+        """The volume of the moving blocks, m³."""
         ...
 
     @property
     def total_height_m(self) -> float:
-        """From its lowest to its highest point."""
+        """The height from the lowest to the highest point, m."""
         ...
 
     @property
     def areas_m2(self) -> Mapping[str, float]:
-        """Area of each interface."""
+        """The area of each interface by name, m²."""
         ...
 
     def shapes(self, block: str) -> Shapes:
-        """The blocks and interfaces as they are drawn; `block` is what the one block of a kind is called."""
+        """Return the blocks and interfaces to be drawn; `block` is the name of a single block."""
         ...
 
 
 class _Sized:
-    """What a geometry says of its `sizes`, for JSON."""
+    """The `sizes` of a geometry as attributes, for JSON."""
 
     __slots__ = ()
     sizes: Sizes | None
 
     @property
     def height_m(self) -> float | None:
-        """From the lowest to the highest corner, None where it was not measured."""
+        """The height from the lowest to the highest corner, m; None where it was not measured."""
         return None if self.sizes is None else self.sizes.height_m
 
     @property
     def face_width_m(self) -> float | None:
-        """Along the crest."""
+        """The width along the crest, m."""
         return None if self.sizes is None else self.sizes.face_width_m
 
     @property
     def setback_m(self) -> float | None:
-        """Behind the crest."""
+        """The largest distance behind the crest, m."""
         return None if self.sizes is None else self.sizes.setback_m
 
     @property
     def trace_lengths_m(self) -> Mapping[str, Mapping[str, float]]:
-        """By joint."""
+        """The trace lengths by joint and surface, m."""
         return {} if self.sizes is None else self.sizes.trace_lengths_m
 
 
@@ -87,16 +87,23 @@ class WedgeGeometry(_Sized):
 
     @property
     def line(self) -> dict[str, float]:
-        """The line of intersection."""
+        """The line of intersection as trend and plunge."""
         return {"trend_deg": self.line_trend_deg, "plunge_deg": self.line_plunge_deg}
 
     def shapes(self, block: str) -> Shapes:
-        """The wedge, its faces by name; its joints are the interfaces."""
+        """Return the wedge with its faces by name; its joints are the interfaces."""
         names = tuple(self.faces_m)
         vertices, triangles, face = closed(list(self.faces_m.values()))
         joints = tuple(name for name in self.areas_m2 if name in self.faces_m)
-        return _one_block(
-            block, self.centroid_m, vertices, triangles, face, names, joints, [self.faces_m[joint] for joint in joints]
+        return _single_block_shapes(
+            block,
+            self.centroid_m,
+            vertices,
+            triangles,
+            face,
+            names,
+            joints,
+            [self.faces_m[joint] for joint in joints],
         )
 
 
@@ -123,26 +130,42 @@ class SectionGeometry(_Sized):
     @property
     def crack(self) -> dict[str, float | None] | None:
         """The tension crack, None without one."""
-        return None if self.crack_depth_m is None else {
-            "depth_m": self.crack_depth_m, "distance_m": self.crack_distance_m,
-        }  # fmt: skip
+        return (
+            None
+            if self.crack_depth_m is None
+            else {
+                "depth_m": self.crack_depth_m,
+                "distance_m": self.crack_distance_m,
+            }
+        )
 
     def shapes(self, block: str) -> Shapes:
-        """The block, one metre of the slope."""
+        """Return the block as one metre of the slope."""
         vertices, triangles = prism(self.outline_m, 1.0)
         ends = np.concatenate([self.outline_m, self.outline_m[:1]])
         polygons = []
         for k, _ in enumerate(self.areas_m2, 2):  # from the last edge back
             (a, c), (b, d) = ends[-k], ends[-k + 1]
-            polygons.append(np.array([[a, -0.5, c], [a, 0.5, c], [b, 0.5, d], [b, -0.5, d]]) @ self.axes)
+            polygons.append(
+                np.array([[a, -0.5, c], [a, 0.5, c], [b, 0.5, d], [b, -0.5, d]]) @ self.axes
+            )
         centroid = np.array([self.centroid_m[0], 0.0, self.centroid_m[1]]) @ self.axes
         face = np.full(len(triangles), -1)
-        return _one_block(block, centroid, vertices @ self.axes, triangles, face, (), tuple(self.areas_m2), polygons)
+        return _single_block_shapes(
+            block,
+            centroid,
+            vertices @ self.axes,
+            triangles,
+            face,
+            (),
+            tuple(self.areas_m2),
+            polygons,
+        )
 
 
 @dataclass(frozen=True)
 class SurfaceGeometry:
-    """A mass on a curved slip surface: triangles of its whole boundary, and how its normals were taken."""
+    """A mass on a curved slip surface: triangles of its whole boundary, and the kind of its normals."""
 
     volume_m3: float
     total_height_m: float
@@ -158,22 +181,39 @@ class SurfaceGeometry:
     on_slip: Bools = field(repr=False, metadata=NO_JSON)
 
     def shapes(self, block: str) -> Shapes:
-        """The mass; every triangle of the slip surface is a piece of its interface."""
+        """Return the mass; every triangle of the slip surface is a piece of its interface."""
         face = np.where(self.on_slip, 0, 1)
         slip = self.vertices_m[self.triangles[self.on_slip]]
         joints = tuple(self.areas_m2)
-        return _one_block(
-            block, self.centroid_m, self.vertices_m, self.triangles, face, (*joints, "ground"), joints, list(slip),
-        )  # fmt: skip
+        return _single_block_shapes(
+            block,
+            self.centroid_m,
+            self.vertices_m,
+            self.triangles,
+            face,
+            (*joints, "ground"),
+            joints,
+            list(slip),
+        )
 
 
-def _one_block(
-    name: str, centroid: Floats, vertices: Floats, triangles: Ints, face: Ints, faces: tuple[str, ...],
-    joints: tuple[str, ...], polygons: list[Floats],
-) -> Shapes:  # fmt: skip
-    """The shapes of one block; `polygons` are its interfaces, one a joint or all of the first."""
-    of = range(len(polygons)) if len(polygons) == len(joints) else [0] * len(polygons)
+def _single_block_shapes(
+    name: str,
+    centroid: Floats,
+    vertices: Floats,
+    triangles: Ints,
+    face: Ints,
+    faces: tuple[str, ...],
+    joints: tuple[str, ...],
+    polygons: list[Floats],
+) -> Shapes:
+    """Return the shapes of one block; `polygons` are its interfaces, one for each joint or all of the first joint."""
+    joint_index = range(len(polygons)) if len(polygons) == len(joints) else [0] * len(polygons)
     return Shapes(
-        (name,), np.zeros(1, dtype=bool), centroid[None, :], joints,
-        Solids(vertices, triangles, np.zeros(len(triangles), dtype=np.int64), face, faces), contacts_of(polygons, of),
-    )  # fmt: skip
+        (name,),
+        np.zeros(1, dtype=bool),
+        centroid[None, :],
+        joints,
+        Solids(vertices, triangles, np.zeros(len(triangles), dtype=np.int64), face, faces),
+        contacts_of(polygons, joint_index),
+    )

@@ -1,4 +1,4 @@
-"""What an analysis of many blocks finds beside a factor of safety: mechanisms, modes of contact, what was checked."""
+"""The findings of an analysis of many blocks: mechanisms, contact modes, governing interfaces, checks."""
 
 import math
 from collections.abc import Mapping
@@ -82,19 +82,27 @@ class Mechanism:
     role: str = "first"
 
     def to_dict(self) -> dict[str, Any]:
-        """The row as JSON values, its sizes among them: null where they were not measured."""
-        row = {name: json_of(value) for name, value in vars(self).items() if name not in ("size", "role")}
+        """Return the mechanism as JSON values; sizes are null where they were not measured."""
+        row = {
+            name: json_of(value)
+            for name, value in vars(self).items()
+            if name not in ("size", "role")
+        }
         return {"mechanism": self.role, **row, **json_of(self.size or _UNMEASURED)}
 
 
 def counted_rows(document: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """The mechanisms of many blocks in the JSON of a result, without those that are too light to count."""
-    return [row for row in document.get("mechanisms") or () if row["mechanism"] in ("first", "next", "single_block")]
+    """Return the mechanisms of many blocks in the JSON of a result, without those that are too light to count."""
+    return [
+        row
+        for row in document.get("mechanisms") or ()
+        if row["mechanism"] in ("first", "next", "single_block")
+    ]
 
 
 @dataclass(frozen=True)
 class Findings:
-    """What was found of an assembly.
+    """The mechanisms and checks of an assembly of blocks.
 
     Attributes
     ----------
@@ -124,18 +132,18 @@ class Findings:
 
     @property
     def first(self) -> Mechanism | None:
-        """The mechanism that is the result's; None where all blocks stand."""
+        """The first mechanism, which the result reports; None where all blocks are stable."""
         return next(iter(self.counted), None)
 
     @property
     def chips(self) -> tuple[Mechanism, ...]:
-        """The mechanisms too light to count that were taken away before the first that does."""
+        """The mechanisms too light to count that were removed before the first mechanism."""
         return tuple(takewhile(lambda row: row.role == "chip", self.mechanisms))
 
 
 @dataclass(frozen=True)
 class AssemblyGeometry:
-    """The blocks that were analysed.
+    """The size and shape of the analysed blocks of an assembly.
 
     Attributes
     ----------
@@ -163,35 +171,48 @@ class AssemblyGeometry:
 
     @property
     def blocks(self) -> int:
-        """How many there are; a bench has thousands, JSON has none of their shapes."""
+        """The number of blocks; a bench has thousands, so JSON has none of their shapes."""
         return len(self.names)
 
     @property
     def fixed_blocks(self) -> int:
-        """How many of them are bedrock."""
+        """The number of blocks that are bedrock."""
         return sum(self.fixed)
 
     def shapes(self, block: str) -> Shapes:
-        """The blocks; of a section's bedrock that is none of them one block more, at the end."""
+        """Return the blocks; bedrock of a section that is none of them is one more block at the end."""
         fixed = np.array(self.fixed, dtype=bool)
         if not self.outlines_m:
-            vertices, triangles, of = welded(self.vertices_m, self.triangles, self.triangle_block)
-            solids = Solids(vertices, triangles, of, np.full(len(triangles), -1))
-            return Shapes(self.names, fixed, self.centroids_m, tuple(self.areas_m2), solids, self.contacts)
+            vertices, triangles, triangle_block = welded(
+                self.vertices_m, self.triangles, self.triangle_block
+            )
+            solids = Solids(vertices, triangles, triangle_block, np.full(len(triangles), -1))
+            return Shapes(
+                self.names, fixed, self.centroids_m, tuple(self.areas_m2), solids, self.contacts
+            )
         thickness, centroids = self.thickness_m or 1.0, self.centroids_m
         rock = [name for name in self.outlines_m if name not in self.names]
         bodies = [prism(self.outlines_m[name], thickness) for name in (*self.names, *rock)]
         if rock:
             centroids = np.concatenate([centroids, bodies[-1][0].mean(axis=0)[None, :]])
-        vertices, triangles, of = joined(bodies)
+        vertices, triangles, triangle_block = joined(bodies)
         ends = self.contacts.corners.reshape(-1, 2, 3)
         half = np.array([0.0, thickness / 2.0, 0.0])
-        corners = np.stack([ends[:, 0] - half, ends[:, 1] - half, ends[:, 1] + half, ends[:, 0] + half], axis=1)
+        corners = np.stack(
+            [ends[:, 0] - half, ends[:, 1] - half, ends[:, 1] + half, ends[:, 0] + half], axis=1
+        )
         contacts = Contacts(
-            corners.reshape(-1, 3), 4 * np.arange(len(ends) + 1), self.contacts.joint, self.contacts.plus,
+            corners.reshape(-1, 3),
+            4 * np.arange(len(ends) + 1),
+            self.contacts.joint,
+            self.contacts.plus,
             self.contacts.minus,
-        )  # fmt: skip
+        )
         return Shapes(
-            (*self.names, *rock), np.append(fixed, [True] * len(rock)).astype(bool), centroids,
-            tuple(self.areas_m2), Solids(vertices, triangles, of, np.full(len(triangles), -1)), contacts,
-        )  # fmt: skip
+            (*self.names, *rock),
+            np.append(fixed, [True] * len(rock)).astype(bool),
+            centroids,
+            tuple(self.areas_m2),
+            Solids(vertices, triangles, triangle_block, np.full(len(triangles), -1)),
+            contacts,
+        )

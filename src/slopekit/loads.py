@@ -26,7 +26,7 @@ class PointForce:
     """
 
     force: Floats
-    at: Floats | None = None
+    point: Floats | None = None
     couple: Floats | None = None
 
 
@@ -37,14 +37,14 @@ class Loads:
     Attributes
     ----------
     force : (3,) kN; moment : (3,) kNm about the block's centroid
-    parts : name -> (3,) kN, the forces that add up to `force`
+    components : name -> (3,) kN, the forces that add up to `force`
     passive_forces : (b, 3) kN, full capacity along each passive bolt; passive_points : (b, 3) m
     acting : name, force (3,) kN and the point (3,) m that it acts through, one by one
     """
 
     force: Floats
     moment: Floats
-    parts: Mapping[str, Floats]
+    components: Mapping[str, Floats]
     passive_forces: Floats
     passive_points: Floats
     acting: tuple[tuple[str, Floats, Floats], ...] = ()
@@ -69,63 +69,92 @@ def block_loads(
     pushes : further forces by the name they have in `parts`: water on faces among them
     """
     weight = unit_weight * block.volume
-    parts = {"weight": np.array([0.0, 0.0, -weight]), "seismic": weight * seismic}
+    components = {"weight": np.array([0.0, 0.0, -weight]), "seismic": weight * seismic}
     moment = np.zeros(3)
-    acting = [(name, force, block.centroid) for name, force in parts.items() if force.any()]
+    acting = [(name, force, block.centroid) for name, force in components.items() if force.any()]
     for name, push in (pushes or {}).items():
-        parts[name] = push.force
-        acting.append((name, push.force, block.centroid + line_of_action(push) if push.at is None else push.at))
-        if push.at is not None:
-            moment += cross(push.at - block.centroid, push.force)
+        components[name] = push.force
+        acting.append(
+            (
+                name,
+                push.force,
+                block.centroid + line_of_action(push) if push.point is None else push.point,
+            )
+        )
+        if push.point is not None:
+            moment += cross(push.point - block.centroid, push.force)
         if push.couple is not None:
             moment += push.couple
-    for name, one, group in (("forces", "force", forces), ("active bolts", "active bolt", active)):
-        parts[name] = np.zeros(3)
+    for name, label, group in (
+        ("forces", "force", forces),
+        ("active bolts", "active bolt", active),
+    ):
+        components[name] = np.zeros(3)
         for k, load in enumerate(group, 1):
-            parts[name] = parts[name] + load.force
-            acting.append((f"{one} {k}", load.force, block.centroid if load.at is None else load.at))
-            if load.at is not None:
-                moment += cross(load.at - block.centroid, load.force)
-    points = [block.centroid if load.at is None else load.at for load in passive]
+            components[name] = components[name] + load.force
+            acting.append(
+                (f"{label} {k}", load.force, block.centroid if load.point is None else load.point)
+            )
+            if load.point is not None:
+                moment += cross(load.point - block.centroid, load.force)
+    points = [block.centroid if load.point is None else load.point for load in passive]
     acting += [
-        (f"passive bolt {k}", load.force, at) for k, (load, at) in enumerate(zip(passive, points, strict=True), 1)
+        (f"passive bolt {k}", load.force, point)
+        for k, (load, point) in enumerate(zip(passive, points, strict=True), 1)
     ]
     return Loads(
-        frozen(sum(parts.values())), frozen(moment), parts,
-        frozen(np.reshape([load.force for load in passive], (-1, 3))), frozen(np.reshape(points, (-1, 3))),
+        frozen(sum(components.values())),
+        frozen(moment),
+        components,
+        frozen(np.reshape([load.force for load in passive], (-1, 3))),
+        frozen(np.reshape(points, (-1, 3))),
         tuple(acting),
-    )  # fmt: skip
+    )
 
 
 def line_of_action(push: PointForce) -> Floats:
-    """From the centroid to the line on which a force has the moment of its couple (all but what turns about it)."""
+    """Return the vector (3,) m from the centroid to the line of action of a force with a couple.
+
+    The part of the couple about the force itself has no such line.
+    """
     size = float(push.force @ push.force)
     if push.couple is None or not size > 0.0:
         return np.zeros(3)
     return cross(push.force, push.couple) / size
 
 
-def judge_bolt(name: str, sound: float | None, anchored: bool, length: float | None, where: str) -> None:
-    """Refuse a bolt by what it meets.
+def check_bolt_anchorage(
+    name: str, exit_distance: float | None, is_anchored: bool, length: float | None, location: str
+) -> None:
+    """Raise where a bolt misses the block, has no anchorage behind it, or is too short.
 
     Parameters
     ----------
-    sound : how far (m) from its head it leaves the block for good, None where it misses it
-    anchored : whether sound rock begins there; length : m
+    exit_distance : how far (m) from its head it leaves the block for good, None where it misses it
+    is_anchored : whether sound rock begins there; length : m
 
     Raises
     ------
     GeometryError
         E211 the bolt misses the block or is anchored in nothing, E212 it is too short.
     """
-    if sound is None:
-        raise MisfitError([Fault("E211", f"{name} misses the block", where)])
-    if not anchored:
+    if exit_distance is None:
+        raise MisfitError([Fault("E211", f"{name} misses the block", location)])
+    if not is_anchored:
         message = f"{name} leaves the block through a free face: it is anchored in nothing"
-        raise MisfitError([Fault("E211", message, where)])
-    if length is not None and length <= sound:
-        message = f"{name} is {length:.4g} m long and sound rock begins after {sound:.4g} m: it is too short"
-        raise MisfitError([Fault("E212", message, where, "It needs its anchorage behind the joint on top of that.")])
+        raise MisfitError([Fault("E211", message, location)])
+    if length is not None and length <= exit_distance:
+        message = f"{name} is {length:.4g} m long and sound rock begins after {exit_distance:.4g} m: it is too short"
+        raise MisfitError(
+            [
+                Fault(
+                    "E212",
+                    message,
+                    location,
+                    "It needs its anchorage behind the joint on top of that.",
+                )
+            ]
+        )
 
 
 @dataclass(frozen=True)
@@ -143,13 +172,18 @@ class PassiveBolts:
     forces: Floats
     points: Floats
 
-    def chosen(self, which: Ints) -> "PassiveBolts":
-        """Return some of them, by their numbers."""
-        return PassiveBolts(self.head[which], self.toe[which], self.forces[which], self.points[which])
+    def chosen(self, indices: Ints) -> "PassiveBolts":
+        """Return the bolts with these indices."""
+        return PassiveBolts(
+            self.head[indices], self.toe[indices], self.forces[indices], self.points[indices]
+        )
 
 
 NO_BOLTS = PassiveBolts(
-    np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), frozen(np.zeros((0, 3))), frozen(np.zeros((0, 3)))
+    np.zeros(0, dtype=np.int64),
+    np.zeros(0, dtype=np.int64),
+    frozen(np.zeros((0, 3))),
+    frozen(np.zeros((0, 3))),
 )
 
 
@@ -159,9 +193,9 @@ class BlockLoad:
 
     Attributes
     ----------
-    name : as pictures call it; block : its number
-    tied : the block at the other end of an anchor, which goes with either of them; -1 for none
-    is_live : whether it is a force, a bolt or a surcharge: loads that come after weight and water
+    name : label in pictures; block : index of the block
+    tied : index of the block at the other end of an anchor, which acts while both blocks are there; -1 for none
+    is_live : whether the load is a force, bolt or surcharge, which a load path applies after weight and water
     """
 
     name: str
@@ -191,28 +225,39 @@ class AssemblyLoads:
 
 
 def drained(assembly: "Assembly", loads: AssemblyLoads, patches: Bools) -> AssemblyLoads:
-    """The loads without the water on some patches (k,): a joint that a block has left stands open."""
-    lost = np.where(patches, loads.water, 0.0)
-    if not lost.any():
+    """Return the loads without the water pressure on some patches (k,): joints whose block has failed are open."""
+    drained_water = np.where(patches, loads.water, 0.0)
+    if not drained_water.any():
         return loads
     forces, moments = loads.forces.copy(), loads.moments.copy()
-    _add_water(assembly, forces, moments, -lost, loads.water_points)
-    return replace(loads, forces=frozen(forces), moments=frozen(moments), water=frozen(loads.water - lost))
+    _add_water(assembly, forces, moments, -drained_water, loads.water_points)
+    return replace(
+        loads,
+        forces=frozen(forces),
+        moments=frozen(moments),
+        water=frozen(loads.water - drained_water),
+    )
 
 
-def without_anchors_of(assembly: "Assembly", loads: AssemblyLoads, gone: Bools) -> AssemblyLoads:
-    """The loads without the anchors of blocks (n,) that are gone: at their other ends nothing pulls any more."""
-    lost = [load for load in loads.pushes if load.tied >= 0 and (gone[load.block] or gone[load.tied])]
-    if not lost:
+def without_anchors_of(
+    assembly: "Assembly", loads: AssemblyLoads, is_removed: Bools
+) -> AssemblyLoads:
+    """Return the loads without the anchors of removed blocks (n,), whose other ends no longer pull."""
+    removed = [
+        load
+        for load in loads.pushes
+        if load.tied >= 0 and (is_removed[load.block] or is_removed[load.tied])
+    ]
+    if not removed:
         return loads
     forces, moments = np.zeros((2, len(assembly), 3))
-    _add_pushes(assembly, forces, moments, lost)
+    _add_pushes(assembly, forces, moments, removed)
     return replace(
         loads,
         forces=frozen(loads.forces - forces),
         moments=frozen(loads.moments - moments),
         live=(frozen(loads.live[0] - forces), frozen(loads.live[1] - moments)),
-        pushes=tuple(load for load in loads.pushes if load not in lost),
+        pushes=tuple(load for load in loads.pushes if load not in removed),
     )
 
 
@@ -242,24 +287,34 @@ def assembly_loads(
     _add_water(assembly, forces, moments, water, points)
     _add_pushes(assembly, forces, moments, [load for load in pushes if not load.is_live])
     return AssemblyLoads(
-        frozen(forces), frozen(moments), frozen(weights), frozen(water), (frozen(live), frozen(turning)), bolts, points,
+        frozen(forces),
+        frozen(moments),
+        frozen(weights),
+        frozen(water),
+        (frozen(live), frozen(turning)),
+        bolts,
+        points,
         tuple(pushes),
-    )  # fmt: skip
+    )
 
 
-def _add_pushes(assembly: "Assembly", forces: Floats, moments: Floats, pushes: Sequence[BlockLoad]) -> None:
-    """Add single forces on the blocks to forces and moments (n, 3)."""
+def _add_pushes(
+    assembly: "Assembly", forces: Floats, moments: Floats, pushes: Sequence[BlockLoad]
+) -> None:
+    """Add single forces on blocks to `forces` (n, 3) kN and `moments` (n, 3) kNm about the centroids, in place."""
     for load in pushes:
         block, push = load.block, load.push
         forces[block] += push.force
-        if push.at is not None:
-            moments[block] += cross(push.at - assembly.centroids[block], push.force)
+        if push.point is not None:
+            moments[block] += cross(push.point - assembly.centroids[block], push.force)
         if push.couple is not None:
             moments[block] += push.couple
 
 
-def _add_water(assembly: "Assembly", forces: Floats, moments: Floats, thrusts: Floats, points: Floats) -> None:
-    """Add water that pushes (k,) kN on each side of the patches through points (k, 3) to forces and moments (n, 3)."""
+def _add_water(
+    assembly: "Assembly", forces: Floats, moments: Floats, thrusts: Floats, points: Floats
+) -> None:
+    """Add water thrusts (k,) kN on both sides of the patches, through points (k, 3), to forces and moments (n, 3)."""
     for side, sign in ((assembly.patches.plus, 1.0), (assembly.patches.minus, -1.0)):
         wet = np.flatnonzero((side >= 0) & (thrusts != 0.0))
         push = sign * thrusts[wet, None] * assembly.patches.normals[wet]

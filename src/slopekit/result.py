@@ -1,8 +1,9 @@
-"""The result of an analysis: value, status and evidence, and its JSON (a contract: keys never change)."""
+"""The result of an analysis: value, status and evidence, and its JSON, whose keys never change."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from importlib import import_module
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from slopekit._version import FORMAT, __version__
 from slopekit.block_scene import BlockScene, Sizes
 from slopekit.core.codec import json_of
 from slopekit.core.errors import Notice
-from slopekit.core.shown import Shown
+from slopekit.core.report import Report
 from slopekit.design.common import Design
 from slopekit.design.parts import Rule
 from slopekit.evidence import (
@@ -54,19 +55,19 @@ STATUSES: Mapping[str, str] = {
 
 @dataclass(frozen=True)
 class Words:
-    """What a kind of design calls things.
+    """The vocabulary of a kind of design, as sheets and notices print it.
 
     Attributes
     ----------
-    title : the kind in a few words; block : what moves
-    seismic : the way a seismic load acts where the design gives no trend
-    closed_form : what it is called; rests_on : its source or assumption; both "" where the kind has none
-    statuses : those that are not as in `STATUSES`
-    no_closed_form : why there is none for a design
-    assumes : what the limit takes for granted beside PRE-IE
-    horizontal : the way that movements are told in
-    along : the status says toward where the block slides; turns : it is asked whether the block turns first
-    variants : of designs that have the input of that name
+    title : the kind in a few words; block : the name of the moving block
+    seismic : direction of a seismic load without a trend
+    closed_form : name of the closed form; rests_on : its source or assumption; both "" where the kind has none
+    statuses : sentences that differ from `STATUSES`
+    no_closed_form : why a design has no closed form
+    assumes : assumptions of the limit in addition to those of PRE-IE
+    horizontal : the horizontal direction in which movements are printed
+    along : whether the status says the sliding direction; turns : whether rotation of the block is checked
+    variants : vocabularies of designs that have the input of that name
     """
 
     title: str
@@ -82,31 +83,39 @@ class Words:
     turns: bool = True
     variants: "Mapping[str, Words]" = field(default_factory=dict)
 
-    def of(self, inputs: Mapping[str, Any]) -> "Words":
-        """What it calls a design with these inputs."""
-        return next((words for key, words in self.variants.items() if inputs.get(key) is not None), self)
+    def for_inputs(self, inputs: Mapping[str, Any]) -> "Words":
+        """Return the vocabulary of a design with these inputs."""
+        return next(
+            (words for key, words in self.variants.items() if inputs.get(key) is not None), self
+        )
 
     def status(self, status: str) -> str:
-        """A status as a sentence."""
+        """Return a status as a sentence."""
         return self.statuses.get(status, STATUSES[status])
 
 
 #: The closed forms of columns by the names that results and rules have for them, as sheets call them.
 METHODS: Mapping[str, str] = {
-    "fellenius": "Fellenius", "janbu": "Janbu (simplified)", "bishop": "Bishop (simplified)",
-}  # fmt: skip
-#: Numbers that a rule may judge in place of the limit, in few words.
-JUDGED: Mapping[str, str] = {
+    "fellenius": "Fellenius",
+    "janbu": "Janbu (simplified)",
+    "bishop": "Bishop (simplified)",
+}
+#: Quantities that an acceptance rule may judge in place of the limit, by key, in words.
+RULE_QUANTITIES: Mapping[str, str] = {
     "residual": "residual strength",
-    "lowest": "lowest", "highest": "highest", "all_pairs_failed": "all pairs failed", "closed_form": "closed form",
-    "static_bound": "upper bound", "whole_wedge": "whole wedge, without the basal joint",
+    "lowest": "lowest",
+    "highest": "highest",
+    "all_pairs_failed": "all pairs failed",
+    "closed_form": "closed form",
+    "static_bound": "upper bound",
+    "whole_wedge": "whole wedge, without the basal joint",
     **METHODS,
-}  # fmt: skip
-_SAME = 5e-5  # factors that differ by less than this part look the same
+}
+_EQUAL_FACTORS = 5e-5  # factors that differ by less than this part look the same
 
 
 @dataclass(frozen=True, repr=False)
-class Result(Shown):
+class Result(Report):
     """One analysed block. `to_dict()` is the JSON of `slopekit wedge --json` and `slopekit run --json`.
 
     `difference` and `agree` hold PRE-IE against the closed form, forces with forces; `moments_govern`: the limit lies
@@ -139,12 +148,12 @@ class Result(Shown):
 
     @property
     def elastic(self) -> "ElasticBlocks | None":
-        """What elastic blocks do, where they were asked for."""
+        """The result of the elastic blocks, None where the analysis has rigid blocks only."""
         return self.comparisons.elastic
 
     @property
     def all_pairs(self) -> "AllPairsFailed | None":
-        """The search for the factor at which all pairs have failed, where it was asked for."""
+        """The search for the factor at which all node pairs have failed; None where the design does not ask for it."""
         return self.displacements.all_pairs
 
     @property
@@ -159,12 +168,12 @@ class Result(Shown):
 
     @property
     def status_text(self) -> str:
-        """The status as a sentence, in the user's own names of joints."""
+        """The status as a sentence, with the user's names of the joints."""
         return self.design.in_own_names(self.words.status(self.status))
 
     @property
     def criterion_fos(self) -> float | None:
-        """The factor that acceptance is held against: the limit, or the lower of it and the all-pairs factor."""
+        """The factor of safety that acceptance judges: the limit, or the lower of limit and all-pairs factor."""
         limit = self.fos.limit
         if self.design.analysis.criterion == "limit" or limit is None:
             return limit
@@ -172,49 +181,57 @@ class Result(Shown):
 
     @property
     def leading(self) -> tuple[str, float] | None:
-        """The number that acceptance hangs on where it lies below the limit, and its name; it leads, not the limit.
+        """The name and value of the governing factor of acceptance where it lies below the limit, else None.
 
-        Of several rules it is that of the one nearest to being broken, or broken the most.
+        Of several rules the governing one is that with the lowest ratio of value to required value.
         """
         limit = self.fos.limit
-        judged = [
+        ratings = [
             (value / max(rule.value, 1e-9), value, rule)
             for rule in self.design.rules
             if rule.relation in (">=", ">") and (value := self.value_of(rule)) is not None
         ]
-        if not judged or limit is None:
+        if not ratings or limit is None:
             return None
-        _, value, rule = min(judged, key=lambda one: one[:2])
-        name, whole = self.name_of(rule), self.comparisons.without_basal
-        if whole is not None and whole.factor is not None and whole.factor < value and rule.is_least:
-            name, value = whole.NAME, whole.factor
-        return (name, value) if value < limit * (1.0 - _SAME) else None
+        _, value, rule = min(ratings, key=lambda rating: rating[:2])
+        name, whole_wedge = self.name_of(rule), self.comparisons.without_basal
+        if (
+            whole_wedge is not None
+            and whole_wedge.factor is not None
+            and whole_wedge.factor < value
+            and rule.is_least
+        ):
+            name, value = whole_wedge.NAME, whole_wedge.factor
+        return (name, value) if value < limit * (1.0 - _EQUAL_FACTORS) else None
 
-    def judged(self, rule: Rule) -> bool:
-        """Whether the result meets a rule; what stands without strength meets every least factor of safety.
+    def meets(self, rule: Rule) -> bool:
+        """Return whether the result meets an acceptance rule.
 
-        A block whose basal joint cuts the toe off a larger wedge meets none that this one breaks.
+        A block that is stable without strength meets every least factor of safety. A block above a basal joint meets a
+        rule only if the whole wedge below its crest meets it too.
         """
-        if self._breaks_whole(rule):
+        if self._whole_wedge_breaks(rule):
             return False
         if self.status == "no_driving_force" and rule.relation in (">=", ">"):
             return True
         if self.status == "not_converged" or self.agree is False:
             return False  # a number that the two methods dispute is no reason to accept
-        return rule.met(self.value_of(rule))
+        return rule.is_met_by(self.value_of(rule))
 
     def name_of(self, rule: Rule) -> str:
-        """The number that a rule judges: one of `fos`, or of `methods`, or residual.
+        """Return the name of the quantity that a rule judges: a field of `fos`, a key of `methods`, or residual.
 
-        A bare `fos` is the limit, and by the criterion of all pairs the lower of it and the factor of that.
+        A bare `fos` is the limit, and under the criterion of all pairs the lower of the limit and the all-pairs factor.
         """
         _, _, name = rule.name.partition(".")
         limit, pairs = self.fos.limit, self.fos.all_pairs_failed
-        by_pairs = self.design.analysis.criterion == "all-pairs" and (limit is None or pairs is None or pairs < limit)
+        by_pairs = self.design.analysis.criterion == "all-pairs" and (
+            limit is None or pairs is None or pairs < limit
+        )
         return name or ("all_pairs_failed" if by_pairs else "limit")
 
     def value_of(self, rule: Rule) -> float | None:
-        """The number that a rule judges, None where there is none."""
+        """Return the number that a rule judges, None where there is none."""
         _, _, name = rule.name.partition(".")
         if not name:
             return self.criterion_fos
@@ -226,24 +243,28 @@ class Result(Shown):
     @property
     def accepted(self) -> bool | None:
         """Whether every acceptance rule is met; None where there is none."""
-        return all(self.judged(rule) for rule in self.design.rules) if self.design.rules else None
+        return all(self.meets(rule) for rule in self.design.rules) if self.design.rules else None
 
     @property
     def margin(self) -> float | None:
-        """The number that acceptance hangs on over what it asks (1 without a rule); 0 without one, inf at rest."""
-        least, whole = [rule for rule in self.design.rules if rule.is_least], self.comparisons.without_basal
+        """The lowest ratio of judged to required factor (1 without a rule); 0 without a factor, inf if stable."""
+        least, whole_wedge = (
+            [rule for rule in self.design.rules if rule.is_least],
+            self.comparisons.without_basal,
+        )
         most = float("inf")
-        if whole is not None and whole.factor is not None:
-            most = min((whole.factor / max(rule.value, 1e-9) for rule in least), default=whole.factor)
+        if whole_wedge is not None and whole_wedge.factor is not None:
+            most = min(
+                (whole_wedge.factor / max(rule.value, 1e-9) for rule in least),
+                default=whole_wedge.factor,
+            )
         if self.status == "no_driving_force":
             return most
-        judged = [(self.value_of(rule) or 0.0) / max(rule.value, 1e-9) for rule in least]
-        return min(most, min(judged, default=self.criterion_fos or 0.0))
+        ratios = [(self.value_of(rule) or 0.0) / max(rule.value, 1e-9) for rule in least]
+        return min(most, min(ratios, default=self.criterion_fos or 0.0))
 
     def case_columns(self) -> "list[Column[Any]]":
-        """What a table over load cases has of each."""
-        from operator import attrgetter
-
+        """Return the columns of a table over load cases, one result a row."""
         from slopekit.core.sheet import Column, factor_text
 
         def word(value: bool | None) -> str:
@@ -256,27 +277,40 @@ class Result(Shown):
             blocks = result.comparisons.elastic
             return None if blocks is None else blocks.limit
 
-        of_elastic: list[Column[Any]] = [Column("elastic", elastic, "elastic_limit", show=factor, width=9)]
+        elastic_column: list[Column[Any]] = [
+            Column("elastic", elastic, "elastic_limit", show=factor, width=9)
+        ]
         return [
             Column("FoS", attrgetter("fos.limit"), "fos_limit", show=factor, width=8),
-            *([] if self.comparisons.elastic is None else of_elastic),
-            Column("closed form", attrgetter("fos.closed_form"), "fos_closed_form", show=factor, width=13),
+            *([] if self.comparisons.elastic is None else elastic_column),
+            Column(
+                "closed form",
+                attrgetter("fos.closed_form"),
+                "fos_closed_form",
+                show=factor,
+                width=13,
+            ),
             Column("agree", attrgetter("agree"), "agree", show=word, width=7),
-            Column("asks", lambda of: ", ".join(str(rule) for rule in of.design.rules), "rules"),
+            Column(
+                "asks",
+                lambda case_result: ", ".join(str(rule) for rule in case_result.design.rules),
+                "rules",
+            ),
             Column("accepted", attrgetter("accepted"), "accepted", show=word, width=10),
             Column("  status", attrgetter("status"), "status", width=-1, about="  {}"),
         ]
 
     @property
     def met_by_peak_only(self) -> bool:
-        """Whether a rule on the limit is met that the residual factor would break."""
-        left = self.comparisons.residual
-        if left is None or left.status == "no_driving_force":
+        """Whether a rule on the limit is met that the factor on residual strength breaks."""
+        residual = self.comparisons.residual
+        if residual is None or residual.status == "no_driving_force":
             return False
         return any(
-            self.judged(rule) and not rule.met(left.limit)
-            for rule in self.design.rules if rule.is_on_factor and rule.is_least
-        )  # fmt: skip
+            self.meets(rule) and not rule.is_met_by(residual.limit)
+            for rule in self.design.rules
+            if rule.is_on_factor and rule.is_least
+        )
 
     @property
     def exit_code(self) -> int:
@@ -287,14 +321,14 @@ class Result(Shown):
 
     @property
     def line(self) -> str:
-        """Status, factor, what governs and the check: never a bare factor of safety."""
+        """The result on one line: status, factor, what governs and the check; never a bare factor of safety."""
         text: str = import_module("slopekit.kinds.sheets.shared").line_of(self)  # as the sheet
         return text
 
     @property
     def sheet(self) -> "Sheet":
-        """One design on one screen, made when it is asked for."""
-        # kinds, which know how each says what it is, are a floor above; asked for by name, and only here
+        """The sheet of the result, one design on one screen; made on access."""
+        # the package kinds lies above this module: it is imported by name, and only here
         result_sheet: Sheet = import_module("slopekit.kinds.sheets.result").sheet_of(self)
         return result_sheet
 
@@ -306,16 +340,25 @@ class Result(Shown):
         DesignError
             E140 without the extra.
         """
-        return import_module("slopekit.app.notebook").view_of(self)  # floors above, as the sheet
+        return import_module("slopekit.app.notebook").view_of(
+            self
+        )  # a higher layer, as for the sheet
 
     def tables(self) -> dict[str, "Table[Any]"]:
-        """Its tables by name: first, in one row, the numbers that it leads with."""
-        from operator import attrgetter
-
+        """Return the tables of the result by name, the first with its main numbers in one row."""
         from slopekit.core.sheet import Column, Table
 
-        columns: list[Column[Result]] = [Column(name, attrgetter(name), name) for name in ("kind", "status")]
-        columns += [Column(one.name, attrgetter(f"fos.{one.name}"), f"fos_{one.name}") for one in fields(self.fos)]
+        columns: list[Column[Result]] = [
+            Column(name, attrgetter(name), name) for name in ("kind", "status")
+        ]
+        columns += [
+            Column(
+                factor_field.name,
+                attrgetter(f"fos.{factor_field.name}"),
+                f"fos_{factor_field.name}",
+            )
+            for factor_field in fields(self.fos)
+        ]
         columns += [
             Column(name, attrgetter(name), name)
             for name in ("criterion_fos", "difference", "agree", "moments_govern", "accepted")
@@ -326,36 +369,51 @@ class Result(Shown):
             Column("mass", attrgetter("mass_t"), "mass_t", "t"),
         ]
         columns += [
-            Column(name, attrgetter(f"size.{key}_m") if self.size is not None else lambda _: None, f"{key}_m", "m")
-            for name, key in (("height", "height"), ("face width", "face_width"), ("setback", "setback"))
+            Column(
+                name,
+                attrgetter(f"size.{key}_m") if self.size is not None else lambda _: None,
+                f"{key}_m",
+                "m",
+            )
+            for name, key in (
+                ("height", "height"),
+                ("face width", "face_width"),
+                ("setback", "setback"),
+            )
         ]
-        return {self.name: Table(columns, [self]), **Shown.tables(self)}
+        return {self.name: Table(columns, [self]), **Report.tables(self)}
 
     @property
     def size(self) -> Sizes | None:
-        """Of what fails, of many blocks first; None where it was not measured."""
+        """The size of the moving block, or of the first mechanism of many blocks; None where it was not measured."""
         if self.findings is None:
             return getattr(self.geometry, "sizes", None)
         return None if self.findings.first is None else self.findings.first.size
 
     @property
     def mechanisms(self) -> "tuple[Mechanism, ...]":
-        """The mechanisms in the order in which they fail, of a block above a basal joint with the whole wedge."""
+        """The mechanisms in the order of failure; of a block above a basal joint that block and the whole wedge."""
         if self.findings is not None:
             return self.findings.mechanisms
-        whole = self.comparisons.without_basal
-        if whole is None:
+        whole_wedge = self.comparisons.without_basal
+        if whole_wedge is None:
             return ()
         from slopekit.findings import Mechanism  # few wedges have a basal joint
 
-        size = self.size and replace(self.size, volume_m3=self.geometry.volume_m3, mass_t=self.mass_t)
-        block, closed = (self.words.block,), whole.closed_form
-        above = Mechanism(self.status, self.fos.limit, block, basis="limit", size=size, role="block_above_basal")
-        return above, Mechanism(whole.status, closed, ("whole wedge",), basis="closed_form", role="whole_wedge")
+        size = self.size and replace(
+            self.size, volume_m3=self.geometry.volume_m3, mass_t=self.mass_t
+        )
+        block, closed = (self.words.block,), whole_wedge.closed_form
+        block_above = Mechanism(
+            self.status, self.fos.limit, block, basis="limit", size=size, role="block_above_basal"
+        )
+        return block_above, Mechanism(
+            whole_wedge.status, closed, ("whole wedge",), basis="closed_form", role="whole_wedge"
+        )
 
     @property
     def mass_t(self) -> float:
-        """Mass of what may move, t."""
+        """The mass of the moving blocks, t."""
         return self.forces.weight / self.design.rock.gravity_m_s2
 
     @property
@@ -363,21 +421,33 @@ class Result(Shown):
         """The blocks, interfaces, node pairs and movements, for pictures and files of other programs."""
         shapes, state = self.geometry.shapes(self.words.block), self.limit_state
         count = len(shapes.names)
-        velocity, order, factor = np.zeros((count, 6)), np.zeros(count, dtype=np.int64), np.full(count, np.nan)
+        velocity, order, factor = (
+            np.zeros((count, 6)),
+            np.zeros(count, dtype=np.int64),
+            np.full(count, np.nan),
+        )
         displacement, settled = None, self.displacements.at_factor_one
         if self.findings is not None:
             index = {name: k for k, name in enumerate(shapes.names)}
-            number, reached = 0, np.nan  # a block that only the one before it held fails together with it
+            number, failure_factor = (
+                0,
+                np.nan,
+            )  # a block that was only supported by an earlier mechanism fails together with it
             for row in self.findings.mechanisms:
-                at = [index[name] for name in row.blocks]
+                moved_blocks = [index[name] for name in row.blocks]
                 if row.role != "chip":
                     number += 1
-                    velocity[at], order[at] = np.hstack([row.displacement, row.rotation]), number
+                    velocity[moved_blocks], order[moved_blocks] = (
+                        np.hstack([row.displacement, row.rotation]),
+                        number,
+                    )
                 if row.status != "not_converged":
-                    reached = factor[at] = np.fmax(reached, np.nan if row.fos is None else row.fos)
-            if settled is not None and settled.every is not None:
+                    failure_factor = factor[moved_blocks] = np.fmax(
+                        failure_factor, np.nan if row.fos is None else row.fos
+                    )
+            if settled is not None and settled.block_movements is not None:
                 displacement = np.zeros((count, 6))
-                displacement[: len(settled.every)] = settled.every
+                displacement[: len(settled.block_movements)] = settled.block_movements
         else:
             if self.limit_state.mechanism is not None:
                 velocity[0], order[0] = self.limit_state.mechanism.vector(), 1
@@ -387,91 +457,121 @@ class Result(Shown):
                 displacement = settled.movement.vector()[None, :]
         bolts = None
         if self.design.bolts:  # most designs have none: they load nothing of it
-            from slopekit.bolts import placed
+            from slopekit.bolts import bolts_with_heads
 
-            bolts = placed(self.design.bolts, shapes)
-        return BlockScene(shapes, state.node_pairs, state.acting, velocity, order, factor, displacement, bolts)
+            bolts = bolts_with_heads(self.design.bolts, shapes)
+        return BlockScene(
+            shapes, state.node_pairs, state.acting, velocity, order, factor, displacement, bolts
+        )
 
-    def _breaks_whole(self, rule: Rule) -> bool:
-        """Whether the whole wedge without a basal joint breaks a rule."""
-        whole = self.comparisons.without_basal
-        return whole is not None and not whole.meets(rule)
+    def _whole_wedge_breaks(self, rule: Rule) -> bool:
+        """Return whether the whole wedge without the basal joint breaks a rule."""
+        whole_wedge = self.comparisons.without_basal
+        return whole_wedge is not None and not whole_wedge.meets(rule)
 
-    def _rule(self, rule: Rule) -> dict[str, Any]:
-        """A rule with the number that it judged, null where there is none."""
+    def _rule_json(self, rule: Rule) -> dict[str, Any]:
+        """Return a rule with the number that it judges as JSON values, null where there is none."""
         value = self.value_of(rule)
         name = None if value is None else self.name_of(rule)
-        whole = self.comparisons.without_basal
-        if whole is not None and self._breaks_whole(rule):
-            name, value = whole.NAME, whole.factor
-        return {"rule": str(rule), "met": self.judged(rule), "judged": name, "fos": json_of(value)}
+        whole_wedge = self.comparisons.without_basal
+        if whole_wedge is not None and self._whole_wedge_breaks(rule):
+            name, value = whole_wedge.NAME, whole_wedge.factor
+        return {"rule": str(rule), "met": self.meets(rule), "judged": name, "fos": json_of(value)}
 
-    def _mechanism(self) -> dict[str, Any] | None:
+    def _mechanism_json(self) -> dict[str, Any] | None:
         if self.findings is not None:
             first = self.findings.first
             if first is None or not first.blocks:
                 return None
             row = first.to_dict()
             return {
-                name: row[name] for name in ("blocks", "how", "displacement", "rotation", *(json_of(first.size) or ()))
+                name: row[name]
+                for name in (
+                    "blocks",
+                    "how",
+                    "displacement",
+                    "rotation",
+                    *(json_of(first.size) or ()),
+                )
             }
         moves = self.limit_state.mechanism
         return None if moves is None else {"blocks": [self.words.block], **json_of(moves)}
 
-    def _displacements(self) -> dict[str, Any]:
-        """At full strength, by the criterion of all pairs, and along the series of factors."""
+    def _displacements_json(self) -> dict[str, Any]:
+        """Return the displacements as JSON values: at full strength, by all pairs, and along the series of factors."""
         full, pairs = self.displacements.at_factor_one, self.displacements.all_pairs
         return {
-            "at_factor_one": None if full is None else {
-                **_moved(full.movement), "failed_pairs": full.failed_pairs, "residual": full.residual,
+            "at_factor_one": None
+            if full is None
+            else {
+                **_movement_json(full.movement),
+                "failed_pairs": full.failed_pairs,
+                "residual": full.residual,
                 "block": full.block,
             },
-            "all_pairs": None if pairs is None else {
+            "all_pairs": None
+            if pairs is None
+            else {
                 "bracket": json_of(pairs.bracket),
                 "lost_equilibrium": pairs.lost_equilibrium,
                 "history": [
-                    {"factor": factor, "failed_pairs": count} for factor, count in sorted(pairs.history)
+                    {"factor": factor, "failed_pairs": count}
+                    for factor, count in sorted(pairs.history)
                 ],
             },
             "series": [
-                {"factor": one.factor, "stands": one.stands, "failed_pairs": one.failed_pairs, **_moved(one.movement)}
-                for one in self.displacements.series
+                {
+                    "factor": step.factor,
+                    "stands": step.stands,
+                    "failed_pairs": step.failed_pairs,
+                    **_movement_json(step.movement),
+                }
+                for step in self.displacements.series
             ],
-        }  # fmt: skip
+        }
 
     def to_dict(self) -> dict[str, Any]:
-        """The result as JSON values."""
-        state, beside = self.limit_state, self.comparisons
+        """Return the result as JSON values."""
+        state, comparisons = self.limit_state, self.comparisons
         return {
             "slopekit": __version__,
             "format": FORMAT,
             "kind": self.kind,
             "title": self.design.title,
-            **self.design.beside(),
+            **self.design.extra_json(),
             "input_sha256": self.design.input_hash(),
             "status": self.status,
             "status_text": self.status_text,
             "fos": json_of(self.fos),
-            **({} if self.leading is None else {"leading": dict(zip(("name", "fos"), self.leading, strict=True))}),
+            **(
+                {}
+                if self.leading is None
+                else {"leading": dict(zip(("name", "fos"), self.leading, strict=True))}
+            ),
             "difference": self.difference,
             "agree": self.agree,
             "moments_govern": self.moments_govern,
             "openings": json_of(state.openings),
-            **({"curved_strength": json_of(state.curved_strength)} if state.curved_strength else {}),
-            **({} if beside.residual is None else {"residual": json_of(beside.residual)}),
+            **(
+                {"curved_strength": json_of(state.curved_strength)} if state.curved_strength else {}
+            ),
+            **({} if comparisons.residual is None else {"residual": json_of(comparisons.residual)}),
             **({"mechanisms": json_of(self.mechanisms)} if self.mechanisms else {}),
-            **({} if beside.elastic is None else {"elastic": json_of(beside.elastic)}),
-            "methods": dict(beside.methods),
+            **({} if comparisons.elastic is None else {"elastic": json_of(comparisons.elastic)}),
+            "methods": dict(comparisons.methods),
             "accepted": self.accepted,
-            "rules": [self._rule(rule) for rule in self.design.rules],
+            "rules": [self._rule_json(rule) for rule in self.design.rules],
             "geometry": json_of(self.geometry) | {"mass_t": self.mass_t},
             "forces_kn": json_of(self.forces),
             "model": json_of(self.model),
             "balance": json_of(state.balance),
-            "mechanism": self._mechanism(),
-            **self._displacements(),
+            "mechanism": self._mechanism_json(),
+            **self._displacements_json(),
             "assembly": json_of(self.findings),
-            "governs": [{"change": name, "fos": fos, "status": status} for name, fos, status in beside.governs],
+            "governs": [
+                {"change": name, "fos": fos, "status": status}
+                for name, fos, status in comparisons.governs
+            ],
             "inputs": self.design.inputs(),
             "assumed": dict(self.design.assumed),
             "defaults": list(self.design.reading.defaults),
@@ -479,11 +579,11 @@ class Result(Shown):
             "timing_s": dict(self.timing_s),
             "scene": self.scene.to_dict(),
             "sheet": self.sheet.to_dict(),
-        }  # fmt: skip
+        }
 
 
-def _moved(movement: Movement | None) -> dict[str, Any]:
-    """How a block has moved, as JSON values; null where it is not known."""
+def _movement_json(movement: Movement | None) -> dict[str, Any]:
+    """Return the displacement (m) and rotation (rad) of a block as JSON values, null where they are not known."""
     return {
         "displacement_m": None if movement is None else movement.displacement.tolist(),
         "rotation_rad": None if movement is None else movement.rotation.tolist(),

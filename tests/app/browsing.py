@@ -11,11 +11,26 @@ from selenium.webdriver.chrome.options import Options
 from selenium.webdriver.chrome.service import Service
 
 ARGUMENTS = (
-    "--headless=new", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
-    "--disable-component-update", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-    "--disable-gpu-rasterization", "--disable-extensions", "--disable-sync",
-)  # fmt: skip
-_CODES = {"ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, "Home": 36, "Enter": 13}
+    "--headless=new",
+    "--no-sandbox",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-gpu-rasterization",
+    "--disable-extensions",
+    "--disable-sync",
+)
+_CODES = {
+    "ArrowLeft": 37,
+    "ArrowUp": 38,
+    "ArrowRight": 39,
+    "ArrowDown": 40,
+    "Home": 36,
+    "Enter": 13,
+}
 
 
 def started(chromium: str, driver: str, profile: Path, width: int = 1120, height: int = 700) -> Any:
@@ -43,7 +58,11 @@ class Page:
     def wide(self, width: int, height: int = 700) -> None:
         """As wide as that, in pixels of CSS."""
         self.command(
-            "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False
+            "Emulation.setDeviceMetricsOverride",
+            width=width,
+            height=height,
+            deviceScaleFactor=1,
+            mobile=False,
         )
 
     def command(self, name: str, **given: Any) -> Any:
@@ -58,8 +77,9 @@ class Page:
         """The value of an expression, `m` being a module of the page."""
         return self.browser.execute_async_script(
             "var done = arguments[1]; import(new URL('static/' + arguments[0], location.href).href)"
-            f".then(async m => done(await ({expression})));", name
-        )  # fmt: skip
+            f".then(async m => done(await ({expression})));",
+            name,
+        )
 
     def ask(self, verb: str, **given: Any) -> Any:
         """Ask the server over the page's own socket, and let the page show what comes."""
@@ -81,7 +101,9 @@ class Page:
 
     def text(self, name: str) -> str:
         """What an element says, by its id."""
-        found = self.script("var e = document.getElementById(arguments[0]); return e ? e.textContent : ''", name)
+        found = self.script(
+            "var e = document.getElementById(arguments[0]); return e ? e.textContent : ''", name
+        )
         return str(found)
 
     def fos(self) -> str:
@@ -94,18 +116,27 @@ class Page:
 
     def value(self, path: str) -> float:
         """The number that stands in the box of a control."""
-        shown = self.script("return document.getElementById('c-' + arguments[0] + '-box').value", path)
+        shown = self.script(
+            "return document.getElementById('c-' + arguments[0] + '-box').value", path
+        )
         return float(str(shown).split()[0].rstrip("°"))
 
     def type(self, path: str, text: str) -> None:
         """Write into the box of a control."""
-        self.script("var b = document.getElementById('c-' + arguments[0] + '-box'); b.value = arguments[1];"
-                    " b.dispatchEvent(new Event('change'))", path, text)  # fmt: skip
+        self.script(
+            "var b = document.getElementById('c-' + arguments[0] + '-box'); b.value = arguments[1];"
+            " b.dispatchEvent(new Event('change'))",
+            path,
+            text,
+        )
 
     def box(self, name: str) -> list[float]:
         """Left, top, width and height of an element."""
-        found = self.script("var b = document.getElementById(arguments[0]).getBoundingClientRect();"
-                            " return [b.left, b.top, b.width, b.height]", name)  # fmt: skip
+        found = self.script(
+            "var b = document.getElementById(arguments[0]).getBoundingClientRect();"
+            " return [b.left, b.top, b.width, b.height]",
+            name,
+        )
         return [float(one) for one in found]
 
     def pole(self, name: str) -> tuple[float, float]:
@@ -113,23 +144,36 @@ class Page:
         found = self.script(
             "var p = document.querySelector('.pole[data-name=\"' + arguments[0] + '\"] .spot');"
             " p.scrollIntoView({block: 'center'}); var b = p.getBoundingClientRect();"
-            " return [b.left + b.width / 2, b.top + b.height / 2]", name
-        )  # fmt: skip
+            " return [b.left + b.width / 2, b.top + b.height / 2]",
+            name,
+        )
         return float(found[0]), float(found[1])
 
     def mouse(self, what: str, x: float, y: float) -> None:
         """The mouse, its left button down or going down or up."""
-        self.command("Input.dispatchMouseEvent", type=what, x=x, y=y, button="left",
-                     buttons=0 if what == "mouseReleased" else 1, clickCount=1)  # fmt: skip
+        self.command(
+            "Input.dispatchMouseEvent",
+            type=what,
+            x=x,
+            y=y,
+            button="left",
+            buttons=0 if what == "mouseReleased" else 1,
+            clickCount=1,
+        )
 
     def key(self, name: str, control: bool = False, shift: bool = False) -> None:
         """A key, down and up."""
         code = _CODES.get(name) or ord(name.upper())
         modifiers = 2 * control + 8 * shift
         for what in ("rawKeyDown", "keyUp"):
-            self.command("Input.dispatchKeyEvent", type=what, key=name.upper() if shift and len(name) == 1 else name,
-                         code=name if len(name) > 1 else f"Key{name.upper()}", windowsVirtualKeyCode=code,
-                         modifiers=modifiers)  # fmt: skip
+            self.command(
+                "Input.dispatchKeyEvent",
+                type=what,
+                key=name.upper() if shift and len(name) == 1 else name,
+                code=name if len(name) > 1 else f"Key{name.upper()}",
+                windowsVirtualKeyCode=code,
+                modifiers=modifiers,
+            )
 
     def updates(self, path: str, values: Sequence[float]) -> None:
         """Set a value many times as a slider does, each after the answer to the last; the last is let go."""
@@ -139,8 +183,9 @@ class Page:
             ".then(async ([live, controls]) => { for (var k = 0; k < values.length; k++) {"
             " var v = Number(values[k].toFixed(6)); controls.take(path, {value: v, text: String(v)});"
             " live.change({[path]: v}, k === values.length - 1); await live.quiet(); } done(); });",
-            path, list(values),
-        )  # fmt: skip
+            path,
+            list(values),
+        )
         self.quiet()
 
     def heap(self) -> float:
@@ -163,7 +208,13 @@ class Page:
 
     def requests(self) -> list[str]:
         """The addresses that were asked for."""
-        messages = [json.loads(entry["message"])["message"] for entry in self.browser.get_log("performance")]
-        found = [m["params"]["request"]["url"] for m in messages if m["method"] == "Network.requestWillBeSent"]
+        messages = [
+            json.loads(entry["message"])["message"] for entry in self.browser.get_log("performance")
+        ]
+        found = [
+            m["params"]["request"]["url"]
+            for m in messages
+            if m["method"] == "Network.requestWillBeSent"
+        ]
         found += [m["params"]["url"] for m in messages if m["method"] == "Network.webSocketCreated"]
         return [url for url in found if not url.startswith(("chrome", "about:"))]

@@ -27,19 +27,36 @@ def desk_of(folder: Path, template: str = "wedge") -> Desk:
 
 def controls_of(design: Design, opened: Design) -> dict[str, Any]:
     """Every control by its path."""
-    return {control["path"]: control for group in groups_of(design, opened) for control in group["controls"]}
+    return {
+        control["path"]: control
+        for group in groups_of(design, opened)
+        for control in group["controls"]
+    }
 
 
 def _scope(kind: str, path: str, headers: Mapping[str, str]) -> dict[str, Any]:
     named = [(name.encode(), value.encode("latin-1")) for name, value in headers.items()]
     return {
-        "type": kind, "path": path, "raw_path": path.encode(), "query_string": b"", "headers": named, "root_path": "",
-        "scheme": "http" if kind == "http" else "ws", "http_version": "1.1", "method": "GET", "subprotocols": [],
-        "server": ("127.0.0.1", PORT), "client": ("127.0.0.1", 50000), "state": {}, "extensions": {},
-    }  # fmt: skip
+        "type": kind,
+        "path": path,
+        "raw_path": path.encode(),
+        "query_string": b"",
+        "headers": named,
+        "root_path": "",
+        "scheme": "http" if kind == "http" else "ws",
+        "http_version": "1.1",
+        "method": "GET",
+        "subprotocols": [],
+        "server": ("127.0.0.1", PORT),
+        "client": ("127.0.0.1", 50000),
+        "state": {},
+        "extensions": {},
+    }
 
 
-async def got(desk: Desk, path: str, headers: Mapping[str, str] | None = None) -> tuple[int, dict[str, str], bytes]:
+async def got(
+    desk: Desk, path: str, headers: Mapping[str, str] | None = None
+) -> tuple[int, dict[str, str], bytes]:
     """Status, headers and body of a GET."""
     sent: list[Any] = []
 
@@ -49,7 +66,9 @@ async def got(desk: Desk, path: str, headers: Mapping[str, str] | None = None) -
     async def send(message: Any) -> None:
         sent.append(message)
 
-    await application(desk)(_scope("http", path, {"host": HOST} if headers is None else headers), receive, send)
+    await application(desk)(
+        _scope("http", path, {"host": HOST} if headers is None else headers), receive, send
+    )
     head = {name.decode().lower(): value.decode() for name, value in sent[0]["headers"]}
     return sent[0]["status"], head, b"".join(part.get("body", b"") for part in sent[1:])
 
@@ -57,7 +76,9 @@ async def got(desk: Desk, path: str, headers: Mapping[str, str] | None = None) -
 class Page:
     """One open page: `async with Page(desk) as page`; `closed` has the code where it is refused."""
 
-    def __init__(self, desk: Desk, path: str = f"/{TOKEN}/link", headers: Mapping[str, str] = OWN) -> None:
+    def __init__(
+        self, desk: Desk, path: str = f"/{TOKEN}/link", headers: Mapping[str, str] = OWN
+    ) -> None:
         self.desk, self.scope = desk, _scope("websocket", path, headers)
         self.to: asyncio.Queue[Any] = asyncio.Queue()
         self.back: asyncio.Queue[Any] = asyncio.Queue()
@@ -66,7 +87,9 @@ class Page:
         self.events: list[dict[str, Any]] = []
 
     async def __aenter__(self) -> "Page":
-        self.task = asyncio.create_task(application(self.desk)(self.scope, self.to.get, self.back.put))
+        self.task = asyncio.create_task(
+            application(self.desk)(self.scope, self.to.get, self.back.put)
+        )
         await self.to.put({"type": "websocket.connect"})
         first = await asyncio.wait_for(self.back.get(), 20)
         if first["type"] == "websocket.close":

@@ -18,11 +18,19 @@ connect = pytest.importorskip("websockets.asyncio.client").connect
 @pytest.mark.slow
 def test_it_serves_this_machine_alone_and_ends_by_ctrl_c(tmp_path):
     file = tmp_path / "my wall.yaml"
-    file.write_text("slopekit: 1\nkind: wedge\njoints: {J1: {plane: 45/115}, J2: {plane: 45/245}}\n", encoding="utf-8")
-    own = os.environ | {"XDG_STATE_HOME": str(tmp_path / "state"), "LOCALAPPDATA": str(tmp_path / "state"),
-                        "PYTHONUNBUFFERED": "1"}  # fmt: skip
+    file.write_text(
+        "slopekit: 1\nkind: wedge\njoints: {J1: {plane: 45/115}, J2: {plane: 45/245}}\n",
+        encoding="utf-8",
+    )
+    own = os.environ | {
+        "XDG_STATE_HOME": str(tmp_path / "state"),
+        "LOCALAPPDATA": str(tmp_path / "state"),
+        "PYTHONUNBUFFERED": "1",
+    }
     command = [sys.executable, "-m", "slopekit.cli", "app", str(file), "--no-browser"]
-    run = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=own)
+    run = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=own
+    )
     try:
         address = next(word for word in run.stdout.readline().split() if word.startswith("http"))
         host, token = address.split("/")[2:4]
@@ -30,9 +38,13 @@ def test_it_serves_this_machine_alone_and_ends_by_ctrl_c(tmp_path):
         assert len(token) == 32
 
         async def scene():
-            async with connect(f"ws://{host}/{token}/link", origin=f"http://{host}", max_size=None) as link:
+            async with connect(
+                f"ws://{host}/{token}/link", origin=f"http://{host}", max_size=None
+            ) as link:
                 first = [json.loads(await link.recv())["of"] for _ in range(3)]
-                await link.send(json.dumps({"id": 1, "do": "set", "values": {"joints.J1.plane.dip": 50}}))
+                await link.send(
+                    json.dumps({"id": 1, "do": "set", "values": {"joints.J1.plane.dip": 50}})
+                )
                 return first, json.loads(await link.recv())
 
         first, answer = asyncio.run(scene())
@@ -65,7 +77,9 @@ def test_what_cannot_be_served_is_said_by_code(arguments, code, tmp_path):
 
 
 def test_a_design_with_faults_is_not_opened(tmp_path):
-    (tmp_path / "bad.yaml").write_text("slopekit: 1\nkind: wedge\njoints: {J1: {plane: 95/115}}\n", encoding="utf-8")
+    (tmp_path / "bad.yaml").write_text(
+        "slopekit: 1\nkind: wedge\njoints: {J1: {plane: 95/115}}\n", encoding="utf-8"
+    )
     run = slopekit("app", "bad.yaml", "--no-browser", cwd=tmp_path)
     assert run.returncode == 2
     assert run.stderr.startswith("E1")

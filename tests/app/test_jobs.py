@@ -6,7 +6,7 @@ import threading
 import pytest
 
 from slopekit.app.desk import jobs_of
-from slopekit.app.jobs import WHAT, Jobs, run_job
+from slopekit.app.jobs import JOBS, Jobs, run_job
 from slopekit.app.session import Session, opened_template
 from slopekit.core.errors import DesignError
 from slopekit.design.reading.files import with_values
@@ -24,13 +24,18 @@ def silent(done, total, words):
 
 
 def test_a_curve_is_both_methods_at_each_value():
-    moment, told = Session(opened_template("wedge")).now, []
-    found = run_job("curve", moment, {"path": DIP, "low": 10, "high": 50, "points": 5},
-                    lambda *said: told.append(said))  # fmt: skip
+    moment, told = Session(opened_template("wedge")).moment, []
+    found = run_job(
+        "curve",
+        moment,
+        {"path": DIP, "low": 10, "high": 50, "points": 5},
+        lambda *said: told.append(said),
+    )
     assert found["x"] == [10.0, 20.0, 30.0, 40.0, 50.0]
     assert (found["now"], found["label"], found["unit"]) == (45.0, "dip of J1", "°")
-    for value, limit, closed, status in zip(found["x"], found["limit"], found["closed_form"], found["status"],
-                                            strict=True):  # fmt: skip
+    for value, limit, closed, status in zip(
+        found["x"], found["limit"], found["closed_form"], found["status"], strict=True
+    ):
         if limit is None:
             assert status == "E205"
             continue
@@ -41,23 +46,45 @@ def test_a_curve_is_both_methods_at_each_value():
 
 
 def test_a_curve_goes_by_default_where_the_slider_goes():
-    found = run_job("curve", Session(opened_template("footing")).now, {"path": "weak_plane.pairs", "points": 6}, silent)
+    found = run_job(
+        "curve",
+        Session(opened_template("footing")).moment,
+        {"path": "weak_plane.pairs", "points": 6},
+        silent,
+    )
     assert all(value == int(value) for value in found["x"])  # of what counts whole numbers
-    found = run_job("curve", Session(opened_template("wedge")).now, {"path": "water.fill", "points": 3}, silent)
+    found = run_job(
+        "curve",
+        Session(opened_template("wedge")).moment,
+        {"path": "water.fill", "points": 3},
+        silent,
+    )
     assert found["x"] == [0.0, 0.5, 1.0]
 
 
 def test_a_probability_is_that_of_the_study_with_the_scatter_put_in():
-    moment = Session(opened_template("wedge")).now
-    scatter = {"strength.weak.phi": {"dist": "normal", "sd": 5}, "strength.weak.c": {"dist": "uniform", "min": 0,
-                                                                                    "max": 20}}  # fmt: skip
+    moment = Session(opened_template("wedge")).moment
+    scatter = {
+        "strength.weak.phi": {"dist": "normal", "sd": 5},
+        "strength.weak.c": {"dist": "uniform", "min": 0, "max": 20},
+    }
     found = run_job("probability", moment, {"samples": 500, "seed": 4, "scatter": scatter}, silent)
-    own = prob(with_values(moment.design, {"strength.weak.phi": {"dist": "normal", "mean": 20, "sd": 5},
-                                           "strength.weak.c": {"dist": "uniform", "min": 0, "max": 20}}),
-               500, seed=4)  # fmt: skip
+    own = prob(
+        with_values(
+            moment.design,
+            {
+                "strength.weak.phi": {"dist": "normal", "mean": 20, "sd": 5},
+                "strength.weak.c": {"dist": "uniform", "min": 0, "max": 20},
+            },
+        ),
+        500,
+        seed=4,
+    )
     assert (found["pf"], found["low"], found["high"]) == (
-        own.all_samples.share, own.all_samples.low, own.all_samples.high,
-    )  # fmt: skip
+        own.all_samples.share,
+        own.all_samples.low,
+        own.all_samples.high,
+    )
     assert found["pf_closed_form"] == own.by_closed_form.share
     assert not {"pf_of", "confirm"} & set(found)
     assert 0.0 < found["pf"] < 0.5
@@ -67,20 +94,22 @@ def test_a_probability_is_that_of_the_study_with_the_scatter_put_in():
 
 @pytest.mark.slow
 def test_a_scatter_of_the_design_can_be_taken_out():
-    moment = Session(opened_template("wedge-scatter")).now
+    moment = Session(opened_template("wedge-scatter")).moment
     given = dict.fromkeys(("strength.clay.phi.mean", "strength.clay.c"))
     found = run_job("probability", moment, {"samples": 200, "scatter": given}, silent)
     names = [one["label"] for one in found["sensitivity"]]
     assert not any("clay" in name for name in names)
     assert any("rough" in name for name in names)
-    means = with_values(moment.design, {"strength.clay.phi": 24.0, "strength.clay.c": 15.0})  # as the template has them
+    means = with_values(
+        moment.design, {"strength.clay.phi": 24.0, "strength.clay.c": 15.0}
+    )  # as the template has them
     assert found["pf"] == prob(means, 200).all_samples.share
     assert found["histogram"]["edges"] == prob(means, 200).to_dict()["histogram"]["edges"]
 
 
 @pytest.mark.slow
 def test_bolts_are_those_of_the_study():
-    moment = Session(opened_template("wedge")).now
+    moment = Session(opened_template("wedge")).moment
     found = run_job("support", moment, {"fos": 1.6}, silent)
     own = support(moment.design, 1.6, acts="active").cases[0]
     assert found["force"] == own.force
@@ -93,34 +122,43 @@ def test_bolts_are_those_of_the_study():
 @pytest.mark.parametrize(
     ("what", "options"),
     [
-        ("rm", {}), ("curve", {}), ("curve", {"path": DIP, "points": 1}), ("curve", {"path": DIP, "points": 10**9}),
-        ("curve", {"path": DIP, "low": 5, "high": 4}), ("curve", {"path": DIP, "low": "x"}),
-        ("probability", {"samples": 10**9}), ("probability", {"scatter": [1]}), ("probability", {"samples": True}),
-        ("probability", {"scatter": {DIP: {"dist": "normal", "evil": 1}}}), ("support", {"fos": "x"}),
+        ("rm", {}),
+        ("curve", {}),
+        ("curve", {"path": DIP, "points": 1}),
+        ("curve", {"path": DIP, "points": 10**9}),
+        ("curve", {"path": DIP, "low": 5, "high": 4}),
+        ("curve", {"path": DIP, "low": "x"}),
+        ("probability", {"samples": 10**9}),
+        ("probability", {"scatter": [1]}),
+        ("probability", {"samples": True}),
+        ("probability", {"scatter": {DIP: {"dist": "normal", "evil": 1}}}),
+        ("support", {"fos": "x"}),
     ],
-)  # fmt: skip
+)
 def test_options_that_are_none_are_refused(what, options):
     with pytest.raises(DesignError) as error:
-        run_job(what, Session(opened_template("wedge")).now, options, silent)
+        run_job(what, Session(opened_template("wedge")).moment, options, silent)
     assert error.value.codes == ("E541",)
 
 
 @pytest.mark.parametrize(
     ("what", "options", "code"),
     [
-        ("curve", {"path": "a.b"}, "E310"), ("probability", {"samples": 100}, "E302"),
-        ("probability", {"scatter": {DIP: {"dist": "normal", "sd": -1}}}, "E186"), ("support", {"acts": "x"}, "E307"),
+        ("curve", {"path": "a.b"}, "E310"),
+        ("probability", {"samples": 100}, "E302"),
+        ("probability", {"scatter": {DIP: {"dist": "normal", "sd": -1}}}, "E186"),
+        ("support", {"acts": "x"}, "E307"),
     ],
-)  # fmt: skip
+)
 def test_what_studies_refuse_is_said_by_their_codes(what, options, code):
     with pytest.raises(DesignError) as error:
-        run_job(what, Session(opened_template("wedge")).now, options, silent)
+        run_job(what, Session(opened_template("wedge")).moment, options, silent)
     assert code in error.value.codes
 
 
 def test_every_kind_can_start_what_there_is_for_it():
     for kind in KINDS:
-        assert set(jobs_of(kind)) <= set(WHAT)
+        assert set(jobs_of(kind)) <= set(JOBS)
         assert ("support" in jobs_of(kind)) == (kind in ("wedge", "plane"))
 
 
@@ -147,7 +185,9 @@ def test_a_job_is_done_over_there_cancel_ends_it_and_the_next_one_works(tmp_path
                 ended = said if said["of"] == "done" else ended
                 cancelled = said if said.get("id") == number else cancelled
             assert not process.is_alive()
-            curve = (await page.ask(do="start", job="curve", path="slope.height", points=200))["job"]
+            curve = (await page.ask(do="start", job="curve", path="slope.height", points=200))[
+                "job"
+            ]
             await page.ask(do="cancel", job=curve)
             while True:  # one that is ended at once is ended too
                 said = await page.hear() if not page.events else page.events.pop()
@@ -178,7 +218,9 @@ def test_a_process_that_dies_is_said_and_not_waited_for():
         if event["of"] == "done":
             ended.set()
 
-    jobs.start("curve", Session(opened_template("wedge")).now, {"path": DIP, "points": 400}, hear)
+    jobs.start(
+        "curve", Session(opened_template("wedge")).moment, {"path": DIP, "points": 400}, hear
+    )
     jobs.process.kill()
     assert ended.wait(30)
     assert heard[-1]["faults"][0]["code"] == "E544"

@@ -49,9 +49,15 @@ def design(tmp_path_factory) -> Path:
 @pytest.fixture(scope="module")
 def address(design, tmp_path_factory):
     own = {**os.environ, "PYTHONUNBUFFERED": "1", "HOME": str(tmp_path_factory.mktemp("home"))}
-    own |= {"XDG_STATE_HOME": own["HOME"], "XDG_CACHE_HOME": own["HOME"], "XDG_DATA_HOME": own["HOME"]}
+    own |= {
+        "XDG_STATE_HOME": own["HOME"],
+        "XDG_CACHE_HOME": own["HOME"],
+        "XDG_DATA_HOME": own["HOME"],
+    }
     command = [sys.executable, "-m", "slopekit.cli", "app", str(design), "--no-browser"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, env=own) as server:
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, env=own
+    ) as server:
         try:
             assert server.stdout is not None
             said = server.stdout.readline()
@@ -77,7 +83,9 @@ def loaded(browser, address):
 def page(loaded):
     """The page with the design as it was written, at its desk's width."""
     loaded.wide(1120, 560)
-    loaded.script("document.getElementById('view').style.setProperty('--view-height', '90px')")  # drawn by software
+    loaded.script(
+        "document.getElementById('view').style.setProperty('--view-height', '90px')"
+    )  # drawn by software
     loaded.ask("open", yaml=DESIGN, name="wall.yaml")
     loaded.tab("design")
     assert loaded.fos() == "1.557"
@@ -87,27 +95,39 @@ def page(loaded):
 
 def expected(page, **given) -> str:
     """The factor of the library for the values that stand on the page."""
-    dips = [f"{page.value(f'joints.{name}.plane.dip')}/{page.value(f'joints.{name}.plane.dip_direction')}"
-            for name in ("J1", "J2")]  # fmt: skip
-    found = sk.wedge(dips=dips, c=page.value(C), phi=page.value(PHI), height=64.89, density=2600, **given)
+    dips = [
+        f"{page.value(f'joints.{name}.plane.dip')}/{page.value(f'joints.{name}.plane.dip_direction')}"
+        for name in ("J1", "J2")
+    ]
+    found = sk.wedge(
+        dips=dips, c=page.value(C), phi=page.value(PHI), height=64.89, density=2600, **given
+    )
     return f"{found.fos.limit:.3f}"
 
 
 def test_it_asks_no_one_but_this_machine_and_leaves_one_name(browser, address, loaded) -> None:
     asked = loaded.requests()
     assert len(asked) > 10
-    assert all(url.startswith((address, address.replace("http", "ws", 1), "data:")) for url in asked), asked
+    assert all(
+        url.startswith((address, address.replace("http", "ws", 1), "data:")) for url in asked
+    ), asked
     assert loaded.complaints() == []
     bare = "return Object.getOwnPropertyNames(window)"
     ours = set(loaded.script(bare))
     frame = "var f = document.createElement('iframe'); document.body.append(f);"
     known = set(
-        loaded.script(f"try {{ {frame} {bare.replace('window', 'f.contentWindow')} }} finally {{ f.remove(); }}")
+        loaded.script(
+            f"try {{ {frame} {bare.replace('window', 'f.contentWindow')} }} finally {{ f.remove(); }}"
+        )
     )
     driver_own = {"ret_nodes"}
-    found = {name for name in ours - known - driver_own if not name.isdigit() and "cdc_" not in name}
+    found = {
+        name for name in ours - known - driver_own if not name.isdigit() and "cdc_" not in name
+    }
     assert found == {"slopekitView"}
-    inline = "[style]:not(#view):not(#view *):not(input):not(i), [onclick], style, script:not([src])"
+    inline = (
+        "[style]:not(#view):not(#view *):not(input):not(i), [onclick], style, script:not([src])"
+    )
     assert loaded.script("return document.querySelectorAll(arguments[0]).length", inline) == 0
 
 
@@ -157,18 +177,25 @@ def test_a_pole_is_dragged(page) -> None:
     assert page.fos() == expected(page) != "1.557"
     shown = page.script("return document.querySelector('#planes td').textContent")
     dip, direction = (float(part) for part in shown.split("/"))
-    assert (dip, direction) == (page.value("joints.J1.plane.dip"), page.value("joints.J1.plane.dip_direction"))
+    assert (dip, direction) == (
+        page.value("joints.J1.plane.dip"),
+        page.value("joints.J1.plane.dip_direction"),
+    )
 
 
 def test_the_net_is_equal_area_and_of_the_lower_hemisphere(page) -> None:
     """Lambert's azimuthal projection: a line at colatitude t from straight down lies at R sqrt(2) sin(t / 2)."""
-    found = page.modules("net.js", "m.place(295, 45).concat(m.place(0, 90), Object.values(m.planeAt(-30, -20)))")
+    found = page.modules(
+        "net.js", "m.place(295, 45).concat(m.place(0, 90), Object.values(m.planeAt(-30, -20)))"
+    )
     r = 100 * 2**0.5 * 0.3826834323650898  # sin 22.5°
     assert found[:2] == pytest.approx([r * -0.9063077870366499, -r * 0.42261826174069944], abs=1e-9)
     assert found[2:4] == pytest.approx([0, 0], abs=1e-9)
     again = page.modules("net.js", f"m.place({found[5]} + 180, 90 - {found[4]})")
     assert again == pytest.approx([-30, -20], abs=1e-9)
-    x, y = page.script("var m = document.querySelector('.pole').transform.baseVal[0].matrix; return [m.e, m.f]")
+    x, y = page.script(
+        "var m = document.querySelector('.pole').transform.baseVal[0].matrix; return [m.e, m.f]"
+    )
     assert [x, y] == pytest.approx([r * -0.9063077870366499, -r * 0.42261826174069944], abs=0.02)
 
 
@@ -192,7 +219,12 @@ def test_a_fault_stands_in_words_and_undo_takes_it_back(page) -> None:
     assert "daylight" in said or "no wedge" in said or "line" in said
     assert re.search(r"E\d{3}", said)
     assert "dimmed" in page.script("return document.getElementById('view').className")
-    assert page.script("return document.querySelector('.pole[data-name=J1]').getAttribute('aria-disabled')") == "false"
+    assert (
+        page.script(
+            "return document.querySelector('.pole[data-name=J1]').getAttribute('aria-disabled')"
+        )
+        == "false"
+    )
     assert "No answer" in page.text("spoken")
     page.script("document.getElementById('undo').click()")
     page.until(lambda: page.fos() == "1.557")
@@ -202,7 +234,9 @@ def test_a_fault_stands_in_words_and_undo_takes_it_back(page) -> None:
 def test_a_box_takes_units_and_says_what_it_does_not_know(page) -> None:
     page.type(C, "0.06 MPa")
     page.quiet()
-    expected_now = f"{sk.wedge(dips=('45/115', '45/245'), c=60, phi=20, density=2600).fos.limit:.3f}"
+    expected_now = (
+        f"{sk.wedge(dips=('45/115', '45/245'), c=60, phi=20, density=2600).fos.limit:.3f}"
+    )
     page.until(lambda: page.fos() == expected_now)
     page.type(C, "60 parsec")
     page.until(lambda: page.script("return document.querySelectorAll('.fault').length") > 0)
@@ -213,16 +247,24 @@ def test_nothing_refused_and_nothing_old_stands_beside_a_number(page) -> None:
     page.type("rock.density", "{")
     page.quiet()
     assert page.fos() == "no answer"
-    assert page.script("return document.querySelectorAll('#answer .numbers, #answer .badge').length") == 0
+    assert (
+        page.script("return document.querySelectorAll('#answer .numbers, #answer .badge').length")
+        == 0
+    )
     assert page.script("return document.getElementById('c-rock.density-box').value") == "2600 kg/m3"
     page.type("water.fill", "70 %")
     page.quiet()
-    assert page.script("return document.getElementById('c-water.mode').selectedOptions[0].textContent") == "by fill"
+    assert (
+        page.script("return document.getElementById('c-water.mode').selectedOptions[0].textContent")
+        == "by fill"
+    )
     page.tab("support")
     page.script("document.getElementById('support-run').click()")
     page.until(lambda: page.script("return !!document.getElementById('add-bolts')"), 60)
     page.tab("curve")
-    page.until(lambda: page.script("return !!document.querySelector('#screen-curve .dot .name')"), 60)
+    page.until(
+        lambda: page.script("return !!document.querySelector('#screen-curve .dot .name')"), 60
+    )
     marked = "return [...document.querySelectorAll('.earlier')].map(e => e.parentElement.id)"
     assert page.script(marked) == []
     page.type("joints.J1.plane.dip", "95")
@@ -232,7 +274,9 @@ def test_nothing_refused_and_nothing_old_stands_beside_a_number(page) -> None:
 
 def test_a_wrong_file_is_said_in_the_dialog_that_asked_for_it(page, tmp_path) -> None:
     wrong = tmp_path / "wrong.yaml"
-    wrong.write_text(DESIGN.replace("45/115", "95/115").replace("density", "densty"), encoding="utf-8")
+    wrong.write_text(
+        DESIGN.replace("45/115", "95/115").replace("density", "densty"), encoding="utf-8"
+    )
     page.script("document.getElementById('open').click()")
     page.browser.find_element("css selector", "dialog input[type=file]").send_keys(str(wrong))
     page.until(lambda: page.script("return document.querySelectorAll('dialog .fault').length") == 2)
@@ -244,11 +288,19 @@ def test_a_wrong_file_is_said_in_the_dialog_that_asked_for_it(page, tmp_path) ->
 
 
 def test_what_governs_leads_to_its_slider(page) -> None:
-    page.script("[...document.querySelectorAll('.governs button')].find(b => b.textContent.includes('φ')).click()")
+    page.script(
+        "[...document.querySelectorAll('.governs button')].find(b => b.textContent.includes('φ')).click()"
+    )
     assert page.script("return document.activeElement.id") == f"c-{PHI}"
-    page.script("var f = document.getElementById('filter'); f.value = 'cohesion'; f.dispatchEvent(new Event('input'))")
-    shown = page.script("return [...document.querySelectorAll('.control:not([hidden])')].map(c => c.dataset.path)")
-    page.script("var f = document.getElementById('filter'); f.value = ''; f.dispatchEvent(new Event('input'))")
+    page.script(
+        "var f = document.getElementById('filter'); f.value = 'cohesion'; f.dispatchEvent(new Event('input'))"
+    )
+    shown = page.script(
+        "return [...document.querySelectorAll('.control:not([hidden])')].map(c => c.dataset.path)"
+    )
+    page.script(
+        "var f = document.getElementById('filter'); f.value = ''; f.dispatchEvent(new Event('input'))"
+    )
     assert shown == [C]
 
 
@@ -273,7 +325,11 @@ def test_a_title_is_text_and_nothing_else(page) -> None:
     assert page.script("return document.querySelectorAll('img').length") == 1
     assert page.script("return document.title") == f"{title} · slopekit"
     page.type(C, "<img src=x> kPa")  # a fault repeats what was written
-    page.until(lambda: "<img" in page.script("return (document.querySelector('.fault') || {}).innerText || ''"))
+    page.until(
+        lambda: (
+            "<img" in page.script("return (document.querySelector('.fault') || {}).innerText || ''")
+        )
+    )
     assert page.script("return document.querySelectorAll('img').length") == 1
 
 
@@ -284,8 +340,11 @@ def test_save_shows_its_diff_first(page, browser, address, design) -> None:
     page.quiet()
     page.script("document.getElementById('save').click()")
     page.until(lambda: page.script("return !!document.querySelector('dialog .diff .plus')"))
-    page.script("var f = document.getElementById('save-file'); f.value = arguments[0];"
-                " f.dispatchEvent(new Event('change'))", str(target))  # fmt: skip
+    page.script(
+        "var f = document.getElementById('save-file'); f.value = arguments[0];"
+        " f.dispatchEvent(new Event('change'))",
+        str(target),
+    )
     page.until(lambda: page.script("return !document.getElementById('save-go').disabled"))
     shown = page.script("return document.querySelector('dialog .diff').textContent")
     assert "+  weak: {c: 50 kPa, phi: 22}   # of the paper" in shown
@@ -311,7 +370,9 @@ def test_tabs_go_by_the_keyboard_and_the_page_is_dark_on_demand(page) -> None:
     page.script("document.getElementById('tab-design').focus()")
     page.key("ArrowLeft")
     assert page.script("return document.activeElement.id") == "tab-handover"
-    assert page.script("return document.querySelectorAll('[role=tabpanel]:not([hidden])').length") == 1
+    assert (
+        page.script("return document.querySelectorAll('[role=tabpanel]:not([hidden])').length") == 1
+    )
     page.key("Home")
     assert page.script("return document.querySelector('[aria-selected=true]').id") == "tab-design"
     ground = "return getComputedStyle(document.body).backgroundColor"
@@ -324,23 +385,36 @@ def test_tabs_go_by_the_keyboard_and_the_page_is_dark_on_demand(page) -> None:
 
 def test_a_curve_with_its_dot_and_a_probability(page) -> None:
     page.tab("curve")
-    page.until(lambda: page.script("return !!document.querySelector('#screen-curve .dot .name')"), 60)
+    page.until(
+        lambda: page.script("return !!document.querySelector('#screen-curve .dot .name')"), 60
+    )
     assert page.script("return document.querySelector('.dot .name').textContent") == "1.557"
     before = page.script("return document.querySelector('.dot circle').getAttribute('cx')")
     page.type(PHI, "25")
     page.quiet()
-    assert page.script("return document.querySelector('.dot .name').textContent") == page.fos() == expected(page)
+    assert (
+        page.script("return document.querySelector('.dot .name').textContent")
+        == page.fos()
+        == expected(page)
+    )
     assert page.script("return document.querySelector('.dot circle').getAttribute('cx')") > before
     page.tab("probability")
-    page.script("document.querySelector('#screen-probability input[type=number]').value = 64;"
-                " document.getElementById('prob-run').click()")  # fmt: skip
+    page.script(
+        "document.querySelector('#screen-probability input[type=number]').value = 64;"
+        " document.getElementById('prob-run').click()"
+    )
     page.until(lambda: page.script("return !!document.getElementById('pf')"), 60)
     assert page.text("pf").endswith("%")
     bars = page.script(
         "return [...document.querySelectorAll('#screen-probability .bar title')].map(t => t.textContent)"
     )
-    beyond = page.script("return document.querySelector('#screen-probability .chart-box').innerText")
-    out = [int(one) for one in re.findall(r"(\d+) samples lie below what is drawn, (\d+) above", beyond)[0]]
+    beyond = page.script(
+        "return document.querySelector('#screen-probability .chart-box').innerText"
+    )
+    out = [
+        int(one)
+        for one in re.findall(r"(\d+) samples lie below what is drawn, (\d+) above", beyond)[0]
+    ]
     assert sum(int(bar.rpartition(":")[2]) for bar in bars) + sum(out) == 64
 
 
@@ -349,7 +423,9 @@ def test_a_pair_of_a_survey_becomes_the_design(page, tmp_path) -> None:
     listed.write_text("name,dip,dip_direction\nA,45,115\nB,45,245\nC,50,130\n", encoding="utf-8")
     page.tab("survey")
     page.browser.find_element("id", "survey-file").send_keys(str(listed))
-    page.until(lambda: page.script("return document.querySelectorAll('.pairs tbody tr').length") > 0)
+    page.until(
+        lambda: page.script("return document.querySelectorAll('.pairs tbody tr').length") > 0
+    )
     assert page.script("return document.querySelectorAll('#screen-survey .seen').length") == 3
     factor = page.script("return document.querySelector('.pairs td.num').textContent")
     page.script("document.querySelector('.pairs button').click()")
@@ -374,7 +450,8 @@ def test_many_updates_leave_nothing_behind(page) -> None:
 
 def test_the_view_stands_in_any_element(page) -> None:
     """As in a notebook: an element is enough; a scene may follow another; what is stopped is quiet."""
-    found = page.script("""
+    found = page.script(
+        """
         var box = document.createElement('div'); document.body.append(box);
         var view = slopekitView(box), scene = arguments[0];
         var first = view.show(scene); view.show(scene); view.paper('#204060');
@@ -382,7 +459,9 @@ def test_the_view_stands_in_any_element(page) -> None:
         var legend = box.querySelector('.legend').textContent, many = box.querySelectorAll('canvas').length;
         view.stop(); var after = view.show(scene); box.remove();
         return [view.works, first, many, legend, Array.from(pixel).slice(0, 3), after];
-    """, page.scene())  # fmt: skip
+    """,
+        page.scene(),
+    )
     works, first, canvases, legend, pixel, after = found
     assert (works, first, canvases, after) == (True, True, 1, False)
     assert "J1" in legend

@@ -14,9 +14,9 @@ from dataclasses import replace
 import pytest
 
 from slopekit.app import saving
-from slopekit.app.answers import analysed, net_of
+from slopekit.app.answers import analysed_answer, net_of
 from slopekit.app.controls import values_of
-from slopekit.app.desk import Desk, Wanted
+from slopekit.app.desk import AnalysisRequest, Desk
 from slopekit.app.messages import LARGEST, LARGEST_SURVEY, parsed
 from slopekit.app.server import HEADERS, application, take
 from slopekit.app.session import Session, opened_file, opened_template
@@ -29,7 +29,14 @@ from tests.app.pages import HOST, OWN, PORT, TOKEN, Page, desk_of, got
 from tests.commands import slopekit
 
 DIP = "joints.J1.plane.dip"
-OUTSIDE = ["evil.example", f"evil.example:{PORT}", "127.0.0.1", f"127.0.0.1:{PORT + 1}", f"127.0.0.1.evil:{PORT}", ""]
+OUTSIDE = [
+    "evil.example",
+    f"evil.example:{PORT}",
+    "127.0.0.1",
+    f"127.0.0.1:{PORT + 1}",
+    f"127.0.0.1.evil:{PORT}",
+    "",
+]
 
 
 @pytest.fixture
@@ -65,17 +72,23 @@ def test_without_the_token_there_is_nothing(desk, token):
 def test_another_host_is_refused(desk, host):
     """A name that points here (DNS rebinding) is not this address."""
     assert asyncio.run(got(desk, f"/{TOKEN}/", {"host": host}))[0] == 403
-    assert asyncio.run(refused(desk, f"/{TOKEN}/link", {"host": host, "origin": f"http://{host}"})) == 4403
+    assert (
+        asyncio.run(refused(desk, f"/{TOKEN}/link", {"host": host, "origin": f"http://{host}"}))
+        == 4403
+    )
 
 
-@pytest.mark.parametrize("origin", [*(f"http://{host}" for host in OUTSIDE), f"https://{HOST}", "null", "file://"])
+@pytest.mark.parametrize(
+    "origin", [*(f"http://{host}" for host in OUTSIDE), f"https://{HOST}", "null", "file://"]
+)
 def test_another_origin_is_refused(desk, origin):
     assert asyncio.run(got(desk, f"/{TOKEN}/", {"host": HOST, "origin": origin}))[0] == 403
     assert asyncio.run(refused(desk, f"/{TOKEN}/link", {"host": HOST, "origin": origin})) == 4403
 
 
 @pytest.mark.parametrize(
-    "more", [(b"host", HOST.encode()), (b"Host", b"evil.example"), (b"origin", b"http://evil.example")]
+    "more",
+    [(b"host", HOST.encode()), (b"Host", b"evil.example"), (b"origin", b"http://evil.example")],
 )
 def test_headers_that_stand_twice_are_refused(desk, more):
     """One reader of them may take the first, another the last."""
@@ -92,7 +105,9 @@ def test_a_socket_without_an_origin_is_refused(desk):
     assert asyncio.run(refused(desk, f"/{TOKEN}/link", OWN)) is None
 
 
-@pytest.mark.parametrize("name", ["..%2fserver.py", "server.py", "index.html.j2", "../server.py", "x.js", ".js"])
+@pytest.mark.parametrize(
+    "name", ["..%2fserver.py", "server.py", "index.html.j2", "../server.py", "x.js", ".js"]
+)
 def test_no_other_file_is_given_out(desk, name):
     assert asyncio.run(got(desk, f"/{TOKEN}/static/{name}"))[0] == 404
 
@@ -108,16 +123,26 @@ async def refused(desk, path, headers):
 @pytest.mark.parametrize(
     ("text", "code"),
     [
-        ("", "E541"), ("{", "E541"), ("[]", "E541"), ("1", "E541"), ('"set"', "E541"), ("null", "E541"),
-        ('{"id": 1, "do": NaN}', "E541"), ('{"do": "set", "values": {"a": Infinity}}', "E541"),
-        ("[" * 100_000, "E541"), ('{"a":' * 13 + "1" + "}" * 13, "E541"),
+        ("", "E541"),
+        ("{", "E541"),
+        ("[]", "E541"),
+        ("1", "E541"),
+        ('"set"', "E541"),
+        ("null", "E541"),
+        ('{"id": 1, "do": NaN}', "E541"),
+        ('{"do": "set", "values": {"a": Infinity}}', "E541"),
+        ("[" * 100_000, "E541"),
+        ('{"a":' * 13 + "1" + "}" * 13, "E541"),
         ('{"a": ' + "[" * 20 + "]" * 20 + "}", "E541"),
-        ('{"a": "' + "x" * LARGEST + '"}', "E541"), ('{"do": "survey", "a": "' + "x" * LARGEST_SURVEY + '"}', "E541"),
-        ('{"a": "survey", "do": "set", "b": "' + "x" * LARGEST + '"}', "E541"), ("9" * 5000, "E541"),
-        ('{"id": 1, "do": "set", "values": {"slope.height": 1e999}}', "E541"), ('{"id": -1e999}', "E541"),
+        ('{"a": "' + "x" * LARGEST + '"}', "E541"),
+        ('{"do": "survey", "a": "' + "x" * LARGEST_SURVEY + '"}', "E541"),
+        ('{"a": "survey", "do": "set", "b": "' + "x" * LARGEST + '"}', "E541"),
+        ("9" * 5000, "E541"),
+        ('{"id": 1, "do": "set", "values": {"slope.height": 1e999}}', "E541"),
+        ('{"id": -1e999}', "E541"),
         ('{"id": ' + "9" * 400 + "}", "E541"),
     ],
-)  # fmt: skip
+)
 def test_what_is_no_message_is_refused_by_code(text, code):
     with pytest.raises(DesignError) as error:
         parsed(text)
@@ -129,23 +154,42 @@ def test_a_survey_may_be_large():
 
 
 WRONG = [
-    ({"do": "zap"}, "E541"), ({}, "E541"), ({"do": ["set"]}, "E541"), ({"do": "set"}, "E541"),
-    ({"do": "set", "values": {}}, "E541"), ({"do": "set", "values": [1]}, "E541"),
-    ({"do": "set", "values": {DIP: [1]}}, "E541"), ({"do": "set", "values": {DIP: True}}, "E541"),
-    ({"do": "set", "values": {DIP: {"dist": "normal"}}}, "E541"), ({"do": "set", "values": {"": 1}}, "E160"),
-    ({"do": "set", "values": {"slope.height": "{"}}, "E160"), ({"do": "set", "values": {"joints.3.x.y": 1}}, "E142"),
-    ({"do": "reset"}, "E541"), ({"do": "open"}, "E541"), ({"do": "open", "template": "../x"}, "E197"),
-    ({"do": "open", "yaml": "kind: ["}, "E150"), ({"do": "open", "yaml": "kind: wedge"}, "E143"),
-    ({"do": "open", "pair": 0}, "E548"), ({"do": "open", "unsaved": "x"}, "E548"), ({"do": "start"}, "E541"),
-    ({"do": "start", "job": "rm"}, "E541"), ({"do": "cancel"}, "E541"), ({"do": "cancel", "job": 7}, "E544"),
-    ({"do": "survey", "text": 1}, "E541"), ({"do": "survey", "text": ""}, "E190"), ({"do": "add_bolts"}, "E548"),
-    ({"do": "save"}, "E541"), ({"do": "save", "seen": ""}, "E547"), ({"do": "diff", "file": "a.txt"}, "E547"),
-    ({"do": "diff", "file": "~nosuchuser/x.yaml"}, "E547"), ({"do": "diff", "file": "a\x00.yaml"}, "E547"),
+    ({"do": "zap"}, "E541"),
+    ({}, "E541"),
+    ({"do": ["set"]}, "E541"),
+    ({"do": "set"}, "E541"),
+    ({"do": "set", "values": {}}, "E541"),
+    ({"do": "set", "values": [1]}, "E541"),
+    ({"do": "set", "values": {DIP: [1]}}, "E541"),
+    ({"do": "set", "values": {DIP: True}}, "E541"),
+    ({"do": "set", "values": {DIP: {"dist": "normal"}}}, "E541"),
+    ({"do": "set", "values": {"": 1}}, "E160"),
+    ({"do": "set", "values": {"slope.height": "{"}}, "E160"),
+    ({"do": "set", "values": {"joints.3.x.y": 1}}, "E142"),
+    ({"do": "reset"}, "E541"),
+    ({"do": "open"}, "E541"),
+    ({"do": "open", "template": "../x"}, "E197"),
+    ({"do": "open", "yaml": "kind: ["}, "E150"),
+    ({"do": "open", "yaml": "kind: wedge"}, "E143"),
+    ({"do": "open", "pair": 0}, "E548"),
+    ({"do": "open", "unsaved": "x"}, "E548"),
+    ({"do": "start"}, "E541"),
+    ({"do": "start", "job": "rm"}, "E541"),
+    ({"do": "cancel"}, "E541"),
+    ({"do": "cancel", "job": 7}, "E544"),
+    ({"do": "survey", "text": 1}, "E541"),
+    ({"do": "survey", "text": ""}, "E190"),
+    ({"do": "add_bolts"}, "E548"),
+    ({"do": "save"}, "E541"),
+    ({"do": "save", "seen": ""}, "E547"),
+    ({"do": "diff", "file": "a.txt"}, "E547"),
+    ({"do": "diff", "file": "~nosuchuser/x.yaml"}, "E547"),
+    ({"do": "diff", "file": "a\x00.yaml"}, "E547"),
     ({"do": "save", "seen": "", "file": "x" * 5000 + ".yaml"}, "E547"),
     ({"do": "save", "seen": "", "file": "\ud800.yaml"}, "E547"),
-
-    ({"do": "handover"}, "E541"), ({"do": "handover", "what": "exe"}, "E541"),
-]  # fmt: skip
+    ({"do": "handover"}, "E541"),
+    ({"do": "handover", "what": "exe"}, "E541"),
+]
 
 
 def test_every_verb_says_by_code_what_it_lacks(desk):
@@ -155,7 +199,10 @@ def test_every_verb_says_by_code_what_it_lacks(desk):
             for message, code in WRONG:
                 found = await page.ask(**message)
                 assert found["faults"], message
-                assert code in [fault["code"] for fault in found["faults"]], (message, found["faults"])
+                assert code in [fault["code"] for fault in found["faults"]], (
+                    message,
+                    found["faults"],
+                )
                 if message.get("do") == "set":
                     await page.ask(do="undo")
 
@@ -250,23 +297,59 @@ def test_messages_that_come_too_fast_wait(desk):
 def test_four_thousand_messages_of_any_kind_leave_it_standing(desk):
     """Mostly broken ones; each is answered, none by a bug, and nothing piles up."""
     generator = random.Random(20)
-    paths = [DIP, "slope.height", "strength.weak.phi", "title", "a.b", "", "joints.J1.plane", "water.mode", "x" * 300]
-    values = [45, 1e308, -1, "50 kPa", "", "{", "[1", "null", None, "é", "\ud800", "nan", 2**70, {"a": 1}, True]
+    paths = [
+        DIP,
+        "slope.height",
+        "strength.weak.phi",
+        "title",
+        "a.b",
+        "",
+        "joints.J1.plane",
+        "water.mode",
+        "x" * 300,
+    ]
+    values = [
+        45,
+        1e308,
+        -1,
+        "50 kPa",
+        "",
+        "{",
+        "[1",
+        "null",
+        None,
+        "é",
+        "\ud800",
+        "nan",
+        2**70,
+        {"a": 1},
+        True,
+    ]
     words = ["set", "undo", "redo", "save", "diff", "reset", "zap", "cancel", "add_bolts", 3, None]
 
     def message(k):
         kind = generator.random()
         if kind < 0.35:
-            return "".join(chr(generator.randrange(32, 0x2FF)) for _ in range(generator.randrange(12)))
+            return "".join(
+                chr(generator.randrange(32, 0x2FF)) for _ in range(generator.randrange(12))
+            )
         if kind < 0.6:
             good = json.dumps({"id": k, "do": "set", "values": {DIP: 50}})
             return good[: generator.randrange(len(good))]
         if kind < 0.97:
-            return json.dumps({"id": k, "do": generator.choice(words[5:]), "values": generator.choice(values)})
-        return json.dumps({
-            "id": k, "do": generator.choice(words), "path": generator.choice(paths), "seen": "", "final": k % 2 == 0,
-            "values": {generator.choice(paths): generator.choice(values)},
-        })  # fmt: skip
+            return json.dumps(
+                {"id": k, "do": generator.choice(words[5:]), "values": generator.choice(values)}
+            )
+        return json.dumps(
+            {
+                "id": k,
+                "do": generator.choice(words),
+                "path": generator.choice(paths),
+                "seen": "",
+                "final": k % 2 == 0,
+                "values": {generator.choice(paths): generator.choice(values)},
+            }
+        )
 
     desk.most_a_second = 100_000
 
@@ -281,7 +364,9 @@ def test_four_thousand_messages_of_any_kind_leave_it_standing(desk):
                     if k % 100 == 99:
                         await page.ask(do="zap")  # all before it are answered
                 for said in page.events:
-                    assert all(fault["code"] != "E599" for fault in said.get("faults", [])), said["faults"]
+                    assert all(fault["code"] != "E599" for fault in said.get("faults", [])), said[
+                        "faults"
+                    ]
                 page.events.clear()
                 await page.ask(do="open", template="wedge")
                 if batch in (2, 5, 9):
@@ -309,25 +394,35 @@ def test_a_page_is_greeted_with_the_design_and_its_answer(desk):
     factors = ("limit", "lowest", "closed_form", "static_bound")
     assert answer["fos"] == {name: getattr(result.fos, name) for name in factors}
     assert answer["scene"] == json.loads(json.dumps(viewer_data(result.to_dict())))
-    assert answer["net"]["planes"][0] == {"name": "J1", "dip": 45.0, "dip_direction": 115.0,
-                                          "path": "joints.J1.plane"}  # fmt: skip
+    assert answer["net"]["planes"][0] == {
+        "name": "J1",
+        "dip": 45.0,
+        "dip_direction": 115.0,
+        "path": "joints.J1.plane",
+    }
 
 
 def test_what_governs_is_the_difference_that_another_design_makes(desk):
     """The friction of both joints a degree up, by the library; the circle of the net is the least of them."""
-    answer, result = analysed(desk.session.now)
-    up = result.design.each_strength(lambda one: replace(one, friction_angle_deg=one.friction_angle_deg + 1.0))
+    answer, result = analysed_answer(desk.session.moment)
+    up = result.design.each_strength(
+        lambda one: replace(one, friction_angle_deg=one.friction_angle_deg + 1.0)
+    )
     more = analyse(up).fos.closed_form - result.fos.closed_form
     said = {path: one["text"] for one in answer["governs"] for path in one["paths"]}
     assert said["strength.weak.phi"] == f"φ +1° {more:+.2f}"
-    scattered = Session(opened_template("wedge-scatter")).now  # 24° and 33°
+    scattered = Session(opened_template("wedge-scatter")).moment  # 24° and 33°
     assert (answer["net"]["friction"], net_of(scattered, None)["friction"]) == (20.0, 24.0)
 
 
 def test_the_net_sets_the_planes_of_joint_sets():
     """Those of a bench stand under `sets`, those of a wedge under `joints`."""
-    net = net_of(Session(opened_template("bench")).now, None)
-    assert [one["path"] for one in net["planes"]] == ["sets.S1.plane", "sets.S2.plane", "sets.S3.plane"]
+    net = net_of(Session(opened_template("bench")).moment, None)
+    assert [one["path"] for one in net["planes"]] == [
+        "sets.S1.plane",
+        "sets.S2.plane",
+        "sets.S3.plane",
+    ]
 
 
 #: Above it the wedge slides on J1 and the basal joint without turning: the closed form governs, as it must for a link.
@@ -336,13 +431,22 @@ SHARED = [("joints.J2.strength", "rough"), BASAL]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("template", "sets"), [
-    ("wedge-scatter", []), ("wedge-basal", []), ("rough", SHARED), ("plane", []), ("footing", []),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("template", "sets"),
+    [
+        ("wedge-scatter", []),
+        ("wedge-basal", []),
+        ("rough", SHARED),
+        ("plane", []),
+        ("footing", []),
+    ],
+)
 def test_a_link_of_what_governs_leads_to_all_that_it_changes(template, sets):
     """Its sliders moved as it says give the factor that it says: all strengths where it is said of all."""
     design = load(path_of(template), sets)
-    answer, result = analysed(replace(Session(opened_template(template)).now, document=design.source, design=design))
+    answer, result = analysed_answer(
+        replace(Session(opened_template(template)).moment, document=design.source, design=design)
+    )
     keys = values_of(design)
     moved = 0
     for told, (name, factor, _) in zip(answer["governs"], result.comparisons.governs, strict=True):
@@ -366,26 +470,39 @@ def test_a_link_of_what_governs_leads_to_all_that_it_changes(template, sets):
 
 def test_what_moments_do_stands_on_the_page_as_on_the_sheet():
     """A wedge full of water opens a part of a joint: what that costs, and the lowest estimate beside the limit."""
-    planes = [("joints.J1.plane", "45/105"), ("joints.J2.plane", "70/235"), ("slope.face", "65/185")]
-    design = load(path_of("wedge"), [*planes, ("slope.upper", "12/195"), ("slope.height", 30), ("water.fill", 1.0)])
-    answer, result = analysed(replace(Session(opened_template("wedge")).now, document=design.source, design=design))
+    planes = [
+        ("joints.J1.plane", "45/105"),
+        ("joints.J2.plane", "70/235"),
+        ("slope.face", "65/185"),
+    ]
+    design = load(
+        path_of("wedge"),
+        [*planes, ("slope.upper", "12/195"), ("slope.height", 30), ("water.fill", 1.0)],
+    )
+    answer, result = analysed_answer(
+        replace(Session(opened_template("wedge")).moment, document=design.source, design=design)
+    )
     assert result.moments_govern
     (said,) = [one for one in result.sheet.sections if one.label == "MOMENTS"]
     assert answer["moments"] == list(said.entries) != []
     assert answer["fos"]["lowest"] == result.fos.lowest
-    dry, _ = analysed(Session(opened_template("wedge")).now)
+    dry, _ = analysed_answer(Session(opened_template("wedge")).moment)
     assert dry["moments"] == []
 
 
 def test_where_moments_govern_no_change_is_linked_and_the_page_says_why():
     """The changes are the closed form's, which is not the answer there: what the sheet says of them, in its words."""
-    answer, result = analysed(Session(opened_template("rough")).now)
+    answer, result = analysed_answer(Session(opened_template("rough")).moment)
     assert result.moments_govern
     assert result.comparisons.governs  # JSON has them, as what the closed form says
     assert answer["governs"] == []
     (said,) = next(one for one in result.sheet.sections if one.label == "SENSITIVITY").content
-    assert answer["why_no_governs"] == said == "not given: it is read from the closed form, which does not govern here"
-    governed, _ = analysed(Session(opened_template("wedge")).now)
+    assert (
+        answer["why_no_governs"]
+        == said
+        == "not given: it is read from the closed form, which does not govern here"
+    )
+    governed, _ = analysed_answer(Session(opened_template("wedge")).moment)
     assert governed["governs"]
     assert governed["why_no_governs"] == ""
 
@@ -394,15 +511,25 @@ def test_set_is_answered_with_the_number_that_the_library_gives(desk):
     async def scene():
         async with Page(desk) as page:
             await page.begin()
-            return await page.ask(do="set", values={DIP: 52, "strength.weak.c": "1 kPa"}, final=True)
+            return await page.ask(
+                do="set", values={DIP: 52, "strength.weak.c": "1 kPa"}, final=True
+            )
 
     found = asyncio.run(scene())
     own = analyse(load(path_of("wedge"), [(DIP, 52), ("strength.weak.c", "1 kPa")]))
     assert found["fos"]["limit"] == own.fos.limit
     assert found["status_words"] == own.status_text
-    assert found["values"][DIP] == {"value": 52.0, "text": "52°", "given": True, "is_default": False, "changed": True}
+    assert found["values"][DIP] == {
+        "value": 52.0,
+        "text": "52°",
+        "given": True,
+        "is_default": False,
+        "changed": True,
+    }
     judged = f" (limit {own.fos.limit:.3f})"
-    assert found["acceptance"] == [{"rule": "fos >= 1.5", "on": judged, "met": own.fos.limit >= 1.5}]
+    assert found["acceptance"] == [
+        {"rule": "fos >= 1.5", "on": judged, "met": own.fos.limit >= 1.5}
+    ]
 
 
 def test_while_it_works_only_the_newest_waits(desk):
@@ -411,7 +538,9 @@ def test_while_it_works_only_the_newest_waits(desk):
     async def scene():
         async with Page(desk) as page:
             await page.begin()
-            numbers = [page.send(do="set", values={DIP: 40 + 0.1 * k}, final=False) for k in range(30)]
+            numbers = [
+                page.send(do="set", values={DIP: 40 + 0.1 * k}, final=False) for k in range(30)
+            ]
             numbers.append(page.send(do="set", values={"slope.height": 60}, final=True))
             found = {}
             while len(found) < len(numbers):
@@ -436,7 +565,9 @@ def test_faults_are_words_with_the_control_they_are_of_and_the_net_stands(desk):
         async with Page(desk) as page:
             await page.begin()
             bad = await page.ask(do="set", values={DIP: 95})
-            none = await page.ask(do="set", values={DIP: 21, "joints.J2.plane.dip": 20, "slope.face.dip": 15})
+            none = await page.ask(
+                do="set", values={DIP: 21, "joints.J2.plane.dip": 20, "slope.face.dip": 15}
+            )
             back = [await page.ask(do="undo") for _ in range(2)]
             return bad, none, back
 
@@ -589,14 +720,14 @@ def test_what_was_not_analysed_since_it_changed_is_analysed_for_whom_it_is_hande
 
 def test_an_answer_of_a_design_that_was_left_is_not_kept(desk):
     """It comes when another is open already."""
-    moment = desk.session.now
+    moment = desk.session.moment
     found: Future = Future()
-    found.set_result(analysed(moment))
+    found.set_result(analysed_answer(moment))
     take(desk, opened_template("plane"))
-    desk._analysed(Wanted(None, {}, moment, True, {}), found)
+    desk._analysed(AnalysisRequest(None, {}, moment, True, {}), found)
     assert (desk.last, desk.result, desk.last_moment) == (None, None, None)
-    desk._analysed(Wanted(None, {}, desk.session.now, True, {}), found)
-    assert desk.last_moment is desk.session.now
+    desk._analysed(AnalysisRequest(None, {}, desk.session.moment, True, {}), found)
+    assert desk.last_moment is desk.session.moment
 
 
 @pytest.mark.parametrize(("waits", "code"), [(3, None), (4, "E544")])
@@ -644,7 +775,12 @@ def test_bad_rows_of_a_survey_are_left_out_only_where_that_is_agreed_to(desk):
     async def scene():
         async with Page(desk) as page:
             await page.begin()
-            texts = ((few, False, ""), (few, True, ""), (many, True, ""), (exchanged, True, "dip_direction,dip"))
+            texts = (
+                (few, False, ""),
+                (few, True, ""),
+                (many, True, ""),
+                (exchanged, True, "dip_direction,dip"),
+            )
             return [
                 await page.ask(do="survey", name="a.csv", text=text, skip_bad=skip, columns=columns)
                 for text, skip, columns in texts
@@ -698,7 +834,9 @@ def test_what_is_not_saved_is_offered_to_the_next_session(tmp_path):
 
 
 def test_load_cases_are_said_to_stand_aside(tmp_path):
-    text = path_of("wedge").read_text(encoding="utf-8") + "cases: {wet: {set: {water.mode: full}}}\n"
+    text = (
+        path_of("wedge").read_text(encoding="utf-8") + "cases: {wet: {set: {water.mode: full}}}\n"
+    )
     desk = desk_of(tmp_path)
 
     async def scene():
@@ -709,7 +847,9 @@ def test_load_cases_are_said_to_stand_aside(tmp_path):
 
     found, line = asyncio.run(scene())
     (tmp_path / "cases.yaml").write_text(text, encoding="utf-8")
-    ran = slopekit(*shlex.split(line["text"].replace("cases.yaml", str(tmp_path / "cases.yaml")))[1:], "--json")
+    ran = slopekit(
+        *shlex.split(line["text"].replace("cases.yaml", str(tmp_path / "cases.yaml")))[1:], "--json"
+    )
     assert json.loads(ran.stdout)["fos"]["limit"] == found["fos"]["limit"]
     assert "W427" in [notice["code"] for notice in found["notices"]]
     assert found["lead"] == "1.557"
@@ -731,7 +871,10 @@ def test_no_other_page_keeps_a_number_of_an_earlier_design(desk):
 
 
 def test_bolts_of_an_earlier_design_are_refused(desk):
-    desk.bolts = (desk.session.now, [{"force": 100.0, "toward": "0/-5", "acts": "active", "head": [0, 3, 6]}])
+    desk.bolts = (
+        desk.session.moment,
+        [{"force": 100.0, "toward": "0/-5", "acts": "active", "head": [0, 3, 6]}],
+    )
 
     async def scene():
         async with Page(desk) as page:
@@ -740,7 +883,7 @@ def test_bolts_of_an_earlier_design_are_refused(desk):
             return await page.ask(do="add_bolts")
 
     assert asyncio.run(scene())["faults"][0]["code"] == "E545"
-    assert not desk.session.now.design.bolts
+    assert not desk.session.moment.design.bolts
 
 
 def test_the_command_line_is_not_given_where_it_would_give_other_numbers(on_disk):
@@ -753,7 +896,9 @@ def test_the_command_line_is_not_given_where_it_would_give_other_numbers(on_disk
 
     assert asyncio.run(asked())["note"] == ""
     file = on_disk.session.opened.path
-    file.write_text(file.read_text(encoding="utf-8").replace("phi: 20", "phi: 30"), encoding="utf-8")
+    file.write_text(
+        file.read_text(encoding="utf-8").replace("phi: 20", "phi: 30"), encoding="utf-8"
+    )
     assert asyncio.run(asked())["faults"][0]["code"] == "E545"
     text = path_of("wedge").read_text(encoding="utf-8").replace("phi: 20", "phi: 21")
     assert "pair.yaml" in asyncio.run(asked(do="open", yaml=text, name="pair.yaml"))["note"]
@@ -781,8 +926,11 @@ def test_what_is_not_saved_is_kept_when_another_design_is_opened(desk):
 
 def test_a_kind_on_a_button_is_not_called_old_where_nothing_has_changed(tmp_path):
     desk = desk_of(tmp_path, "bench")
-    moment = desk.session.now
-    desk.last, desk.last_moment = analysed(Session(opened_template("wedge")).now)[0], moment
+    moment = desk.session.moment
+    desk.last, desk.last_moment = (
+        analysed_answer(Session(opened_template("wedge")).moment)[0],
+        moment,
+    )
 
     async def begun():
         async with Page(desk) as page:

@@ -41,7 +41,10 @@ import(script).then((it) => { window.stopIt = it.default.render({ model, el: doc
 def test_the_page_of_a_widget_in_a_browser(browser) -> None:
     widget = sk.wedge(dips=("45/115", "45/245")).view()
     browser.get("about:blank")
-    assert browser.execute_async_script(MODEL, widget._esm, json.dumps({"scene": widget.scene})) == "ok"
+    assert (
+        browser.execute_async_script(MODEL, widget._esm, json.dumps({"scene": widget.scene}))
+        == "ok"
+    )
     drawn = """const c = document.querySelector("canvas"), gl = c.getContext("webgl"), p = new Uint8Array(4 * 400);
         gl.readPixels(c.width / 2 - 10, c.height / 2 - 10, 20, 20, gl.RGBA, gl.UNSIGNED_BYTE, p);
         return new Set(p).size"""

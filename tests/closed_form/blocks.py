@@ -79,7 +79,9 @@ def block_on_incline(
     >>> block.status, round(block.factor, 4), round(block.overturning_ratio, 4)
     ('slides', 1.6128, 3.4641)
     """
-    return stack_on_incline(dip_deg, base_m, height_m, 1, cohesion_kpa, friction_angle_deg, unit_weight_kn_m3)
+    return stack_on_incline(
+        dip_deg, base_m, height_m, 1, cohesion_kpa, friction_angle_deg, unit_weight_kn_m3
+    )
 
 
 def stack_on_incline(
@@ -109,7 +111,9 @@ def stack_on_incline(
     ('slides', 1.5863, 2)
     """
     joint_cohesion = cohesion_kpa if joint_cohesion_kpa is None else joint_cohesion_kpa
-    joint_friction = friction_angle_deg if joint_friction_angle_deg is None else joint_friction_angle_deg
+    joint_friction = (
+        friction_angle_deg if joint_friction_angle_deg is None else joint_friction_angle_deg
+    )
     dip = math.radians(dip_deg)
     if dip == 0.0:
         return ClosedFormBlock("no_driving_force", None, None, math.inf)
@@ -140,7 +144,9 @@ def running_bond_wall(
     >>> wall.status, round(wall.factor, 5)
     ('slides', 1.9238)
     """
-    return block_on_incline(dip_deg, length_m, courses * course_height_m, 0.0, friction_angle_deg, 1.0)
+    return block_on_incline(
+        dip_deg, length_m, courses * course_height_m, 0.0, friction_angle_deg, 1.0
+    )
 
 
 def two_blocks(
@@ -176,7 +182,10 @@ def two_blocks(
     dips = tuple(math.radians(dip) for dip in base_dips_deg)
     tangents = tuple(math.tan(math.radians(angle)) for angle in friction_angles_deg)
     bonds = tuple(c * length for c, length in zip(cohesions_kpa, base_lengths_m, strict=True))
-    side = math.tan(math.radians(interface_friction_angle_deg)), interface_cohesion_kpa * interface_height_m
+    side = (
+        math.tan(math.radians(interface_friction_angle_deg)),
+        interface_cohesion_kpa * interface_height_m,
+    )
 
     def forces(factor: Floats) -> tuple[Floats, ...]:
         """Push, interface shear, both normals and what drives the passive block beyond its resistance."""
@@ -199,7 +208,9 @@ def two_blocks(
 
     low, high = first_loss(lambda factor: forces(factor)[4] <= 0.0)
     if math.isinf(high):
-        return ClosedFormTwoBlocks("held", None, (low, high), *(math.nan,) * 2, (math.nan,) * 2, math.nan)
+        return ClosedFormTwoBlocks(
+            "held", None, (low, high), *(math.nan,) * 2, (math.nan,) * 2, math.nan
+        )
     push, shear, active, passive, beyond = (float(x[0]) for x in forces(np.array([low or high])))
     status = "slides" if push > 0.0 else "passive_slides"
     return ClosedFormTwoBlocks(status, low, (low, high), push, shear, (active, passive), beyond)

@@ -16,7 +16,9 @@ class BlockExtents:
     height_m: float
 
 
-def block_extents(corners_m: ArrayLike, face_dip_direction_deg: float, crest_m: ArrayLike) -> BlockExtents:
+def block_extents(
+    corners_m: ArrayLike, face_dip_direction_deg: float, crest_m: ArrayLike
+) -> BlockExtents:
     """How far the corners of any block reach behind a level crest, along it and in height.
 
     Parameters
@@ -31,4 +33,6 @@ def block_extents(corners_m: ArrayLike, face_dip_direction_deg: float, crest_m: 
     to = math.radians(face_dip_direction_deg)
     behind = (corners - crest) @ np.array([-math.sin(to), -math.cos(to), 0.0])
     along = corners @ np.array([math.cos(to), -math.sin(to), 0.0])
-    return BlockExtents(max(0.0, float(behind.max())), float(np.ptp(along)), float(np.ptp(corners[:, 2])))
+    return BlockExtents(
+        max(0.0, float(behind.max())), float(np.ptp(along)), float(np.ptp(corners[:, 2]))
+    )

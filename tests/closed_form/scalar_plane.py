@@ -92,14 +92,20 @@ def plane_failure(
     >>> block.status, round(block.factor, 4)
     ('slides', 1.2467)
     """
-    corners, depth = _corners(face_dip_deg, upper_dip_deg, plane_dip_deg, height_m, crack_distance_m)
+    corners, depth = _corners(
+        face_dip_deg, upper_dip_deg, plane_dip_deg, height_m, crack_distance_m
+    )
     if water_in_crack_m > depth * (1.0 + 1e-9):
         message = f"the water stands {water_in_crack_m:.6g} m deep in a crack of {depth:.6g} m"
         raise GeometryError([Fault("E207", message, "", "Give at most the depth of the crack.")])
     turned = zip(corners, corners[1:] + corners[:1], strict=True)
     weight = unit_weight_kn_m3 * abs(sum(a[0] * b[1] - a[1] * b[0] for a, b in turned)) / 2.0
     length = math.hypot(*corners[-1])
-    mean = water_unit_weight_kn_m3 * water_in_crack_m / 2.0 if mean_pressure_kpa is None else mean_pressure_kpa
+    mean = (
+        water_unit_weight_kn_m3 * water_in_crack_m / 2.0
+        if mean_pressure_kpa is None
+        else mean_pressure_kpa
+    )
     uplift = (mean + plane_water_peak_mid_kpa / 2.0) * length
     thrust = water_unit_weight_kn_m3 * water_in_crack_m**2 / 2.0
 
@@ -110,11 +116,15 @@ def plane_failure(
         return x * math.cos(dip) - z * math.sin(dip), x * math.sin(dip) + z * math.cos(dip)
 
     along, off = on_plane(
-        thrust + seismic * weight + sum(force[0] for force in forces), sum(force[1] for force in forces) - weight
+        thrust + seismic * weight + sum(force[0] for force in forces),
+        sum(force[1] for force in forces) - weight,
     )
     size = weight + abs(uplift) + thrust + sum(math.hypot(force[0], force[1]) for force in forces)
     plane = _Plane(
-        cohesion_kpa * length, math.tan(math.radians(friction_angle_deg)), math.cos(dip) <= _SMALL, _SMALL * size
+        cohesion_kpa * length,
+        math.tan(math.radians(friction_angle_deg)),
+        math.cos(dip) <= _SMALL,
+        _SMALL * size,
     )
     load = along, off + uplift
     bolts = [on_plane(bolt[0], bolt[1]) for bolt in passive if any(bolt)]
@@ -125,7 +135,16 @@ def plane_failure(
     elif slide.driving > 0.0:
         factor = slide.resisting / slide.driving
     return ClosedFormPlane(
-        slide.status, factor, weight, slide.normal, slide.driving, slide.resisting, uplift, thrust, length, depth
+        slide.status,
+        factor,
+        weight,
+        slide.normal,
+        slide.driving,
+        slide.resisting,
+        uplift,
+        thrust,
+        length,
+        depth,
     )
 
 
@@ -153,10 +172,14 @@ def _corners(
 ) -> tuple[list[Vector], float]:
     """The block from the toe over its top to the upper end of the plane, m; the depth of the crack, m."""
     if not plane_dip < face_dip:
-        message = f"the plane dips {plane_dip:.4g}°, as steep as the face ({face_dip:.4g}°) or steeper"
+        message = (
+            f"the plane dips {plane_dip:.4g}°, as steep as the face ({face_dip:.4g}°) or steeper"
+        )
         raise GeometryError([Fault("E203", message + ": it does not daylight")])
     if not upper_dip < face_dip:
-        raise GeometryError([Fault("E209", f"the upper slope ({upper_dip:.4g}°) is as steep as the face")])
+        raise GeometryError(
+            [Fault("E209", f"the upper slope ({upper_dip:.4g}°) is as steep as the face")]
+        )
     face, upper, plane = (math.radians(dip) for dip in (face_dip, upper_dip, plane_dip))
     toe, crest = (0.0, 0.0), (-height * math.cos(face) / math.sin(face), height)
     # the depth of the plane below the ground: at the crest, and lost per metre behind it
@@ -164,7 +187,9 @@ def _corners(
     if crack is None:
         if not lost > _SMALL:
             message = f"the plane dips {plane_dip:.4g}°, not steeper than the upper slope ({upper_dip:.4g}°)"
-            raise GeometryError([Fault("E205", message + ": they never meet", "", "Give a tension crack.")])
+            raise GeometryError(
+                [Fault("E205", message + ": they never meet", "", "Give a tension crack.")]
+            )
         behind = crest[0] - at_crest / lost
         return [toe, crest, (behind, -behind * math.tan(plane))], 0.0
     at = crest[0] - crack
@@ -199,7 +224,13 @@ class _Plane:
             if math.hypot(along, off) <= self.nothing:
                 return _Slide("no_driving_force", 0.0, 0.0, 0.0)
             return _Slide("falls" if self.hangs_over else "lifted", 0.0, 0.0, 0.0)
-        status = "no_driving_force" if abs(along) <= self.nothing else "slides" if along > 0.0 else "slides_up"
+        status = (
+            "no_driving_force"
+            if abs(along) <= self.nothing
+            else "slides"
+            if along > 0.0
+            else "slides_up"
+        )
         driving = 0.0 if status == "no_driving_force" else abs(along)
         return _Slide(status, driving, -off, self.bond - off * self.tangent)
 
@@ -211,7 +242,9 @@ def _with_passive_bolts(
 
     def at(reduction: float) -> tuple[_Slide, bool]:
         slide = plane.slide(_pulled(load, bolts, reduction, size))
-        held = slide.status in ("slides", "slides_up") and reduction * slide.resisting >= slide.driving
+        held = (
+            slide.status in ("slides", "slides_up") and reduction * slide.resisting >= slide.driving
+        )
         return slide, held or slide.status == "no_driving_force"
 
     high = low = _STRONGEST * size / sum(math.hypot(*bolt) for bolt in bolts)
@@ -243,7 +276,11 @@ def _pulled(load: Vector, bolts: Sequence[Vector], reduction: float, size: float
     for _ in range(_ROUNDS):
         before = list(pulls)
         for k, (along, off) in enumerate(bolts):
-            rest = [(pull, bolt) for j, (pull, bolt) in enumerate(zip(pulls, bolts, strict=True)) if j != k]
+            rest = [
+                (pull, bolt)
+                for j, (pull, bolt) in enumerate(zip(pulls, bolts, strict=True))
+                if j != k
+            ]
             s = load[0] + sum(pull * bolt[0] for pull, bolt in rest)
             n = load[1] + sum(pull * bolt[1] for pull, bolt in rest)
             drawn = s * along + max(n, 0.0) * off  # below 0: the movement draws the bolt out

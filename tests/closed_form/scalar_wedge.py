@@ -124,9 +124,18 @@ def hoek_bray_wedge(
     elif slide.direction is not None and slide.touches != (False, False):
         factor = _resisting(slide, strength) / slide.driving
     return ClosedFormWedge(
-        slide.status, factor, slide.normal, slide.driving, _resisting(slide, strength), slide.direction, shape.areas,
-        shape.volume, weight, shape.total_height, (pushes[0], pushes[1], pushes[2]),
-    )  # fmt: skip
+        slide.status,
+        factor,
+        slide.normal,
+        slide.driving,
+        _resisting(slide, strength),
+        slide.direction,
+        shape.areas,
+        shape.volume,
+        weight,
+        shape.total_height,
+        (pushes[0], pushes[1], pushes[2]),
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,7 +149,12 @@ class _Shape:
 
     @staticmethod
     def of(
-        joints: tuple[Plane, Plane], face: Plane, upper: Plane, height: float, crack: Plane | None, distance: float
+        joints: tuple[Plane, Plane],
+        face: Plane,
+        upper: Plane,
+        height: float,
+        crack: Plane | None,
+        distance: float,
     ) -> "_Shape":
         n1, n2, nf, nu = (_normal(plane) for plane in (*joints, face, upper))
         try:
@@ -177,9 +191,13 @@ class _Shape:
         else:
             corners = [crest1, crest2, back]
         down = line if line[2] < 0.0 else _scaled(line, -1.0)
-        total = max(0.0, *(corner[2] for corner in corners)) - min(0.0, *(corner[2] for corner in corners))
+        total = max(0.0, *(corner[2] for corner in corners)) - min(
+            0.0, *(corner[2] for corner in corners)
+        )
         trend = math.atan2(down[0], down[1])
-        return _Shape((areas[0], areas[1], areas[2]), volume, total, depth, (inward[0], inward[1], n5), trend)
+        return _Shape(
+            (areas[0], areas[1], areas[2]), volume, total, depth, (inward[0], inward[1], n5), trend
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,7 +216,14 @@ def _slide(load: Vector, n1: Vector, n2: Vector, size: float) -> _Slide:
     if on1 >= 0.0 and on2 >= 0.0:
         if _length(load) <= _SMALL * size:
             return _Slide("no_driving_force", None, 0.0, (0.0, 0.0), (False, False), load)
-        return _Slide("falls" if max(n1[2], n2[2]) <= 0.0 else "lifted", None, 0.0, (0.0, 0.0), (False, False), load)
+        return _Slide(
+            "falls" if max(n1[2], n2[2]) <= 0.0 else "lifted",
+            None,
+            0.0,
+            (0.0, 0.0),
+            (False, False),
+            load,
+        )
     for k, (own, other, n) in enumerate(((on1, on2, n1), (on2, on1, n2))):
         if own < 0.0 and other - own * between >= 0.0:
             along = _add(load, n, -own)
@@ -225,7 +250,9 @@ def _resisting(slide: _Slide, strength: tuple[tuple[float, float], tuple[float, 
     bonds, tangents = strength
     return sum(
         bond + normal * tangent
-        for bond, tangent, normal, touches in zip(bonds, tangents, slide.normal, slide.touches, strict=True)
+        for bond, tangent, normal, touches in zip(
+            bonds, tangents, slide.normal, slide.touches, strict=True
+        )
         if touches
     )
 
@@ -237,9 +264,12 @@ def _pulled(load: Vector, bolts: Sequence[Vector], pulls: Sequence[float]) -> Ve
 
 
 def _with_passive_bolts(
-    load: Vector, bolts: Sequence[Vector], shape: _Shape, strength: tuple[tuple[float, float], tuple[float, float]],
+    load: Vector,
+    bolts: Sequence[Vector],
+    shape: _Shape,
+    strength: tuple[tuple[float, float], tuple[float, float]],
     size: float,
-) -> tuple[_Slide, float | None]:  # fmt: skip
+) -> tuple[_Slide, float | None]:
     """The slide and the factor with passive bolts: λ = 1/F falls from where all stands to the first loss.
 
     At each λ a bolt pulls with all of λ times its capacity where the movement draws it out, with nothing where it is
@@ -250,7 +280,8 @@ def _with_passive_bolts(
         slide = _resting(load, bolts, shape, size, reduction)
         stands = slide.direction is None and slide.status == "no_driving_force"
         return slide, stands or (
-            slide.touches != (False, False) and reduction * _resisting(slide, strength) >= slide.driving
+            slide.touches != (False, False)
+            and reduction * _resisting(slide, strength) >= slide.driving
         )
 
     high = _STRONGEST * size / sum(_length(bolt) for bolt in bolts)
@@ -279,7 +310,9 @@ def _with_passive_bolts(
     return slide, 1.0 / high
 
 
-def _resting(load: Vector, bolts: Sequence[Vector], shape: _Shape, size: float, reduction: float) -> _Slide:
+def _resting(
+    load: Vector, bolts: Sequence[Vector], shape: _Shape, size: float, reduction: float
+) -> _Slide:
     """The slide that the bolts leave, each pulling between 0 and λ times its capacity so as to leave the least."""
     pulls = [0.0] * len(bolts)
     for _ in range(_ROUNDS):
@@ -287,7 +320,11 @@ def _resting(load: Vector, bolts: Sequence[Vector], shape: _Shape, size: float, 
         for k, bolt in enumerate(bolts):
 
             def along(pull: float, k: int = k, bolt: Vector = bolt) -> float:
-                slide = _slide(_pulled(load, bolts, [*pulls[:k], pull, *pulls[k + 1 :]]), *shape.inward[:2], size)
+                slide = _slide(
+                    _pulled(load, bolts, [*pulls[:k], pull, *pulls[k + 1 :]]),
+                    *shape.inward[:2],
+                    size,
+                )
                 if slide.direction is None:
                     return 0.0 if slide.status == "no_driving_force" else _dot(slide.load, bolt)
                 return _dot(slide.direction, bolt) * slide.driving
@@ -299,7 +336,9 @@ def _resting(load: Vector, bolts: Sequence[Vector], shape: _Shape, size: float, 
                 pulls[k] = high
             else:
                 pulls[k] = _crossing(along, low, high)
-        if len(bolts) == 1 or all(abs(a - b) <= 1e-12 * reduction for a, b in zip(pulls, before, strict=True)):
+        if len(bolts) == 1 or all(
+            abs(a - b) <= 1e-12 * reduction for a, b in zip(pulls, before, strict=True)
+        ):
             break
     return _slide(_pulled(load, bolts, pulls), *shape.inward[:2], size)
 

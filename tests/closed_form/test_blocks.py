@@ -8,7 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety
-from tests.closed_form.blocks import block_on_incline, running_bond_wall, stack_on_incline, two_blocks
+from tests.closed_form.blocks import (
+    block_on_incline,
+    running_bond_wall,
+    stack_on_incline,
+    two_blocks,
+)
 
 
 def tan(degrees: float) -> float:
@@ -27,7 +32,9 @@ def test_sliding_of_one_block(dip, cohesion, friction) -> None:
     normal, shear = np.linalg.solve([[sine, -cosine], [cosine, sine]], [0.0, 24.0 * 3.0 * 0.1])
     assert block.status == "slides"
     assert block.factor == block.sliding_factor
-    assert block.factor == pytest.approx((cohesion * 3.0 + normal * tan(friction)) / shear, rel=1e-12)
+    assert block.factor == pytest.approx(
+        (cohesion * 3.0 + normal * tan(friction)) / shear, rel=1e-12
+    )
 
 
 @pytest.mark.parametrize("dip", [10.0, 30.0, 45.0, 70.0])
@@ -42,7 +49,9 @@ def test_a_block_tips_at_its_geometric_limit(dip) -> None:
     assert tips.sliding_factor == pytest.approx(stands.sliding_factor, rel=1e-8)
     for height in (0.3 * edge, 1.7 * edge):  # the same column in the other module
         block = block_on_incline(dip, 2.0, height, 5.0, 35.0, 25.0)
-        factor, status = toppling_factor_of_safety(ColumnSlope([height], 2.0, 0.0, dip, 25.0, 35.0, cohesion_kpa=5.0))
+        factor, status = toppling_factor_of_safety(
+            ColumnSlope([height], 2.0, 0.0, dip, 25.0, 35.0, cohesion_kpa=5.0)
+        )
         assert block.status == status
         assert block.factor == pytest.approx(factor, rel=1e-12)
 
@@ -61,14 +70,20 @@ def test_a_stack_of_equal_joints(count) -> None:
     assert plain.joint == 1
     bonded = stack_on_incline(30.0, 2.0, 0.01, count, 3.0, 35.0, 25.0)
     assert bonded.joint == 1
-    assert bonded.factor == pytest.approx(block_on_incline(30.0, 2.0, 0.01 * count, 3.0, 35.0, 25.0).factor, rel=1e-12)
+    assert bonded.factor == pytest.approx(
+        block_on_incline(30.0, 2.0, 0.01 * count, 3.0, 35.0, 25.0).factor, rel=1e-12
+    )
 
 
 def test_a_stack_with_weaker_joints() -> None:
     """Joint 2 of c = 2 kPa carries four of five blocks: by hand; a strong joint leaves the base in charge."""
-    stack = stack_on_incline(25.0, 2.0, 0.5, 5, 20.0, 35.0, 25.0, joint_cohesion_kpa=2.0, joint_friction_angle_deg=28.0)
+    stack = stack_on_incline(
+        25.0, 2.0, 0.5, 5, 20.0, 35.0, 25.0, joint_cohesion_kpa=2.0, joint_friction_angle_deg=28.0
+    )
     weight = 25.0 * 2.0 * 0.5 * 4
-    by_hand = (2.0 * 2.0 / weight + math.cos(math.radians(25.0)) * tan(28.0)) / math.sin(math.radians(25.0))
+    by_hand = (2.0 * 2.0 / weight + math.cos(math.radians(25.0)) * tan(28.0)) / math.sin(
+        math.radians(25.0)
+    )
     assert (stack.status, stack.joint) == ("slides", 2)
     assert stack.factor == pytest.approx(by_hand, rel=1e-12)
     strong = stack_on_incline(25.0, 2.0, 0.5, 5, 0.0, 35.0, 25.0, joint_cohesion_kpa=2.0)
@@ -97,22 +112,48 @@ def test_running_bond() -> None:
 # ---- two blocks
 
 CASES = {  # manufactured; the closed form equals a linear program to six digits (cases.json, 7c)
-    "level, smooth": (3.291798, {"weights_kn": (250.0, 1000.0), "base_dips_deg": (45.0, 0.0),
-                                 "base_lengths_m": (50.0**0.5, 10.0), "friction_angles_deg": (30.0, 30.0)}),
-    "10 degrees": (1.941039, {"weights_kn": (250.0, 20.0 * 10.0 * (5.0 + tan(10.0) * 5.0)),
-                              "base_dips_deg": (45.0, 10.0),
-                              "base_lengths_m": (50.0**0.5, 10.0 / math.cos(math.radians(10.0))),
-                              "friction_angles_deg": (30.0, 30.0)}),
-    "cohesion": (4.070999, {"weights_kn": (250.0, 1000.0), "base_dips_deg": (45.0, 0.0),
-                            "base_lengths_m": (50.0**0.5, 10.0), "friction_angles_deg": (30.0, 30.0),
-                            "cohesions_kpa": (10.0, 10.0)}),
-}  # fmt: skip
+    "level, smooth": (
+        3.291798,
+        {
+            "weights_kn": (250.0, 1000.0),
+            "base_dips_deg": (45.0, 0.0),
+            "base_lengths_m": (50.0**0.5, 10.0),
+            "friction_angles_deg": (30.0, 30.0),
+        },
+    ),
+    "10 degrees": (
+        1.941039,
+        {
+            "weights_kn": (250.0, 20.0 * 10.0 * (5.0 + tan(10.0) * 5.0)),
+            "base_dips_deg": (45.0, 10.0),
+            "base_lengths_m": (50.0**0.5, 10.0 / math.cos(math.radians(10.0))),
+            "friction_angles_deg": (30.0, 30.0),
+        },
+    ),
+    "cohesion": (
+        4.070999,
+        {
+            "weights_kn": (250.0, 1000.0),
+            "base_dips_deg": (45.0, 0.0),
+            "base_lengths_m": (50.0**0.5, 10.0),
+            "friction_angles_deg": (30.0, 30.0),
+            "cohesions_kpa": (10.0, 10.0),
+        },
+    ),
+}
 ROUGH = {
     "rough interface": {"interface_friction_angle_deg": 25.0, "interface_height_m": 5.0},
-    "bonded interface": {"interface_friction_angle_deg": 15.0, "interface_height_m": 5.0,
-                         "interface_cohesion_kpa": 4.0},
-    "climbing base": {"base_dips_deg": (50.0, -8.0), "interface_friction_angle_deg": 20.0, "cohesions_kpa": (3.0, 0.0)},
-}  # fmt: skip
+    "bonded interface": {
+        "interface_friction_angle_deg": 15.0,
+        "interface_height_m": 5.0,
+        "interface_cohesion_kpa": 4.0,
+    },
+    "climbing base": {
+        "base_dips_deg": (50.0, -8.0),
+        "interface_friction_angle_deg": 20.0,
+        "cohesions_kpa": (3.0, 0.0),
+    },
+}
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -152,7 +193,10 @@ def test_four_equations_in_world_coordinates(name, outward) -> None:
     cohesion = case.get("cohesions_kpa", (0.0, 0.0))
     side = tan(case.get("interface_friction_angle_deg", 0.0)) / factor
     bond = case.get("interface_cohesion_kpa", 0.0) * case.get("interface_height_m", 0.0) / factor
-    matrix, right = np.zeros((4, 4)), np.zeros(4)  # unknown: N1, N2, E and the mobilised tan φ of base 2, times N2
+    matrix, right = (
+        np.zeros((4, 4)),
+        np.zeros(4),
+    )  # unknown: N1, N2, E and the mobilised tan φ of base 2, times N2
     for i, (weight, dip) in enumerate(zip(case["weights_kn"], case["base_dips_deg"], strict=True)):
         slope = math.radians(dip)
         off = np.array([outward * math.sin(slope), math.cos(slope)])
@@ -165,7 +209,9 @@ def test_four_equations_in_world_coordinates(name, outward) -> None:
             matrix[rows, 3] = back
         sign = 1.0 if i == 0 else -1.0
         matrix[rows, 2] = sign * np.array([-outward, side])
-        stuck = back * cohesion[i] * case["base_lengths_m"][i] / factor + sign * np.array([0.0, bond])
+        stuck = back * cohesion[i] * case["base_lengths_m"][i] / factor + sign * np.array(
+            [0.0, bond]
+        )
         right[rows] = -stuck - np.array([0.0, -weight])
     n1, n2, push, friction = np.linalg.solve(matrix, right)
     assert found.normals_kn == pytest.approx((n1, n2), rel=1e-10)
@@ -176,10 +222,15 @@ def test_four_equations_in_world_coordinates(name, outward) -> None:
 
 def test_friction_on_the_interface_helps() -> None:
     case = CASES["level, smooth"][1]
-    factors = [two_blocks(**case, interface_friction_angle_deg=angle).factor for angle in (0, 10, 20, 30)]
+    factors = [
+        two_blocks(**case, interface_friction_angle_deg=angle).factor for angle in (0, 10, 20, 30)
+    ]
     assert factors == sorted(factors)
     assert factors[-1] > factors[0] * 1.05
-    bonds = [two_blocks(**case, interface_height_m=5.0, interface_cohesion_kpa=c).factor for c in (0, 2, 5, 10)]
+    bonds = [
+        two_blocks(**case, interface_height_m=5.0, interface_cohesion_kpa=c).factor
+        for c in (0, 2, 5, 10)
+    ]
     assert bonds == sorted(bonds)
     assert bonds[0] == factors[0] < bonds[1]
 
@@ -187,7 +238,9 @@ def test_friction_on_the_interface_helps() -> None:
 def test_limits_of_two_blocks() -> None:
     """No passive weight: the active block alone. Equal dips (nearly): one block. A climbing base holds."""
     case = CASES["level, smooth"][1]
-    assert two_blocks(**{**case, "weights_kn": (250.0, 1e-9)}).factor == pytest.approx(tan(30) / tan(45), rel=1e-9)
+    assert two_blocks(**{**case, "weights_kn": (250.0, 1e-9)}).factor == pytest.approx(
+        tan(30) / tan(45), rel=1e-9
+    )
     one = two_blocks(**{**case, "base_dips_deg": (30.0 + 1e-9, 30.0)})
     assert one.factor == pytest.approx(tan(30.0) / tan(30.0), rel=1e-9)
     held = two_blocks(**{**case, "base_dips_deg": (45.0, -60.0)})
@@ -233,11 +286,17 @@ def test_an_interface_that_carries_the_active_block() -> None:
 def test_random_two_blocks(weights, active, less, frictions, cohesions, side, scale) -> None:
     """Between the factors of the blocks alone; the same with k² weight, k length and k c; 1 with c and tan φ over F."""
     dips, lengths = (active, active - less), (5.0, 8.0)
-    found = two_blocks(weights, dips, lengths, frictions, cohesions, interface_friction_angle_deg=side)
+    found = two_blocks(
+        weights, dips, lengths, frictions, cohesions, interface_friction_angle_deg=side
+    )
     scaled = two_blocks(
-        (weights[0] * scale**2, weights[1] * scale**2), dips, (5.0 * scale, 8.0 * scale), frictions,
-        (cohesions[0] * scale, cohesions[1] * scale), interface_friction_angle_deg=side,
-    )  # fmt: skip
+        (weights[0] * scale**2, weights[1] * scale**2),
+        dips,
+        (5.0 * scale, 8.0 * scale),
+        frictions,
+        (cohesions[0] * scale, cohesions[1] * scale),
+        interface_friction_angle_deg=side,
+    )
     assert scaled.status == found.status
     if found.factor is None:
         assert dips[1] < 0.0
@@ -255,7 +314,11 @@ def test_random_two_blocks(weights, active, less, frictions, cohesions, side, sc
         return math.degrees(math.atan(tan(angle) / found.factor))
 
     again = two_blocks(
-        weights, dips, lengths, (reduced(frictions[0]), reduced(frictions[1])),
-        (cohesions[0] / found.factor, cohesions[1] / found.factor), interface_friction_angle_deg=reduced(side),
-    )  # fmt: skip
+        weights,
+        dips,
+        lengths,
+        (reduced(frictions[0]), reduced(frictions[1])),
+        (cohesions[0] / found.factor, cohesions[1] / found.factor),
+        interface_friction_angle_deg=reduced(side),
+    )
     assert again.factor == pytest.approx(1.0, abs=1e-9)

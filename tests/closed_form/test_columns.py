@@ -17,7 +17,11 @@ from slopekit.closed_form.columns import (
 from slopekit.closed_form.rotation import rotational_failure
 from slopekit.core.errors import GeometryError
 
-PAPER = {"centre": (40.0, 0.0, 40.0), "radii": (40.0, math.sqrt(800.0), 40.0), "unit_weight_kn_m3": 21.56}
+PAPER = {
+    "centre": (40.0, 0.0, 40.0),
+    "radii": (40.0, math.sqrt(800.0), 40.0),
+    "unit_weight_kn_m3": 21.56,
+}
 FACE = [(60.0, 0.0), (40.0, 0.0), (0.0, 40.0), (-20.0, 40.0)]
 FREDLUND = [(0.0, 60.0), (60.0, 60.0), (140.0, 20.0), (200.0, 20.0)]  # ft
 X = (1.0, 0.0)
@@ -40,8 +44,12 @@ def tan(degrees: float) -> float:
 def test_cap_of_a_sphere() -> None:
     """V = π h² (3R - h) / 3, A = 2πRh; below an inclined plane, its rim under the equator: to 1e-9."""
     sine, cosine = math.sin(0.4), math.cos(0.4)
-    cap = ellipsoid_columns((7.0, 3.0, 2.0), (10.0, 10.0, 10.0), [(-93.0, 2.0 + (100 * sine - 5) / cosine),
-                            (107.0, 2.0 - (100 * sine + 5) / cosine)], 20.0)  # fmt: skip
+    cap = ellipsoid_columns(
+        (7.0, 3.0, 2.0),
+        (10.0, 10.0, 10.0),
+        [(-93.0, 2.0 + (100 * sine - 5) / cosine), (107.0, 2.0 - (100 * sine + 5) / cosine)],
+        20.0,
+    )
     assert cap.weights.sum() == pytest.approx(20.0 * math.pi * 25.0 * 25.0 / 3.0, rel=1e-8)
     areas = cap.plan_areas / cap.base_normals[:, 2]
     assert areas.sum() == pytest.approx(2.0 * math.pi * 50.0, rel=1e-8)
@@ -49,10 +57,16 @@ def test_cap_of_a_sphere() -> None:
     assert middle[0] - 7.0 == pytest.approx(-3.0 * 15.0**2 / (4.0 * 25.0) * sine, rel=1e-8)
     raised = cap.weights @ (cap.base_points[:, 2] + cap.column_heights / 2.0) / cap.weights.sum()
     assert raised - 2.0 == pytest.approx(-3.0 * 15.0**2 / (4.0 * 25.0) * cosine, rel=1e-8)
-    assert np.linalg.norm(cap.base_points - [7.0, 3.0, 2.0], axis=1) == pytest.approx(10.0, rel=1e-12)
+    assert np.linalg.norm(cap.base_points - [7.0, 3.0, 2.0], axis=1) == pytest.approx(
+        10.0, rel=1e-12
+    )
     # normals point to the centre; their sum over the cap is its rim's disc
-    assert cap.base_points + 10.0 * cap.base_normals == pytest.approx(np.tile([7.0, 3.0, 2.0], (len(areas), 1)))
-    assert areas @ cap.base_normals == pytest.approx([75 * math.pi * sine, 0, 75 * math.pi * cosine], abs=1e-6)
+    assert cap.base_points + 10.0 * cap.base_normals == pytest.approx(
+        np.tile([7.0, 3.0, 2.0], (len(areas), 1))
+    )
+    assert areas @ cap.base_normals == pytest.approx(
+        [75 * math.pi * sine, 0, 75 * math.pi * cosine], abs=1e-6
+    )
     assert cap.overhung_share == 0.0
 
 
@@ -66,7 +80,12 @@ def test_normals_of_an_ellipsoid() -> None:
 
     inner = mass.base_normals[:, 2] > 0.2
     x, y = away[inner, 0], away[inner, 1]
-    slopes = np.column_stack([lower(x + 1e-5, y) - lower(x - 1e-5, y), lower(x, y + 1e-5) - lower(x, y - 1e-5)]) / 2e-5
+    slopes = (
+        np.column_stack(
+            [lower(x + 1e-5, y) - lower(x - 1e-5, y), lower(x, y + 1e-5) - lower(x, y - 1e-5)]
+        )
+        / 2e-5
+    )
     normals = np.column_stack([-slopes, np.ones(len(x))])
     normals /= np.linalg.norm(normals, axis=1)[:, None]
     assert mass.base_normals[inner] == pytest.approx(normals, abs=1e-6)
@@ -83,7 +102,10 @@ def test_mass_below_an_overhang_is_told() -> None:
 
 SCENES = [
     ((40.0, 28.0, 40.0), FACE),
-    ((38.0, 50.0, 45.0), [(-10.0, 35.0), (5.0, 38.0), (12.0, 25.0), (20.0, 25.0), (20.0, 12.0), (70.0, 5.0)]),
+    (
+        (38.0, 50.0, 45.0),
+        [(-10.0, 35.0), (5.0, 38.0), (12.0, 25.0), (20.0, 25.0), (20.0, 12.0), (70.0, 5.0)],
+    ),
     ((42.0, 20.0, 41.0), [(0.0, 42.0), (25.0, 22.0), (40.0, 14.0)]),
     ((42.0, 20.0, 41.0), [(-10.0, 60.0), (10.0, 30.0), (30.0, 20.0), (60.0, 8.0)]),
 ]
@@ -92,7 +114,10 @@ SCENES = [
 @pytest.mark.parametrize(("radii", "profile"), [*SCENES[:2], SCENES[3]])
 def test_the_default_count_has_converged(radii, profile) -> None:
     """Four times the nodes in either direction: 1e-5, or no number from both."""
-    masses = [ellipsoid_columns((40.0, 0.0, 40.0), radii, profile, 22.0, **count) for count in ({}, {"count": 48})]
+    masses = [
+        ellipsoid_columns((40.0, 0.0, 40.0), radii, profile, 22.0, **count)
+        for count in ({}, {"count": 48})
+    ]
     for method in (fellenius, bishop):
         few, many = (method(mass, 20.0, 28.0, X, (40.0, 0.0, 40.0), 0.05) for mass in masses)
         assert few == pytest.approx(many, rel=1e-5)
@@ -121,7 +146,12 @@ def slices(circle, profile, unit_weight, cohesion, friction, pore_ratio, seismic
     bottom = zc - np.sqrt(r * r - (x - xc) ** 2)
     top = np.interp(x, line[:, 0], line[:, 1])
     rows = [
-        (w * (t - b) * unit_weight, math.asin((xc - at) / r), w / math.cos(math.asin((xc - at) / r)), t - b)
+        (
+            w * (t - b) * unit_weight,
+            math.asin((xc - at) / r),
+            w / math.cos(math.asin((xc - at) / r)),
+            t - b,
+        )
         for at, w, t, b in zip(x, width, top, bottom, strict=True)
         if t > b
     ]
@@ -137,10 +167,15 @@ def slices(circle, profile, unit_weight, cohesion, friction, pore_ratio, seismic
                     down += weight * (math.sin(alpha) + seismic * math.cos(alpha))
                     continue
                 m = math.cos(alpha) + math.sin(alpha) * tan(friction) / factor
-                shear = (cohesion * base * math.cos(alpha) + (weight - u * base * math.cos(alpha)) * tan(friction)) / m
+                shear = (
+                    cohesion * base * math.cos(alpha)
+                    + (weight - u * base * math.cos(alpha)) * tan(friction)
+                ) / m
                 if method == "bishop":
                     up += shear
-                    down += weight * (math.sin(alpha) + seismic * (math.cos(alpha) - 0.5 * height / r))
+                    down += weight * (
+                        math.sin(alpha) + seismic * (math.cos(alpha) - 0.5 * height / r)
+                    )
                 else:
                     up += shear * math.cos(alpha)
                     normal = (weight - shear * math.sin(alpha) / factor) / math.cos(alpha)
@@ -161,18 +196,26 @@ CIRCLES = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("circle", "profile", "unit_weight", "cohesion"), CIRCLES)
-@pytest.mark.parametrize(("friction", "pore_ratio", "seismic"), [(20.0, 0.0, 0.0), (25.0, 0.25, 0.0), (30.0, 0.1, 0.1)])
-def test_a_level_cylinder_is_the_classic_circle(circle, profile, unit_weight, cohesion, friction, pore_ratio, seismic):
+@pytest.mark.parametrize(
+    ("friction", "pore_ratio", "seismic"), [(20.0, 0.0, 0.0), (25.0, 0.25, 0.0), (30.0, 0.1, 0.1)]
+)
+def test_a_level_cylinder_is_the_classic_circle(
+    circle, profile, unit_weight, cohesion, friction, pore_ratio, seismic
+):
     """Slices of equal angle: 4000 of them give 1e-4 (the ends of the circle are steep)."""
     mass = cylinder_columns(circle[:2], circle[2], 7.0, profile, unit_weight)
     mass = replace(mass, pore_pressure=pore_ratio * mass.weights / mass.plan_areas)
     axis = (circle[0], 0.0, circle[1])
     expected = slices(circle, profile, unit_weight, cohesion, friction, pore_ratio, seismic)
-    found = [method(mass, cohesion, friction, X, axis, seismic) for method in (fellenius, janbu, bishop)]
+    found = [
+        method(mass, cohesion, friction, X, axis, seismic) for method in (fellenius, janbu, bishop)
+    ]
     assert found == pytest.approx(expected, rel=1e-4)
 
 
-@pytest.mark.parametrize(("pore_ratio", "ordinary", "simplified"), [(0.0, 1.928, 2.080), (0.25, 1.607, 1.766)])
+@pytest.mark.parametrize(
+    ("pore_ratio", "ordinary", "simplified"), [(0.0, 1.928, 2.080), (0.25, 1.607, 1.766)]
+)
 def test_fredlund_and_krahn(pore_ratio, ordinary, simplified) -> None:
     """Fredlund & Krahn (1977), Can. Geotech. J. 14, table 2, cases 1 and 3: 40 ft at 2:1, 600 psf, 20°, 120 pcf.
 
@@ -185,7 +228,9 @@ def test_fredlund_and_krahn(pore_ratio, ordinary, simplified) -> None:
     assert found[2] == pytest.approx(simplified, rel=5e-3)
 
 
-def on_a_grid(profile, centre, radii, unit_weight, cohesion, friction, direction, axis, seismic, count=500):
+def on_a_grid(
+    profile, centre, radii, unit_weight, cohesion, friction, direction, axis, seismic, count=500
+):
     """Fellenius, Janbu and Bishop on square columns of a plan grid, from vectors: no apparent dips by formula."""
     edges = (np.arange(count) + 0.5) / count * 2.0 - 1.0
     x, y = (radii[0] * edges, radii[1] * edges)
@@ -219,7 +264,9 @@ def on_a_grid(profile, centre, radii, unit_weight, cohesion, friction, direction
         factor = 1.2
         for _ in range(300):
             held, pressed = -down[:, 2], normals[:, 2]  # N n_z + S held = W, S = (cA + N tan φ) / F
-            normal = (weight - cohesion * area * held / factor) / (pressed + held * tan(friction) / factor)
+            normal = (weight - cohesion * area * held / factor) / (
+                pressed + held * tan(friction) / factor
+            )
             shear = cohesion * area + normal * tan(friction)
             if by_moments:
                 driving = moments(load, middle).sum() + (normal * moments(normals)).sum()
@@ -248,7 +295,9 @@ def test_a_plan_grid(radii, direction, axis, seismic) -> None:
     args = (30.0, 30.0, direction, axis, seismic)
     mass = ellipsoid_columns((40.0, 0.0, 40.0), radii, FACE, 21.56)
     expected = on_a_grid(FACE, (40.0, 0.0, 40.0), radii, 21.56, *args)
-    assert [method(mass, *args) for method in (fellenius, janbu, bishop)] == pytest.approx(expected, rel=1e-3)
+    assert [method(mass, *args) for method in (fellenius, janbu, bishop)] == pytest.approx(
+        expected, rel=1e-3
+    )
 
 
 def test_the_ellipsoid_of_the_paper() -> None:
@@ -256,7 +305,9 @@ def test_the_ellipsoid_of_the_paper() -> None:
 
     The paper does not give its slope: face x + z = 40 is inferred, and 2 % is no more than that.
     """
-    found = [method(paper(), 30.0, 30.0, X, PAPER["centre"]) for method in (fellenius, janbu, bishop)]
+    found = [
+        method(paper(), 30.0, 30.0, X, PAPER["centre"]) for method in (fellenius, janbu, bishop)
+    ]
     assert found == pytest.approx([1.1296, 1.2352, 1.3134], abs=1e-4)
     assert found == pytest.approx([1.15, 1.25, 1.30], rel=0.02)
 
@@ -267,14 +318,22 @@ def test_the_ellipsoid_of_the_paper() -> None:
 def test_one_column_on_an_oblique_base(dip, direction, seismic, pressure) -> None:
     """N and S from vertical and horizontal equilibrium along d, a body without height: Janbu and Bishop are exact."""
     turn, slope = math.radians(direction), math.radians(dip)
-    n = np.array([math.sin(slope) * math.cos(turn), math.sin(slope) * math.sin(turn), math.cos(slope)])
-    column = Columns(np.zeros((1, 3)), n[None], *(np.array([v]) for v in (5.0, 80.0, float(pressure), 0.0)))
+    n = np.array(
+        [math.sin(slope) * math.cos(turn), math.sin(slope) * math.sin(turn), math.cos(slope)]
+    )
+    column = Columns(
+        np.zeros((1, 3)), n[None], *(np.array([v]) for v in (5.0, 80.0, float(pressure), 0.0))
+    )
     alpha = math.atan2(n[0], n[2])
-    normal, shear = np.linalg.solve([[n[0], -math.cos(alpha)], [n[2], math.sin(alpha)]], [-seismic * 80.0, 80.0])
+    normal, shear = np.linalg.solve(
+        [[n[0], -math.cos(alpha)], [n[2], math.sin(alpha)]], [-seismic * 80.0, 80.0]
+    )
     area = 5.0 / n[2]
     exact = (3.0 * area + (normal - pressure * area) * tan(35.0)) / shear
     for method in (janbu, bishop):
-        assert method(column, 3.0, 35.0, X, (2.0, 9.0, 30.0), seismic) == pytest.approx(exact, rel=1e-12)
+        assert method(column, 3.0, 35.0, X, (2.0, 9.0, 30.0), seismic) == pytest.approx(
+            exact, rel=1e-12
+        )
     load = np.array([seismic * 80.0, 0.0, -80.0])
     down = np.array([math.cos(alpha), 0.0, -math.sin(alpha)])
     ordinary = (3.0 * area + (-load @ n - pressure * area) * tan(35.0)) / (load @ down)
@@ -286,7 +345,10 @@ def test_one_column_on_an_oblique_base(dip, direction, seismic, pressure) -> Non
 
 def plane_columns() -> Columns:
     """A leaning block on a plane of 35°, dipping toward x: 40 by 30 columns, higher down the dip."""
-    x, y = (grid.ravel() for grid in np.meshgrid((np.arange(40) + 0.5) * 0.3, (np.arange(30) + 0.5) * 0.2))
+    x, y = (
+        grid.ravel()
+        for grid in np.meshgrid((np.arange(40) + 0.5) * 0.3, (np.arange(30) + 0.5) * 0.2)
+    )
     heights = 4.0 + 0.2 * x
     plan = np.column_stack([x, y])
     normal = np.array([math.sin(math.radians(35.0)), 0.0, math.cos(math.radians(35.0))])
@@ -311,7 +373,9 @@ def test_a_plane_has_one_factor(cohesion, seismic) -> None:
 @pytest.mark.parametrize("seismic", [0.0, 0.15])
 def test_without_friction_a_surface_of_revolution_has_one_factor(seismic) -> None:
     """Bishop about the axis gives F = c ∫ρ dA / M (`rotation`; sphere: 1.4016): to 1e-6."""
-    exact = rotational_failure(PAPER["centre"], 40.0, math.sqrt(800.0), FACE, 30.0, 21.56, seismic=seismic)
+    exact = rotational_failure(
+        PAPER["centre"], 40.0, math.sqrt(800.0), FACE, 30.0, 21.56, seismic=seismic
+    )
     found = bishop(paper(), 30.0, 0.0, X, PAPER["centre"], seismic)
     assert found == pytest.approx(exact.factor, rel=1e-6)
     sine, cosine = math.sin(math.radians(26.565051)), math.cos(math.radians(26.565051))
@@ -330,7 +394,9 @@ def test_mirrored_moved_scaled_and_given_by_its_factor(method) -> None:
     radii, weight = PAPER["radii"], PAPER["unit_weight_kn_m3"]
     factor = method(paper(), *args, X, centre, 0.05)
     mirrored = ellipsoid_columns((-40.0, 0.0, 40.0), radii, [(-x, z) for x, z in FACE], weight)
-    assert method(mirrored, *args, (-3.0, 0.0), (-40.0, 0.0, 40.0), 0.05) == pytest.approx(factor, rel=1e-9)
+    assert method(mirrored, *args, (-3.0, 0.0), (-40.0, 0.0, 40.0), 0.05) == pytest.approx(
+        factor, rel=1e-9
+    )
     move = np.array([5e5, 4e6, 1e3])
     far = ellipsoid_columns(centre + move, radii, [(x + 5e5, z + 1e3) for x, z in FACE], weight)
     assert method(far, *args, X, centre + move, 0.05) == pytest.approx(factor, rel=1e-6)
@@ -358,7 +424,10 @@ def test_no_number() -> None:
 
 @pytest.mark.parametrize(
     ("profile", "code"),
-    [([(0.0, -5.0), (60.0, -9.0)], "E214"), ([(0.0, 40.0), (40.0, 20.0), (30.0, 0.0), (60.0, 0.0)], "E218")],
+    [
+        ([(0.0, -5.0), (60.0, -9.0)], "E214"),
+        ([(0.0, 40.0), (40.0, 20.0), (30.0, 0.0), (60.0, 0.0)], "E218"),
+    ],
 )
 def test_faults(profile, code) -> None:
     with pytest.raises(GeometryError) as caught:

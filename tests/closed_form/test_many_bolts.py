@@ -4,7 +4,7 @@ import pytest
 
 import slopekit as sk
 from slopekit.closed_form import wedge_sliding
-from slopekit.closed_form.search import together
+from slopekit.closed_form.search import merged_bolts
 from slopekit.kinds import kind_of
 
 SLOPES = {
@@ -15,19 +15,29 @@ SLOPES = {
     "basal": {
         "slope": {"face": "70/180", "upper": "5/180", "height": "20 m"},
         "joints": {"J1": {"plane": "80/100"}, "J2": {"plane": "78/262"}},
-        "basal": {"plane": "28/185", "height": "4 m"}, "crack": {"plane": "85/180", "distance": "8 m"},
+        "basal": {"plane": "28/185", "height": "4 m"},
+        "crack": {"plane": "85/180", "distance": "8 m"},
     },
     "plane": {"slope": {"face": "60/180", "height": "12 m"}, "joints": {"J1": {"plane": "35/180"}}},
-}  # fmt: skip
+}
 COUNT = 240
 
 
 def factor_of(slope: str, bolts: list[tuple[float, str]]) -> float | None:
-    design = sk.load({
-        "slopekit": 1, "kind": "wedge" if slope == "basal" else slope, **SLOPES[slope],
-        "strength": {"s": {"c": 5, "phi": 24}}, "rock": {"unit_weight": 26},
-        "support": {"bolts": [{"force": force, "toward": toward, "acts": "passive"} for force, toward in bolts]},
-    })  # fmt: skip
+    design = sk.load(
+        {
+            "slopekit": 1,
+            "kind": "wedge" if slope == "basal" else slope,
+            **SLOPES[slope],
+            "strength": {"s": {"c": 5, "phi": 24}},
+            "rock": {"unit_weight": 26},
+            "support": {
+                "bolts": [
+                    {"force": force, "toward": toward, "acts": "passive"} for force, toward in bolts
+                ]
+            },
+        }
+    )
     return kind_of(design).closed_form(design, None).factor
 
 
@@ -35,7 +45,9 @@ def factor_of(slope: str, bolts: list[tuple[float, str]]) -> float | None:
 def test_bolts_of_two_directions_are_two_however_many_they_are(slope) -> None:
     """Forces alone: n bolts of one direction hold what one of n times the capacity does."""
     many = [(1.0 + 0.01 * (k % 7), ("000/10", "350/-5")[k % 2]) for k in range(COUNT)]
-    sums = [(sum(force for force, toward in many if toward == one), one) for one in ("000/10", "350/-5")]
+    sums = [
+        (sum(force for force, toward in many if toward == one), one) for one in ("000/10", "350/-5")
+    ]
     assert factor_of(slope, many) == pytest.approx(factor_of(slope, sums), rel=1e-12)
     assert factor_of(slope, many) > factor_of(slope, sums[:1]) > factor_of(slope, [])
 
@@ -61,12 +73,21 @@ def test_they_cost_as_much_as_two(slope, monkeypatch) -> None:
 @pytest.mark.parametrize("slope", SLOPES)
 def test_directions_of_their_own_hold_a_little_less_than_their_mean(slope) -> None:
     """A fan of 20 about one direction beside one bolt: the resultant of a fan of ± 2° is shorter by 0.03 % or so."""
-    fan = [(10.0, f"{bearing:03.1f}/{10 + 0.1 * k:.1f}") for k in range(-10, 11) for bearing in (1.0 + 0.01 * k,)]
+    fan = [
+        (10.0, f"{bearing:03.1f}/{10 + 0.1 * k:.1f}")
+        for k in range(-10, 11)
+        for bearing in (1.0 + 0.01 * k,)
+    ]
     alone = factor_of(slope, [(210.0, "001/10")])
     assert alone * (1.0 - 2e-3) < factor_of(slope, fan) < alone * (1.0 + 1e-3)
 
 
 def test_opposite_ones_and_none_stay_apart() -> None:
     bolts = [(3.0, 0.0, 4.0), (0.0, 1.0, 0.0), (0.6, 0.0, 0.8), (0.0, -1.0, 0.0), (0.0, 0.0, 0.0)]
-    assert together(bolts) == [(3.6, 0.0, 4.8), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 0.0)]
-    assert together([(1.0, 0.0), (1.0, 1e-9)]) == [(1.0, 0.0), (1.0, 1e-9)]
+    assert merged_bolts(bolts) == [
+        (3.6, 0.0, 4.8),
+        (0.0, 1.0, 0.0),
+        (0.0, -1.0, 0.0),
+        (0.0, 0.0, 0.0),
+    ]
+    assert merged_bolts([(1.0, 0.0), (1.0, 1e-9)]) == [(1.0, 0.0), (1.0, 1e-9)]

@@ -10,18 +10,29 @@ import pytest
 from slopekit.closed_form.plane import OUTCOMES, PlaneArrays, plane_failures
 
 BOOK = {
-    "face_dip_deg": 60.0, "upper_dip_deg": 0.0, "plane_dip_deg": 35.0, "height_m": 12.0, "cohesion_kpa": 25.0,
-    "friction_deg": 37.0, "unit_weight_kn_m3": 26.0, "crack_distance_m": 4.0,
-}  # fmt: skip
+    "face_dip_deg": 60.0,
+    "upper_dip_deg": 0.0,
+    "plane_dip_deg": 35.0,
+    "height_m": 12.0,
+    "cohesion_kpa": 25.0,
+    "friction_deg": 37.0,
+    "unit_weight_kn_m3": 26.0,
+    "crack_distance_m": 4.0,
+}
 
 
 def failure(forces=(), **changes):
     """The example of Wyllie & Mah, changed: its status, and its numbers as floats; `forces` (x, z) one by one."""
     force = tuple(np.sum(forces, axis=0)) if len(forces) else None
     found = plane_failures(PlaneArrays(**{**BOOK, **changes}, force_kn=force))
-    numbers = {field.name: float(getattr(found, field.name)[0]) for field in dataclasses.fields(found)}
-    return SimpleNamespace(status=OUTCOMES[found.outcome[0]], uplift_kn=numbers["pressure_kpa"] * numbers["length_m"],
-                           **numbers)  # fmt: skip
+    numbers = {
+        field.name: float(getattr(found, field.name)[0]) for field in dataclasses.fields(found)
+    }
+    return SimpleNamespace(
+        status=OUTCOMES[found.outcome[0]],
+        uplift_kn=numbers["pressure_kpa"] * numbers["length_m"],
+        **numbers,
+    )
 
 
 def by_depth(depth, **changes):
@@ -55,7 +66,9 @@ def test_weight_and_length_of_hoek_and_bray_behind_the_crest(depth, face, plane)
     block = by_depth(depth, face_dip_deg=face, plane_dip_deg=plane)
     weight = 0.5 * 26.0 * 12.0**2 * ((1.0 - (depth / 12.0) ** 2) / tan(plane) - 1.0 / tan(face))
     assert block.weight_kn == pytest.approx(weight, rel=1e-12)
-    assert block.length_m == pytest.approx((12.0 - depth) / math.sin(math.radians(plane)), rel=1e-12)
+    assert block.length_m == pytest.approx(
+        (12.0 - depth) / math.sin(math.radians(plane)), rel=1e-12
+    )
     assert block.crack_depth_m == pytest.approx(depth, rel=1e-12)
 
 
@@ -67,21 +80,34 @@ def test_weight_with_the_crack_in_the_face(distance) -> None:
     """
     block = failure(crack_distance_m=distance)
     foot = 12.0 - (12.0 / tan(60.0) + distance) * tan(35.0)
-    weight = 0.5 * 26.0 * 12.0**2 * (1.0 - foot / 12.0) ** 2 / tan(35.0) * (tan(60.0) / tan(35.0) - 1.0)
+    weight = (
+        0.5 * 26.0 * 12.0**2 * (1.0 - foot / 12.0) ** 2 / tan(35.0) * (tan(60.0) / tan(35.0) - 1.0)
+    )
     assert block.weight_kn == pytest.approx(weight, rel=1e-12)
 
 
 def test_weight_below_a_dipping_upper_slope() -> None:
     """The depth between ground and plane, summed from front to back (linear in three parts: exact)."""
-    for distance, upper in ((None, 15.0), (9.0, 15.0), (4.0, -10.0), (None, -10.0), (20.0, 40.0), (0.0, 20.0)):
+    for distance, upper in (
+        (None, 15.0),
+        (9.0, 15.0),
+        (4.0, -10.0),
+        (None, -10.0),
+        (20.0, 40.0),
+        (0.0, 20.0),
+    ):
         block = failure(upper_dip_deg=upper, crack_distance_m=distance)
         crest = 12.0 / tan(60.0)
         end = block.length_m * math.cos(math.radians(35.0))
         x = np.array([0.0, min(crest, end), end])
         ground = np.where(x <= crest, x * tan(60.0), 12.0 + (x - crest) * tan(upper))
         depth = ground - x * tan(35.0)
-        assert block.weight_kn == pytest.approx(26.0 * float(np.diff(x) @ (depth[1:] + depth[:-1])) / 2.0, rel=1e-12)
-        assert block.crack_depth_m == pytest.approx(depth[-1] if distance is not None else 0.0, abs=1e-9)
+        assert block.weight_kn == pytest.approx(
+            26.0 * float(np.diff(x) @ (depth[1:] + depth[:-1])) / 2.0, rel=1e-12
+        )
+        assert block.crack_depth_m == pytest.approx(
+            depth[-1] if distance is not None else 0.0, abs=1e-9
+        )
         assert distance is None or end == pytest.approx(crest + distance, rel=1e-12)
         assert distance is not None or depth[-1] == pytest.approx(0.0, abs=1e-9)
 
@@ -100,9 +126,13 @@ LOADED = [
 def test_free_body_solved_by_two_equations(loads) -> None:
     """N' and T from horizontal and vertical equilibrium under every load, to rounding."""
     block = failure(**loads)
-    thrust = 0.5 * loads.get("water_unit_weight_kn_m3", 9.81) * loads.get("water_in_crack_m", 0.0) ** 2
+    thrust = (
+        0.5 * loads.get("water_unit_weight_kn_m3", 9.81) * loads.get("water_in_crack_m", 0.0) ** 2
+    )
     thrust += loads.get("crack_pressure_kpa", 0.0) * block.crack_depth_m
-    high = block.length_m * math.sin(math.radians(35.0))  # above the crest, where the upper slope dips toward it
+    high = block.length_m * math.sin(
+        math.radians(35.0)
+    )  # above the crest, where the upper slope dips toward it
     mean = loads.get("fill", 0.0) * 9.81 * high / 4.0  # γ_w H/2 at mid-length, nothing at both ends
     in_crack = loads.get("water_unit_weight_kn_m3", 9.81) * loads.get("water_in_crack_m", 0.0) / 2.0
     mean += loads.get("pressure_kpa", in_crack)
@@ -122,9 +152,13 @@ def test_free_body_solved_by_two_equations(loads) -> None:
 def test_water_scales() -> None:
     """U grows with the water's depth, V with its square, both with its unit weight."""
     one, two = failure(water_in_crack_m=1.5), failure(water_in_crack_m=3.0)
-    assert (two.uplift_kn / one.uplift_kn, two.thrust_kn / one.thrust_kn) == pytest.approx((2.0, 4.0))
+    assert (two.uplift_kn / one.uplift_kn, two.thrust_kn / one.thrust_kn) == pytest.approx(
+        (2.0, 4.0)
+    )
     heavy = failure(water_in_crack_m=1.5, water_unit_weight_kn_m3=2 * 9.81)
-    assert (heavy.uplift_kn, heavy.thrust_kn) == pytest.approx((2 * one.uplift_kn, 2 * one.thrust_kn))
+    assert (heavy.uplift_kn, heavy.thrust_kn) == pytest.approx(
+        (2 * one.uplift_kn, 2 * one.thrust_kn)
+    )
     assert one.thrust_kn == pytest.approx(0.5 * 9.81 * 1.5**2)
     assert failure(pressure_kpa=3.0).uplift_kn == pytest.approx(3.0 * one.length_m)
     bare = failure(crack_distance_m=None, fill=0.5)
@@ -137,7 +171,9 @@ def test_limits() -> None:
         dry = failure(cohesion_kpa=0.0, crack_distance_m=distance)
         assert dry.factor == pytest.approx(tan(37.0) / tan(35.0), rel=1e-12)
     assert failure(cohesion_kpa=0.0, friction_deg=0.0).factor == 0.0
-    small = failure(height_m=0.012, cohesion_kpa=0.025, crack_distance_m=0.004, water_in_crack_m=0.003)
+    small = failure(
+        height_m=0.012, cohesion_kpa=0.025, crack_distance_m=0.004, water_in_crack_m=0.003
+    )
     assert small.factor == pytest.approx(failure(water_in_crack_m=3.0).factor, rel=1e-9)
 
 
@@ -159,7 +195,10 @@ def test_statuses() -> None:
     sine, cosine = math.sin(math.radians(35.0)), math.cos(math.radians(35.0))
     driving = 2000.0 * cosine - weight * sine
     resisting = 25.0 * upward.length_m + (weight * cosine + 2000.0 * sine) * tan(37.0)
-    assert (upward.status, upward.factor) == ("slides_up", pytest.approx(resisting / driving, rel=1e-12))
+    assert (upward.status, upward.factor) == (
+        "slides_up",
+        pytest.approx(resisting / driving, rel=1e-12),
+    )
 
 
 def root(a: float, b: float, c: float) -> float:
@@ -186,7 +225,9 @@ def test_passive_bolts_that_are_not_drawn_out() -> None:
     assert failure(passive_kn=[(100.0, -60.0)]).factor == pytest.approx(failure().factor, rel=1e-9)
     assert failure(passive_kn=[(0.0, 0.0)]).factor == failure().factor
     upward = {"forces": [(-2000.0, 0.0)]}
-    assert failure(**upward, passive_kn=[(-100.0, 0.0)]).factor == pytest.approx(failure(**upward).factor, rel=1e-9)
+    assert failure(**upward, passive_kn=[(-100.0, 0.0)]).factor == pytest.approx(
+        failure(**upward).factor, rel=1e-9
+    )
     assert failure(**upward, passive_kn=[(100.0, 0.0)]).factor > failure(**upward).factor
     floats = failure(passive_kn=[(-100.0, 0.0)], forces=[(0.0, failure().weight_kn)])
     assert floats.status == "no_driving_force"
@@ -201,7 +242,9 @@ def test_a_passive_bolt_holds_a_block_that_water_lifts() -> None:
     sine, cosine = math.sin(math.radians(35.0)), math.cos(math.radians(35.0))
     capacity = 3000.0
     block = failure(**lifted, passive_kn=[(-capacity * sine, -capacity * cosine)])
-    strength = root(capacity * tan(37.0), 25.0 * bare.length_m - excess * tan(37.0), -bare.driving_kn)
+    strength = root(
+        capacity * tan(37.0), 25.0 * bare.length_m - excess * tan(37.0), -bare.driving_kn
+    )
     assert strength * capacity > excess
     assert block.factor == pytest.approx(1.0 / strength, rel=1e-9)
     alone = failure(**lifted, cohesion_kpa=0.0, friction_deg=0.0, passive_kn=[(-1.0, -1.0)])

@@ -34,8 +34,14 @@ def scalar(planes: PlaneArrays, at: int) -> tuple[str, float, ClosedFormPlane | 
     deep = peak = 0.0
     forces = [] if planes.force_kn is None else [(of(planes.force_kn[0]), of(planes.force_kn[1]))]
     try:
-        cut = plane_section(*dips, of(planes.height_m), of(planes.crack_depth_m), of(planes.crack_distance_m))
-        if pressure is not None and cut.crack_depth is not None and planes.crack_pressure_kpa is not None:
+        cut = plane_section(
+            *dips, of(planes.height_m), of(planes.crack_depth_m), of(planes.crack_distance_m)
+        )
+        if (
+            pressure is not None
+            and cut.crack_depth is not None
+            and planes.crack_pressure_kpa is not None
+        ):
             forces.append((of(planes.crack_pressure_kpa) * cut.crack_depth, 0.0))
         elif pressure is None and cut.crack_depth is None:
             peak = of(planes.fill) * weight * float(np.ptp(cut.outline[:, 1])) / 2.0
@@ -45,11 +51,22 @@ def scalar(planes: PlaneArrays, at: int) -> tuple[str, float, ClosedFormPlane | 
             pressure = of(planes.fill) * weight * cut.crack_depth / 2.0
             forces.append((pressure * cut.crack_depth, 0.0))
         found = plane_failure(
-            dips[1], dips[2], dips[0], of(planes.height_m), of(planes.cohesion_kpa), of(planes.friction_deg),
-            of(planes.unit_weight_kn_m3), crack_distance_m=cut.crack_distance, water_in_crack_m=deep,
-            water_unit_weight_kn_m3=weight, mean_pressure_kpa=pressure, plane_water_peak_mid_kpa=peak,
-            seismic=of(planes.seismic), forces=forces, passive=planes.passive_kn,
-        )  # fmt: skip
+            dips[1],
+            dips[2],
+            dips[0],
+            of(planes.height_m),
+            of(planes.cohesion_kpa),
+            of(planes.friction_deg),
+            of(planes.unit_weight_kn_m3),
+            crack_distance_m=cut.crack_distance,
+            water_in_crack_m=deep,
+            water_unit_weight_kn_m3=weight,
+            mean_pressure_kpa=pressure,
+            plane_water_peak_mid_kpa=peak,
+            seismic=of(planes.seismic),
+            forces=forces,
+            passive=planes.passive_kn,
+        )
     except GeometryError as error:
         return error.codes[0], math.nan, None
     return found.status, math.nan if found.factor is None else found.factor, found
@@ -60,10 +77,22 @@ def compare(planes: PlaneArrays) -> Counter[str]:
     found = plane_failures(planes)
     answers = [scalar(planes, at) for at in range(found.outcome.size)]
     assert [OUTCOMES[outcome] for outcome in found.outcome] == [status for status, _, _ in answers]
-    np.testing.assert_allclose(found.factor, [factor for _, factor, _ in answers], rtol=REL, atol=0.0)
+    np.testing.assert_allclose(
+        found.factor, [factor for _, factor, _ in answers], rtol=REL, atol=0.0
+    )
     of = {
-        name: np.array([math.nan if block is None else getattr(block, name) for _, _, block in answers])
-        for name in ("weight_kn", "length_m", "crack_depth_m", "normal_kn", "driving_kn", "resisting_kn", "uplift_kn")
+        name: np.array(
+            [math.nan if block is None else getattr(block, name) for _, _, block in answers]
+        )
+        for name in (
+            "weight_kn",
+            "length_m",
+            "crack_depth_m",
+            "normal_kn",
+            "driving_kn",
+            "resisting_kn",
+            "uplift_kn",
+        )
     }
     for name in ("weight_kn", "length_m", "crack_depth_m"):
         np.testing.assert_allclose(getattr(found, name), of[name], rtol=REL, atol=0.0)
@@ -71,7 +100,9 @@ def compare(planes: PlaneArrays) -> Counter[str]:
     size = size + (0.0 if planes.force_kn is None else np.hypot(*planes.force_kn))
     forces = {name: getattr(found, name) for name in ("normal_kn", "driving_kn", "resisting_kn")}
     for name, values in (forces | {"uplift_kn": found.pressure_kpa * found.length_m}).items():
-        off = np.abs(values - of[name])  # differences, as is the depth of the water: to 1e-11 of the loads
+        off = np.abs(
+            values - of[name]
+        )  # differences, as is the depth of the water: to 1e-11 of the loads
         assert (np.isnan(of[name]) | (off <= 10.0 * REL * (size + of["resisting_kn"]))).all(), name
         assert np.isnan(values[np.isnan(of[name])]).all()
     counts = Counter(status for status, _, _ in answers)
@@ -84,32 +115,45 @@ def random(seed: int, count: int = COUNT, **parts: tuple[float, float]) -> dict[
     rng = np.random.default_rng(seed)
     height = 10.0 ** rng.uniform(0.0, 2.0, count)
     given = {
-        "face_dip_deg": rng.uniform(30.0, 90.0, count), "upper_dip_deg": rng.uniform(-20.0, 40.0, count),
-        "plane_dip_deg": rng.uniform(-2.0, 75.0, count), "height_m": height,
-        "cohesion_kpa": rng.uniform(0.0, 100.0, count), "friction_deg": rng.uniform(0.0, 50.0, count),
-        "unit_weight_kn_m3": rng.uniform(20.0, 30.0, count), "fill": rng.uniform(0.0, 1.05, count),
-    }  # fmt: skip
+        "face_dip_deg": rng.uniform(30.0, 90.0, count),
+        "upper_dip_deg": rng.uniform(-20.0, 40.0, count),
+        "plane_dip_deg": rng.uniform(-2.0, 75.0, count),
+        "height_m": height,
+        "cohesion_kpa": rng.uniform(0.0, 100.0, count),
+        "friction_deg": rng.uniform(0.0, 50.0, count),
+        "unit_weight_kn_m3": rng.uniform(20.0, 30.0, count),
+        "fill": rng.uniform(0.0, 1.05, count),
+    }
     return given | {name: height * rng.uniform(*part, count) for name, part in parts.items()}
 
 
 def depth_and_distance(seed: int) -> dict[str, Any]:
     """Both of the crack, which agree to 3 % of either."""
     given = random(seed, crack_depth_m=(0.0, 0.8))
-    face, upper, plane = (np.tan(np.radians(given[f"{name}_dip_deg"])) for name in ("face", "upper", "plane"))
+    face, upper, plane = (
+        np.tan(np.radians(given[f"{name}_dip_deg"])) for name in ("face", "upper", "plane")
+    )
     behind = (given["height_m"] * (1.0 - plane / face) - given["crack_depth_m"]) / (plane - upper)
-    return given | {"crack_distance_m": behind * np.random.default_rng(seed).uniform(0.97, 1.03, COUNT)}
+    return given | {
+        "crack_distance_m": behind * np.random.default_rng(seed).uniform(0.97, 1.03, COUNT)
+    }
 
 
 def forces(given: dict[str, Any], seed: int) -> dict[str, Any]:
     rng = np.random.default_rng(seed)
     count = len(given["height_m"])
     size = 8.0 * given["height_m"] ** 2
-    return given | {"force_kn": (rng.normal(size=count) * size, rng.normal(size=count) * size),
-                    "seismic": rng.uniform(0.0, 0.3, count), "water_unit_weight_kn_m3": 10.0}  # fmt: skip
+    return given | {
+        "force_kn": (rng.normal(size=count) * size, rng.normal(size=count) * size),
+        "seismic": rng.uniform(0.0, 0.3, count),
+        "water_unit_weight_kn_m3": 10.0,
+    }
 
 
 def rounded(given: dict[str, Any], to: float) -> dict[str, Any]:
-    return given | {name: np.round(value / to) * to for name, value in given.items() if "dip" in name}
+    return given | {
+        name: np.round(value / to) * to for name, value in given.items() if "dip" in name
+    }
 
 
 CASES: dict[str, dict[str, Any]] = {
@@ -119,7 +163,9 @@ CASES: dict[str, dict[str, Any]] = {
     "crack by both": depth_and_distance(4),
     "water in the crack, m": random(5, crack_distance_m=(-0.2, 0.5), water_in_crack_m=(0.0, 0.6)),
     "pressure on the plane": random(6, pressure_kpa=(0.0, 15.0)),
-    "pressures on both": random(7, crack_depth_m=(0.0, 0.5), pressure_kpa=(0.0, 8.0), crack_pressure_kpa=(0.0, 5.0)),
+    "pressures on both": random(
+        7, crack_depth_m=(0.0, 0.5), pressure_kpa=(0.0, 8.0), crack_pressure_kpa=(0.0, 5.0)
+    ),
     "forces": forces(random(8), 8),
     "forces and crack": forces(random(9, crack_distance_m=(-0.3, 0.5)), 9),
     "round angles": rounded(random(10), 5.0) | {"fill": 0.0},
@@ -140,7 +186,9 @@ def test_every_block_is_the_scalar_one() -> None:
 
 @pytest.mark.parametrize("case", CASES)
 def test_the_cut_itself_changes_nothing(case) -> None:
-    first = {name: value[:6] if np.ndim(value) == 1 else value for name, value in CASES[case].items()}
+    first = {
+        name: value[:6] if np.ndim(value) == 1 else value for name, value in CASES[case].items()
+    }
     if "force_kn" in first:
         first["force_kn"] = tuple(value[:6] for value in first["force_kn"])
     assert compare(PlaneArrays(**first)).total() == 6
@@ -154,7 +202,11 @@ def test_what_all_share_may_be_one_number(seed) -> None:
     mixed = {}
     for name, value in given.items():
         fixed = name != "force_kn" and rng.random() < share
-        first = tuple(part[:30] for part in value) if name == "force_kn" else np.broadcast_to(value, COUNT)[:30]
+        first = (
+            tuple(part[:30] for part in value)
+            if name == "force_kn"
+            else np.broadcast_to(value, COUNT)[:30]
+        )
         mixed[name] = float(first[seed % 30]) if fixed else first
     compare(PlaneArrays(**mixed))
 
@@ -162,9 +214,14 @@ def test_what_all_share_may_be_one_number(seed) -> None:
 def book(**changes: Any) -> PlaneArrays:
     """The example of Wyllie & Mah (2004), ch. 6."""
     given = {
-        "face_dip_deg": 60.0, "upper_dip_deg": 0.0, "plane_dip_deg": 35.0, "height_m": 12.0, "cohesion_kpa": 25.0,
-        "friction_deg": 37.0, "unit_weight_kn_m3": 26.0,
-    }  # fmt: skip
+        "face_dip_deg": 60.0,
+        "upper_dip_deg": 0.0,
+        "plane_dip_deg": 35.0,
+        "height_m": 12.0,
+        "cohesion_kpa": 25.0,
+        "friction_deg": 37.0,
+        "unit_weight_kn_m3": 26.0,
+    }
     return PlaneArrays(**given | changes)
 
 
@@ -201,7 +258,11 @@ def test_a_force_that_leaves_nothing_to_drive() -> None:
     bare = scalar(book(), 0)[2]
     assert bare is not None
     dip = math.radians(35.0)
-    left = 1e-12 * (bare.weight_kn + bare.driving_kn * np.array([0.0, 0.7, 1.3, 0.7, 1.3])) * [1, 1, 1, -1, -1]
+    left = (
+        1e-12
+        * (bare.weight_kn + bare.driving_kn * np.array([0.0, 0.7, 1.3, 0.7, 1.3]))
+        * [1, 1, 1, -1, -1]
+    )
     force = left - bare.driving_kn
     found = compare(book(force_kn=(force * math.cos(dip), -force * math.sin(dip))))
     assert found == {"no_driving_force": 3, "slides": 1, "slides_up": 1}
@@ -210,19 +271,27 @@ def test_a_force_that_leaves_nothing_to_drive() -> None:
 def test_the_designs_of_the_analysis() -> None:
     """Files read, cut and analysed as a user's: the closed form of their results."""
     file: dict[str, Any] = {
-        "slopekit": 1, "kind": "plane", "slope": {"face": "60/180", "height": 12, "upper": "5/180"},
-        "joints": {"J1": {"plane": "35/180", "strength": "bedding"}}, "strength": {"bedding": {"c": 25, "phi": 37}},
+        "slopekit": 1,
+        "kind": "plane",
+        "slope": {"face": "60/180", "height": 12, "upper": "5/180"},
+        "joints": {"J1": {"plane": "35/180", "strength": "bedding"}},
+        "strength": {"bedding": {"c": 25, "phi": 37}},
         "rock": {"unit_weight": 26},
-    }  # fmt: skip
+    }
     for changes, arrays in (
         ({}, {}),
         ({"water": "60%"}, {"fill": 0.6}),
         ({"water": "60%", "crack": {"depth": "4 m"}}, {"fill": 0.6, "crack_depth_m": 4.0}),
-        ({"crack": {"distance": 4, "water": 3}}, {"crack_distance_m": 4.0, "water_in_crack_m": 3.0}),
-        ({"water": {"pressures": [20, 10]}, "crack": {"depth": 4}},
-         {"crack_depth_m": 4.0, "pressure_kpa": 20.0, "crack_pressure_kpa": 10.0}),
+        (
+            {"crack": {"distance": 4, "water": 3}},
+            {"crack_distance_m": 4.0, "water_in_crack_m": 3.0},
+        ),
+        (
+            {"water": {"pressures": [20, 10]}, "crack": {"depth": 4}},
+            {"crack_depth_m": 4.0, "pressure_kpa": 20.0, "crack_pressure_kpa": 10.0},
+        ),
         ({"loads": {"seismic": 0.1}}, {"seismic": 0.1}),
-    ):  # fmt: skip
+    ):
         design = sk.load(file | changes)
         assert isinstance(design, PlaneDesign)
         expected = analysis.closed_form(design).factor
@@ -242,14 +311,21 @@ def test_none_and_what_does_not_fit_together() -> None:
 def test_passive_bolts_are_the_scalar_ones(seed) -> None:
     """Bolts that may pull any way, one to three, with water, a force and an earthquake; to 1e-9."""
     rng = np.random.default_rng(seed)
-    bolts = [(rng.normal(size=2) * 10.0 ** rng.uniform(0.0, 2.5)).tolist() for _ in range(int(rng.integers(1, 4)))]
+    bolts = [
+        (rng.normal(size=2) * 10.0 ** rng.uniform(0.0, 2.5)).tolist()
+        for _ in range(int(rng.integers(1, 4)))
+    ]
     planes = book(
-        crack_distance_m=4.0, passive_kn=bolts, force_kn=tuple(rng.normal(size=2) * 200.0 * (rng.random() < 0.5)),
-        seismic=rng.uniform(0.0, 0.3), pressure_kpa=rng.uniform(0.0, 80.0),
-    )  # fmt: skip
+        crack_distance_m=4.0,
+        passive_kn=bolts,
+        force_kn=tuple(rng.normal(size=2) * 200.0 * (rng.random() < 0.5)),
+        seismic=rng.uniform(0.0, 0.3),
+        pressure_kpa=rng.uniform(0.0, 80.0),
+    )
     found, (status, factor, answer) = plane_failures(planes), scalar(planes, 0)
     assert answer is not None
     assert OUTCOMES[found.outcome[0]] == status
     assert found.factor[0] == pytest.approx(factor, rel=1e-9, nan_ok=True)
-    assert [found.normal_kn[0], found.driving_kn[0]] == pytest.approx([answer.normal_kn, answer.driving_kn], rel=1e-6,
-                                                                      abs=1e-6)  # fmt: skip
+    assert [found.normal_kn[0], found.driving_kn[0]] == pytest.approx(
+        [answer.normal_kn, answer.driving_kn], rel=1e-6, abs=1e-6
+    )

@@ -17,7 +17,9 @@ def cut(distance: float, dip: float) -> list[tuple[float, float]]:
     return [(x, (distance - x * sine) / cosine) for x in (-50.0, 50.0)]
 
 
-@pytest.mark.parametrize(("distance", "dip"), [(-5.0, 26.565051), (-1.0, 50.0), (-8.0, 10.0), (3.0, 35.0), (0.0, 80.0)])
+@pytest.mark.parametrize(
+    ("distance", "dip"), [(-5.0, 26.565051), (-1.0, 50.0), (-8.0, 10.0), (3.0, 35.0), (0.0, 80.0)]
+)
 def test_cap_of_a_sphere(distance, dip) -> None:
     """V = π h² (3R - h) / 3, A = 2πRh, centroid 3 (2R - h)² / (4 (3R - h)) from the centre; quadrature to 1e-9.
 
@@ -27,7 +29,10 @@ def test_cap_of_a_sphere(distance, dip) -> None:
     volume = math.pi * height**2 * (30.0 - height) / 3.0
     arm = 3.0 * (20.0 - height) ** 2 / (4.0 * (30.0 - height)) * math.sin(math.radians(dip))
     levers = quad(
-        lambda psi: math.sin(psi) * ellipe(math.sin(psi) ** 2), 0.0, math.acos(-distance / 10.0), epsabs=1e-13
+        lambda psi: math.sin(psi) * ellipe(math.sin(psi) ** 2),
+        0.0,
+        math.acos(-distance / 10.0),
+        epsabs=1e-13,
     )
     mass = rotational_failure((0.0, 0.0, 0.0), 10.0, 10.0, cut(distance, dip), 20.0, 20.0)
     assert mass.volume_m3 == pytest.approx(volume, rel=1e-9)
@@ -52,8 +57,12 @@ def test_segment_of_a_circle(distance, dip, seismic) -> None:
     half = math.acos(-distance / 10.0)
     moment = 2.0 * 10.0**3 * math.sin(half) ** 3 / 3.0  # area times the distance of its centroid
     driving = 18.0 * moment * (math.sin(math.radians(dip)) + seismic * math.cos(math.radians(dip)))
-    mass = rotational_failure((0.0, 3.0, 0.0), 10.0, 4.0, cut(distance, dip), 25.0, 18.0, "cylinder", seismic)
-    assert mass.volume_m3 == pytest.approx(8.0 * 100.0 * (half - math.sin(half) * math.cos(half)), rel=1e-12)
+    mass = rotational_failure(
+        (0.0, 3.0, 0.0), 10.0, 4.0, cut(distance, dip), 25.0, 18.0, "cylinder", seismic
+    )
+    assert mass.volume_m3 == pytest.approx(
+        8.0 * 100.0 * (half - math.sin(half) * math.cos(half)), rel=1e-12
+    )
     assert mass.area_m2 == pytest.approx(8.0 * 20.0 * half, rel=1e-12)
     assert mass.driving_moment_knm == pytest.approx(8.0 * driving, rel=1e-12)
     assert mass.factor == pytest.approx(25.0 * 10.0 * 20.0 * half / abs(driving), rel=1e-12)
@@ -61,7 +70,14 @@ def test_segment_of_a_circle(distance, dip, seismic) -> None:
 
 PROFILES = [
     [(60.0, 0.0), (40.0, 0.0), (0.0, 40.0), (-20.0, 40.0)],
-    [(-10.0, 35.0), (5.0, 38.0), (12.0, 25.0), (20.0, 25.0), (20.0, 12.0), (70.0, 5.0)],  # a bench, a cliff
+    [
+        (-10.0, 35.0),
+        (5.0, 38.0),
+        (12.0, 25.0),
+        (20.0, 25.0),
+        (20.0, 12.0),
+        (70.0, 5.0),
+    ],  # a bench, a cliff
     [(20.0, 75.0), (45.0, 60.0), (60.0, 20.0)],  # nearly all of it in the ground
     [(0.0, 10.0), (30.0, 30.0), (50.0, 2.0), (62.0, 30.0)],  # two pieces
 ]
@@ -72,7 +88,13 @@ PROFILES = [
 @pytest.mark.parametrize("half_width", [28.2842712474619, 60.0])
 def test_brute_force(profile, half_width) -> None:
     """A million places on the surface, 160,000 columns: the count itself is good to 5e-4."""
-    centre, radius, cohesion, weight, seismic = np.array([40.0, -7.0, 40.0]), 40.0, 30.0, 21.56, 0.07
+    centre, radius, cohesion, weight, seismic = (
+        np.array([40.0, -7.0, 40.0]),
+        40.0,
+        30.0,
+        21.56,
+        0.07,
+    )
     line = np.array(profile if profile[0][0] < profile[-1][0] else profile[::-1])
 
     def ground(x):
@@ -83,19 +105,32 @@ def test_brute_force(profile, half_width) -> None:
     r = radius * np.cos(t)
     x, z = r * np.cos(turn), r * np.sin(turn)
     below = ground(centre[0] + x) > centre[2] + z
-    patch = r * np.hypot(radius * np.sin(t), half_width * np.cos(t)) * (math.pi / 1000) * (math.pi / 500) * below
-    s, u = (axis.ravel() for axis in np.meshgrid(*2 * [((np.arange(400) + 0.5) / 400 * math.pi - math.pi / 2)]))
+    patch = (
+        r
+        * np.hypot(radius * np.sin(t), half_width * np.cos(t))
+        * (math.pi / 1000)
+        * (math.pi / 500)
+        * below
+    )
+    s, u = (
+        axis.ravel()
+        for axis in np.meshgrid(*2 * [((np.arange(400) + 0.5) / 400 * math.pi - math.pi / 2)])
+    )
     r = radius * np.cos(s)
     x, half = r * np.sin(u), r * np.cos(u)
     top = np.minimum(ground(centre[0] + x) - centre[2], half)
     plan = r * np.cos(u) * half_width * np.cos(s) * (math.pi / 400) ** 2 * (top > -half)
     driving = weight * (plan * (-(top + half) * x - seismic * (top**2 - half**2) / 2.0)).sum()
-    mass = rotational_failure(centre, radius, half_width, profile, cohesion, weight, seismic=seismic)
+    mass = rotational_failure(
+        centre, radius, half_width, profile, cohesion, weight, seismic=seismic
+    )
     assert mass.volume_m3 == pytest.approx(float((plan * (top + half)).sum()), rel=5e-4)
     assert mass.area_m2 == pytest.approx(float(patch.sum()), rel=5e-4)
     resisting = cohesion * float((patch * radius * np.cos(t)).sum())
     assert mass.resisting_moment_knm == pytest.approx(resisting, rel=5e-4)
-    assert mass.driving_moment_knm == pytest.approx(driving, rel=5e-4, abs=5e-4 * weight * mass.volume_m3 * radius)
+    assert mass.driving_moment_knm == pytest.approx(
+        driving, rel=5e-4, abs=5e-4 * weight * mass.volume_m3 * radius
+    )
 
 
 def test_what_changes_nothing() -> None:

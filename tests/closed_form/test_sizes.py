@@ -50,15 +50,20 @@ def test_wedge_against_the_cut_body() -> None:
         compared += 1
         edge = np.cross(Plane(df, tf).normal(), Plane(du, tu).normal())
         across = np.array([-edge[1], edge[0], 0.0]) / math.hypot(edge[0], edge[1])
-        behind = abs((block.corners - rock.crest1) @ across)[np.isclose(block.corners @ Plane(du, tu).normal(),
-                                                                        rock.offsets[3])].max()  # fmt: skip
+        behind = abs((block.corners - rock.crest1) @ across)[
+            np.isclose(block.corners @ Plane(du, tu).normal(), rock.offsets[3])
+        ].max()
         expected = {
-            "volume_m3": block.volume, "setback_m": behind,
-            "height_m": np.ptp(block.corners[:, 2]), "face_width_m": math.dist(rock.crest1, rock.crest2),
-            "trace1_m": math.dist(rock.crest1, rock.toe), "trace2_m": math.dist(rock.crest2, rock.toe),
-            "upper_trace1_m": math.dist(rock.crest1, rock.back), "upper_trace2_m": math.dist(rock.crest2, rock.back),
+            "volume_m3": block.volume,
+            "setback_m": behind,
+            "height_m": np.ptp(block.corners[:, 2]),
+            "face_width_m": math.dist(rock.crest1, rock.crest2),
+            "trace1_m": math.dist(rock.crest1, rock.toe),
+            "trace2_m": math.dist(rock.crest2, rock.toe),
+            "upper_trace1_m": math.dist(rock.crest1, rock.back),
+            "upper_trace2_m": math.dist(rock.crest2, rock.back),
             "line_m": math.dist(rock.back, rock.toe),
-        }  # fmt: skip
+        }
         for name, value in expected.items():
             assert getattr(found, name)[k] == pytest.approx(value, rel=CUT), name
     assert compared > 40
@@ -88,10 +93,20 @@ def test_scaling_laws(by: float) -> None:
 
     def wedges(height: np.ndarray) -> WedgeArrays:
         names = ("joint1", "joint2", "face", "upper")
-        given = {f"{name}_dip{way}_deg": planes[2 * k + side] for k, name in enumerate(names)
-                 for side, way in enumerate(("", "_direction"))}  # fmt: skip
-        return WedgeArrays(**given, height_m=height, cohesion1_kpa=0.0, cohesion2_kpa=0.0, friction1_deg=30.0,
-                           friction2_deg=25.0, unit_weight_kn_m3=26.0)  # fmt: skip
+        given = {
+            f"{name}_dip{way}_deg": planes[2 * k + side]
+            for k, name in enumerate(names)
+            for side, way in enumerate(("", "_direction"))
+        }
+        return WedgeArrays(
+            **given,
+            height_m=height,
+            cohesion1_kpa=0.0,
+            cohesion2_kpa=0.0,
+            friction1_deg=30.0,
+            friction2_deg=25.0,
+            unit_weight_kn_m3=26.0,
+        )
 
     small, large = hoek_bray_wedges(wedges(heights)), hoek_bray_wedges(wedges(heights * by))
     np.testing.assert_array_equal(small.outcome, large.outcome)
@@ -129,9 +144,18 @@ def test_plane_against_the_corners_of_the_section(upper: float, crack: float | N
     assert found.area_m2[0] == pytest.approx(area, rel=1e-12)
     assert found.setback_m[0] == pytest.approx(crest - x.min(), rel=1e-12)
     assert found.height_m[0] == pytest.approx(np.ptp(z), rel=1e-12)
-    block = plane_failures(PlaneArrays(
-        face_dip_deg=65.0, upper_dip_deg=upper, plane_dip_deg=35.0, height_m=12.0, cohesion_kpa=0.0, friction_deg=30.0,
-        unit_weight_kn_m3=26.0, crack_distance_m=crack))  # fmt: skip
+    block = plane_failures(
+        PlaneArrays(
+            face_dip_deg=65.0,
+            upper_dip_deg=upper,
+            plane_dip_deg=35.0,
+            height_m=12.0,
+            cohesion_kpa=0.0,
+            friction_deg=30.0,
+            unit_weight_kn_m3=26.0,
+            crack_distance_m=crack,
+        )
+    )
     assert found.area_m2[0] * 26.0 == pytest.approx(block.weight_kn[0], rel=1e-12)
     assert found.length_m[0] == pytest.approx(block.length_m[0], rel=1e-12)
 
@@ -142,7 +166,9 @@ def test_no_block_on_such_a_plane(plane: float, face: float) -> None:
     assert np.isnan(plane_sizes(plane, face, 0.0, 10.0).setback_m[0])
 
 
-def drawn_columns(joint: float, base: float, face: float, height: float, width: float) -> tuple[int, float, float]:
+def drawn_columns(
+    joint: float, base: float, face: float, height: float, width: float
+) -> tuple[int, float, float]:
     """Columns drawn as polygons one behind the other: how many lean over their toe, their setback, their area."""
     dip, climb = math.radians(joint), math.tan(math.radians(base))
     crest = height / math.tan(math.radians(face))
@@ -163,14 +189,17 @@ def drawn_columns(joint: float, base: float, face: float, height: float, width: 
         centre = outer + (side + (inner - outer)) / 2.0
         if side[1] <= 0.0 or centre[0] >= outer[0]:
             return count, count * apart, area
-        corners = np.array([outer, inner, [crest + (count + 1) * apart, height], [crest + count * apart, height]])
+        corners = np.array(
+            [outer, inner, [crest + (count + 1) * apart, height], [crest + count * apart, height]]
+        )
         x, z = corners.T
         area += abs(np.dot(x, np.roll(z, -1)) - np.dot(z, np.roll(x, -1))) / 2.0
         count += 1
 
 
 @pytest.mark.parametrize(
-    ("joint", "base", "width"), [(60.0, 30.0, 1.0), (70.0, 30.0, 1.0), (75.0, 25.0, 0.7), (60.0, 30.0, 9.0)]
+    ("joint", "base", "width"),
+    [(60.0, 30.0, 1.0), (70.0, 30.0, 1.0), (75.0, 25.0, 0.7), (60.0, 30.0, 9.0)],
 )
 def test_columns_against_polygons(joint: float, base: float, width: float) -> None:
     """How many columns turn over on their own, the setback and the area that they leave."""

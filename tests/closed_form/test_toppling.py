@@ -9,14 +9,23 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from slopekit.closed_form.search import first_loss
-from slopekit.closed_form.toppling import ColumnSlope, toe_force_required, toppling_factor_of_safety, toppling_table
+from slopekit.closed_form.toppling import (
+    ColumnSlope,
+    toe_force_required,
+    toppling_factor_of_safety,
+    toppling_table,
+)
 from slopekit.core.errors import DesignError
 
-BOOK = ColumnSlope([4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 34, 28, 22, 16, 10, 4], 10.0, 1.0, 30.0, 25.0, 38.15)
+BOOK = ColumnSlope(
+    [4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 34, 28, 22, 16, 10, 4], 10.0, 1.0, 30.0, 25.0, 38.15
+)
 VARIED = [
     BOOK,
     replace(BOOK, friction_angle_deg=30.0, side_friction_angle_deg=35.0),
-    replace(BOOK, friction_angle_deg=42.0, side_friction_angle_deg=20.0, seismic=0.1, seismic_up=0.05),
+    replace(
+        BOOK, friction_angle_deg=42.0, side_friction_angle_deg=20.0, seismic=0.1, seismic_up=0.05
+    ),
     replace(BOOK, cohesion_kpa=15.0, friction_angle_deg=31.0),
     replace(BOOK, toe_force_kn=900.0, toe_force_plunge_deg=20.0, toe_force_height_m=3.0),
     replace(BOOK, step_m=0.0, width_m=6.0),
@@ -28,7 +37,9 @@ def tan(degrees: float) -> float:
     return math.tan(math.radians(degrees))
 
 
-def all_at_once(slope: ColumnSlope, modes, outward: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def all_at_once(
+    slope: ColumnSlope, modes, outward: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """P_(n-1), R and S from the equilibrium of all columns at once, the mode of each given, in world coordinates.
 
     Unknowns of column i: P, R, S and R's moment; equations: two forces, the moment about the origin of the world, and
@@ -54,9 +65,11 @@ def all_at_once(slope: ColumnSlope, modes, outward: float) -> tuple[np.ndarray, 
         weight = slope.unit_weight_kn_m3 * slope.width_m * height
         rows = 4 * i
         loads = [
-            (corner + (slope.width_m * up + height * off) / 2.0,
-             weight * np.array([outward * slope.seismic, slope.seismic_up - 1.0])),
-        ]  # fmt: skip
+            (
+                corner + (slope.width_m * up + height * off) / 2.0,
+                weight * np.array([outward * slope.seismic, slope.seismic_up - 1.0]),
+            ),
+        ]
         if i == 0:
             plunge = math.radians(slope.toe_force_plunge_deg)
             at = height / 2.0 if slope.toe_force_height_m is None else slope.toe_force_height_m
@@ -69,7 +82,11 @@ def all_at_once(slope: ColumnSlope, modes, outward: float) -> tuple[np.ndarray, 
         low = min(low, height)
         add(rows, rows, corner + low * off, up + side * off)  # from below: holds back and up
         if i + 1 < count:
-            high = corner + slope.width_m * up + min(height, slope.heights_m[i + 1] + slope.step_m) * off
+            high = (
+                corner
+                + slope.width_m * up
+                + min(height, slope.heights_m[i + 1] + slope.step_m) * off
+            )
             add(rows, rows + 4, high, -up - side * off)
         add(rows, rows + 1, corner, off)
         add(rows, rows + 2, corner, up)  # S on the base holds back
@@ -105,7 +122,11 @@ def test_strength_divided_by_the_factor_is_just_enough(slope) -> None:
     assert abs(table.toe_force_kn) <= 1e-9 * table.normal_kn.max()
     assert toppling_table(slope, low * (1.0 - 1e-9)).force_kn[0] == 0.0
     assert toppling_table(slope, low * (1.0 + 1e-9)).force_kn[0] > 0.0
-    side = slope.friction_angle_deg if slope.side_friction_angle_deg is None else slope.side_friction_angle_deg
+    side = (
+        slope.friction_angle_deg
+        if slope.side_friction_angle_deg is None
+        else slope.side_friction_angle_deg
+    )
     weaker = replace(
         slope,
         friction_angle_deg=math.degrees(math.atan(tan(slope.friction_angle_deg) / low)),
@@ -121,10 +142,15 @@ def test_scale(slope) -> None:
     k, m = 3.7, 0.61
     at = slope.toe_force_height_m
     scaled = replace(
-        slope, heights_m=np.array(slope.heights_m) * k, width_m=slope.width_m * k, step_m=slope.step_m * k,
-        unit_weight_kn_m3=slope.unit_weight_kn_m3 * m, cohesion_kpa=slope.cohesion_kpa * k * m,
-        toe_force_kn=slope.toe_force_kn * k * k * m, toe_force_height_m=None if at is None else at * k,
-    )  # fmt: skip
+        slope,
+        heights_m=np.array(slope.heights_m) * k,
+        width_m=slope.width_m * k,
+        step_m=slope.step_m * k,
+        unit_weight_kn_m3=slope.unit_weight_kn_m3 * m,
+        cohesion_kpa=slope.cohesion_kpa * k * m,
+        toe_force_kn=slope.toe_force_kn * k * k * m,
+        toe_force_height_m=None if at is None else at * k,
+    )
     (one, _), (other, _) = toppling_factor_of_safety(slope), toppling_factor_of_safety(scaled)
     assert other == pytest.approx(one, rel=1e-12)
     assert toppling_table(scaled).modes == toppling_table(slope).modes
@@ -138,7 +164,9 @@ def test_an_earthquake_is_a_turned_and_heavier_weight(level, up) -> None:
     shaken = replace(BOOK, seismic=level, seismic_up=up)
     turn, size = math.degrees(math.atan2(level, 1.0 - up)), math.hypot(level, 1.0 - up)
     turned = replace(BOOK, base_dip_deg=30.0 + turn, unit_weight_kn_m3=25.0 * size)
-    assert toppling_table(shaken).force_kn == pytest.approx(toppling_table(turned).force_kn, rel=1e-11)
+    assert toppling_table(shaken).force_kn == pytest.approx(
+        toppling_table(turned).force_kn, rel=1e-11
+    )
     factors = [toppling_factor_of_safety(slope)[0] for slope in (shaken, turned)]
     assert factors[0] == pytest.approx(factors[1], rel=1e-12)
     assert factors[0] < toppling_factor_of_safety(BOOK)[0]
@@ -160,14 +188,20 @@ def test_one_column_alone(dip) -> None:
 
 def test_cohesion_of_one_column() -> None:
     """F = (c Δx + W cos ψ tan φ) / (W sin ψ)."""
-    factor, _ = toppling_factor_of_safety(ColumnSlope([1.0], 2.0, 0.0, 30.0, 25.0, 20.0, cohesion_kpa=7.0))
+    factor, _ = toppling_factor_of_safety(
+        ColumnSlope([1.0], 2.0, 0.0, 30.0, 25.0, 20.0, cohesion_kpa=7.0)
+    )
     weight, sine, cosine = 50.0, math.sin(math.radians(30.0)), math.cos(math.radians(30.0))
-    assert factor == pytest.approx((14.0 + weight * cosine * tan(20.0)) / (weight * sine), rel=1e-12)
+    assert factor == pytest.approx(
+        (14.0 + weight * cosine * tan(20.0)) / (weight * sine), rel=1e-12
+    )
 
 
 def test_low_columns_slide_together() -> None:
     """None topples and all slide: each at tan φ / tan ψ on its own."""
-    factor, _ = toppling_factor_of_safety(ColumnSlope([3.0, 4.0, 5.0, 4.0], 10.0, 1.0, 25.0, 25.0, 33.0))
+    factor, _ = toppling_factor_of_safety(
+        ColumnSlope([3.0, 4.0, 5.0, 4.0], 10.0, 1.0, 25.0, 25.0, 33.0)
+    )
     assert factor == pytest.approx(tan(33.0) / tan(25.0), rel=1e-12)
 
 
@@ -184,7 +218,9 @@ def test_smooth_sides_of_two_columns() -> None:
     d2, n2 = (20.0 * 5.0 * 9.0 * f for f in (0.5, math.sqrt(0.75)))
     push = (d2 * 9.0 - n2 * 5.0) / (2.0 * 3.0)
     assert push > 0.0
-    assert toppling_factor_of_safety(low)[0] == pytest.approx(n1 * tan(40.0) / (push + d1), rel=1e-12)
+    assert toppling_factor_of_safety(low)[0] == pytest.approx(
+        n1 * tan(40.0) / (push + d1), rel=1e-12
+    )
 
 
 @pytest.mark.parametrize(("plunge", "factor"), [(0.0, 1.0), (15.0, 1.2), (-10.0, 1.1), (40.0, 1.5)])
@@ -192,7 +228,9 @@ def test_toe_force_that_gives_a_factor(plunge, factor) -> None:
     """The slope with that force has that factor (to 1e-9: P_0 of some kN among forces of 10⁴), whatever it had."""
     slope = replace(BOOK, friction_angle_deg=33.0, toe_force_plunge_deg=plunge)
     needed = toe_force_required(slope, factor)
-    assert toe_force_required(replace(slope, toe_force_kn=500.0), factor) == pytest.approx(needed, rel=1e-9)
+    assert toe_force_required(replace(slope, toe_force_kn=500.0), factor) == pytest.approx(
+        needed, rel=1e-9
+    )
     found, _ = toppling_factor_of_safety(replace(slope, toe_force_kn=needed))
     assert found == pytest.approx(factor, rel=1e-9)
 
@@ -202,7 +240,9 @@ def test_toe_force_that_is_not_needed_or_never_enough() -> None:
     upward = replace(BOOK, friction_angle_deg=33.0, toe_force_plunge_deg=-170.0)
     assert toe_force_required(upward) == math.inf
     tips = ColumnSlope([12.0], 2.0, 0.0, 30.0, 25.0, 60.0, toe_force_height_m=6.0)
-    assert toe_force_required(replace(tips, toe_force_kn=70.0)) == pytest.approx(toe_force_required(tips), rel=1e-12)
+    assert toe_force_required(replace(tips, toe_force_kn=70.0)) == pytest.approx(
+        toe_force_required(tips), rel=1e-12
+    )
     table = toppling_table(replace(tips, toe_force_kn=toe_force_required(tips)))
     assert table.toe_force_kn == pytest.approx(0.0, abs=1e-10)
 
@@ -212,7 +252,9 @@ def test_nothing_is_lost() -> None:
     flat = replace(BOOK, base_dip_deg=0.0, friction_angle_deg=0.0)
     assert toppling_factor_of_safety(flat) == (None, "no_driving_force")
     assert set(toppling_table(flat).modes) == {"stable"}
-    held = toppling_factor_of_safety(ColumnSlope([4.0, 3.0], 10.0, 1.0, 20.0, 25.0, 30.0, toe_force_kn=900.0))
+    held = toppling_factor_of_safety(
+        ColumnSlope([4.0, 3.0], 10.0, 1.0, 20.0, 25.0, 30.0, toe_force_kn=900.0)
+    )
     assert held == (None, "held")
     none = toppling_factor_of_safety(replace(BOOK, friction_angle_deg=0.0))
     assert none == (0.0, "slides")
@@ -267,7 +309,11 @@ def test_random_columns(heights, width, dip, friction, step) -> None:
     [
         ("E260", {"seismic": -0.1}, "the seismic coefficient is -0.1"),
         ("E260", {"seismic": 2.0}, "lift column 1, 2, 3, 4, 5 off its base"),
-        ("E260", {"toe_force_kn": 5000.0, "toe_force_plunge_deg": -60.0}, "lift column 1 off its base"),
+        (
+            "E260",
+            {"toe_force_kn": 5000.0, "toe_force_plunge_deg": -60.0},
+            "lift column 1 off its base",
+        ),
     ],
 )
 def test_refusals(code, changes, says) -> None:

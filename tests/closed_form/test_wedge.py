@@ -24,11 +24,20 @@ PLANES = ("joint1", "joint2", "face", "upper", "crack")
 def arrays(planes, height: float, cohesion: float, friction: float, **changes) -> WedgeArrays:
     """A wedge of joints, face, upper slope and maybe a crack, (dip, dip direction) each; both joints alike."""
     angles = {f"{name}_dip_deg": dip for name, (dip, _) in zip(PLANES, planes, strict=False)}
-    ways = {f"{name}_dip_direction_deg": way for name, (_, way) in zip(PLANES, planes, strict=False)}
+    ways = {
+        f"{name}_dip_direction_deg": way for name, (_, way) in zip(PLANES, planes, strict=False)
+    }
     return WedgeArrays(
-        **angles, **ways, height_m=height, cohesion1_kpa=cohesion, cohesion2_kpa=cohesion, friction1_deg=friction,
-        friction2_deg=friction, unit_weight_kn_m3=25.506, **changes,
-    )  # fmt: skip
+        **angles,
+        **ways,
+        height_m=height,
+        cohesion1_kpa=cohesion,
+        cohesion2_kpa=cohesion,
+        friction1_deg=friction,
+        friction2_deg=friction,
+        unit_weight_kn_m3=25.506,
+        **changes,
+    )
 
 
 @pytest.mark.parametrize(("dip", "half"), [(45.0, 65.0), (60.0, 50.0), (30.0, 80.0)])
@@ -38,11 +47,15 @@ def test_symmetric_wedge_of_friction_alone(dip, half) -> None:
     n1, n2 = one.normal(), two.normal()
     line = np.cross(n1, n2) / np.linalg.norm(np.cross(n1, n2))
     plunge = math.asin(abs(line[2]))
-    half_angle = math.acos(-(n1 @ n2)) / 2.0  # half the angle between the planes, measured through the wedge
+    half_angle = (
+        math.acos(-(n1 @ n2)) / 2.0
+    )  # half the angle between the planes, measured through the wedge
     # β = 90°: by symmetry the bisector of the wedge is square to the horizontal across the line
     exact = math.tan(math.radians(30.0)) / (math.sin(half_angle) * math.tan(plunge))
     planes = ((dip, 180.0 - half), (dip, 180.0 + half), (85.0, 180.0), (0.0, 180.0))
-    assert hoek_bray_wedges(arrays(planes, 10.0, 0.0, 30.0)).factor[0] == pytest.approx(exact, rel=1e-12)
+    assert hoek_bray_wedges(arrays(planes, 10.0, 0.0, 30.0)).factor[0] == pytest.approx(
+        exact, rel=1e-12
+    )
 
 
 def test_sea_water_presses_by_its_own_unit_weight() -> None:
@@ -57,9 +70,13 @@ def test_full_water_is_the_classic_pyramid() -> None:
     """Mean pressure γ_w H/6 with H the total height (Hoek & Bray 1981, eq. 8.6)."""
     wedge = sk.wedge(dips=DIPS, water="full")
     mean = 9.81 * wedge.geometry.total_height_m / 6.0
-    assert wedge.forces.water["J1"] == pytest.approx(mean * wedge.geometry.areas_m2["J1"], rel=1e-12)
+    assert wedge.forces.water["J1"] == pytest.approx(
+        mean * wedge.geometry.areas_m2["J1"], rel=1e-12
+    )
     even = sk.wedge(dips=DIPS, water=(mean, mean))
-    assert wedge.comparisons.forces_only == pytest.approx(even.comparisons.forces_only, rel=1e-12)  # its moments differ
+    assert wedge.comparisons.forces_only == pytest.approx(
+        even.comparisons.forces_only, rel=1e-12
+    )  # its moments differ
     half = sk.wedge(dips=DIPS, water="50%")
     assert half.forces.water["J1"] == pytest.approx(wedge.forces.water["J1"] / 2, rel=1e-12)
 
@@ -79,8 +96,12 @@ def test_water_in_a_crack_has_mean_pressure_a_third_of_its_depth() -> None:
 def test_seismic_is_a_horizontal_force_of_k_times_the_weight() -> None:
     weight = sk.wedge(dips=DIPS).forces.weight
     pushed = sk.wedge(dips=DIPS, forces=f"{0.1 * weight}@180/0").fos
-    assert sk.wedge(dips=DIPS, seismic="0.1@180").fos.limit == pytest.approx(pushed.limit, rel=1e-12)
-    assert sk.wedge(dips=DIPS, seismic=0.1).fos.limit == pytest.approx(pushed.limit, rel=1e-12)  # the line trends 180
+    assert sk.wedge(dips=DIPS, seismic="0.1@180").fos.limit == pytest.approx(
+        pushed.limit, rel=1e-12
+    )
+    assert sk.wedge(dips=DIPS, seismic=0.1).fos.limit == pytest.approx(
+        pushed.limit, rel=1e-12
+    )  # the line trends 180
 
 
 def test_active_bolt_is_a_load_and_passive_bolt_is_strength() -> None:
@@ -127,7 +148,10 @@ def loaded(rng: np.random.Generator) -> dict:
         for _ in range(int(rng.integers(0, 3)))
     ]
     plane = ((wedge["face"][1] + rng.uniform(-20, 20)) % 360.0, rng.uniform(60, 90))
-    cracked = {**wedge, "crack": {"plane": (plane[1], plane[0]), "distance": 0.05 * wedge["height"]}}
+    cracked = {
+        **wedge,
+        "crack": {"plane": (plane[1], plane[0]), "distance": 0.05 * wedge["height"]},
+    }
     try:
         cut(wedge_design(cracked)).scene_at(0)
     except sk.GeometryError:
@@ -160,7 +184,7 @@ def test_forces_alone_equal_the_closed_form_under_every_load() -> None:
 
 
 def test_no_strength_is_a_factor_of_zero_and_a_status_to_the_user() -> None:
-    """UX.md rule 2: a status instead of a factor of safety of 0."""
+    """A status instead of a factor of safety of 0."""
     found = hoek_bray_wedges(arrays(((45, 115), (45, 245), (60, 180), (10, 180)), 10.0, 0.0, 0.0))
     assert (OUTCOMES[found.outcome[0]], found.factor[0]) == ("slides_on_both", 0.0)
     result = sk.wedge(dips=DIPS, c=0, phi=0)
@@ -172,11 +196,17 @@ def test_no_strength_is_a_factor_of_zero_and_a_status_to_the_user() -> None:
 
 def test_pressures_may_be_given_for_each_plane() -> None:
     planes = ((45, 115), (45, 245), (60, 180), (10, 180), (80, 180))
-    found = hoek_bray_wedges(arrays(planes, 64.89, 50.0, 20.0, pressures_kpa=(10.0, 20.0, 30.0), crack_distance_m=30.0))
+    found = hoek_bray_wedges(
+        arrays(planes, 64.89, 50.0, 20.0, pressures_kpa=(10.0, 20.0, 30.0), crack_distance_m=30.0)
+    )
     assert found.pressures_kpa[:, 0].tolist() == [10.0, 20.0, 30.0]
     dry = hoek_bray_wedges(arrays(planes, 64.89, 50.0, 20.0, crack_distance_m=30.0))
     one, two, crack = (Plane(*planes[k]).normal() for k in (0, 1, 4))
-    areas = found.areas_m2[:, 0]  # upward normals of J1 and J2 point into the wedge, that of the crack out of the slope
+    areas = found.areas_m2[
+        :, 0
+    ]  # upward normals of J1 and J2 point into the wedge, that of the crack out of the slope
     pushed = 10.0 * areas[0] * one + 20.0 * areas[1] * two + 30.0 * areas[2] * crack
     along = -found.line_m[:, 0] / np.linalg.norm(found.line_m[:, 0])
-    assert found.driving_kn[0] - dry.driving_kn[0] == pytest.approx(float(pushed @ along), rel=1e-12)
+    assert found.driving_kn[0] - dry.driving_kn[0] == pytest.approx(
+        float(pushed @ along), rel=1e-12
+    )

@@ -73,7 +73,12 @@ def worked(tmp_path_factory) -> Path:
     for suffix in ("stl", "vtu", "dxf", "html", "svg"):
         (folder / "out" / f"a.{suffix}").write_text("old")
     assert slopekit("templates", "new", "wedge", cwd=folder).returncode == 0
-    assert slopekit(*["run", "wedge.yaml", "-o", "results", "--quiet", "--no-pictures"], cwd=folder).returncode == 0
+    assert (
+        slopekit(
+            *["run", "wedge.yaml", "-o", "results", "--quiet", "--no-pictures"], cwd=folder
+        ).returncode
+        == 0
+    )
     return folder
 
 
@@ -113,11 +118,17 @@ def test_a_disk_that_is_full_leaves_what_was_there(command, kept, worked, tmp_pa
         full = slopekit(*command.split(), cwd=folder)
     assert full.returncode == 2
     assert "E129" in full.stderr
-    after = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file() and path.suffix != ".journal"}
+    after = {
+        path: path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file() and path.suffix != ".journal"
+    }
     assert after == before
     assert list(folder.rglob(".slopekit-*")) == []
     assert slopekit(*command.split(), cwd=folder).returncode == 0
-    assert {path: path.read_bytes() for path in (folder / kept).rglob("*") if path.is_file()} != before
+    assert {
+        path: path.read_bytes() for path in (folder / kept).rglob("*") if path.is_file()
+    } != before
 
 
 @pytest.mark.skipif(os.name == "nt", reason="ulimit")
@@ -125,13 +136,19 @@ def test_a_process_of_its_own_meets_a_full_disk(worked, tmp_path) -> None:
     """As the shell starts it, with `ulimit -f`."""
     folder = shutil.copytree(worked, tmp_path / "worked")
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
-    unspoilt = os.environ | {"PYTHONDONTWRITEBYTECODE": "1"}  # Python itself would leave its own files cut short
+    unspoilt = os.environ | {
+        "PYTHONDONTWRITEBYTECODE": "1"
+    }  # Python itself would leave its own files cut short
     printed = f"ulimit -f 4; exec {sys.executable} -u -m slopekit run wedge.yaml --json > {tmp_path / 'cut.json'}"
-    cut = subprocess.run(["bash", "-c", printed], cwd=folder, capture_output=True, text=True, env=unspoilt)
+    cut = subprocess.run(
+        ["bash", "-c", printed], cwd=folder, capture_output=True, text=True, env=unspoilt
+    )
     assert cut.returncode == 2
     assert "E129" in cut.stderr
     program = f"ulimit -f 0; exec {sys.executable} -m slopekit run wedge.yaml -o results --quiet --no-pictures"
-    full = subprocess.run(["bash", "-c", program], cwd=folder, capture_output=True, text=True, env=unspoilt)
+    full = subprocess.run(
+        ["bash", "-c", program], cwd=folder, capture_output=True, text=True, env=unspoilt
+    )
     assert full.returncode == 2
     assert "E129" in full.stderr
     assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before

@@ -25,7 +25,11 @@ def node(value):
     ("given", "kind", "centre"),
     [
         ({"dist": "normal", "mean": 20, "sd": 2}, "angle", 20.0),
-        ({"dist": "Normal", "mean": "20 kPa", "sd": "100 Pa", "min": 0, "max": "0.05 MPa"}, "pressure", 20.0),
+        (
+            {"dist": "Normal", "mean": "20 kPa", "sd": "100 Pa", "min": 0, "max": "0.05 MPa"},
+            "pressure",
+            20.0,
+        ),
         ({"dist": "normal", "mean": 20, "sd": 0}, "angle", 20.0),
         ({"dist": "lognormal", "mean": 5, "sd": 5}, "pressure", 5.0),
         ({"dist": "uniform", "min": 10, "max": "30 deg"}, "angle", 20.0),
@@ -39,37 +43,89 @@ def test_what_a_single_run_takes(given, kind, centre) -> None:
 
 def test_parameters_are_in_base_units() -> None:
     given = node({"dist": "normal", "mean": "50 Pa", "sd": "0.001 MPa"})
-    assert read_distribution(given, "pressure", "c") == Distribution("normal", {"mean": 0.05, "sd": 1.0}, "pressure")
+    assert read_distribution(given, "pressure", "c") == Distribution(
+        "normal", {"mean": 0.05, "sd": 1.0}, "pressure"
+    )
 
 
 def test_orientations() -> None:
-    assert read_orientation(node({"dist": "fisher", "mean": "45/115", "k": 100}), "J1").mean == Plane(45, 115)
-    assert read_orientation(node({"dist": "fisher", "mean": (45, 115), "k": 100}), "J1").centre == Plane(45, 115)
-    assert read_orientation(node({"dist": "fisher", "mean": "000/-05", "k": 9}), "bolt", "line").mean == Line(0, -5)
+    assert read_orientation(
+        node({"dist": "fisher", "mean": "45/115", "k": 100}), "J1"
+    ).mean == Plane(45, 115)
+    assert read_orientation(
+        node({"dist": "fisher", "mean": (45, 115), "k": 100}), "J1"
+    ).centre == Plane(45, 115)
+    assert read_orientation(
+        node({"dist": "fisher", "mean": "000/-05", "k": 9}), "bolt", "line"
+    ).mean == Line(0, -5)
 
 
 # codes, mapping, first line of the first
 NUMBERS = [
-    (("E105",), {"dist": "normal", "mean": "nan", "sd": 2}, "mean of phi is nan, not a finite number"),
+    (
+        ("E105",),
+        {"dist": "normal", "mean": "nan", "sd": 2},
+        "mean of phi is nan, not a finite number",
+    ),
     (("E106",), {"dist": "normal", "mean": "x", "sd": 2}, "mean of phi is 'x', a number is needed"),
     (("E106",), {"dist": "normal", "mean": {"a": 1}, "sd": 2}, "mean of phi is 'a group of keys'"),
     (("E107",), {"dist": "normal", "mean": "20 kPa", "sd": 2}, "not an angle"),
     (("E108",), {"dist": "normal", "mean": "20 grad", "sd": 2}, "unknown unit 'grad'"),
-    (("E165",), {"dist": "nromal", "mean": 20, "sd": 2}, "the distribution of phi is 'nromal', which is not known"),
+    (
+        ("E165",),
+        {"dist": "nromal", "mean": 20, "sd": 2},
+        "the distribution of phi is 'nromal', which is not known",
+    ),
     (("E165",), {"dist": ["normal"]}, "the distribution of phi is not named"),
     (("E165",), {"dist": "normal", "mean": 20}, "sd of phi is missing, normal needs mean, sd"),
-    (("E165", "E165"), {"dist": "uniform", "min": None}, "min of phi is missing, uniform needs min, max"),
+    (
+        ("E165", "E165"),
+        {"dist": "uniform", "min": None},
+        "min of phi is missing, uniform needs min, max",
+    ),
     (("E165",), {"dist": "uniform", "min": 1, "max": 2, "mean": 1.5}, "uniform has no mean (phi)"),
     (("E165", "E165"), {"dist": "normal", "mean": 1, "std": 2}, "normal has no std (phi)"),
-    (("E186",), {"dist": "normal", "mean": 20, "sd": -2}, "sd of phi is -2°, a standard deviation is never negative"),
-    (("E186",), {"dist": "uniform", "min": 30, "max": 10}, "min of phi is 30, it must be less than max, 10"),
-    (("E186",), {"dist": "normal", "mean": 5, "sd": 1, "min": 5, "max": 5}, "min of phi is 5, it must be less"),
-    (("E186",), {"dist": "normal", "mean": 40, "sd": 2, "min": 10, "max": 30}, "mean of phi is 40, beyond its max, 30"),
-    (("E186",), {"dist": "triangular", "min": 10, "mode": 5, "max": 30}, "mode of phi is 5, below its min, 10"),
-    (("E186",), {"dist": "lognormal", "mean": 0, "sd": 2}, "mean of phi is 0, a lognormal value is always more than 0"),
-    (("E165",), {"dist": "fisher", "mean": "45/115", "k": 9}, "phi is a number, fisher is for orientations"),
-    (("E165", "E186", "E186"), {"dist": "normal", "mean": 1, "sd": -1, "min": 2, "max": 1, "k": 1}, "normal has no k"),
-]  # fmt: skip
+    (
+        ("E186",),
+        {"dist": "normal", "mean": 20, "sd": -2},
+        "sd of phi is -2°, a standard deviation is never negative",
+    ),
+    (
+        ("E186",),
+        {"dist": "uniform", "min": 30, "max": 10},
+        "min of phi is 30, it must be less than max, 10",
+    ),
+    (
+        ("E186",),
+        {"dist": "normal", "mean": 5, "sd": 1, "min": 5, "max": 5},
+        "min of phi is 5, it must be less",
+    ),
+    (
+        ("E186",),
+        {"dist": "normal", "mean": 40, "sd": 2, "min": 10, "max": 30},
+        "mean of phi is 40, beyond its max, 30",
+    ),
+    (
+        ("E186",),
+        {"dist": "triangular", "min": 10, "mode": 5, "max": 30},
+        "mode of phi is 5, below its min, 10",
+    ),
+    (
+        ("E186",),
+        {"dist": "lognormal", "mean": 0, "sd": 2},
+        "mean of phi is 0, a lognormal value is always more than 0",
+    ),
+    (
+        ("E165",),
+        {"dist": "fisher", "mean": "45/115", "k": 9},
+        "phi is a number, fisher is for orientations",
+    ),
+    (
+        ("E165", "E186", "E186"),
+        {"dist": "normal", "mean": 1, "sd": -1, "min": 2, "max": 1, "k": 1},
+        "normal has no k",
+    ),
+]
 ORIENTATIONS = [
     (("E101",), {"dist": "fisher", "mean": "95/115", "k": 9}, "dip of mean of J1 is 95"),
     (("E104",), {"dist": "fisher", "mean": "N25E", "k": 9}, "mean of J1 is 'N25E'"),
@@ -77,8 +133,16 @@ ORIENTATIONS = [
     (("E165",), {"dist": "fischer", "mean": "45/115"}, "is 'fischer', which is not known"),
     (("E165",), {"dist": "fisher", "mean": "45/115"}, "k of J1 is missing, fisher needs mean, k"),
     (("E165",), {"dist": "fisher", "mean": "45/115", "k": 9, "sd": 1}, "fisher has no sd (J1)"),
-    (("E165",), {"dist": "fisher", "mean": "45/115", "k": 0}, "k of J1 is 0, it must be more than 0"),
-    (("E165",), {"dist": "normal", "mean": 4, "sd": 1}, "J1 is an orientation, normal is for numbers"),
+    (
+        ("E165",),
+        {"dist": "fisher", "mean": "45/115", "k": 0},
+        "k of J1 is 0, it must be more than 0",
+    ),
+    (
+        ("E165",),
+        {"dist": "normal", "mean": 4, "sd": 1},
+        "J1 is an orientation, normal is for numbers",
+    ),
 ]
 
 
@@ -91,7 +155,9 @@ def test_numbers_that_cannot_be(codes, given, says) -> None:
     assert caught.value.faults[0].where.startswith("design: x")
 
 
-@pytest.mark.parametrize(("codes", "given", "says"), ORIENTATIONS, ids=lambda value: str(value)[:40])
+@pytest.mark.parametrize(
+    ("codes", "given", "says"), ORIENTATIONS, ids=lambda value: str(value)[:40]
+)
 def test_orientations_that_cannot_be(codes, given, says) -> None:
     with pytest.raises(DesignError) as caught:
         read_orientation(node(given), "J1")
@@ -123,10 +189,14 @@ DIP = {"dist": "normal", "mean": 45, "sd": 3}
 
 
 def test_an_orientation_by_its_angles() -> None:
-    both = read_angles(node({"dip": DIP, "dip_direction": {"dist": "uniform", "min": 350, "max": 380}}), "J1")
+    both = read_angles(
+        node({"dip": DIP, "dip_direction": {"dist": "uniform", "min": 350, "max": 380}}), "J1"
+    )
     assert both.centre == Plane(45.0, 5.0)
     one = read_angles(node({"dip": DIP, "dip_direction": "0.5 rad"}), "J1")
-    assert one == Angles("plane", Distribution("normal", {"mean": 45.0, "sd": 3.0}, "angle"), 28.64788975654116)
+    assert one == Angles(
+        "plane", Distribution("normal", {"mean": 45.0, "sd": 3.0}, "angle"), 28.64788975654116
+    )
     line = read_angles(node({"trend": 10, "plunge": DIP}), "bolt", "line")
     assert line.centre == Line(10.0, 45.0)
 
@@ -134,10 +204,22 @@ def test_an_orientation_by_its_angles() -> None:
 @pytest.mark.parametrize(
     ("codes", "given", "says"),
     [
-        (("E106",), {"dip": "steep", "dip_direction": 5}, "dip of J1 is 'steep', a number is needed"),
+        (
+            ("E106",),
+            {"dip": "steep", "dip_direction": 5},
+            "dip of J1 is 'steep', a number is needed",
+        ),
         (("E107",), {"dip": "45 m", "dip_direction": 5}, "dip of J1 has the unit m"),
-        (("E186",), {"dip": {"dist": "normal", "mean": 4, "sd": -1}, "dip_direction": 5}, "sd of dip of J1 is -1"),
-        (("E165",), {"dip": {"dist": "fisher", "mean": 4, "k": 9}, "dip_direction": 5}, "dip of J1 is a number"),
+        (
+            ("E186",),
+            {"dip": {"dist": "normal", "mean": 4, "sd": -1}, "dip_direction": 5},
+            "sd of dip of J1 is -1",
+        ),
+        (
+            ("E165",),
+            {"dip": {"dist": "fisher", "mean": 4, "k": 9}, "dip_direction": 5},
+            "dip of J1 is a number",
+        ),
         (("E106", "E106"), {"dip": "a", "dip_direction": "b"}, "dip of J1 is 'a'"),
         ((), {"dip": 45}, ""),  # the checker of keys says what is missing
     ],
@@ -154,7 +236,9 @@ def test_columns_and_coordinates() -> None:
     dip = Distribution("normal", {"mean": 45.0, "sd": 3.0}, "angle")
     columns = ("J.dip", "J.dip_direction")
     assert (
-        Variable("J", Fisher(Plane(45, 115), 9)).columns == Variable("J", Angles("plane", dip, 5.0)).columns == columns
+        Variable("J", Fisher(Plane(45, 115), 9)).columns
+        == Variable("J", Angles("plane", dip, 5.0)).columns
+        == columns
     )
     assert Variable("J", Fisher(Plane(45, 115), 9)).coordinates == columns
     assert Variable("J", Angles("plane", dip, 5.0)).coordinates == ("J.dip",)

@@ -10,7 +10,13 @@ import pytest
 from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Line, Plane
 from slopekit.design.reading import yaml as yaml_room
-from slopekit.design.reading.document import ALTERNATIVES, load_document, parse_override, read_document, with_overrides
+from slopekit.design.reading.document import (
+    ALTERNATIVES,
+    load_document,
+    parse_override,
+    read_document,
+    with_overrides,
+)
 from slopekit.design.reading.nodes import Node, document_from
 
 WALL = """\
@@ -31,7 +37,8 @@ support:
     - {force: 100 kN, toward: 000/05}
 """
 LAUGHS = "a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n" + "".join(
-    f"{new}: &{new} [{', '.join([f'*{old}'] * 10)}]\n" for old, new in ("ab", "bc", "cd", "de", "ef", "fg")
+    f"{new}: &{new} [{', '.join([f'*{old}'] * 10)}]\n"
+    for old, new in ("ab", "bc", "cd", "de", "ef", "fg")
 )
 
 # code, file, what the first line must say, the line it must stand at
@@ -47,17 +54,42 @@ BROKEN = [
     ("E150", "a: @x", "a value cannot start with @", 1),
     ("E150", "a: }", "} stands where a value is needed", 1),
     ("E150", "a: 1\nnothing\n", "a line that is no 'key: value'", 2),
-    ("E150", "  kind: wedge\nslope: 1\n", "text or a bracket stands behind the end of the design", 2),
+    (
+        "E150",
+        "  kind: wedge\nslope: 1\n",
+        "text or a bracket stands behind the end of the design",
+        2,
+    ),
     ("E150", "a: - 1\n", "a '- ' where no list can stand", 1),
     ("E150", "a: !<foo x", "broken YAML", 1),
     ("E150", "%YAML 9.9\n---\na: 1", "broken YAML", 1),
     ("E149", "a: " + "[" * 10_000, "nested more than 100 deep", 1),
     ("E149", "{a: " * 10_000, "nested more than 100 deep", 1),
-    ("E149", "".join(f"{k}: &n{k} {'[' * 40}{f'*n{k - 1}' if k else 1}{']' * 40}\n" for k in range(5)), "nested", 3),
-    ("E151", "kind: wedge\nslope: {face: 60/180}\nkind: plane", "kind is given twice, in lines 1 and 3", 3),
-    ("E151", "slope: {face: 60/180, face: 70/180}", "slope.face is given twice, in lines 1 and 1", 1),
+    (
+        "E149",
+        "".join(f"{k}: &n{k} {'[' * 40}{f'*n{k - 1}' if k else 1}{']' * 40}\n" for k in range(5)),
+        "nested",
+        3,
+    ),
+    (
+        "E151",
+        "kind: wedge\nslope: {face: 60/180}\nkind: plane",
+        "kind is given twice, in lines 1 and 3",
+        3,
+    ),
+    (
+        "E151",
+        "slope: {face: 60/180, face: 70/180}",
+        "slope.face is given twice, in lines 1 and 1",
+        1,
+    ),
     ("E150", "a: &a {c: 1}\nb:\n  <<: *a", "<< under b is a merge key of YAML 1.1", 3),
-    ("E150", "a: !!python/object:os.system ls", "a has the tag !!python/object:os.system, a design has none", 1),
+    (
+        "E150",
+        "a: !!python/object:os.system ls",
+        "a has the tag !!python/object:os.system, a design has none",
+        1,
+    ),
     ("E150", "a:\n - !foo 3", "a.0 has the tag !foo", 2),
     ("E150", "a: &a [1, *a]", "*a stands inside &a: a.1 contains itself", 1),
     ("E150", LAUGHS, "the aliases (*name) write out more than 50000 values", 5),
@@ -116,10 +148,25 @@ def test_every_value_knows_its_path_line_and_column(tmp_path) -> None:
 
 @pytest.mark.parametrize(
     ("text", "value"),
-    [("045", "045"), ("0.10", "0.10"), ("1e5", "1e5"), ("0x10", "0x10"), ("yes", "yes"), ("2001-01-01", "2001-01-01"),
-     ("60/180", "60/180"), ("'null'", "null"), ('""', ""), ("", None), ("~", None), ("null", None), ("!!str 5", "5"),
-     ("12345678901234567890.123456789", "12345678901234567890.123456789"), ("φ = 20°", "φ = 20°"), (".nan", ".nan")],
-)  # fmt: skip
+    [
+        ("045", "045"),
+        ("0.10", "0.10"),
+        ("1e5", "1e5"),
+        ("0x10", "0x10"),
+        ("yes", "yes"),
+        ("2001-01-01", "2001-01-01"),
+        ("60/180", "60/180"),
+        ("'null'", "null"),
+        ('""', ""),
+        ("", None),
+        ("~", None),
+        ("null", None),
+        ("!!str 5", "5"),
+        ("12345678901234567890.123456789", "12345678901234567890.123456789"),
+        ("φ = 20°", "φ = 20°"),
+        (".nan", ".nan"),
+    ],
+)
 def test_scalars_stay_as_written(text, value, tmp_path) -> None:
     assert at(load_document(written(tmp_path, f"a: {text}\nb: 1")).root, "a").value == value
 
@@ -152,12 +199,18 @@ def test_long_lines_are_cut_about_the_column(tmp_path) -> None:
     assert len(source) <= 80
 
 
-@pytest.mark.parametrize(("code", "content", "says", "line"), BROKEN, ids=lambda value: str(value)[:30])
+@pytest.mark.parametrize(
+    ("code", "content", "says", "line"), BROKEN, ids=lambda value: str(value)[:30]
+)
 def test_broken_files(code, content, says, line, tmp_path) -> None:
     error = caught(lambda: load_document(written(tmp_path, content)))
     assert error.codes[0] == code
     assert says in error.faults[0].message
-    assert f"design.yaml:{line}" in error.faults[0].where if line else "design.yaml" in error.faults[0].where
+    assert (
+        f"design.yaml:{line}" in error.faults[0].where
+        if line
+        else "design.yaml" in error.faults[0].where
+    )
     assert error.exit_code == 2
 
 
@@ -165,20 +218,34 @@ def test_faults_that_leave_the_file_readable_come_at_once(tmp_path) -> None:
     content = "a: 1\na: 2\nb: !x 3\n<<: {}\n? [c]\n: 1\n"
     _, faults = read_document(written(tmp_path, content), [("a.b", "1")])
     assert [fault.code for fault in faults] == ["E151", "E150", "E150", "E150", "E160"]
-    assert caught(lambda: load_document(written(tmp_path, content))).codes == ("E151", "E150", "E150", "E150")
+    assert caught(lambda: load_document(written(tmp_path, content))).codes == (
+        "E151",
+        "E150",
+        "E150",
+        "E150",
+    )
 
 
 def test_missing_files_and_folders(tmp_path) -> None:
     written(tmp_path, WALL, "north-wall.yaml")
     missing = caught(lambda: load_document(tmp_path / "nort-wall.yaml"))
     assert str(missing.faults[0]).splitlines()[0] == "E147 nort-wall.yaml does not exist"
-    gone = caught(lambda: load_document(tmp_path / "templates" / "wedge.yaml"))  # as README has it, in another folder
+    gone = caught(
+        lambda: load_document(tmp_path / "templates" / "wedge.yaml")
+    )  # as README has it, in another folder
     assert gone.faults[0].advice.endswith(
         "templates. wedge is a template: slopekit templates new wedge writes wedge.yaml."
     )
     assert missing.faults[0].advice.endswith("north-wall.yaml?")
-    assert caught(lambda: load_document(tmp_path / "north-wall")).faults[0].advice.endswith("north-wall.yaml?")
-    assert "There is no folder" in caught(lambda: load_document(tmp_path / "no" / "x.yaml")).faults[0].advice
+    assert (
+        caught(lambda: load_document(tmp_path / "north-wall"))
+        .faults[0]
+        .advice.endswith("north-wall.yaml?")
+    )
+    assert (
+        "There is no folder"
+        in caught(lambda: load_document(tmp_path / "no" / "x.yaml")).faults[0].advice
+    )
     assert caught(lambda: load_document(tmp_path / "north-wall.yaml" / "x")).codes == ("E147",)
     assert caught(lambda: load_document("a\0b")).codes == ("E147",)
     assert caught(lambda: load_document("a\udcffb")).codes == ("E147",)
@@ -197,13 +264,17 @@ def test_a_file_without_permission(tmp_path, monkeypatch) -> None:
     (tmp_path / "design.yaml").touch()
     monkeypatch.setattr("builtins.open", refuse)
     error = caught(lambda: load_document(tmp_path / "design.yaml"))
-    assert str(error.faults[0]).splitlines()[0] == "E148 design.yaml cannot be read: permission denied"
+    assert (
+        str(error.faults[0]).splitlines()[0] == "E148 design.yaml cannot be read: permission denied"
+    )
 
 
 @pytest.mark.slow
 def test_files_that_are_too_large(tmp_path) -> None:
     large = caught(lambda: load_document(written(tmp_path, b"# " + b"x" * 5_000_000)))
-    assert str(large.faults[0]).splitlines()[0] == ("E149 design.yaml is larger than 5 MB, that is no design")
+    assert str(large.faults[0]).splitlines()[0] == (
+        "E149 design.yaml is larger than 5 MB, that is no design"
+    )
     many = caught(lambda: load_document(written(tmp_path, "a: [" + "1," * 1_000_000 + "1]")))
     assert "more than 200000 values" in many.faults[0].message
 
@@ -244,10 +315,19 @@ def test_overrides_replace_create_and_remove(tmp_path) -> None:
 
 def test_overrides_take_python_values() -> None:
     document = document_from({"a": 1})
-    overrides = [("b", 25), ("c", [1, (2.5, np.float64(3))]), ("d", {"x": True}), ("a", None), ("e", np.arange(2))]
+    overrides = [
+        ("b", 25),
+        ("c", [1, (2.5, np.float64(3))]),
+        ("d", {"x": True}),
+        ("a", None),
+        ("e", np.arange(2)),
+    ]
     assert with_overrides(document, overrides).root.plain() == {
-        "b": "25", "c": ["1", ["2.5", "3.0"]], "d": {"x": "true"}, "e": ["0", "1"],
-    }  # fmt: skip
+        "b": "25",
+        "c": ["1", ["2.5", "3.0"]],
+        "d": {"x": "true"},
+        "e": ["0", "1"],
+    }
     assert document.root.plain() == {"a": "1"}
 
 
@@ -258,7 +338,10 @@ def test_overrides_take_python_values() -> None:
         ([("water.pressures.J1", "5")], {"pressures": {"J1": "5"}}),
         ([("water", "{mode: full}")], {"mode": "full"}),
         ([("water.fill", "50 %"), ("water.mode", "full")], {"fill": "50 %", "mode": "full"}),
-        ([("water.pressures.J1", "5"), ("water.mode", "full")], {"pressures": {"J1": "5"}, "mode": "full"}),
+        (
+            [("water.pressures.J1", "5"), ("water.mode", "full")],
+            {"pressures": {"J1": "5"}, "mode": "full"},
+        ),
         ([("water.fill", "null")], {"mode": "dry"}),
         ([("water.fillet", "1")], {"mode": "dry", "fillet": "1"}),
     ],
@@ -290,7 +373,9 @@ BAD_OVERRIDES = [
 
 
 @pytest.mark.parametrize(
-    ("code", "override", "says"), BAD_OVERRIDES, ids=lambda value: re.sub(" at 0x.*", "", str(value))[:30]
+    ("code", "override", "says"),
+    BAD_OVERRIDES,
+    ids=lambda value: re.sub(" at 0x.*", "", str(value))[:30],
 )
 def test_bad_overrides(code, override, says) -> None:
     document = document_from({"slope": {"face": "60/180"}, "bolts": [{"force": 1}, {"force": 2}]})
@@ -302,13 +387,18 @@ def test_bad_overrides(code, override, says) -> None:
 
 def test_all_bad_overrides_come_at_once() -> None:
     document = document_from({"a": "1"})
-    error = caught(lambda: with_overrides(document, [("a.b", "1"), ("c", "1"), ("c", "2"), ("d", "{")]))
+    error = caught(
+        lambda: with_overrides(document, [("a.b", "1"), ("c", "1"), ("c", "2"), ("d", "{")])
+    )
     assert error.codes == ("E160", "E151", "E160")
     assert error.faults[1].message == "c is set twice"
 
 
 def test_parse_override() -> None:
-    assert parse_override(" acceptance.rules = [fos >= 1.5]") == ("acceptance.rules", "[fos >= 1.5]")
+    assert parse_override(" acceptance.rules = [fos >= 1.5]") == (
+        "acceptance.rules",
+        "[fos >= 1.5]",
+    )
     for text in ("strength.weak.phi", "=25", ""):
         error = caught(lambda text=text: parse_override(text))
         assert error.codes == ("E160",)
@@ -319,8 +409,12 @@ def test_parse_override() -> None:
 
 
 def test_a_mapping_gives_the_tree_that_its_file_gives(tmp_path) -> None:
-    mapping = {"slope": {"face": Plane(60, 180), "height": 64.89, "upper": None}, "mesh": Path("slip.stl"),
-               "toward": Line(0.0, -5.0), "list": (1, 2)}  # fmt: skip
+    mapping = {
+        "slope": {"face": Plane(60, 180), "height": 64.89, "upper": None},
+        "mesh": Path("slip.stl"),
+        "toward": Line(0.0, -5.0),
+        "list": (1, 2),
+    }
     document = document_from(mapping)
     text = "slope: {face: 60/180, height: 64.89}\nmesh: slip.stl\ntoward: 0.0/-5.0\nlist: [1, 2]\n"
     assert document.root.plain() == load_document(written(tmp_path, text)).root.plain()
@@ -332,7 +426,11 @@ def test_mappings_no_file_could_hold() -> None:
     endless: dict = {}
     endless["a"] = {"b": endless}
     assert caught(lambda: document_from(endless)).codes == ("E150",)
-    assert caught(lambda: document_from({"a": object(), "b": "\ud800", 1: 2, "1": 3})).codes == ("E405", "E405", "E151")
+    assert caught(lambda: document_from({"a": object(), "b": "\ud800", 1: 2, "1": 3})).codes == (
+        "E405",
+        "E405",
+        "E151",
+    )
     assert caught(lambda: document_from([1])).codes == ("E150",)
     deep: list = []
     for _ in range(2000):
@@ -344,14 +442,49 @@ def test_mappings_no_file_could_hold() -> None:
 def test_mutated_files_give_faults_and_no_traceback(tmp_path) -> None:
     """Seeded: pieces dropped, doubled and replaced by YAML's own marks."""
     rng = random.Random(3)
-    pieces = ["{", "}", "[", "]", ":", ": ", "- ", "\t", "\n", "'", '"', "&a ", "*a", "!", "!!x ", "|", ">", "%", "@",
-              "<<: ", "? ", "---\n", "...\n", "#", "\\", "\x00", "\x07", "\x85", " ", "ÿ", "~", ",", "\r"]  # fmt: skip
+    pieces = [
+        "{",
+        "}",
+        "[",
+        "]",
+        ":",
+        ": ",
+        "- ",
+        "\t",
+        "\n",
+        "'",
+        '"',
+        "&a ",
+        "*a",
+        "!",
+        "!!x ",
+        "|",
+        ">",
+        "%",
+        "@",
+        "<<: ",
+        "? ",
+        "---\n",
+        "...\n",
+        "#",
+        "\\",
+        "\x00",
+        "\x07",
+        "\x85",
+        " ",
+        "ÿ",
+        "~",
+        ",",
+        "\r",
+    ]
     faults, loaded = [], 0
     for _ in range(200):
         text = WALL
         for _ in range(rng.randint(1, 4)):
             k, n = rng.randrange(len(text)), rng.randint(0, 6)
-            text = text[:k] + rng.choice([rng.choice(pieces), text[k : k + n] * 2, ""]) + text[k + n :]
+            text = (
+                text[:k] + rng.choice([rng.choice(pieces), text[k : k + n] * 2, ""]) + text[k + n :]
+            )
         try:
             load_document(written(tmp_path, text))
             loaded += 1

@@ -20,83 +20,271 @@ from slopekit.studies.keys import keys_of
 PLANE = {"dip": 45, "dip_direction": 115}
 LINE = {"trend": 10, "plunge": 5}
 SHEAR = {"k1": 4800, "n": 0.56, "Rf": 0.74, "phi": 36}
-STRENGTH = {"c": 10, "phi": 30, "dilation": 1, "tension": 2, "stiffness": {"normal": 1e7, "shear": 1e6}}
+STRENGTH = {
+    "c": 10,
+    "phi": 30,
+    "dilation": 1,
+    "tension": 2,
+    "stiffness": {"normal": 1e7, "shear": 1e6},
+}
 BY_LAW = {"c": 10, "phi": 30, "stiffness": {"shear": SHEAR}}
 CURVED = (
-    {"law": "barton-bandis", "jrc": 8, "jcs": 5e4, "phi_r": 25, "length": 5, "length_0": 0.1, "waviness": 3},
+    {
+        "law": "barton-bandis",
+        "jrc": 8,
+        "jcs": 5e4,
+        "phi_r": 25,
+        "length": 5,
+        "length_0": 0.1,
+        "waviness": 3,
+    },
     {"law": "power", "a": 2, "b": 0.75, "d": 5, "residual": {"c": 1, "phi": 20}},
     {"law": "bridged", "c": 1, "phi": 30, "c_rock": 500, "phi_rock": 45, "persistence": 0.9},
     {"law": "bilinear", "phi": 0, "i": 0, "sigma_t": 300},
-)  # fmt: skip
+)
 #: The other laws, at the examples of their own fields.
 OF_EXAMPLES = [
-    {"law": name} | {one.path: quantity(one.example, one.measures, name) for one in fields_of_law(law).values()}
-    for name, law in LAWS.items() if law is not MohrCoulomb and name not in {given["law"] for given in CURVED}
-]  # fmt: skip
+    {"law": name}
+    | {one.path: quantity(one.example, one.measures, name) for one in fields_of_law(law).values()}
+    for name, law in LAWS.items()
+    if law is not MohrCoulomb and name not in {given["law"] for given in CURVED}
+]
 LOADS = {"seismic": {"k": 0.1, "toward": 180}, "forces": [{"force": 5, "toward": LINE}]}
 BOLTS = {"bolts": [{"force": 5, "toward": LINE, "head": [0, 0, 0], "length": 9}]}
 JOINTS = {"J1": {"plane": PLANE}, "J2": {"plane": "45/245"}}
-FACE = {"face": {"dip": 60, "dip_direction": 180}, "upper": {"dip": 5, "dip_direction": 180}, "height": 30}
+FACE = {
+    "face": {"dip": 60, "dip_direction": 180},
+    "upper": {"dip": 5, "dip_direction": 180},
+    "height": 30,
+}
 PROFILE = {"profile": [[60, 0], [40, 0], [0, 40], [-20, 40]]}
 BENCH = {"plane": PLANE, "spacing": 2, "offset": 1, "scatter": 3, "spacing_scatter": 0.1}
 SQUARE = [[0, 0], [2, 0], [2, 2], [0, 2]]
 ROCK = {"unit_weight": 25, "gravity": 9.81}
 # one design or more of each kind, with every number that may scatter in one of them
 DESIGNS = [
-    ("wedge", {"slope": FACE, "joints": JOINTS, "strength": {"a": STRENGTH}, "rock": ROCK, "water": {"fill": 0.5},
-               "crack": {"plane": PLANE, "distance": 5}, "loads": LOADS, "support": BOLTS}),
-    ("wedge", {"slope": FACE, "joints": JOINTS, "strength": {"a": STRENGTH}, "rock": ROCK,
-               "basal": {"plane": PLANE, "height": 5}}),
-    ("wedge", {"slope": FACE, "joints": JOINTS, "strength": {"a": STRENGTH}, "rock": ROCK,
-               "limits": {"bench_width": 6, "slope_length": 50, "trace_length": 10, "persistence": 8,
-                          "max_volume": 500}}),
-    ("wedge", {"slope": FACE, "joints": JOINTS, "strength": {"a": STRENGTH}, "rock": ROCK,
-               "limits": {"trace_length": {"J1": 10}, "persistence": {"J1": 8}, "min_volume": 0.1}}),
-    ("wedge", {"joints": JOINTS, "strength": {"a": BY_LAW}, "rock": {"density": 2600},
-               "water": {"pressures": {"J1": 5}, "unit_weight": 9.81}, "loads": {"seismic": 0.1}}),
-    ("wedge", {"joints": JOINTS, "strength": {"a": BY_LAW}, "water": {"mode": "table", "depth": 4, "pond": 3},
-               "loads": {"surcharge": 20}}),
-    ("plane", {"slope": FACE, "joints": {"J1": {"plane": PLANE}}, "strength": {"a": STRENGTH}, "rock": ROCK,
-               "crack": {"depth": 4, "water": 3}, "loads": LOADS}),
-    ("plane", {"slope": FACE, "joints": {"J1": {"plane": PLANE}}, "strength": {"a": STRENGTH}, "rock": ROCK,
-               "crack": {"distance": 4}, "water": {"pressures": [5, 6]}}),
-    *(("plane", {"slope": FACE, "joints": {"J1": {"plane": PLANE}}, "strength": {"a": law}, "rock": ROCK})
-      for law in (*CURVED, *OF_EXAMPLES)),
-    ("footing", {"footing": {"load": 1500, "at": 2}, "weak_plane": {"dip": 45, "length": 7},
-                 "strength": {"a": STRENGTH}, "uplift": {"toe": 20, "heel": 5, "drain": 0.5}}),
-    ("footing", {"footing": {"load": 1500, "at": 2}, "weak_plane": {"dip": 45, "length": 7},
-                 "strength": {"a": STRENGTH}, "uplift": {"fill": 0.5}}),
-    ("surface", {"slope": PROFILE, "slip": {"shape": "cylinder", "centre": [44, 44], "radius": 44, "length": 10},
-                 "strength": {"a": STRENGTH}, "rock": ROCK, "water": {"pressures": 5}}),
-    ("topple", {"columns": {"dip": 60, "width": 10, "heights": [4, 10], "base_step": 1, "thickness": 2},
-                "strength": {"a": STRENGTH}, "rock": ROCK, "water": {"pressures": {"base": 5, "sides": 3}}}),
-    ("topple", {"columns": {"dip": 60, "width": 10, "base_angle": 36}, "strength": {"a": STRENGTH}, "rock": ROCK,
-                "slope": {"height": 92, "face": 56, "upper": 4}}),
-    ("bench", {"slope": FACE | {"length": 30, "depth": 20}, "sets": {"S1": BENCH}, "strength": {"a": STRENGTH},
-               "rock": ROCK, "water": {"pressures": {"S1": 5}}}),
-    ("blocks", {"blocks": {"base": {"polygon": SQUARE, "fixed": "true"}, "B": {"polygon": SQUARE, "unit_weight": 25}},
-                "section": {"thickness": 2}, "strength": {"a": STRENGTH}, "water": {"pressures": {"B/base": 5}}}),
-    ("blocks", {"blocks": {"base": {"polygon": SQUARE, "fixed": "true"}, "B": {"polygon": SQUARE, "unit_weight": 25}},
-                "strength": {"a": STRENGTH}, "loads": {"surcharge": {"B": 20}}}),
-]  # fmt: skip
+    (
+        "wedge",
+        {
+            "slope": FACE,
+            "joints": JOINTS,
+            "strength": {"a": STRENGTH},
+            "rock": ROCK,
+            "water": {"fill": 0.5},
+            "crack": {"plane": PLANE, "distance": 5},
+            "loads": LOADS,
+            "support": BOLTS,
+        },
+    ),
+    (
+        "wedge",
+        {
+            "slope": FACE,
+            "joints": JOINTS,
+            "strength": {"a": STRENGTH},
+            "rock": ROCK,
+            "basal": {"plane": PLANE, "height": 5},
+        },
+    ),
+    (
+        "wedge",
+        {
+            "slope": FACE,
+            "joints": JOINTS,
+            "strength": {"a": STRENGTH},
+            "rock": ROCK,
+            "limits": {
+                "bench_width": 6,
+                "slope_length": 50,
+                "trace_length": 10,
+                "persistence": 8,
+                "max_volume": 500,
+            },
+        },
+    ),
+    (
+        "wedge",
+        {
+            "slope": FACE,
+            "joints": JOINTS,
+            "strength": {"a": STRENGTH},
+            "rock": ROCK,
+            "limits": {"trace_length": {"J1": 10}, "persistence": {"J1": 8}, "min_volume": 0.1},
+        },
+    ),
+    (
+        "wedge",
+        {
+            "joints": JOINTS,
+            "strength": {"a": BY_LAW},
+            "rock": {"density": 2600},
+            "water": {"pressures": {"J1": 5}, "unit_weight": 9.81},
+            "loads": {"seismic": 0.1},
+        },
+    ),
+    (
+        "wedge",
+        {
+            "joints": JOINTS,
+            "strength": {"a": BY_LAW},
+            "water": {"mode": "table", "depth": 4, "pond": 3},
+            "loads": {"surcharge": 20},
+        },
+    ),
+    (
+        "plane",
+        {
+            "slope": FACE,
+            "joints": {"J1": {"plane": PLANE}},
+            "strength": {"a": STRENGTH},
+            "rock": ROCK,
+            "crack": {"depth": 4, "water": 3},
+            "loads": LOADS,
+        },
+    ),
+    (
+        "plane",
+        {
+            "slope": FACE,
+            "joints": {"J1": {"plane": PLANE}},
+            "strength": {"a": STRENGTH},
+            "rock": ROCK,
+            "crack": {"distance": 4},
+            "water": {"pressures": [5, 6]},
+        },
+    ),
+    *(
+        (
+            "plane",
+            {
+                "slope": FACE,
+                "joints": {"J1": {"plane": PLANE}},
+                "strength": {"a": law},
+                "rock": ROCK,
+            },
+        )
+        for law in (*CURVED, *OF_EXAMPLES)
+    ),
+    (
+        "footing",
+        {
+            "footing": {"load": 1500, "at": 2},
+            "weak_plane": {"dip": 45, "length": 7},
+            "strength": {"a": STRENGTH},
+            "uplift": {"toe": 20, "heel": 5, "drain": 0.5},
+        },
+    ),
+    (
+        "footing",
+        {
+            "footing": {"load": 1500, "at": 2},
+            "weak_plane": {"dip": 45, "length": 7},
+            "strength": {"a": STRENGTH},
+            "uplift": {"fill": 0.5},
+        },
+    ),
+    (
+        "surface",
+        {
+            "slope": PROFILE,
+            "slip": {"shape": "cylinder", "centre": [44, 44], "radius": 44, "length": 10},
+            "strength": {"a": STRENGTH},
+            "rock": ROCK,
+            "water": {"pressures": 5},
+        },
+    ),
+    (
+        "topple",
+        {
+            "columns": {"dip": 60, "width": 10, "heights": [4, 10], "base_step": 1, "thickness": 2},
+            "strength": {"a": STRENGTH},
+            "rock": ROCK,
+            "water": {"pressures": {"base": 5, "sides": 3}},
+        },
+    ),
+    (
+        "topple",
+        {
+            "columns": {"dip": 60, "width": 10, "base_angle": 36},
+            "strength": {"a": STRENGTH},
+            "rock": ROCK,
+            "slope": {"height": 92, "face": 56, "upper": 4},
+        },
+    ),
+    (
+        "bench",
+        {
+            "slope": FACE | {"length": 30, "depth": 20},
+            "sets": {"S1": BENCH},
+            "strength": {"a": STRENGTH},
+            "rock": ROCK,
+            "water": {"pressures": {"S1": 5}},
+        },
+    ),
+    (
+        "blocks",
+        {
+            "blocks": {
+                "base": {"polygon": SQUARE, "fixed": "true"},
+                "B": {"polygon": SQUARE, "unit_weight": 25},
+            },
+            "section": {"thickness": 2},
+            "strength": {"a": STRENGTH},
+            "water": {"pressures": {"B/base": 5}},
+        },
+    ),
+    (
+        "blocks",
+        {
+            "blocks": {
+                "base": {"polygon": SQUARE, "fixed": "true"},
+                "B": {"polygon": SQUARE, "unit_weight": 25},
+            },
+            "strength": {"a": STRENGTH},
+            "loads": {"surcharge": {"B": 20}},
+        },
+    ),
+]
 
 
 def _in_numbers(kind: str, value: object, path: str = "") -> object:
     """What a template says, its quantities as numbers."""
     if isinstance(value, dict):
-        return {key: _in_numbers(kind, below, f"{path}.{key}" if path else key) for key, below in value.items()}
+        return {
+            key: _in_numbers(kind, below, f"{path}.{key}" if path else key)
+            for key, below in value.items()
+        }
     field = field_at(record_of(kind), path)
-    return quantity(value, field.measures, path) if isinstance(value, str) and field and field.is_number else value
+    return (
+        quantity(value, field.measures, path)
+        if isinstance(value, str) and field and field.is_number
+        else value
+    )
 
 
 DESIGNS += [
-    (kind, {key: _in_numbers(kind, value, key) for key, value in read_document(path_of(kind))[0].root.plain().items()})
-    for kind in KINDS if kind not in {kind for kind, _ in DESIGNS}
-]  # fmt: skip
+    (
+        kind,
+        {
+            key: _in_numbers(kind, value, key)
+            for key, value in read_document(path_of(kind))[0].root.plain().items()
+        },
+    )
+    for kind in KINDS
+    if kind not in {kind for kind, _ in DESIGNS}
+]
 _UNITS = {
-    "length": "m", "pressure": "kPa", "unit weight": "kN/m3", "density": "kg/m3", "force": "kN", "angle": "deg",
-    "stiffness": "kPa/m", "volume": "m3", "acceleration": "m/s2", "ratio": "",
-}  # fmt: skip
+    "length": "m",
+    "pressure": "kPa",
+    "unit weight": "kN/m3",
+    "density": "kg/m3",
+    "force": "kN",
+    "angle": "deg",
+    "stiffness": "kPa/m",
+    "volume": "m3",
+    "acceleration": "m/s2",
+    "ratio": "",
+}
 _WRONG = {"length": "kPa", "ratio": "m"}
 _STEP = 1e-9
 #: Columns of a slope whose numbers are each taken for themselves, and do not fit together.
@@ -128,9 +316,13 @@ _SEEN = _seen()
 #: Keys that no design above has, where they take their defaults: those of a field that was declared since.
 DESIGNS += [
     (kind, _with(next(design for of, design in DESIGNS if of == kind), field.path, field.default))
-    for kind in KINDS for field in every_field(record_of(kind))
-    if field.is_number and field.scatters and field.path not in _SEEN and isinstance(field.default, int | float)
-]  # fmt: skip
+    for kind in KINDS
+    for field in every_field(record_of(kind))
+    if field.is_number
+    and field.scatters
+    and field.path not in _SEEN
+    and isinstance(field.default, int | float)
+]
 
 
 def _cases() -> dict:
@@ -154,7 +346,9 @@ def _accepts(kind: str, design: dict, path: str, value: object) -> bool:
     if path.startswith("columns.heights"):
         values.append(("columns.base_step", "0"))  # which no column may be lower than
     elif path.endswith(".dilation"):
-        values.append((path.replace("dilation", "phi"), "89.9999999999"))  # which dilation may not pass
+        values.append(
+            (path.replace("dilation", "phi"), "89.9999999999")
+        )  # which dilation may not pass
     elif path.endswith(".phi") and "shear" not in path and "residual" not in path:
         values.append((path.replace("phi", "dilation"), "0"))
     try:
@@ -175,18 +369,24 @@ def test_units_and_limits_are_those_of_the_reader(kind, design, path, value, exp
 
     for limit, inward in ((expected.least, 1.0), (expected.most, -1.0)):
         if abs(limit) == float("inf"):
-            assert _accepts(kind, design, path, value - 1000.0 * inward) or path == "columns.base_step"
+            assert (
+                _accepts(kind, design, path, value - 1000.0 * inward) or path == "columns.base_step"
+            )
             continue
         step = _STEP * max(abs(limit), 1.0) * inward
         assert not _accepts(kind, design, path, repr(limit - step))
-        assert _accepts(kind, design, path, repr(limit)) or _accepts(kind, design, path, repr(limit + step))
+        assert _accepts(kind, design, path, repr(limit)) or _accepts(
+            kind, design, path, repr(limit + step)
+        )
 
 
 def test_every_field_that_may_scatter_is_looked_at() -> None:
     every = {
-        field.path for kind in KINDS for field in every_field(record_of(kind))
+        field.path
+        for kind in KINDS
+        for field in every_field(record_of(kind))
         if field.is_number and field.scatters and not (field.many and not field.path.endswith(".*"))
-    }  # fmt: skip
+    }
     assert every - _seen() == set()
 
 

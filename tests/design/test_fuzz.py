@@ -24,11 +24,25 @@ _COUNT, _SEED = 165, 21  # 11 takes twice as long for as many codes
 _SEED_OF_BLOCKS, _SEED_OF_OTHERS = 12, 11
 _SEED_OF_CASES = 14  # 11 draws one near 90° of friction and dilation that takes three times as long as all others
 _SLOW = (
-    "ground surface", "surface", "cylinder", "sheet surface", "sphere", "paper-ellipsoid", "facet surface",
-    "pressed wedge", "pressed plane", "rich footing",
-    "cracked wedge", "wedge with a table", "factored wedge", "basal wedge", "plane under a table",
-)  # fmt: skip
-_OF_BLOCKS = tuple(name for name, text in SEEDS.items() if re.search("kind: (topple|bench|blocks)\n", text))
+    "ground surface",
+    "surface",
+    "cylinder",
+    "sheet surface",
+    "sphere",
+    "paper-ellipsoid",
+    "facet surface",
+    "pressed wedge",
+    "pressed plane",
+    "rich footing",
+    "cracked wedge",
+    "wedge with a table",
+    "factored wedge",
+    "basal wedge",
+    "plane under a table",
+)
+_OF_BLOCKS = tuple(
+    name for name, text in SEEDS.items() if re.search("kind: (topple|bench|blocks)\n", text)
+)
 _OF_CASES = ("cases plane",)
 _WET = ("wet footing", "deep crack")
 _NAMES = tuple(name for name in SEEDS if name not in (*_SLOW, *_OF_BLOCKS, *_OF_CASES, *_WET))
@@ -82,7 +96,9 @@ def test_files_with_uplift_and_water_in_a_crack_are_run_or_refused(tmp_path) -> 
 def test_every_key_stands_in_a_seed() -> None:
     """What no design says is never mutated."""
     known = {*keys_of(SEEDS.values()), "*"}
-    assert {one.path for kind in KINDS for one in every_field(record_of(kind)) if one.key not in known} == set()
+    assert {
+        one.path for kind in KINDS for one in every_field(record_of(kind)) if one.key not in known
+    } == set()
 
 
 def test_surveys_and_options_of_two_studies_are_run_or_refused(tmp_path) -> None:
@@ -112,7 +128,9 @@ def test_files_of_many_blocks_are_read_or_refused(tmp_path) -> None:
     for index in range(260):
         content = case(index, _SEED_OF_BLOCKS, _OF_BLOCKS).content
         path = tmp_path / "case.yaml"
-        path.write_bytes(content if isinstance(content, bytes) else content.encode("utf-8", "surrogatepass"))
+        path.write_bytes(
+            content if isinstance(content, bytes) else content.encode("utf-8", "surrogatepass")
+        )
         try:
             design = sk.load(path)
         except sk.DesignError as error:

@@ -15,9 +15,22 @@ from slopekit.design.survey import JointList, read_joints
 
 #: Dip and dip direction of 15 joints in three sets: five of them have directions up to 90, as dips have.
 ROWS = [
-    (76, 196), (68, 178), (74, 199), (76, 185), (68, 185), (60, 55), (67, 52), (54, 64), (53, 62), (63, 60),
-    (69, 297), (67, 294), (60, 304), (65, 297), (71, 306),
-]  # fmt: skip
+    (76, 196),
+    (68, 178),
+    (74, 199),
+    (76, 185),
+    (68, 185),
+    (60, 55),
+    (67, 52),
+    (54, 64),
+    (53, 62),
+    (63, 60),
+    (69, 297),
+    (67, 294),
+    (60, 304),
+    (65, 297),
+    (71, 306),
+]
 PLANES = [Plane(float(dip), float(direction)) for dip, direction in ROWS]
 SWAPPED = "".join(f"{direction},{dip}\n" for dip, direction in ROWS)
 
@@ -59,21 +72,38 @@ def refused(folder: Path, content: str, skip_bad: bool = False) -> DesignError:
 def test_swapped_columns_are_said_once_and_never_skipped(header, tmp_path) -> None:
     (fault,) = refused(tmp_path, header + SWAPPED).faults
     assert fault.code == "E103"
-    assert fault.message.startswith("dip directions over 90 stand in the column dip: columns swapped? (10 of 15 rows")
+    assert fault.message.startswith(
+        "dip directions over 90 stand in the column dip: columns swapped? (10 of 15 rows"
+    )
     assert fault.advice == "If so: --columns dip_direction,dip."
     assert fault.where.count("joints.csv:") == 3
     skipped = refused(tmp_path, header + SWAPPED, skip_bad=True)
     assert skipped.codes == ("E193", "E103")
-    assert skipped.faults[0].message == "10 of 15 rows of joints.csv are bad: more than a tenth is not skipped"
+    assert (
+        skipped.faults[0].message
+        == "10 of 15 rows of joints.csv are bad: more than a tenth is not skipped"
+    )
 
 
 @pytest.mark.parametrize(
     ("content", "says"),
     [
-        ("strike (RHR),dip\n" + "".join(f"{dip},{strike}\n" for dip, strike in ROWS), "strikes over 90 stand in"),
-        ("trend,plunge\n" + "".join(f"{dip},{trend}\n" for dip, trend in ROWS), "trends over 90 stand in"),
-        ("orientation\n" + "".join(f"{way}/{dip}\n" for dip, way in ROWS), "dip directions over 90 stand in front"),
-        ("clar\n" + "".join(f"{dip}/{way}\n" for dip, way in ROWS), "dip directions over 90 stand in the place of"),
+        (
+            "strike (RHR),dip\n" + "".join(f"{dip},{strike}\n" for dip, strike in ROWS),
+            "strikes over 90 stand in",
+        ),
+        (
+            "trend,plunge\n" + "".join(f"{dip},{trend}\n" for dip, trend in ROWS),
+            "trends over 90 stand in",
+        ),
+        (
+            "orientation\n" + "".join(f"{way}/{dip}\n" for dip, way in ROWS),
+            "dip directions over 90 stand in front",
+        ),
+        (
+            "clar\n" + "".join(f"{dip}/{way}\n" for dip, way in ROWS),
+            "dip directions over 90 stand in the place of",
+        ),
     ],
 )
 def test_other_notations_are_swapped_too(content, says, tmp_path) -> None:
@@ -101,15 +131,23 @@ def test_the_user_names_the_columns(tmp_path) -> None:
 def test_every_study_takes_the_names_of_columns(tmp_path) -> None:
     path = written(tmp_path, SWAPPED)
     right = sk.kinematic(ROWS, face="75/180", phi=30)
-    assert sk.kinematic(path, face="75/180", phi=30, columns="dip_direction,dip").counts == right.counts
+    assert (
+        sk.kinematic(path, face="75/180", phi=30, columns="dip_direction,dip").counts
+        == right.counts
+    )
     assert len(sk.sets(path, columns="dip_direction,dip", n=3).sets) == 3
-    pairs = sk.combos(path, face="75/180", c=0, phi=30, closed_form=True, columns="dip_direction,dip")
+    pairs = sk.combos(
+        path, face="75/180", c=0, phi=30, closed_form=True, columns="dip_direction,dip"
+    )
     assert pairs.counts == sk.combos(ROWS, face="75/180", c=0, phi=30, closed_form=True).counts
     frame = Frame(dip=[way for _, way in ROWS], dip_direction=[dip for dip, _ in ROWS])
     with pytest.raises(DesignError) as caught:
         sk.kinematic(frame, face="75/180")
     assert caught.value.faults[0].advice == 'If so: columns = "dip_direction,dip".'
-    assert sk.kinematic(frame, face="75/180", phi=30, columns="dip_direction,dip").counts == right.counts
+    assert (
+        sk.kinematic(frame, face="75/180", phi=30, columns="dip_direction,dip").counts
+        == right.counts
+    )
 
 
 @pytest.mark.parametrize("columns", ["[dip_direction, dip]", '"dip_direction,dip"'])
@@ -130,10 +168,14 @@ def test_a_design_names_the_columns(columns, tmp_path) -> None:
 def test_without_a_header_the_order_is_not_guessed(tmp_path) -> None:
     (fault,) = refused(tmp_path, "45,60\n50,30\n").faults
     assert (fault.code, fault.message) == (
-        "E191", "joints.csv has no header, and no number over 90 says which of its two columns is the dip",
-    )  # fmt: skip
+        "E191",
+        "joints.csv has no header, and no number over 90 says which of its two columns is the dip",
+    )
     assert fault.advice.endswith("--columns dip,dip_direction, or --columns dip_direction,dip.")
-    assert planes(read_joints(written(tmp_path, "45,60\n50,130\n"))) == [Plane(45.0, 60.0), Plane(50.0, 130.0)]
+    assert planes(read_joints(written(tmp_path, "45,60\n50,130\n"))) == [
+        Plane(45.0, 60.0),
+        Plane(50.0, 130.0),
+    ]
 
 
 @pytest.mark.parametrize(
@@ -160,23 +202,33 @@ def test_a_frame_with_a_header_behind_a_mark() -> None:
 
 
 def test_faults_of_one_kind_are_one(tmp_path) -> None:
-    content = "name,dip,dip_direction\n" + "".join(f"A{k},{k % 90},x{k}\n" for k in range(5000)) + "B,45,400\n"
+    content = (
+        "name,dip,dip_direction\n"
+        + "".join(f"A{k},{k % 90},x{k}\n" for k in range(5000))
+        + "B,45,400\n"
+    )
     error = refused(tmp_path, content)
     assert error.codes == ("E104", "E102")
     assert error.faults[0].message.endswith(", and 4999 rows more like it")
-    assert [part[:13] for part in error.faults[0].where.split("; ")] == [f"joints.csv:{k} " for k in (2, 3, 4)]
+    assert [part[:13] for part in error.faults[0].where.split("; ")] == [
+        f"joints.csv:{k} " for k in (2, 3, 4)
+    ]
 
 
 def test_few_bad_rows_are_skipped_by_kind(tmp_path) -> None:
     good = "".join(f"G{k},{k},200\n" for k in range(60))
     bad = "".join(f"B{k},45,{400 + k}\n" for k in range(5))
-    survey = read_joints(written(tmp_path, f"name,dip,dip_direction\n{bad}{good}X,45,east\n"), skip_bad=True)
+    survey = read_joints(
+        written(tmp_path, f"name,dip,dip_direction\n{bad}{good}X,45,east\n"), skip_bad=True
+    )
     assert len(survey.joints) == 60
     assert survey.left_out == (
         "lines 2, 3, 4 and 2 more (E102 dip direction of B0 is 400, a direction lies between 0 and 360)",
         "line 67 (E104 X is '45/east', a plane is written dip/dip direction, for example 45/115)",
     )
-    found = sk.kinematic(written(tmp_path, f"name,dip,dip_direction\n{bad}{good}"), face="65/180", skip_bad=True)
+    found = sk.kinematic(
+        written(tmp_path, f"name,dip,dip_direction\n{bad}{good}"), face="65/180", skip_bad=True
+    )
     assert found.line.endswith("  W366")
     assert "W366" in json.dumps(found.to_dict()["warnings"])
 
@@ -191,7 +243,9 @@ def test_a_tenth_of_the_rows_may_be_bad(tmp_path) -> None:
 
 
 def test_names_that_repeat_are_sets(tmp_path) -> None:
-    content = "joint,dip,dip_direction\n" + "".join(f"K{k // 5},{dip},{way}\n" for k, (dip, way) in enumerate(ROWS))
+    content = "joint,dip,dip_direction\n" + "".join(
+        f"K{k // 5},{dip},{way}\n" for k, (dip, way) in enumerate(ROWS)
+    )
     survey = read_joints(written(tmp_path, content))
     assert planes(survey) == PLANES
     assert [joint.set_name for joint in survey.joints] == [f"K{k // 5}" for k in range(15)]
@@ -226,9 +280,15 @@ def test_an_azimuth_is_said_to_be_read_as_the_dip_direction(tmp_path) -> None:
 # -- planes whose side need not be said ---------------------------------------------------------------------------
 
 NO_SIDE = [
-    ("N-S", 90, "", "90/090"), ("E-W", 90, "", "90/180"), ("EW", 90, "", "90/180"), ("N", 90, "", "90/090"),
-    ("000", 0, "", "0/090"), ("N30W", 90, "", "90/060"), ("NW-SE", 90, "", "90/045"), ("N40E", 50, "SE", "50/130"),
-]  # fmt: skip
+    ("N-S", 90, "", "90/090"),
+    ("E-W", 90, "", "90/180"),
+    ("EW", 90, "", "90/180"),
+    ("N", 90, "", "90/090"),
+    ("000", 0, "", "0/090"),
+    ("N30W", 90, "", "90/060"),
+    ("NW-SE", 90, "", "90/045"),
+    ("N40E", 50, "SE", "50/130"),
+]
 
 
 @pytest.mark.parametrize(
@@ -237,12 +297,17 @@ NO_SIDE = [
         ["strike,dip,direction", *(f"{strike},{dip},{side}" for strike, dip, side, _ in NO_SIDE)],
         ["strike,dip", *(f"{strike},{dip}{side}" for strike, dip, side, _ in NO_SIDE)],
         ["strike/dip", *(f"{strike}/{dip}{side}" for strike, dip, side, _ in NO_SIDE)],
-        ["strike;dip;direction", *(f"{strike};{dip},0;{side}" for strike, dip, side, _ in NO_SIDE[:-1])],
+        [
+            "strike;dip;direction",
+            *(f"{strike};{dip},0;{side}" for strike, dip, side, _ in NO_SIDE[:-1]),
+        ],
     ],
 )
 def test_vertical_and_horizontal_planes_need_no_side(lines, tmp_path) -> None:
     survey = read_joints(written(tmp_path, "\n".join(lines)))
-    assert [str(plane) for plane in planes(survey)] == [plane for *_, plane in NO_SIDE][: len(lines) - 1]
+    assert [str(plane) for plane in planes(survey)] == [plane for *_, plane in NO_SIDE][
+        : len(lines) - 1
+    ]
 
 
 def test_a_horizontal_plane_needs_no_direction(tmp_path) -> None:
@@ -254,18 +319,22 @@ def test_a_horizontal_plane_needs_no_direction(tmp_path) -> None:
     error = refused(tmp_path, "strike,dip,direction\nN40E,50,SE\nN40E,50,\n")
     assert [fault.message for fault in error.faults] == [
         "J2 strikes N40E and dips 50: the side it dips to is not said",
-    ]  # fmt: skip
+    ]
 
 
 def test_either_side_of_a_vertical_joint_is_the_same_joint() -> None:
     one, other = (
-        sk.kinematic([(90, way), (60, 150), (50, 210), (80, 20)], face="70/180", phi=30, lateral_toppling=40)
+        sk.kinematic(
+            [(90, way), (60, 150), (50, 210), (80, 20)], face="70/180", phi=30, lateral_toppling=40
+        )
         for way in (30, 210)
     )
     assert one.counts == other.counts
 
 
-@pytest.mark.parametrize(("text", "meant"), [("N-S/90", "90/090"), ("N30W/90", "90/060"), ("E-W 0", "0/180")])
+@pytest.mark.parametrize(
+    ("text", "meant"), [("N-S/90", "90/090"), ("N30W/90", "90/060"), ("E-W 0", "0/180")]
+)
 def test_a_command_line_answers_with_the_plane(text, meant) -> None:
     with pytest.raises(DesignError) as caught:
         parse_plane(text, "J1")
@@ -289,12 +358,17 @@ def test_overturned_or_exchanged_is_not_guessed(tmp_path) -> None:
     """112/45 may be 68/225 or 45/112; a list that exchanges columns may write all its numbers with three digits."""
     error = refused(tmp_path, "dip,dip_direction\n112,45\n85,205\n")
     assert error.codes == ("E101",)
-    assert "is written 68/225; with dip and dip direction exchanged it is 45/112" in error.faults[0].advice
+    assert (
+        "is written 68/225; with dip and dip direction exchanged it is 45/112"
+        in error.faults[0].advice
+    )
     for swapped in ("178,068\n185,077\n", "196,076\n178,068\n", "110,062\n120,055\n"):
         assert set(refused(tmp_path, f"dip,dip_direction\n{swapped}").codes) == {"E103"}
 
 
-@pytest.mark.parametrize(("value", "code"), [("95/030", "E101"), ("95/30", "E103"), ((95, 30), "E103")])
+@pytest.mark.parametrize(
+    ("value", "code"), [("95/030", "E101"), ("95/30", "E103"), ((95, 30), "E103")]
+)
 def test_one_overturned_plane_is_answered_with_the_plane(value, code) -> None:
     with pytest.raises(DesignError) as caught:
         parse_plane(value, "J1")

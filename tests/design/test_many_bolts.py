@@ -20,15 +20,24 @@ def design_with(**first) -> dict:
     for _ in range(COUNT):
         z = rng.uniform(2.0, 28.0)
         head = [rng.uniform(-0.6, 0.6) * z, z / np.tan(np.radians(60.0)), z]
-        bolts.append({"force": 100, "toward": f"{rng.uniform(0, 20):.1f}/{rng.uniform(0, 20):.1f}", "head": head})
+        bolts.append(
+            {
+                "force": 100,
+                "toward": f"{rng.uniform(0, 20):.1f}/{rng.uniform(0, 20):.1f}",
+                "head": head,
+            }
+        )
     for k in range(1, COUNT, 2):
         bolts[k]["length"] = 9
     bolts[0] |= first
     return {
-        "slopekit": 1, "kind": "wedge", "slope": {"face": "60/180", "upper": "10/180", "height": 30},
-        "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}, "strength": {"s": {"c": 20, "phi": 20}},
+        "slopekit": 1,
+        "kind": "wedge",
+        "slope": {"face": "60/180", "upper": "10/180", "height": 30},
+        "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
+        "strength": {"s": {"c": 20, "phi": 20}},
         "support": {"bolts": bolts},
-    }  # fmt: skip
+    }
 
 
 @pytest.fixture
@@ -51,11 +60,14 @@ def test_a_bolt_that_is_not_changed_is_not_read_again(read) -> None:
     assert (len(read), higher.bolts) == (COUNT, design.bolts)
     stronger = with_values(design, {"support.bolts.7.force": 250})
     assert len(read) == COUNT + 1
-    assert [bolt.force_kn for bolt in stronger.bolts] == [250.0 if k == 7 else 100.0 for k in range(COUNT)]
+    assert [bolt.force_kn for bolt in stronger.bolts] == [
+        250.0 if k == 7 else 100.0 for k in range(COUNT)
+    ]
 
 
 @pytest.mark.parametrize(
-    ("wrong", "code"), [({"force": "-5"}, "E124"), ({"toward": "400/5"}, "E124"), ({"lenght": 5}, "E142")]
+    ("wrong", "code"),
+    [({"force": "-5"}, "E124"), ({"toward": "400/5"}, "E124"), ({"lenght": 5}, "E142")],
 )
 def test_what_is_wrong_with_one_is_said_every_time(wrong, code) -> None:
     design = sk.load(design_with())
@@ -84,10 +96,15 @@ def test_loads_in_words_are_each_their_own() -> None:
         assert loaded.water.pressures_kpa == (5.0, 6.0)
 
 
-@pytest.mark.parametrize(("force", "code"), [
-    ("300 kN@180/10,5", "E106"), ("300 kN@180/10,passive", "E108"), ("300 kN@180/10 at [0,0,0]", "E108"),
-    ({"force": "300 kN@180/10,passive", "at": [0, 1, 2]}, "E108"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("force", "code"),
+    [
+        ("300 kN@180/10,5", "E106"),
+        ("300 kN@180/10,passive", "E108"),
+        ("300 kN@180/10 at [0,0,0]", "E108"),
+        ({"force": "300 kN@180/10,passive", "at": [0, 1, 2]}, "E108"),
+    ],
+)
 def test_nothing_behind_the_direction_of_a_force_is_passed_over(force, code) -> None:
     """A passive bolt under forces would act at any displacement."""
     with pytest.raises(sk.DesignError) as raised:
@@ -97,7 +114,9 @@ def test_nothing_behind_the_direction_of_a_force_is_passed_over(force, code) -> 
 
 def test_a_force_in_words_may_have_its_place_beside_it() -> None:
     (written,) = sk.load(design_with() | {"loads": {"forces": ["300 kN@180/10"]}}).forces
-    (placed,) = sk.load(design_with() | {"loads": {"forces": [{"force": "300 kN@180/10", "at": [0, 1, 2]}]}}).forces
+    (placed,) = sk.load(
+        design_with() | {"loads": {"forces": [{"force": "300 kN@180/10", "at": [0, 1, 2]}]}}
+    ).forces
     assert placed.components_kn == written.components_kn
     assert (written.at_m, placed.at_m) == (None, (0.0, 1.0, 2.0))
 
@@ -112,12 +131,15 @@ def test_many_stand_as_each_does_alone() -> None:
     """Lines through four blocks, with 1 to 40 bolts at once."""
     design = sk.load(design_with(length=12))
     bounds = ON_ARRAYS.bounds(with_values(design, {"slope.height": 30}))
-    moved = [ON_ARRAYS.bounds(with_values(design, {"slope.height": height})) for height in (22.0, 26.0, 33.0)]
-    before = held_bolts.stand_off(bounds, design.bolts)
+    moved = [
+        ON_ARRAYS.bounds(with_values(design, {"slope.height": height}))
+        for height in (22.0, 26.0, 33.0)
+    ]
+    before = held_bolts.head_offset(bounds, design.bolts)
     for own in (bounds, *moved):
         together = held_bolts.holding_bolts(own, design.bolts, before)
         for k, bolt in enumerate(design.bolts):
-            alone = held_bolts.holding_bolts(own, [bolt], held_bolts.stand_off(bounds, [bolt]))
+            alone = held_bolts.holding_bolts(own, [bolt], held_bolts.head_offset(bounds, [bolt]))
             assert alone[0].tolist() == together[0][k : k + 1].tolist()
             np.testing.assert_allclose(alone[1], together[1][k : k + 1], rtol=1e-12)
     assert 0 < held_bolts.holding_bolts(moved[0], design.bolts, before)[0].sum() < COUNT

@@ -64,7 +64,11 @@ BAD_INPUT = [
     ("E124", {"bolts": "200"}, "bolt is 200"),
     ("E124", {"bolts": "200@000/10,strong"}, "it is active or passive"),
     ("E124", {"bolts": "200@000/100"}, "plunge of bolt is 100"),
-    ("E124", {"bolts": {"force": 200, "toward": "000/10", "length": 9}}, "a bolt with a length needs its head"),
+    (
+        "E124",
+        {"bolts": {"force": 200, "toward": "000/10", "length": 9}},
+        "a bolt with a length needs its head",
+    ),
     ("E126", {"criterion": "all_pairs"}, "it is limit or all-pairs"),
     ("E127", {"accept": -1}, "accept is -1"),
     ("E142", {"hieght": 10}, "hieght is not an input of a wedge"),
@@ -74,22 +78,41 @@ BAD_INPUT = [
 ]
 NO_BLOCK = [
     ("E201", {"dips": ("45/115", "45/115")}, "J1 and J2 are parallel"),
-    ("E203", {"face": "20/180"}, "the line plunges 22.9°, steeper than the face (20°): it does not daylight"),
+    (
+        "E203",
+        {"face": "20/180"},
+        "the line plunges 22.9°, steeper than the face (20°): it does not daylight",
+    ),
     ("E204", {"face": "60/000", "upper": "0/000"}, "into the slope"),
     ("E205", {"upper": "25/180"}, "flatter than the upper slope (25°)"),
     ("E206", {"dips": ("60/180", "45/245")}, "J1 and the face are parallel"),
-    ("E206", {"dips": ("45/180", "80/245"), "face": "60/180"}, "the trace of J1 on the face is horizontal"),
+    (
+        "E206",
+        {"dips": ("45/180", "80/245"), "face": "60/180"},
+        "the trace of J1 on the face is horizontal",
+    ),
     ("E207", {"crack": "80/180@300m"}, "the wedge ends at 209.373 m"),
     ("E207", {"crack": "10/180@30m"}, "parallel to the upper slope"),
     ("E207", {"crack": "22.909807125143665/180@30m"}, "parallel to the line of intersection"),
     ("E207", {"crack": "15/180@30m"}, "does not cross the line of intersection"),
-    ("E208", {"dips": ("30/105", "40/215"), "face": "70/180", "crack": "70/190@5", "height": 10},
-     "the crack cuts the wedge in two below its crest"),
+    (
+        "E208",
+        {"dips": ("30/105", "40/215"), "face": "70/180", "crack": "70/190@5", "height": 10},
+        "the crack cuts the wedge in two below its crest",
+    ),
     ("E209", {"face": "60/180", "upper": "60/180"}, "there is no crest"),
-    ("E211", {"bolts": {"force": 200, "toward": "000/10", "head": (500, 0, 0)}}, "bolt 1 misses the block"),
+    (
+        "E211",
+        {"bolts": {"force": 200, "toward": "000/10", "head": (500, 0, 0)}},
+        "bolt 1 misses the block",
+    ),
     ("E211", {"bolts": {"force": 200, "toward": "180/10", "head": HEAD}}, "through a free face"),
-    ("E212", {"bolts": {"force": 200, "toward": "000/10", "head": HEAD, "length": 2}}, "it is too short"),
-]  # fmt: skip
+    (
+        "E212",
+        {"bolts": {"force": 200, "toward": "000/10", "head": HEAD, "length": 2}},
+        "it is too short",
+    ),
+]
 
 
 @pytest.mark.parametrize(("code", "inputs", "says"), BAD_INPUT, ids=lambda value: str(value)[:40])
@@ -122,7 +145,14 @@ def test_no_block_can_be_formed(code, inputs, says) -> None:
 
 def test_all_faults_are_reported_at_once() -> None:
     with pytest.raises(sk.DesignError) as caught:
-        sk.wedge(dips=("95/115", "45/400"), phi=0.35, height=-3, water="wet", unit_weight=2650, bolts=["1", "2"])
+        sk.wedge(
+            dips=("95/115", "45/400"),
+            phi=0.35,
+            height=-3,
+            water="wet",
+            unit_weight=2650,
+            bolts=["1", "2"],
+        )
     assert caught.value.codes == ("E101", "E102", "E116", "E113", "E118", "E110", "E124", "E124")
 
 
@@ -132,7 +162,9 @@ def test_advice_says_what_to_type_instead() -> None:
             sk.wedge(**{"dips": DIPS, **inputs})
         return caught.value.faults[0].advice
 
-    assert advice(dips=("95/115", "45/245")) == "A plane that dips 95° toward 115 is written 85/295."
+    assert (
+        advice(dips=("95/115", "45/245")) == "A plane that dips 95° toward 115 is written 85/295."
+    )
     assert "45/115?" in advice(dips=("115/45", "45/245"))
     assert "20.1°" in advice(phi=0.35)
     assert "2.65 t/m3" in advice(unit_weight=2.65)

@@ -43,11 +43,15 @@ def _faults(path: Path, text: str) -> sk.DesignError:
     return caught.value
 
 
-@pytest.mark.parametrize("file", ["../there/slab.obj", "TMP/there/slab.obj", "link.obj", "folder/slab.obj"])
+@pytest.mark.parametrize(
+    "file", ["../there/slab.obj", "TMP/there/slab.obj", "link.obj", "folder/slab.obj"]
+)
 def test_a_mesh_outside_the_folder_of_the_design_is_not_read(file, folders) -> None:
     path = folders / "here" / "slab.yaml"
     error = _faults(path, SLAB.replace("FILE", file.replace("TMP", str(folders))))
-    (fault,) = [fault for fault in error.faults if "outside the folder of the design" in fault.message]
+    (fault,) = [
+        fault for fault in error.faults if "outside the folder of the design" in fault.message
+    ]
     assert fault.code == "E172"
     assert "--allow-outside" in fault.advice
 
@@ -62,7 +66,9 @@ def test_a_joint_list_outside_is_read_where_that_is_allowed(file, folders) -> No
     assert "SLOPEKIT_ALLOW_OUTSIDE" not in os.environ
     lines = ["--allow-outside", "run", str(path)], ["run", str(path), "--allow-outside"]
     for line in lines if file == "link.csv" else ():
-        done = subprocess.run([sys.executable, "-m", "slopekit", *line, "--quiet"], capture_output=True, text=True)
+        done = subprocess.run(
+            [sys.executable, "-m", "slopekit", *line, "--quiet"], capture_output=True, text=True
+        )
         assert f"{limit:.3f}" in done.stdout
 
 
@@ -70,8 +76,12 @@ def test_studies_of_a_design_with_files_outside_read_them_again(folders) -> None
     path = folders / "here" / "wedge.yaml"
     path.write_text(LIST.replace("FILE", "../there/joints.csv"))
     design = sk.load(path, allow_outside=True)
-    limits = [point.factors.limit for point in sk.sweep(design, {"strength.joints.phi": [30, 35]}).points]
-    assert limits == [pytest.approx(sk.wedge(dips=("45/115", "45/245"), phi=phi).fos.limit) for phi in (30, 35)]
+    limits = [
+        point.factors.limit for point in sk.sweep(design, {"strength.joints.phi": [30, 35]}).points
+    ]
+    assert limits == [
+        pytest.approx(sk.wedge(dips=("45/115", "45/245"), phi=phi).fos.limit) for phi in (30, 35)
+    ]
     assert not sk.solve(design, "strength.joints.phi", fos=1.5).line.startswith("none")
 
 
@@ -113,7 +123,13 @@ def test_what_the_shell_hands_over_is_read(tmp_path) -> None:
     (tmp_path / "wedge.yaml").write_text(
         "slopekit: 1\nkind: wedge\njoints: {J1: {plane: 45/115}, J2: {plane: 45/245}}\n"
     )
-    for line in ("run <(cat wedge.yaml) --quiet", "run /dev/stdin --quiet < wedge.yaml", "run /dev/stdin < <(yes)"):
+    for line in (
+        "run <(cat wedge.yaml) --quiet",
+        "run /dev/stdin --quiet < wedge.yaml",
+        "run /dev/stdin < <(yes)",
+    ):
         program = f"{sys.executable} -m slopekit {line}"
-        done = subprocess.run(["bash", "-c", program], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+        done = subprocess.run(
+            ["bash", "-c", program], cwd=tmp_path, capture_output=True, text=True, timeout=60
+        )
         assert "larger than 5 MB" in done.stderr if "yes" in line else "1.557" in done.stdout

@@ -13,20 +13,27 @@ from tests.commands import slopekit
 
 H, DIP, FACE = 12.0, math.radians(35.0), math.radians(60.0)
 PLANE = {
-    "slopekit": 1, "kind": "plane", "slope": {"face": "60/180", "height": 12, "upper": "0/180"},
-    "joints": {"J1": {"plane": "35/180"}}, "strength": {"bedding": {"c": 30, "phi": 37}}, "rock": {"unit_weight": 26},
-    "water": {"fill": "50 %"}, "loads": {"surcharge": 20, "seismic": 0.05},
-}  # fmt: skip
+    "slopekit": 1,
+    "kind": "plane",
+    "slope": {"face": "60/180", "height": 12, "upper": "0/180"},
+    "joints": {"J1": {"plane": "35/180"}},
+    "strength": {"bedding": {"c": 30, "phi": 37}},
+    "rock": {"unit_weight": 26},
+    "water": {"fill": "50 %"},
+    "loads": {"surcharge": 20, "seismic": 0.05},
+}
 #: Tables A.3, A.4 and A.14: permanent and variable, unfavourable and favourable; tan φ and c; earth resistance.
 ANNEX_A = {
-    "DA1-C1": ((1.35, 1.0), (1.5, 0.0), 1.0, 1.0), "DA1-C2": ((1.0, 1.0), (1.3, 0.0), 1.25, 1.0),
-    "DA2": ((1.35, 1.0), (1.5, 0.0), 1.0, 1.1), "DA3": ((1.0, 1.0), (1.3, 0.0), 1.25, 1.0),
-}  # fmt: skip
+    "DA1-C1": ((1.35, 1.0), (1.5, 0.0), 1.0, 1.0),
+    "DA1-C2": ((1.0, 1.0), (1.3, 0.0), 1.25, 1.0),
+    "DA2": ((1.35, 1.0), (1.5, 0.0), 1.0, 1.1),
+    "DA3": ((1.0, 1.0), (1.3, 0.0), 1.25, 1.0),
+}
 
 
 def by_hand(
     on_weight=1.0, on_water=1.0, on_surcharge=1.0, on_strength=1.0, c=30.0, fill=0.5, k=0.05, q=20.0
-) -> float:  # fmt: skip
+) -> float:
     """Limit equilibrium of the plane: driving and resisting forces with their factors; the seismic one has none."""
     length, top = H / math.sin(DIP), H * (1.0 / math.tan(DIP) - 1.0 / math.tan(FACE))
     weight = 26.0 * H * top / 2.0
@@ -60,10 +67,16 @@ def test_the_sets_of_eurocode_7(name) -> None:
 
 def test_weight_is_favourable_where_it_holds() -> None:
     """Without cohesion under full water more weight is safer: its favourable factor is taken."""
-    given = {"strength": {"bedding": {"c": 0, "phi": 37}}, "water": "full", "loads": {"surcharge": 20}}
+    given = {
+        "strength": {"bedding": {"c": 0, "phi": 37}},
+        "water": "full",
+        "loads": {"surcharge": 20},
+    }
     result = sk.run(asked("DA1-C1", **given))
     own = [
-        by_hand(weight, 1.35, surcharge, c=0.0, fill=1.0, k=0.0) for weight in (1.35, 1.0) for surcharge in (1.5, 0.0)
+        by_hand(weight, 1.35, surcharge, c=0.0, fill=1.0, k=0.0)
+        for weight in (1.35, 1.0)
+        for surcharge in (1.5, 0.0)
     ]
     assert result.fos.closed_form == pytest.approx(min(own), rel=1e-9)
     assert min(own) == own[3]
@@ -84,7 +97,9 @@ def test_a_dry_slope_without_cohesion_has_1_25_of_combination_2() -> None:
 def test_forces_are_permanent_or_variable(forces, factor) -> None:
     """A push out of the slope, by its design value in a design without factors on it."""
     push = {"loads": {"forces": ["100kN@180/00"]}, "water": "dry"}
-    found = sk.run({**PLANE, **push, "analysis": {"partial_factors": {"set": "DA1-C1", "forces": forces}}})
+    found = sk.run(
+        {**PLANE, **push, "analysis": {"partial_factors": {"set": "DA1-C1", "forces": forces}}}
+    )
     plain = {"forces": [f"{100 * factor}kN@180/00"]}
     alone = sk.run({**PLANE, "water": "dry", "loads": plain, "rock": {"unit_weight": 26 * 1.35}})
     assert found.fos.closed_form == pytest.approx(alone.fos.closed_form, rel=1e-9)
@@ -93,10 +108,15 @@ def test_forces_are_permanent_or_variable(forces, factor) -> None:
 def test_a_wedge_with_a_curved_strength_is_divided_as_a_whole() -> None:
     """τ / 1.25 on every joint divides the factor by 1.25, of the closed form and of PRE-IE."""
     wedge = {
-        "slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
+        "slopekit": 1,
+        "kind": "wedge",
+        "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
         "strength": {"rough": {"law": "barton-bandis", "jrc": 8, "jcs": "50 MPa", "phi_r": 25}},
-    }  # fmt: skip
-    before, after = (factors_of(sk.load(one)) for one in (wedge, {**wedge, "analysis": {"partial_factors": "DA3"}}))
+    }
+    before, after = (
+        factors_of(sk.load(one))
+        for one in (wedge, {**wedge, "analysis": {"partial_factors": "DA3"}})
+    )
     assert after.closed_form == pytest.approx(before.closed_form / 1.25, rel=1e-9)
     assert after.limit == pytest.approx(before.limit / 1.25, rel=1e-6)
     with pytest.raises(sk.DesignError) as error:
@@ -107,29 +127,48 @@ def test_a_wedge_with_a_curved_strength_is_divided_as_a_whole() -> None:
 def test_many_blocks_are_factored_too() -> None:
     """A block on a slope: tan φ / (1.25 tan 30°)."""
     block = {
-        "slopekit": 1, "kind": "blocks", "rock": {"unit_weight": 25}, "strength": {"s": {"c": 0, "phi": 35}},
+        "slopekit": 1,
+        "kind": "blocks",
+        "rock": {"unit_weight": 25},
+        "strength": {"s": {"c": 0, "phi": 35}},
         "blocks": {
             "base": {"polygon": [[0, 0], [10, 0], [10, 10 * math.tan(math.pi / 6)]], "fixed": True},
-            "B1": {"polygon": [[4, 4 * math.tan(math.pi / 6)], [6, 6 * math.tan(math.pi / 6)],
-                               [6 - 0.5, 6 * math.tan(math.pi / 6) + 0.5 * math.sqrt(3.0)],
-                               [4 - 0.5, 4 * math.tan(math.pi / 6) + 0.5 * math.sqrt(3.0)]], "unit_weight": 20},
+            "B1": {
+                "polygon": [
+                    [4, 4 * math.tan(math.pi / 6)],
+                    [6, 6 * math.tan(math.pi / 6)],
+                    [6 - 0.5, 6 * math.tan(math.pi / 6) + 0.5 * math.sqrt(3.0)],
+                    [4 - 0.5, 4 * math.tan(math.pi / 6) + 0.5 * math.sqrt(3.0)],
+                ],
+                "unit_weight": 20,
+            },
         },
         "analysis": {"partial_factors": {"set": "DA2", "tan_phi": 1.25}},
-    }  # fmt: skip
+    }
     result = sk.run(block)
     wanted = math.tan(math.radians(35.0)) / math.tan(math.pi / 6) / 1.25 / 1.1
     assert result.fos.limit == pytest.approx(wanted, rel=1e-6)
     assert result.design.blocks[1].unit_weight_kn_m3 == pytest.approx(27.0)
 
 
-@pytest.mark.parametrize(("template", "water"), [
-    ("bench", {"S1": "10 kPa"}), ("topple", {"base": "10 kPa"}), ("wedge", {"J1": "10 kPa"}), ("sphere", "10 kPa"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("template", "water"),
+    [
+        ("bench", {"S1": "10 kPa"}),
+        ("topple", {"base": "10 kPa"}),
+        ("wedge", {"J1": "10 kPa"}),
+        ("sphere", "10 kPa"),
+    ],
+)
 def test_water_pressures_of_every_kind_are_multiplied(template, water) -> None:
     """Whatever records a kind keeps them in, what analyses see is what 13.5 kPa written into the design gives."""
     own = {"analysis.partial_factors": {"permanent_unfavourable": 1.35}}
     factored = load(path_of(template), [("water", {"pressures": water}), *own.items()])
-    more = str(water).replace("10", "13.5") if isinstance(water, str) else dict.fromkeys(water, "13.5 kPa")
+    more = (
+        str(water).replace("10", "13.5")
+        if isinstance(water, str)
+        else dict.fromkeys(water, "13.5 kPa")
+    )
     by_hand = load(path_of(template), [("water", {"pressures": more})])
     assert pressures_in(factored) == pytest.approx(pressures_in(by_hand), rel=1e-12)
     assert 13.5 in [round(one, 9) for one in pressures_in(factored)]
@@ -154,10 +193,14 @@ def test_uplift_of_a_footing_is_water(fill) -> None:
     dip, length = math.radians(40.0), 7.0
     toe = 9.81 * length * math.sin(dip)  # full, linear to nothing
     design = {
-        "slopekit": 1, "kind": "footing", "footing": {"load": 1500}, "weak_plane": {"dip": 40, "length": length},
-        "strength": {"seam": {"c": 100, "phi": 20}}, "uplift": {"fill": 1} if fill else {"toe": toe},
+        "slopekit": 1,
+        "kind": "footing",
+        "footing": {"load": 1500},
+        "weak_plane": {"dip": 40, "length": length},
+        "strength": {"seam": {"c": 100, "phi": 20}},
+        "uplift": {"fill": 1} if fill else {"toe": toe},
         "analysis": {"partial_factors": "DA1-C1"},
-    }  # fmt: skip
+    }
     found = sk.run(design)
     load_kn, uplift = 1.35 * 1500.0, 1.35 * toe / 2.0 * length
     normal = load_kn * math.cos(dip) - uplift
@@ -175,11 +218,17 @@ def test_water_in_the_crack_alone_stands_in_the_table(depth, on_weight) -> None:
     Weight takes 1.35 or 1, whichever is worse: before a full crack it holds.
     """
     design = {
-        "slopekit": 1, "kind": "wedge", "slope": {"face": "65/185", "upper": "12/195", "height": 30},
-        "joints": {"J1": {"plane": "45/105", "strength": "a"}, "J2": {"plane": "70/235", "strength": "a"}},
+        "slopekit": 1,
+        "kind": "wedge",
+        "slope": {"face": "65/185", "upper": "12/195", "height": 30},
+        "joints": {
+            "J1": {"plane": "45/105", "strength": "a"},
+            "J2": {"plane": "70/235", "strength": "a"},
+        },
         "crack": {"plane": "80/185", "distance": "5 m", "water": depth},
-        "strength": {"a": {"c": 24, "phi": 25}}, "rock": {"unit_weight": 25},
-    }  # fmt: skip
+        "strength": {"a": {"c": 24, "phi": 25}},
+        "rock": {"unit_weight": 25},
+    }
     found = sk.run(design | {"analysis": {"partial_factors": "DA1-C1"}})
     strength, rock = {"a": {"c": 24 / 1.35, "phi": 25}}, {"unit_weight": 25 * on_weight / 1.35}
     weaker = sk.run(design | {"strength": strength, "rock": rock})
@@ -190,7 +239,9 @@ def test_water_in_the_crack_alone_stands_in_the_table(depth, on_weight) -> None:
 
 def test_studies_see_the_design_values() -> None:
     design = sk.load(asked("DA1-C2"))
-    assert with_values(design, {"strength.bedding.c": 40}).strength.cohesion_kpa == pytest.approx(32.0)
+    assert with_values(design, {"strength.bedding.c": 40}).strength.cohesion_kpa == pytest.approx(
+        32.0
+    )
     found = sk.solve(design, "strength.bedding.c")
     none, one = (by_hand(1.0, 1.0, 1.3, 1.25, c=c) for c in (0.0, 1.0))
     assert found.answer.value == pytest.approx((1.0 - none) / (one - none), rel=1e-6)
@@ -220,13 +271,16 @@ def test_the_factored_numbers_are_shown(tmp_path) -> None:
 
 def test_a_case_with_factors_asks_for_one_unless_it_says_more() -> None:
     cases = {
-        "static": {"accept": "fos >= 1.3"}, "ec7": {"set": {"analysis.partial_factors": "DA1-C2"}},
+        "static": {"accept": "fos >= 1.3"},
+        "ec7": {"set": {"analysis.partial_factors": "DA1-C2"}},
         "more": {"set": {"analysis.partial_factors": "DA1-C2"}, "accept": "fos >= 1.4"},
-    }  # fmt: skip
+    }
     found = sk.run({**PLANE, "acceptance": {"rules": "fos >= 1.3"}, "cases": cases})
     assert {name: str(one.design.rules[0]) for name, one in found.cases.items()} == {
-        "static": "fos >= 1.3", "ec7": "fos >= 1", "more": "fos >= 1.4",
-    }  # fmt: skip
+        "static": "fos >= 1.3",
+        "ec7": "fos >= 1",
+        "more": "fos >= 1.4",
+    }
     assert [notice.code for notice in found.warnings] == ["W332"]
 
 
@@ -269,23 +323,35 @@ def test_factors_of_the_users_own(tmp_path) -> None:
 def test_bad_factors_are_refused(given, code, said, tmp_path) -> None:
     (tmp_path / "bad.yaml").write_text("sets: {ULS: {tanphi: 1.2}}\n")
     (tmp_path / "empty.yaml").write_text("title: nothing\n")
-    (tmp_path / "cut.yaml").write_text(json.dumps({**PLANE, "analysis": {"partial_factors": given}}))
+    (tmp_path / "cut.yaml").write_text(
+        json.dumps({**PLANE, "analysis": {"partial_factors": given}})
+    )
     with pytest.raises(sk.DesignError) as error:
         sk.load(tmp_path / "cut.yaml")
     assert code in error.value.codes
     assert said in str(error.value)
 
 
-@pytest.mark.parametrize(("of", "on_load", "on_strength"), [
-    ("DA1-C1", 1.35, 1.0), ({"set": "DA1-C1", "forces": "variable"}, 1.5, 1.0), ("DA1-C2", 1.0, 1.25),
-    ({"set": "DA1-C2", "forces": "variable"}, 1.3, 1.25), ("DA2", 1.35, 1.1),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("of", "on_load", "on_strength"),
+    [
+        ("DA1-C1", 1.35, 1.0),
+        ({"set": "DA1-C1", "forces": "variable"}, 1.5, 1.0),
+        ("DA1-C2", 1.0, 1.25),
+        ({"set": "DA1-C2", "forces": "variable"}, 1.3, 1.25),
+        ("DA2", 1.35, 1.1),
+    ],
+)
 def test_the_load_of_a_footing_is_one_of_the_forces(of, on_load, on_strength) -> None:
     """F = (c L + P cos δ tan φ) / (P sin δ) with design values by hand; the rock above the plane has no weight."""
     design = {
-        "slopekit": 1, "kind": "footing", "footing": {"load": 1500}, "weak_plane": {"dip": 40, "length": 7},
-        "strength": {"seam": {"c": 100, "phi": 20}}, "analysis": {"partial_factors": of},
-    }  # fmt: skip
+        "slopekit": 1,
+        "kind": "footing",
+        "footing": {"load": 1500},
+        "weak_plane": {"dip": 40, "length": 7},
+        "strength": {"seam": {"c": 100, "phi": 20}},
+        "analysis": {"partial_factors": of},
+    }
     found, dip = sk.run(design), math.radians(40.0)
     load, weak = 1500.0 * on_load, math.tan(math.radians(20.0)) / on_strength
     factor = (100.0 / on_strength * 7.0 + load * math.cos(dip) * weak) / (load * math.sin(dip))

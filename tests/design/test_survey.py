@@ -54,26 +54,36 @@ def test_the_same_list_in_many_dresses(content, tmp_path) -> None:
 
 def test_two_columns_without_a_header(tmp_path) -> None:
     survey = read_joints(written(tmp_path, "# dip, dd\n45,115\n60.5,245\n"))
-    assert survey.joints == (MeasuredJoint("J1", Plane(45, 115), 2), MeasuredJoint("J2", Plane(60.5, 245), 3))
+    assert survey.joints == (
+        MeasuredJoint("J1", Plane(45, 115), 2),
+        MeasuredJoint("J2", Plane(60.5, 245), 3),
+    )
 
 
 def test_strength_columns_and_what_is_left_out(tmp_path) -> None:
     content = (
-        "id,set,dip,dd,strike,c (MPa),phi,remark,empty\nA,1,45,115,25,0.05,20,rough,\n,,,,,,,,\nB,1,60.5,245,0,5 kPa,,,"
+        "id,set,dip,dd,strike,c (MPa),phi,remark,empty\nA,1,45,115,25,0.05,20,rough,\n,,,,,,,,\nB,1,60.5,245,0,5 "
+        "kPa,,,"
     )
     survey = read_joints(written(tmp_path, content))
     assert survey.joints[0] == MeasuredJoint("A", Plane(45, 115), 2, 50.0, 20.0, "1")
     assert survey.joints[1] == MeasuredJoint("B", Plane(60.5, 245), 4, 5.0, None, "1")
     assert survey.left_out == (
-        "column remark", "column strike (the dip direction is given)", "line 3 (empty cells)",
-    )  # fmt: skip
+        "column remark",
+        "column strike (the dip direction is given)",
+        "line 3 (empty cells)",
+    )
 
 
 def test_sets_are_names_only_where_each_stands_once(tmp_path) -> None:
     once = read_joints(written(tmp_path, "set,dip,dd\nA,45,115\nB,60.5,245\n")).joints
     assert [(joint.name, joint.set_name) for joint in once] == [("A", ""), ("B", "")]
     twice = read_joints(written(tmp_path, "set,dip,dd\nA,45,115\nA,60.5,245\n,60,240\n")).joints
-    assert [(joint.name, joint.set_name) for joint in twice] == [("J1", "A"), ("J2", "A"), ("J3", "")]
+    assert [(joint.name, joint.set_name) for joint in twice] == [
+        ("J1", "A"),
+        ("J2", "A"),
+        ("J3", ""),
+    ]
 
 
 def test_bad_rows_are_left_out_and_named_where_that_is_asked_for(tmp_path) -> None:
@@ -81,17 +91,27 @@ def test_bad_rows_are_left_out_and_named_where_that_is_asked_for(tmp_path) -> No
     content = f"name,dip,dd,phi\nA,195,115,\nB,45,115,30\nE,45,x,0.35\nC,45\n{good}"
     survey = read_joints(written(tmp_path, content), skip_bad=True)
     assert [joint.name for joint in survey.joints] == ["B", *(f"G{k}" for k in range(30))]
-    assert [part[:13] for part in survey.left_out] == ["line 2 (E101 ", "line 4 (E104 ", "line 5 (E193 "]
+    assert [part[:13] for part in survey.left_out] == [
+        "line 2 (E101 ",
+        "line 4 (E104 ",
+        "line 5 (E193 ",
+    ]
     assert "E113" in survey.left_out[1]
-    again = read_joints(written(tmp_path, f"name,dip,dd,phi\nA,195,115,\nA,45,115,\n{good}"), skip_bad=True)
+    again = read_joints(
+        written(tmp_path, f"name,dip,dd,phi\nA,195,115,\nA,45,115,\n{good}"), skip_bad=True
+    )
     assert [(joint.name, joint.line) for joint in again.joints][:2] == [("A", 3), ("G0", 4)]
     assert refused(tmp_path, "dip,richtung\n95,1\n").codes == ("E191",)
 
 
-@pytest.mark.parametrize(("convention", "direction"), [("right-hand-rule", 115.0), ("left-hand-rule", 295.0)])
+@pytest.mark.parametrize(
+    ("convention", "direction"), [("right-hand-rule", 115.0), ("left-hand-rule", 295.0)]
+)
 def test_a_strike_needs_its_convention(convention, direction, tmp_path) -> None:
     content = "name,strike,dip\nA,25,45\n"
-    assert read_joints(written(tmp_path, content), convention).joints[0].plane == Plane(45, direction)
+    assert read_joints(written(tmp_path, content), convention).joints[0].plane == Plane(
+        45, direction
+    )
     error = refused(tmp_path, content)
     assert error.codes == ("E192",)
     assert error.faults[0].message == "a strike column has two meanings, its convention is not said"
@@ -117,15 +137,27 @@ BAD = [
     ("E191", "dip,direktion\n45,115\n", "joints.csv has no column for dip direction", 1),
     ("E191", "45 115 3\n60 245 3\n", "joints.csv has no header, and 3 columns of numbers", 1),
     ("E191", "45,115,3\n", "joints.csv has no header, and 3 columns of numbers", 1),
-    ("E191", "dip,dd,dipdir\n45,115,3\n", "joints.csv has two columns for dip direction: dd and dipdir", 1),
-    ("E191", "dip (rad),dd\n1,2\n", "the column dip (rad) is in rad, an orientation is in degrees", 1),
+    (
+        "E191",
+        "dip,dd,dipdir\n45,115,3\n",
+        "joints.csv has two columns for dip direction: dd and dipdir",
+        1,
+    ),
+    (
+        "E191",
+        "dip (rad),dd\n1,2\n",
+        "the column dip (rad) is in rad, an orientation is in degrees",
+        1,
+    ),
     ("E193", "dip,dd\n45,115,7\n", "line 2 has 3 values for 2 columns", 2),
     ("E193", "dip,dd\n45,5,115,0\n", "line 2 has 4 values for 2 columns", 2),
     ("E193", "dip,dd\n45\n", "J1 has no dip direction", 2),
-]  # fmt: skip
+]
 
 
-@pytest.mark.parametrize(("code", "content", "says", "line"), BAD, ids=lambda value: repr(value)[:40])
+@pytest.mark.parametrize(
+    ("code", "content", "says", "line"), BAD, ids=lambda value: repr(value)[:40]
+)
 def test_bad_lists(code, content, says, line, tmp_path) -> None:
     error = refused(tmp_path, content)
     assert error.codes == (code,)
@@ -143,7 +175,10 @@ def test_every_bad_row_is_reported(tmp_path) -> None:
 
 
 def test_strikes_out_of_range_and_unknown_conventions(tmp_path) -> None:
-    assert refused(tmp_path, "dip,strike\n45,400\n45,x\n", "right-hand-rule").codes == ("E102", "E106")
+    assert refused(tmp_path, "dip,strike\n45,400\n45,x\n", "right-hand-rule").codes == (
+        "E102",
+        "E106",
+    )
     error = refused(tmp_path, "dip,strike\n45,40\n", "righthand")
     assert error.codes == ("E192",)
     assert error.faults[0].message == "the strike convention 'righthand' is not known"
@@ -174,9 +209,17 @@ def test_a_hundred_thousand_rows(tmp_path) -> None:
 
 
 def test_mutated_lists_give_faults_and_no_traceback(tmp_path) -> None:
-    rng, faults, marks = random.Random(4), [], [b";", b",", b"\n", b'"', b"\x00", b"\xff", b"-", b"e", b""]
+    rng, faults, marks = (
+        random.Random(4),
+        [],
+        [b";", b",", b"\n", b'"', b"\x00", b"\xff", b"-", b"e", b""],
+    )
     for _ in range(200):
-        content = bytearray(("# c\nid;dip;dd;c;phi\n" + "".join(f"{k};{k};{k};5 kPa;20\n" for k in range(9))).encode())
+        content = bytearray(
+            (
+                "# c\nid;dip;dd;c;phi\n" + "".join(f"{k};{k};{k};5 kPa;20\n" for k in range(9))
+            ).encode()
+        )
         for _ in range(rng.randint(1, 5)):
             k = rng.randrange(len(content))
             content[k : k + rng.randint(0, 3)] = rng.choice(marks)

@@ -54,8 +54,12 @@ def measured_on_core(plane: Plane, hole: Line, is_from_bottom: bool) -> tuple[fl
 
 
 @pytest.mark.parametrize("is_from_bottom", [True, False])
-@pytest.mark.parametrize("hole", [Line(140.0, 60.0), Line(213.0, 85.0), Line(20.0, 0.0), Line(305.0, 35.0)], ids=str)
-@pytest.mark.parametrize("plane", [Plane(45.0, 115.0), Plane(78.0, 20.0), Plane(10.0, 300.0)], ids=str)
+@pytest.mark.parametrize(
+    "hole", [Line(140.0, 60.0), Line(213.0, 85.0), Line(20.0, 0.0), Line(305.0, 35.0)], ids=str
+)
+@pytest.mark.parametrize(
+    "plane", [Plane(45.0, 115.0), Plane(78.0, 20.0), Plane(10.0, 300.0)], ids=str
+)
 def test_planes_come_back_from_their_angles_on_core(plane, hole, is_from_bottom) -> None:
     """Measured on a sampled ellipse, to the 0.01° of its samples."""
     found = plane_on_core(*measured_on_core(plane, hole, is_from_bottom), hole, is_from_bottom)
@@ -79,9 +83,15 @@ def test_a_worked_example_by_vectors() -> None:
 
 def test_rows_as_the_package_drillcore_transformations_reads_them(tmp_path) -> None:
     """drillcore-transformations 0.3.0: calc_global_normal_vector(alpha, beta - 180, trend, -plunge), bottom line."""
-    rows = "BH1,12.0,58,315,140,60,bottom\nBH1,18.0,15,167,140,60,bottom\nBH2,3,14,42,213,85,bottom\n"
+    rows = (
+        "BH1,12.0,58,315,140,60,bottom\nBH1,18.0,15,167,140,60,bottom\nBH2,3,14,42,213,85,bottom\n"
+    )
     survey = survey_of(tmp_path, "hole,depth,alpha,beta,trend,plunge,reference\n" + rows)
-    found = [angle for joint in survey.joints for angle in (joint.plane.dip_deg, joint.plane.dip_direction_deg)]
+    found = [
+        angle
+        for joint in survey.joints
+        for angle in (joint.plane.dip_deg, joint.plane.dip_direction_deg)
+    ]
     expected = [56.833325, 293.407797, 45.994416, 122.416729, 79.737636, 74.285386]
     assert found == pytest.approx(expected, abs=1e-4)
     assert "clockwise, looking down the hole, from the reference line" in survey.read_as[0]
@@ -103,19 +113,32 @@ def test_the_nearest_survey_station_counts(tmp_path) -> None:
     header = "hole,depth,alpha,beta,trend,plunge,reference\n"
     stations = "A,0,,,140,60,\nA,30,,,150,50,\nB,14,,,20,40,\n"
     survey = survey_of(
-        tmp_path, header + stations + "A,14,58,315,,,bottom\nA,16,58,315,,,bottom\nB,40,58,315,,,bottom\n"
+        tmp_path,
+        header + stations + "A,14,58,315,,,bottom\nA,16,58,315,,,bottom\nB,40,58,315,,,bottom\n",
     )
-    expected = [plane_on_core(58, 315, hole, True) for hole in (Line(140, 60), Line(150, 50), Line(20, 40))]
+    expected = [
+        plane_on_core(58, 315, hole, True) for hole in (Line(140, 60), Line(150, 50), Line(20, 40))
+    ]
     for joint, plane in zip(survey.joints, expected, strict=True):
         assert float(joint.plane.normal() @ plane.normal()) == pytest.approx(1.0, abs=1e-10)
-    assert survey.read_as[-1].endswith("nearest of 3 survey stations, at most 26 m away along the hole")
+    assert survey.read_as[-1].endswith(
+        "nearest of 3 survey stations, at most 26 m away along the hole"
+    )
     code, message = refusal(tmp_path, header + stations + "C,14,58,315,,,bottom\n")
     assert (code, message) == ("E193", "J1 has no hole trend and no hole plunge")
 
 
 NO_PLANES = [
-    ("E191", "hole,depth,trend,plunge\nBH1,1,140,60\n", "may be those of the hole (column hole) or of poles"),
-    ("E191", "depth,trend,plunge\n1,140,60\n", "may be those of the hole (column depth) or of poles"),
+    (
+        "E191",
+        "hole,depth,trend,plunge\nBH1,1,140,60\n",
+        "may be those of the hole (column hole) or of poles",
+    ),
+    (
+        "E191",
+        "depth,trend,plunge\n1,140,60\n",
+        "may be those of the hole (column depth) or of poles",
+    ),
     ("E191", "alpha,trend,plunge\n50,140,60\n", "no column for beta: core that is not oriented"),
     ("E191", "alpha,beta,reference\n50,20,top\n", "no column for trend and plunge of the hole"),
     (
@@ -123,19 +146,33 @@ NO_PLANES = [
         "alpha,beta,azimuth,dip,reference\n50,20,140,60,top\n",
         "azimuth and dip of joints.csv may be those of the hole",
     ),
-    ("E191", "alpha,beta,hole_azimuth,hole_dip,ref\n50,20,140,60,top\n50,20,140,-60,top\n", "negative in 1 of 2 rows"),
+    (
+        "E191",
+        "alpha,beta,hole_azimuth,hole_dip,ref\n50,20,140,60,top\n50,20,140,-60,top\n",
+        "negative in 1 of 2 rows",
+    ),
     ("E192", "alpha,beta,trend,plunge\n50,20,140,60\n", "beta has two meanings"),
-    ("E192", "alpha,beta,trend,plunge,reference\n50,20,140,60,left\n", "it is the bottom or the top of the core"),
+    (
+        "E192",
+        "alpha,beta,trend,plunge,reference\n50,20,140,60,left\n",
+        "it is the bottom or the top of the core",
+    ),
     ("E193", "alpha,beta,trend,plunge,reference\n50,20,140,60,\n", "has no reference"),
     ("E101", "alpha,beta,trend,plunge,reference\n95,20,140,60,top\n", "alpha of J1 is 95"),
     ("E102", "alpha,beta,trend,plunge,reference\n50,400,140,60,top\n", "beta of J1 is 400"),
     ("E101", "alpha,beta,trend,plunge,reference\n50,20,140,-60,top\n", "hole plunge of J1 is -60"),
     ("E101", "alpha,beta,trend,plunge,reference\n50,20,140,90,top\n", "the hole of J1 is vertical"),
-    ("E113", "alpha,beta,trend,plunge,reference\n0.5,2.5,140,60,top\n0.6,2.1,140,60,top\n", "looks like radians"),
+    (
+        "E113",
+        "alpha,beta,trend,plunge,reference\n0.5,2.5,140,60,top\n0.6,2.1,140,60,top\n",
+        "looks like radians",
+    ),
 ]
 
 
-@pytest.mark.parametrize(("code", "text", "says"), NO_PLANES, ids=[says[:30] for _code, _text, says in NO_PLANES])
+@pytest.mark.parametrize(
+    ("code", "text", "says"), NO_PLANES, ids=[says[:30] for _code, _text, says in NO_PLANES]
+)
 def test_lists_of_core_that_give_no_planes(code, text, says, tmp_path) -> None:
     found, message = refusal(tmp_path, text)
     assert found == code
@@ -143,14 +180,20 @@ def test_lists_of_core_that_give_no_planes(code, text, says, tmp_path) -> None:
 
 
 def test_poles_beside_a_hole_are_named_so(tmp_path) -> None:
-    assert planes_of(tmp_path, "hole,depth,pole_trend,pole_plunge\nBH1,1,140,60\n") == [Plane(30.0, 320.0)]
-    given = planes_of(tmp_path, "hole,alpha,beta,trend,plunge,dip,dip_direction\nBH1,50,20,140,60,45,115\n")
+    assert planes_of(tmp_path, "hole,depth,pole_trend,pole_plunge\nBH1,1,140,60\n") == [
+        Plane(30.0, 320.0)
+    ]
+    given = planes_of(
+        tmp_path, "hole,alpha,beta,trend,plunge,dip,dip_direction\nBH1,50,20,140,60,45,115\n"
+    )
     assert given == [FIRST]
 
 
 def test_depths_in_several_holes_are_no_positions_along_one_line(tmp_path) -> None:
     rows = "hole,depth,dip,dip_direction\nA,1,45,115\n{},3,60.5,245\n"
-    assert [joint.position_m for joint in survey_of(tmp_path, rows.format("A"), sizes=True).joints] == [1.0, 3.0]
+    assert [
+        joint.position_m for joint in survey_of(tmp_path, rows.format("A"), sizes=True).joints
+    ] == [1.0, 3.0]
     several = survey_of(tmp_path, rows.format("B"), sizes=True)
     assert [joint.position_m for joint in several.joints] == [None, None]
     assert "column depth (it runs along 2 holes)" in several.left_out
@@ -165,7 +208,9 @@ def test_core_in_commands_frames_and_the_app(tmp_path) -> None:
     assert [joint.plane for joint in read_joints_text("joints.csv", text).joints] == planes
     kinematic = sk.kinematic(tmp_path / "joints.csv", face="75/180", phi=30)
     assert [joint.plane for joint in kinematic.joints.joints] == planes
-    assert any(notice.code == "W373" and "oriented core" in notice.message for notice in kinematic.warnings)
+    assert any(
+        notice.code == "W373" and "oriented core" in notice.message for notice in kinematic.warnings
+    )
 
 
 # -- AGS 4 ---------------------------------------------------------------------------------------------------------
@@ -210,10 +255,13 @@ def test_rows_that_lost_the_word_data_or_their_quotes(tmp_path) -> None:
     [
         (PROJECT, "has no column for dip and dip direction"),
         ('"**PROJ"\n"*PROJ_ID"\n"1"\n', "is a file of AGS 3"),
-        (DISC + ROWS + DISC.replace("FRAC_SET", "DISC_SET") + ROWS, "two groups DISC whose headings differ"),
+        (
+            DISC + ROWS + DISC.replace("FRAC_SET", "DISC_SET") + ROWS,
+            "two groups DISC whose headings differ",
+        ),
         (DISC.replace('"deg"', '"rad"') + ROWS, "is in rad, an orientation is in degrees"),
     ],
-)  # fmt: skip
+)
 def test_ags_that_holds_no_planes(text, says, tmp_path) -> None:
     code, message = refusal(tmp_path, text, "survey.ags")
     assert code == "E191"

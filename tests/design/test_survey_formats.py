@@ -19,7 +19,16 @@ from slopekit.design.joint_lists import joint_list
 from slopekit.design.survey import JointList, read_joints
 
 HERE = Path(__file__).parent / "joint_lists"
-NO_QUADRANTS = ("N25E/45NE", "N95E/45SE", "N25E/95SE", "N25E/45", "E25N/45S", "45/115", "NE/45SE", "")
+NO_QUADRANTS = (
+    "N25E/45NE",
+    "N95E/45SE",
+    "N25E/95SE",
+    "N25E/45",
+    "E25N/45S",
+    "45/115",
+    "NE/45SE",
+    "",
+)
 FIRST, SECOND = Plane(45.0, 115.0), Plane(60.5, 245.0)
 
 
@@ -62,12 +71,16 @@ def test_a_text_of_dips_with_its_preamble() -> None:
     assert planes(survey) == [Plane(45.0, 107.5), Plane(60.5, 237.5), Plane(80.0, 22.5)]
     assert [joint.quantity for joint in survey.joints] == [3.0, 1.0, 2.0]
     assert survey.left_out == (
-        "column Traverse", "column ROUGHNESS", "lines 2 to 8 (above the columns)",
-        "2 traverses (no joint is weighted by them)", "line 14 (quantity 0)",
-    )  # fmt: skip
+        "column Traverse",
+        "column ROUGHNESS",
+        "lines 2 to 8 (above the columns)",
+        "2 traverses (no joint is weighted by them)",
+        "line 14 (quantity 0)",
+    )
     assert survey.read_as == (
-        "strikes are right-hand-rule, as the preamble says", "a declination of -7.5° is added to all azimuths",
-    )  # fmt: skip
+        "strikes are right-hand-rule, as the preamble says",
+        "a declination of -7.5° is added to all azimuths",
+    )
 
 
 def test_a_text_of_dips_without_names_of_columns() -> None:
@@ -75,7 +88,9 @@ def test_a_text_of_dips_without_names_of_columns() -> None:
     assert planes(survey) == [FIRST, SECOND]
     assert [joint.quantity for joint in survey.joints] == [2.0, 1.0]
     assert survey.left_out == ("column 4", "lines 1 to 7 (above the columns)")
-    assert survey.read_as == ("trend and plunge are of poles: dip = 90 - plunge, dip direction = trend + 180",)
+    assert survey.read_as == (
+        "trend and plunge are of poles: dip = 90 - plunge, dip direction = trend + 180",
+    )
 
 
 def test_a_format_that_leaves_the_convention_open(tmp_path) -> None:
@@ -90,7 +105,9 @@ def test_two_formats_in_one_list_are_refused(tmp_path) -> None:
     error = refused(HERE / "dips-mixed.txt")
     assert error.codes == ("E192",)
     assert "STRIKE/DIPR and DIP/DIPDIRECTION" in error.faults[0].message
-    core = written(tmp_path, "Traverse 1: oriented core\nDIP/DIPDIRECTION\ndip\tdip direction\n45\t115\n")
+    core = written(
+        tmp_path, "Traverse 1: oriented core\nDIP/DIPDIRECTION\ndip\tdip direction\n45\t115\n"
+    )
     assert "alpha and beta on core" in refused(core).faults[0].message
 
 
@@ -117,7 +134,10 @@ def test_a_list_and_its_user_may_not_contradict_each_other(tmp_path) -> None:
         assert planes(read_joints(path, "RHR")) == [FIRST]
         error = refused(path, "lhr")
         assert error.codes == ("E192",)
-        assert error.faults[0].message == "strikes are right-hand-rule by joints.csv, left-hand-rule by --convention"
+        assert (
+            error.faults[0].message
+            == "strikes are right-hand-rule by joints.csv, left-hand-rule by --convention"
+        )
 
 
 # -- quantities -------------------------------------------------------------------------------------------------------
@@ -128,7 +148,9 @@ def test_quantities_weigh_percentages_as_that_many_joints_do(tmp_path) -> None:
     rows = [(40, 175, 3), (35, 90, 1), (75, 10, 2), (50, 230, 4), (55, 130, 1), (70, 5, 2)]
     content = "dip,dd,Quantity\n" + "".join(f"{dip},{dd},{n}\n" for dip, dd, n in rows)
     found = sk.kinematic(written(tmp_path, content), face="65/180", phi=30)
-    repeated = sk.kinematic([(dip, dd) for dip, dd, n in rows for _ in range(n)], face="65/180", phi=30)
+    repeated = sk.kinematic(
+        [(dip, dd) for dip, dd, n in rows for _ in range(n)], face="65/180", phi=30
+    )
     once = sk.kinematic([(dip, dd) for dip, dd, _ in rows], face="65/180", phi=30)
     assert found.percent == pytest.approx(repeated.percent, rel=1e-13)
     assert found.counts == once.counts
@@ -143,7 +165,9 @@ def test_quantities_weigh_percentages_as_that_many_joints_do(tmp_path) -> None:
 
 def test_pairs_stand_once_and_it_is_said(tmp_path) -> None:
     plain = "dip,dd\n45,115\n45,245\n50,240\n"
-    weighed = plain.replace("dd\n", "dd,Anzahl\n").replace("115\n", "115,4\n").replace("245\n", "245,2\n")
+    weighed = (
+        plain.replace("dd\n", "dd,Anzahl\n").replace("115\n", "115,4\n").replace("245\n", "245,2\n")
+    )
     found = sk.combos(written(tmp_path, weighed), face="65/180", c=10, phi=30)
     assert [notice.code for notice in found.warnings if notice.code == "W373"] == ["W373"]
     assert "3 joints, 7 by quantity" in found.warnings[-1].message
@@ -168,10 +192,16 @@ def test_quantity_goes_before_weight(tmp_path) -> None:
 def test_poles_as_trend_and_plunge(mplstereonet) -> None:
     survey = read_joints(HERE / "poles.csv")
     assert planes(survey) == [FIRST, SECOND, Plane(90.0, 0.0), Plane(0.0, 190.0)]
-    for joint, (trend, plunge) in zip(survey.joints, [(295, 45), (65, 29.5), (180, 0)], strict=False):
+    for joint, (trend, plunge) in zip(
+        survey.joints, [(295, 45), (65, 29.5), (180, 0)], strict=False
+    ):
         strike, dip = (float(angle[0]) for angle in mplstereonet.plunge_bearing2pole(plunge, trend))
-        assert joint.plane.normal() == pytest.approx(Plane(dip, (strike + 90.0) % 360.0).normal(), abs=1e-12)
-    assert survey.read_as == ("trend and plunge are of poles: dip = 90 - plunge, dip direction = trend + 180",)
+        assert joint.plane.normal() == pytest.approx(
+            Plane(dip, (strike + 90.0) % 360.0).normal(), abs=1e-12
+        )
+    assert survey.read_as == (
+        "trend and plunge are of poles: dip = 90 - plunge, dip direction = trend + 180",
+    )
 
 
 def test_studies_say_how_a_list_was_read() -> None:
@@ -198,9 +228,12 @@ def test_quadrants_and_sides() -> None:
 
 @pytest.mark.filterwarnings("ignore:Arrays of 2-dimensional vectors:DeprecationWarning")
 @given(
-    st.sampled_from("NS"), st.integers(1, 89), st.sampled_from("EW"), st.integers(1, 89),
+    st.sampled_from("NS"),
+    st.integers(1, 89),
+    st.sampled_from("EW"),
+    st.integers(1, 89),
     st.sampled_from(["N", "E", "S", "W"]),
-)  # fmt: skip
+)
 def test_quadrants_are_those_of_mplstereonet(mplstereonet, end, angle, turn, dip, side) -> None:
     plane = parse_quadrants(f"{end}{angle}{turn}/{dip}{side}")
     strike, steep = mplstereonet.parse_strike_dip(f"{end}{angle}{turn}", f"{dip}{side}")
@@ -214,8 +247,13 @@ def test_words_that_are_no_quadrants(text) -> None:
 
 
 def test_a_strike_whose_dip_has_no_side(tmp_path) -> None:
-    assert planes(read_joints(written(tmp_path, "strike,dip\n25,45SE\nN25W,60.5SW\n"))) == [FIRST, SECOND]
-    error = refused(written(tmp_path, "strike,dip\nN25E,45SE\nN25E,45\nN25E,45N\nN25E,45NE\n"), "rhr")
+    assert planes(read_joints(written(tmp_path, "strike,dip\n25,45SE\nN25W,60.5SW\n"))) == [
+        FIRST,
+        SECOND,
+    ]
+    error = refused(
+        written(tmp_path, "strike,dip\nN25E,45SE\nN25E,45\nN25E,45N\nN25E,45NE\n"), "rhr"
+    )
     assert error.codes == ("E104", "E104")
     assert "is not said" in error.faults[0].message
     assert "does not lie beside the strike" in error.faults[1].message
@@ -244,7 +282,12 @@ def test_german_headers_and_decimal_commas() -> None:
     survey = read_joints(HERE / "deutsch.csv")
     assert planes(survey) == [FIRST, SECOND]
     first, second = survey.joints
-    assert (first.name, first.set_name, first.cohesion_kpa, first.friction_angle_deg) == ("K1", "S1", 12.5, 30.0)
+    assert (first.name, first.set_name, first.cohesion_kpa, first.friction_angle_deg) == (
+        "K1",
+        "S1",
+        12.5,
+        30.0,
+    )
     assert (second.cohesion_kpa, second.friction_angle_deg, first.quantity) == (None, 28.5, 2.0)
     assert survey.left_out == ("column Öffnung (mm)",)
     assert planes(read_joints(HERE / "clar.csv")) == [FIRST, SECOND]
@@ -260,10 +303,15 @@ def test_a_comma_that_may_part_thousands(tmp_path) -> None:
 def test_angles_in_radians() -> None:
     error = refused(HERE / "radians.csv")
     assert error.codes == ("E113",)
-    assert error.faults[0].message == "no angle of radians.csv is beyond 1.056 and 4.276: that looks like radians"
+    assert (
+        error.faults[0].message
+        == "no angle of radians.csv is beyond 1.056 and 4.276: that looks like radians"
+    )
 
 
-@pytest.mark.parametrize(("text", "is_refused"), [("0.79/2.01", True), ("1.2/3.5", False), ("0.79/20.01", False)])
+@pytest.mark.parametrize(
+    ("text", "is_refused"), [("0.79/2.01", True), ("1.2/3.5", False), ("0.79/20.01", False)]
+)
 def test_a_plane_in_radians(text, is_refused) -> None:
     if not is_refused:
         assert str(parse_plane(text, "J1")).startswith(text.partition("/")[0])
@@ -288,7 +336,10 @@ def test_flat_beds_are_no_radians(tmp_path) -> None:
             "An overturned plane is written 65/225.",
         ),
         ("N25E/45SE", "This looks like a strike and the side of the dip: write 45/115."),
-        ("N25E/45", "write 45/025; where it is the strike, 45/115 or 45/295, by the side it dips to."),
+        (
+            "N25E/45",
+            "write 45/025; where it is the strike, 45/115 or 45/295, by the side it dips to.",
+        ),
         ("N25E", "dip direction = strike + 90 by the right-hand rule, - 90 by the left-hand rule."),
     ],
 )
@@ -304,7 +355,11 @@ def test_hints_hold_for_those_who_write_strikes(text, advice) -> None:
 def test_planes_of_cloudcompare_compass() -> None:
     survey = read_joints(HERE / "compass_planes.csv")
     assert planes(survey) == [FIRST, SECOND, Plane(80.0, 90.0)]
-    assert [joint.name for joint in survey.joints] == ["wall.faults.Plane", "wall.faults.Plane-2", "wall.Plane"]
+    assert [joint.name for joint in survey.joints] == [
+        "wall.faults.Plane",
+        "wall.faults.Plane-2",
+        "wall.Plane",
+    ]
     assert survey.left_out == (
         "12 columns (Cx, Cy, Cz, Nx, Ny, Nz, Sample_Radius, RMS, Gx, Gy, Gz, Length)",
         "column strike (the dip direction is given)",
@@ -321,7 +376,11 @@ def test_lines_of_cloudcompare_are_no_poles() -> None:
 def test_facets_of_cloudcompare(tmp_path) -> None:
     survey = read_joints(HERE / "facets.csv")
     assert planes(survey) == [FIRST, SECOND, Plane(80.0, 0.0)]
-    assert [(joint.name, joint.set_name) for joint in survey.joints] == [("0", "1"), ("1", "2"), ("2", "2")]
+    assert [(joint.name, joint.set_name) for joint in survey.joints] == [
+        ("0", "1"),
+        ("1", "2"),
+        ("2", "2"),
+    ]
     assert survey.left_out[0].startswith("12 columns (CenterX, CenterY, CenterZ, NormalX")
     # facets of two extractions in one file: the index is no name
     twice = (HERE / "facets.csv").read_text(encoding="utf-8").replace("\n1;", "\n0;")
@@ -346,15 +405,22 @@ def workbook(folder: Path, rows: list[list[object]], *others: str) -> Path:
 
 
 ROWS: list[list[object]] = [
-    ["Road cut km 12"], [], ["Name", "Dip", "Dip direction", "c", "Remark"], ["A", 45, 115.0, None, "rough"],
-    [None, None, None, None, None], ["B", 60.5, "245,0", 5, None],
-]  # fmt: skip
+    ["Road cut km 12"],
+    [],
+    ["Name", "Dip", "Dip direction", "c", "Remark"],
+    ["A", 45, 115.0, None, "rough"],
+    [None, None, None, None, None],
+    ["B", 60.5, "245,0", 5, None],
+]
 
 
 def test_a_workbook(tmp_path) -> None:
     survey = read_joints(workbook(tmp_path, ROWS, "Notes", "Photos"))
     assert planes(survey) == [FIRST, SECOND]
-    assert [(joint.name, joint.line, joint.cohesion_kpa) for joint in survey.joints] == [("A", 4, None), ("B", 6, 5.0)]
+    assert [(joint.name, joint.line, joint.cohesion_kpa) for joint in survey.joints] == [
+        ("A", 4, None),
+        ("B", 6, 5.0),
+    ]
     assert survey.left_out == ("sheets Notes, Photos", "column Remark", "row 1 (above the columns)")
     error = refused(workbook(tmp_path, [*ROWS, ["C", 195, 115]]))
     assert (error.codes, error.faults[0].where) == (("E101",), "joints.xlsx:7  C; 195; 115")
@@ -403,15 +469,21 @@ class Frame:
 
 
 COLUMNS: dict[str, list[object]] = {
-    "Dip": [45.0, 60.5], "Dip direction": [115, 245], "Quantity": [2, float("nan")], "phi": [None, 28.5],
+    "Dip": [45.0, 60.5],
+    "Dip direction": [115, 245],
+    "Quantity": [2, float("nan")],
+    "phi": [None, 28.5],
     "remark": ["rough", "x"],
-}  # fmt: skip
+}
 
 
 def test_a_frame_is_a_joint_list() -> None:
     found = joint_list(Frame(COLUMNS))
     assert planes(JointList("", found.joints)) == [FIRST, SECOND]
-    assert [(joint.quantity, joint.friction_angle_deg) for joint in found.joints] == [(2.0, None), (1.0, 28.5)]
+    assert [(joint.quantity, joint.friction_angle_deg) for joint in found.joints] == [
+        (2.0, None),
+        (1.0, 28.5),
+    ]
     assert found.left_out == ("column remark",)
     with pytest.raises(DesignError) as caught:
         joint_list(Frame({"strike": [25.0], "dip": [45.0]}))
@@ -431,7 +503,10 @@ def test_a_frame_of_pandas() -> None:
 
 def test_a_frame_of_polars() -> None:
     polars = pytest.importorskip("polars")
-    assert joint_list(polars.DataFrame(COLUMNS, strict=False)).joints == joint_list(Frame(COLUMNS)).joints
+    assert (
+        joint_list(polars.DataFrame(COLUMNS, strict=False)).joints
+        == joint_list(Frame(COLUMNS)).joints
+    )
 
 
 # -- designs ----------------------------------------------------------------------------------------------------------

@@ -15,9 +15,13 @@ from slopekit.preie.system.contact import ContactMode
 
 WEDGE = {"dips": ("45/115", "45/245"), "shear_stiffness": 1e5, "edge": "65 m"}
 PLANE = {
-    "slopekit": 1, "kind": "plane", "slope": {"face": "60/180", "height": 12, "upper": "0/180"},
-    "joints": {"J1": {"plane": "35/180"}}, "strength": {"joint": {"c": 20, "phi": 30}}, "rock": {"density": 2600},
-}  # fmt: skip
+    "slopekit": 1,
+    "kind": "plane",
+    "slope": {"face": "60/180", "height": 12, "upper": "0/180"},
+    "joints": {"J1": {"plane": "35/180"}},
+    "strength": {"joint": {"c": 20, "phi": 30}},
+    "rock": {"density": 2600},
+}
 
 
 def faults(call) -> list[str]:
@@ -53,10 +57,19 @@ def test_a_plane_in_its_section_and_a_slope_below_one() -> None:
 def test_elastic_rock_may_not_stand_where_rigid_rock_just_does() -> None:
     """Its limit by forces is 1.013: what its deformation opens takes it below 1, and the state is one below."""
     found = sk.wedge(
-        ("41.7/139.1", "41.7/214.5"), face="77.1/180", upper="10.3/180", height=50.42, c=(71.4, 43.0),
-        phi=(25.5, 20.1), unit_weight=26, shear_stiffness=1e5, modulus="13.3 GPa", bolts="3526@0/-10,passive",
-        edge="60 m", elastic=True,
-    )  # fmt: skip
+        ("41.7/139.1", "41.7/214.5"),
+        face="77.1/180",
+        upper="10.3/180",
+        height=50.42,
+        c=(71.4, 43.0),
+        phi=(25.5, 20.1),
+        unit_weight=26,
+        shear_stiffness=1e5,
+        modulus="13.3 GPa",
+        bolts="3526@0/-10,passive",
+        edge="60 m",
+        elastic=True,
+    )
     assert found.comparisons.forces_only > 1.01
     assert found.elastic.factor == 0.95
     assert found.elastic.limit < 1.0
@@ -65,9 +78,12 @@ def test_elastic_rock_may_not_stand_where_rigid_rock_just_does() -> None:
 
 def columns(cohesion: float) -> dict:
     return {
-        "slopekit": 1, "kind": "topple", "columns": {"dip": 65, "width": 4, "heights": [4, 9, 6], "base_step": 1},
-        "strength": {"joint": {"c": cohesion, "phi": 38}}, "rock": {"density": 2600, "modulus": "5 GPa"},
-    }  # fmt: skip
+        "slopekit": 1,
+        "kind": "topple",
+        "columns": {"dip": 65, "width": 4, "heights": [4, 9, 6], "base_step": 1},
+        "strength": {"joint": {"c": cohesion, "phi": 38}},
+        "rock": {"density": 2600, "modulus": "5 GPa"},
+    }
 
 
 def test_columns() -> None:
@@ -75,15 +91,24 @@ def test_columns() -> None:
     found = sk.run(columns(0), elastic=True)
     assert found.elastic.block in ("C1", "C2", "C3")
     assert found.elastic.limit == found.fos.limit
-    assert found.elastic.opened_share > found.elastic.lost_share == found.elastic.rigid_lost_share == 0.0
+    assert (
+        found.elastic.opened_share
+        > found.elastic.lost_share
+        == found.elastic.rigid_lost_share
+        == 0.0
+    )
     assert "no cohesion to lose" in " ".join(str(found.sheet).split())
     assert "without the cohesion" not in str(found.sheet)
     bonded = sk.run(columns(5), elastic=True)
     assert bonded.elastic.lost_share == bonded.elastic.opened_share > 0.0
-    assert f"without the cohesion of {100.0 * bonded.elastic.lost_share:.2g} %" in " ".join(str(bonded.sheet).split())
+    assert f"without the cohesion of {100.0 * bonded.elastic.lost_share:.2g} %" in " ".join(
+        str(bonded.sheet).split()
+    )
     assert bonded.elastic.limit == pytest.approx(bonded.elastic.rigid_limit, rel=0.02)
     assert "W455" in [notice.code for notice in bonded.warnings]
-    assert bonded.elastic.rigid_limit < bonded.fos.limit < bonded.fos.static_bound * 0.95  # which keeps all of it
+    assert (
+        bonded.elastic.rigid_limit < bonded.fos.limit < bonded.fos.static_bound * 0.95
+    )  # which keeps all of it
     assert bonded.elastic.opened_share == pytest.approx(bonded.elastic.rigid_opened_share, abs=0.05)
 
 
@@ -93,16 +118,16 @@ def test_columns_do_not_hang_on_what_is_open() -> None:
     rigid = sk.analyse(design)
     scene = scene_of_many(design, cut(design), rigid)
     search = RestSearch(scene.model, scene.stiffness)
-    last = search.onward(search.rest(1.0), rigid.fos.limit * 0.9997)
+    last = search.continued(search.rest(1.0), rigid.fos.limit * 0.9997)
     assert last is not None
-    assert not search.settled(last, rigid.fos.limit * 1.0003).stands
+    assert not search.equilibrium(last, rigid.fos.limit * 1.0003).is_balanced
 
 
 def test_open_pairs_carry_nothing() -> None:
     design = sk.load(columns(0))
     scene = scene_of_many(design, cut(design), sk.analyse(design))
     found = RestSearch(scene.model, scene.stiffness).rest(1.0)
-    assert found.stands
+    assert found.is_balanced
     open_ = found.modes == ContactMode.DEBOND
     assert open_.sum() > 10
     assert not found.forces.reshape(-1, 3)[open_].any()
@@ -158,9 +183,17 @@ def test_where_no_rest_is_found_it_says_so(monkeypatch: pytest.MonkeyPatch) -> N
 def test_moments_that_open_cohesion_and_the_line() -> None:
     """Elastic blocks are held against the rigid limit on their pairs, not against that on the bed."""
     found = sk.wedge(
-        ("44.785/86.243", "41.797/34.813"), face="87.102/77.401", upper="20.153/77.401", height=3.98878,
-        c=(66.2215, 13.1616), phi=(43.0, 47.5), unit_weight=28.741, shear_stiffness=1e5, edge="8 m", elastic=True,
-    )  # fmt: skip
+        ("44.785/86.243", "41.797/34.813"),
+        face="87.102/77.401",
+        upper="20.153/77.401",
+        height=3.98878,
+        c=(66.2215, 13.1616),
+        phi=(43.0, 47.5),
+        unit_weight=28.741,
+        shear_stiffness=1e5,
+        edge="8 m",
+        elastic=True,
+    )
     assert f"rigid {found.elastic.rigid_limit:.3f}" in str(found.sheet)
     assert found.elastic.rigid_limit != pytest.approx(found.fos.limit, rel=1e-3)
     assert f"{found.fos.limit:.3f}, elastic {found.elastic.limit:.3f}  " in found.line

@@ -11,7 +11,9 @@ from slopekit.views.pages.report import report_of
 
 @pytest.fixture(scope="module")
 def cracked():
-    found = sk.wedge(("45/115", "45/245"), crack="80/180@20", shear_stiffness=1e5, edge="60 m", elastic=True)
+    found = sk.wedge(
+        ("45/115", "45/245"), crack="80/180@20", shear_stiffness=1e5, edge="60 m", elastic=True
+    )
     return json.loads(json.dumps(found.to_dict()))
 
 
@@ -23,6 +25,11 @@ def test_the_page_has_elastic_blocks_under_a_heading_of_their_own(cracked) -> No
     assert "<h2>Elastic blocks</h2>" in page
     assert f"{elastic['limit']:.3f}  limit of elastic blocks" in page
     assert "(but of elastic blocks)" in page
-    assert short(elastic["joints"]["J1"]["elastic_kpa"][1]) in page[page.index("<h2>Elastic blocks</h2>") :]
+    assert (
+        short(elastic["joints"]["J1"]["elastic_kpa"][1])
+        in page[page.index("<h2>Elastic blocks</h2>") :]
+    )
     rigid = sk.wedge(("45/115", "45/245"), crack="80/180@20").to_dict()
-    assert "Elastic blocks" not in report_of(json.loads(json.dumps(rigid)), with_pictures=False).html
+    assert (
+        "Elastic blocks" not in report_of(json.loads(json.dumps(rigid)), with_pictures=False).html
+    )

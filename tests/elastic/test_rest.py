@@ -20,8 +20,15 @@ from slopekit.preie.system.assembly import one_block
 from slopekit.preie.system.contact import JointStiffness, tractions
 from slopekit.preie.system.model import local_axes
 
-WEDGE = {"dips": ("45/105", "70/235"), "face": "65/185", "upper": "12/195", "height": 30, "c": (24, 48),
-         "phi": (20, 30), "unit_weight": 25}  # fmt: skip
+WEDGE = {
+    "dips": ("45/105", "70/235"),
+    "face": "65/185",
+    "upper": "12/195",
+    "height": 30,
+    "c": (24, 48),
+    "phi": (20, 30),
+    "unit_weight": 25,
+}
 STIFFNESS = JointStiffness(normal=1e7, tangential=1e5)
 COARSE = {"modulus": "2 GPa", "edge": "25 m", "shear_stiffness": 1e5}
 
@@ -38,15 +45,21 @@ def blocks(modulus: float, order: int = 2, **more):
     return replace(whole, blocks=((give, *whole.blocks[0][1:]),)), elements, scene, model
 
 
-@pytest.mark.parametrize("more", [{}, {"water": "50%", "bolts": ["3000@5/-10,passive"], "crack": "80/180@8"}])
+@pytest.mark.parametrize(
+    "more", [{}, {"water": "50%", "bolts": ["3000@5/-10,passive"], "crack": "80/180@8"}]
+)
 def test_rock_that_does_not_give_is_rigid(more) -> None:
     model, _, scene, rigid = blocks(1e16, **more)
     found, exact = RestSearch(model, STIFFNESS).rest(1.0), equilibrium(rigid, 1.0, STIFFNESS)
-    assert found.stands
-    assert exact.stands
-    assert found.forces.reshape(-1, 3) == pytest.approx(exact.forces, abs=1e-6 * float(np.abs(exact.forces).max()))
+    assert found.is_balanced
+    assert exact.is_balanced
+    assert found.forces.reshape(-1, 3) == pytest.approx(
+        exact.forces, abs=1e-6 * float(np.abs(exact.forces).max())
+    )
     turned = np.where(np.arange(6) < 3, 1.0, rigid.length_scale)
-    assert found.motion == pytest.approx(exact.displacement * turned, abs=1e-6 * float(np.abs(found.motion).max()))
+    assert found.motion == pytest.approx(
+        exact.displacement * turned, abs=1e-6 * float(np.abs(found.motion).max())
+    )
     assert len(scene.pairs) == len(found.modes)
 
 
@@ -54,7 +67,7 @@ def test_displacements_on_nodes_give_the_same_forces() -> None:
     """The same rest by Newton's method on all displacements of the elements: no D, no γ, nothing condensed."""
     model, elements, scene, rigid = blocks(2e6)
     found = RestSearch(model, STIFFNESS).rest(1.0)
-    assert found.stands
+    assert found.is_balanced
     assert found.parted.any()
     axes = sparse.block_diag(list(local_axes(scene.pairs.normals)), format="csr")
     shapes = axes @ elements.shapes(scene.pairs.points)
@@ -63,20 +76,32 @@ def test_displacements_on_nodes_give_the_same_forces() -> None:
     for _ in range(20):
         relative = (shapes @ at).reshape(-1, 3)
         relative[:, 1:] -= found.memory
-        law = tractions(relative, STIFFNESS, model.cohesion, model.tan_friction, model.tan_dilation, 1.0, found.parted)
+        law = tractions(
+            relative,
+            STIFFNESS,
+            model.cohesion,
+            model.tan_friction,
+            model.tan_dilation,
+            1.0,
+            found.parted,
+        )
         off = load + shapes.T @ (law.tractions * area[:, None]).ravel() - elements.stiffness @ at
         if np.abs(off).max() < 1e-11 * np.abs(load).sum():
             break
         slopes = sparse.block_diag(list(law.slopes * area[:, None, None]), format="csr")
         at = at + splu((elements.stiffness - shapes.T @ slopes @ shapes).tocsc()).solve(off)
     forces = law.tractions * area[:, None]
-    assert forces == pytest.approx(found.forces.reshape(-1, 3), abs=1e-8 * float(np.abs(forces).max()))
+    assert forces == pytest.approx(
+        found.forces.reshape(-1, 3), abs=1e-8 * float(np.abs(forces).max())
+    )
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("more", [{"water": "50%"}, {"crack": "80/180@8", "bolts": ["1000@5/-10,passive"]}])
+@pytest.mark.parametrize(
+    "more", [{"water": "50%"}, {"crack": "80/180@8", "bolts": ["1000@5/-10,passive"]}]
+)
 def test_the_limit_is_the_rigid_one_without_the_cohesion_that_is_pulled_open(more) -> None:
-    """The oracle of METHOD-2 §10: the factor up to which the elastic block comes to rest."""
+    """The prototype of elastic blocks (docs/method.md): the factor up to which the elastic block comes to rest."""
     result = sk.wedge(**WEDGE, **COARSE, **more, elastic=True)
     found = result.elastic
     assert found is not None
@@ -94,25 +119,43 @@ def test_the_limit_is_the_rigid_one_without_the_cohesion_that_is_pulled_open(mor
 def test_a_state_that_is_not_that_of_full_strength_is_said() -> None:
     """A wet, cracked wedge: no rest at F = 1 while the limit without what is open at 0.95 lies above (W455)."""
     given = {
-        "dips": ("51.3/147.8", "67.8/259.5"), "face": "78.2/180", "upper": "1.8/180", "height": 52.22,
-        "c": (55.4, 61.9), "phi": (30.6, 30.6), "unit_weight": 26, "shear_stiffness": 1e5, "modulus": "4.8 GPa",
-        "water": "13%", "crack": "85/180@9.53", "bolts": ["929@0/-10,active"], "edge": 32.35,
-    }  # fmt: skip
+        "dips": ("51.3/147.8", "67.8/259.5"),
+        "face": "78.2/180",
+        "upper": "1.8/180",
+        "height": 52.22,
+        "c": (55.4, 61.9),
+        "phi": (30.6, 30.6),
+        "unit_weight": 26,
+        "shear_stiffness": 1e5,
+        "modulus": "4.8 GPa",
+        "water": "13%",
+        "crack": "85/180@9.53",
+        "bolts": ["929@0/-10,active"],
+        "edge": 32.35,
+    }
     found = sk.wedge(**given, elastic=True)
     assert (found.elastic.factor, found.elastic.limit) == (0.95, pytest.approx(1.0226, abs=1e-3))
     said = {notice.code: notice.message for notice in found.warnings}
-    assert "rest at F = 0.95, at 1 none was found: their limit may lie between, below the 1.0226" in said["W455"]
+    assert (
+        "rest at F = 0.95, at 1 none was found: their limit may lie between, below the 1.0226"
+        in said["W455"]
+    )
     assert said["W455"].endswith("rely on 0.95")
     _, search, state = state_of(found, 0.95)
-    assert not search.settled(state, 0.96).stands
-    assert "W455" not in {notice.code for notice in sk.wedge(**WEDGE, **COARSE, elastic=True).warnings}
+    assert not search.equilibrium(state, 0.96).is_balanced
+    assert "W455" not in {
+        notice.code for notice in sk.wedge(**WEDGE, **COARSE, elastic=True).warnings
+    }
 
 
 def test_the_oracle_sees_cohesion_go() -> None:
     found = sk.wedge(**WEDGE, **COARSE, elastic=True).elastic
     assert found.opened_share > 0.005
     assert found.limit < found.rigid_limit * (1.0 - 1e-3)
-    assert found.displacement_m @ found.displacement_m > found.rigid_displacement_m @ found.rigid_displacement_m
+    assert (
+        found.displacement_m @ found.displacement_m
+        > found.rigid_displacement_m @ found.rigid_displacement_m
+    )
 
 
 def turned_by(plane: str, degrees: float) -> str:
@@ -148,7 +191,9 @@ def test_the_same_wedge_elsewhere(changed: str) -> None:
     ours, theirs = (float(np.linalg.norm(one.displacement_m)) for one in (found, base))
     assert ours == pytest.approx(theirs * size, rel=1e-5)
     for name, joint in base.joints.items():
-        assert found.joints[name].elastic_kpa[1] == pytest.approx(joint.elastic_kpa[1] * size, rel=1e-5)
+        assert found.joints[name].elastic_kpa[1] == pytest.approx(
+            joint.elastic_kpa[1] * size, rel=1e-5
+        )
 
 
 @pytest.mark.slow
@@ -158,10 +203,16 @@ def test_where_moments_govern_once_cohesion_is_lost() -> None:
     The forces alone are Hoek & Bray's closed form with the cohesion of each joint cut by the share that opens at F = 1.
     """
     given: dict = {
-        "dips": ("44.5/131.6", "67.4/212.5"), "face": "76.4/180", "upper": "2.8/180", "height": 54.241609561109826,
-        "phi": (36.0, 28.0), "unit_weight": 26, "shear_stiffness": 1e5, "crack": "85/180@10.85",
+        "dips": ("44.5/131.6", "67.4/212.5"),
+        "face": "76.4/180",
+        "upper": "2.8/180",
+        "height": 54.241609561109826,
+        "phi": (36.0, 28.0),
+        "unit_weight": 26,
+        "shear_stiffness": 1e5,
+        "crack": "85/180@10.85",
         "bolts": ["5450@0/-10,active"],
-    }  # fmt: skip
+    }
     cohesion = {"J1": 66.1, "J2": 55.0}
     result = sk.wedge(**given, c=(66.1, 55.0), modulus="9.6 GPa", edge="39 m", elastic=True)
     found = result.elastic

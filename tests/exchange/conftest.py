@@ -27,12 +27,20 @@ def unsolved(design: AssemblyDesign) -> dict[str, Any]:
     none, whole = np.zeros((0, 3)), np.zeros(0, dtype=np.int64)
     pairs = NodePairState(none, whole, np.zeros(0), none, whole, whole, np.zeros(0), none, whole)
     scene = BlockScene(
-        shapes, pairs, Arrows((), whole, whole, none, none), np.zeros((count, 6)), np.zeros(count, dtype=np.int64),
+        shapes,
+        pairs,
+        Arrows((), whole, whole, none, none),
+        np.zeros((count, 6)),
+        np.zeros(count, dtype=np.int64),
         np.full(count, np.nan),
-    )  # fmt: skip
+    )
     return {
-        "slopekit": "0", "kind": design.kind, "inputs": {}, "geometry": json_of(geometry), "scene": scene.to_dict(),
-    }  # fmt: skip
+        "slopekit": "0",
+        "kind": design.kind,
+        "inputs": {},
+        "geometry": json_of(geometry),
+        "scene": scene.to_dict(),
+    }
 
 
 @cache

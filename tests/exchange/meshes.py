@@ -26,7 +26,9 @@ def _of_vtu(path: Path) -> list[MeshBody]:
         cell = grid.get_cell(k)
         assert cell.type == _POLYHEDRON
         faces = [list(face.point_ids) for face in cell.faces]
-        triangles = [(face[0], face[i], face[i + 1]) for face in faces for i in range(1, len(face) - 1)]
+        triangles = [
+            (face[0], face[i], face[i + 1]) for face in faces for i in range(1, len(face) - 1)
+        ]
         used, index = np.unique(np.array(triangles, dtype=np.int64), return_inverse=True)
         points = np.asarray(grid.points, dtype=np.float64)[used]
         found.append(merged((names[int(grid.cell_data["block"][k])], points, index.reshape(-1, 3))))

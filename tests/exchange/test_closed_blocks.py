@@ -13,7 +13,9 @@ from slopekit.geometry.solids.welding import open_edges, welded
 from tests.exchange.conftest import TEMPLATES
 
 NAMES = sorted(
-    path.stem for path in TEMPLATES.glob("*.yaml") if path.stem not in ("paper-wedge", "cylinder", "surface")
+    path.stem
+    for path in TEMPLATES.glob("*.yaml")
+    if path.stem not in ("paper-wedge", "cylinder", "surface")
 )
 
 
@@ -24,7 +26,7 @@ def test_blocks_of_the_templates_are_closed_and_add_up(result, name) -> None:
     shapes = BlockScene.from_dict(document["scene"]).shapes
     moving = 0.0
     for k, block in enumerate(shapes.names):
-        vertices, triangles = shapes.solids.of(k)
+        vertices, triangles = shapes.solids.block_surface(k)
         mesh = trimesh.Trimesh(vertices - vertices.mean(axis=0), triangles, process=False)
         assert mesh.is_watertight, block
         assert mesh.is_winding_consistent, block
@@ -43,12 +45,20 @@ def test_joined_slivers_of_random_benches_are_closed(seed) -> None:
     rng = np.random.default_rng(seed)
     body = bench_body(Plane(70.0, 180.0).normal(), Plane(5.0, 180.0).normal(), 10.0, 20.0, 10.0)
     sets = [
-        JointSet(Plane(rng.uniform(20, 89), rng.uniform(0, 360)).normal(), rng.uniform(2, 4), 0.3, 5.0, 0.3)
+        JointSet(
+            Plane(rng.uniform(20, 89), rng.uniform(0, 360)).normal(),
+            rng.uniform(2, 4),
+            0.3,
+            5.0,
+            0.3,
+        )
         for _ in range(3)
     ]
     assembly = cut_bench(body, planes_of_sets(sets, body, rng), 20000, 1.0).assembly
     before = open_edges(assembly.triangles, assembly.triangle_block)[1]
-    vertices, triangles, block = welded(assembly.vertices, assembly.triangles, assembly.triangle_block)
+    vertices, triangles, block = welded(
+        assembly.vertices, assembly.triangles, assembly.triangle_block
+    )
     assert len(before) > 0  # else this shows nothing
     assert len(open_edges(triangles, block)[0]) == 0
     a, b, c = (vertices[triangles[:, k]] for k in range(3))

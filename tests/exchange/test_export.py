@@ -47,9 +47,17 @@ def test_advice_lists_and_guesses(result, tmp_path) -> None:
         ("[1]", "E340", "it has no key slopekit"),
         ('{"a": 1}', "E340", "no key slopekit"),
         ('{"slopekit": "0", "errors": []}', "E340", "the faults of a run"),
-        ('{"slopekit": "0", "study": "sweep", "points": []}', "E350", "the result of sweep, it holds no blocks"),
+        (
+            '{"slopekit": "0", "study": "sweep", "points": []}',
+            "E350",
+            "the result of sweep, it holds no blocks",
+        ),
         ('{"slopekit": "0", "kind": "wedge", "geometry": {}}', "E350", "holds no scene"),
-        ('{"slopekit": "0", "kind": "wedge", "geometry": {}, "scene": {"shapes": 1}}', "E350", "cannot be read"),
+        (
+            '{"slopekit": "0", "kind": "wedge", "geometry": {}, "scene": {"shapes": 1}}',
+            "E350",
+            "cannot be read",
+        ),
     ],
 )
 def test_files_that_hold_no_scene(tmp_path, content, code, says) -> None:
@@ -74,9 +82,13 @@ def test_missing_extras_are_named(result, tmp_path, monkeypatch) -> None:
     assert not (tmp_path / "x.dxf").exists()
     sk.export(result("wedge"), tmp_path / "x.vtu")
     design = {
-        "slopekit": 1, "kind": "surface", "slip": {"mesh": str(tmp_path / "there.dxf")}, "rock": {"unit_weight": 25},
-        "slope": {"profile": [[60, 0], [40, 0], [0, 40], [-20, 40]]}, "strength": {"joint": {"c": 1, "phi": 30}},
-    }  # fmt: skip
+        "slopekit": 1,
+        "kind": "surface",
+        "slip": {"mesh": str(tmp_path / "there.dxf")},
+        "rock": {"unit_weight": 25},
+        "slope": {"profile": [[60, 0], [40, 0], [0, 40], [-20, 40]]},
+        "strength": {"joint": {"c": 1, "phi": 30}},
+    }
     with pytest.raises(sk.DesignError, match="extra cad") as caught:
         sk.run(design)
     assert caught.value.codes == ("E140",)
@@ -114,7 +126,9 @@ def test_runs_load_nothing_of_exports() -> None:
         "except SystemExit: pass\n"
         f"print([name for name in {heavy} if name in sys.modules])"
     )
-    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    run = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=60
+    )
     assert run.stdout.splitlines()[-1] == "[]"
     assert "scene" in json.loads(run.stdout.rpartition("[]")[0])
 
@@ -123,19 +137,25 @@ def test_runs_load_nothing_of_exports() -> None:
 def two_cases():
     """A wedge, dry, and 10 m high in another case."""
     design = {
-        "slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
+        "slopekit": 1,
+        "kind": "wedge",
+        "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
         "cases": {"dry": {"accept": "fos >= 1.5"}, "low": {"set": {"slope.height": 10}}},
-    }  # fmt: skip
+    }
     return sk.run(design)
 
 
-@pytest.mark.parametrize(("case", "code", "says"), [("lo", "E197", "Did you mean low?"), ("wet", "E197", "dry, low")])
+@pytest.mark.parametrize(
+    ("case", "code", "says"), [("lo", "E197", "Did you mean low?"), ("wet", "E197", "dry, low")]
+)
 def test_a_case_that_there_is_not(two_cases, tmp_path, case, code, says) -> None:
     fault = refused(two_cases, tmp_path / "wedge.stl", case=case)
     assert fault.code == code
     assert says in fault.advice
     assert refused(two_cases.cases["dry"], tmp_path / "wedge.stl", case=case).code == "E313"
-    study = sk.sweep(sk.load(two_cases.design.source.root.plain()), {"slope.height": [10]}, closed_form=True)
+    study = sk.sweep(
+        sk.load(two_cases.design.source.root.plain()), {"slope.height": [10]}, closed_form=True
+    )
     assert refused(study, tmp_path / "wedge.stl").code == "E350"
 
 
@@ -165,8 +185,9 @@ def test_each_load_case_has_a_file_of_its_own(two_cases, tmp_path) -> None:
     """Against the export of each case alone; from the object, its JSON and its folder alike."""
     done = sk.export(two_cases, tmp_path / "wedge.stl")
     assert [(one.case, one.files[0].relative_to(tmp_path).as_posix()) for one in done.written] == [
-        ("dry", "wedge-dry.stl"), ("low", "wedge-low.stl"),
-    ]  # fmt: skip
+        ("dry", "wedge-dry.stl"),
+        ("low", "wedge-low.stl"),
+    ]
     assert not any(notice.code == "W376" for notice in done.warnings)
     for name, one in two_cases.cases.items():
         alone = sk.export(one, tmp_path / "alone.stl").written[0]
@@ -175,8 +196,11 @@ def test_each_load_case_has_a_file_of_its_own(two_cases, tmp_path) -> None:
     (tmp_path / "result.json").write_text(json.dumps(two_cases.to_dict()))
     run = slopekit("export", ".", "-o", "low.stl", "--case", "low", "--json", cwd=tmp_path)
     assert (tmp_path / "low.stl").read_bytes() == (tmp_path / "wedge-low.stl").read_bytes()
-    assert [(one["case"], one["files"]) for one in json.loads(run.stdout)["written"]] == [("low", ["low.stl"])]
+    assert [(one["case"], one["files"]) for one in json.loads(run.stdout)["written"]] == [
+        ("low", ["low.stl"])
+    ]
     run = slopekit("export", ".", "-o", "again.obj", cwd=tmp_path)
     assert [line for line in run.stdout.splitlines() if line.startswith("WROTE")] == [
-        "WROTE     again-dry.obj", "WROTE     again-low.obj",
-    ]  # fmt: skip
+        "WROTE     again-dry.obj",
+        "WROTE     again-low.obj",
+    ]

@@ -34,11 +34,14 @@ def test_blocks_come_back(result, tmp_path, scene, suffix) -> None:
     shapes = BlockScene.from_dict(result(scene)["scene"]).shapes
     chosen = shapes.names if len(shapes.names) < 20 else shapes.names[::13]
     sk.export(result(scene), tmp_path / f"x{suffix}")
-    found = {name: (vertices, triangles) for name, vertices, triangles in read_blocks(tmp_path / f"x{suffix}")}
+    found = {
+        name: (vertices, triangles)
+        for name, vertices, triangles in read_blocks(tmp_path / f"x{suffix}")
+    }
     assert set(found) == set(shapes.names)
     grain = 2e-9 if scene.startswith("map") and EXACT[suffix] else 1e-15
     for name in chosen:
-        vertices, triangles = shapes.solids.of(shapes.names.index(name))
+        vertices, triangles = shapes.solids.block_surface(shapes.names.index(name))
         middle, size = vertices.mean(axis=0), float(np.ptp(vertices, axis=0).max())
         apart = cKDTree(found[name][0] - middle).query(vertices - middle)[0].max()
         assert apart <= EXACT[suffix] * size + (grain if EXACT[suffix] else 0.0)
@@ -79,13 +82,19 @@ def test_stl_by_trimesh_and_by_its_text(result, tmp_path) -> None:
     assert (len(names), names[:2]) == (132, ["B1", "B2"])
     scene = trimesh.load(tmp_path / "x.stl")
     shapes = BlockScene.from_dict(result("bench")["scene"]).shapes
-    moving = [scene.geometry[name].volume for name, fixed in zip(shapes.names, shapes.fixed, strict=True) if not fixed]
+    moving = [
+        scene.geometry[name].volume
+        for name, fixed in zip(shapes.names, shapes.fixed, strict=True)
+        if not fixed
+    ]
     assert sum(moving) == pytest.approx(987.4750107200935, rel=1e-12)
     assert all(mesh.is_watertight for mesh in scene.geometry.values())
     facet = next(k for k, line in enumerate(lines) if line.startswith("facet"))
     a, b, c = (np.array([float(word) for word in lines[facet + k].split()[1:]]) for k in (2, 3, 4))
     normal = np.array([float(word) for word in lines[facet].split()[2:]])
-    assert np.cross(b - a, c - a) @ normal == pytest.approx(np.linalg.norm(np.cross(b - a, c - a)), rel=1e-5)
+    assert np.cross(b - a, c - a) @ normal == pytest.approx(
+        np.linalg.norm(np.cross(b - a, c - a)), rel=1e-5
+    )
 
 
 def test_names_that_stl_readers_take_for_words(tmp_path, result) -> None:
@@ -101,17 +110,25 @@ def test_obj_has_faces_by_name(result, tmp_path) -> None:
     lines = (tmp_path / "x.obj").read_text().splitlines()
     assert [line[2:] for line in lines if line.startswith("o ")] == ["wedge"]
     assert {line for line in lines if line.startswith("g ")} == {
-        "g wedge J1", "g wedge J2", "g wedge face", "g wedge upper_slope",
-    }  # fmt: skip
+        "g wedge J1",
+        "g wedge J2",
+        "g wedge face",
+        "g wedge upper_slope",
+    }
 
 
 def test_glb_turns_z_up_and_keeps_the_offset_in_its_nodes(result, tmp_path) -> None:
     """glTF 2.0, 3.4: y is up. The offset is a double of the JSON, vertices are small."""
     sk.export(result("map"), tmp_path / "x.gltf")
     document = json.loads((tmp_path / "x.gltf").read_text())
-    offset = next(node["matrix"][12:15] for node in document["nodes"] if node["name"] == "map origin")
+    offset = next(
+        node["matrix"][12:15] for node in document["nodes"] if node["name"] == "map origin"
+    )
     assert offset[:2] == pytest.approx([EAST, NORTH], abs=200.0)
-    assert max(max(map(abs, one["max"])) for one in document["accessors"] if one["type"] == "VEC3") < 200.0
+    assert (
+        max(max(map(abs, one["max"])) for one in document["accessors"] if one["type"] == "VEC3")
+        < 200.0
+    )
     block = next(mesh for mesh in document["meshes"] if mesh["name"] == "wedge")
     assert block["extras"]["factor_of_safety"] == pytest.approx(1.5574, abs=1e-4)
     bounds = trimesh.load_scene(tmp_path / "x.gltf").bounds  # east, up, -north
@@ -134,13 +151,17 @@ def test_vtu_by_pyvista(result, tmp_path) -> None:
     assert list(blocks.field_data["block_names"]) == ["wedge"]
     assert np.linalg.norm(blocks.cell_data["velocity"]) == pytest.approx(1.0)
     names = list(interfaces.field_data["joint_names"])
-    for joint, area in zip(interfaces.cell_data["joint"], interfaces.cell_data["area_m2"], strict=True):
+    for joint, area in zip(
+        interfaces.cell_data["joint"], interfaces.cell_data["area_m2"], strict=True
+    ):
         assert area == pytest.approx(document["geometry"]["areas_m2"][names[joint]], rel=1e-9)
         own = pairs.cell_data["joint"] == joint
         assert pairs.cell_data["normal_kn"][own].sum() == pytest.approx(
             document["forces_kn"]["normal"][names[joint]], rel=1e-6
         )
-    assert float(pairs.cell_data["control_area_m2"].sum()) == pytest.approx(2 * 9057.538338, rel=1e-8)
+    assert float(pairs.cell_data["control_area_m2"].sum()) == pytest.approx(
+        2 * 9057.538338, rel=1e-8
+    )
     assert pairs.cell_data["shear_kn"].shape == (len(pairs.points), 3)
     assert {pairs.field_data["mode_names"][mode] for mode in pairs.cell_data["mode"]} == {"slip"}
 
@@ -153,8 +174,13 @@ def test_vtu_indices_mean_the_names_listed(result, tmp_path) -> None:
     blocks, interfaces = (pyvista.read(path) for path in done.files)
     names = [str(name) for name in blocks.field_data["block_names"]]
     for at, volume in zip(blocks.cell_data["block"], blocks.cell_data["volume_m3"], strict=True):
-        assert volume == pytest.approx(volume_moments(*shapes.solids.of(shapes.names.index(names[at])))[0], rel=1e-9)
-    cells = {names[at]: blocks.extract_cells(k) for k, at in enumerate(blocks.cell_data["block"].tolist())}
+        assert volume == pytest.approx(
+            volume_moments(*shapes.solids.block_surface(shapes.names.index(names[at])))[0], rel=1e-9
+        )
+    cells = {
+        names[at]: blocks.extract_cells(k)
+        for k, at in enumerate(blocks.cell_data["block"].tolist())
+    }
     assert [str(name) for name in interfaces.field_data["block_names"]] == names
     for k, sides in enumerate(
         zip(interfaces.cell_data["plus_block"], interfaces.cell_data["minus_block"], strict=True)
@@ -178,8 +204,10 @@ def test_vtu_pairs_index_the_names_listed(tmp_path) -> None:
     assert list(blocks.field_data["block_names"]) == names == list(source.scene.shapes.names)
     sides = np.stack([pairs.cell_data["plus_block"], pairs.cell_data["minus_block"]], axis=1)
     assert {frozenset(names[k] for k in two) for two in sides.tolist()} == {
-        frozenset(("B1", "base")), frozenset(("B2", "base")), frozenset(("B1", "B2")),
-    }  # fmt: skip
+        frozenset(("B1", "base")),
+        frozenset(("B2", "base")),
+        frozenset(("B1", "B2")),
+    }
     for k in range(3):
         corners = blocks.extract_cells(k).points
         own = pairs.points[(sides == blocks.cell_data["block"][k]).any(axis=1)]
@@ -209,7 +237,11 @@ def test_outlines_of_a_section(result, tmp_path) -> None:
     assert np.abs(np.concatenate(corners)[:, 1]).max() < 1e-15
     x, z = corners[1][:, 0], corners[1][:, 2]
     assert abs(x @ np.roll(z, -1) - z @ np.roll(x, -1)) / 2.0 == pytest.approx(12.5, rel=1e-12)
-    assert {tuple(corner) for corner in corners[1].round(12).tolist()} == {(0, 0, 0), (0, 0, 5), (-5, 0, 5)}
+    assert {tuple(corner) for corner in corners[1].round(12).tolist()} == {
+        (0, 0, 0),
+        (0, 0, 5),
+        (-5, 0, 5),
+    }
 
 
 @pytest.mark.slow
@@ -229,10 +261,21 @@ def test_bolts_in_dxf(tmp_path) -> None:
         place = tuple(known[number].dxf.location)
         assert place == tuple(round(part, 3) for part in bolts.heads_m[k].tolist())
         tags = [tag.value for tag in known[number].get_xdata("SLOPEKIT")]
-        assert tags == [f"bolt {number}", number, 150.0, "passive" if bolts.passive[k] else "active"]
-    lines = {tuple(one.dxf.start): tuple(one.dxf.end) for one in space.query("LINE") if one.dxf.layer == "BOLTS"}
+        assert tags == [
+            f"bolt {number}",
+            number,
+            150.0,
+            "passive" if bolts.passive[k] else "active",
+        ]
+    lines = {
+        tuple(one.dxf.start): tuple(one.dxf.end)
+        for one in space.query("LINE")
+        if one.dxf.layer == "BOLTS"
+    }
     ends = [tuple(round(part, 3) for part in end) for end in bolts.ends_m.tolist()]
-    assert lines == dict(zip([tuple(known[n].dxf.location) for n in bolts.number.tolist()], ends, strict=True))
+    assert lines == dict(
+        zip([tuple(known[n].dxf.location) for n in bolts.number.tolist()], ends, strict=True)
+    )
     texts = {one.dxf.text: tuple(one.dxf.insert) for one in space.query("TEXT")}
     assert texts == {str(n): tuple(known[n].dxf.location) for n in bolts.number.tolist()}
 
@@ -258,7 +301,12 @@ def test_bolts_in_vtu(tmp_path) -> None:
     pyvista = pytest.importorskip("pyvista")
     bolts = bolted("three").scene.bolts
     done = sk.export(bolted("three"), tmp_path / "x.vtu")
-    assert [path.name for path in done.files] == ["x.vtu", "x-interfaces.vtu", "x-pairs.vtu", "x-bolts.vtu"]
+    assert [path.name for path in done.files] == [
+        "x.vtu",
+        "x-interfaces.vtu",
+        "x-pairs.vtu",
+        "x-bolts.vtu",
+    ]
     grid = pyvista.read(tmp_path / "x-bolts.vtu")
     assert grid.celltypes.tolist() == [3, 3]
     for k in range(2):

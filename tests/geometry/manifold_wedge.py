@@ -55,7 +55,10 @@ def cut_wedge(rock: RockMass) -> Block:
         piece = piece.split(half_space(normal, float(offsets[plane]), plane, 2 * FAR))[1]
     mesh = piece.to_mesh64()
     points = np.asarray(mesh.vert_properties) * half + centre
-    triangles, made_by = points[np.asarray(mesh.tri_verts, dtype=int)], np.asarray(mesh.face_id, dtype=int)
+    triangles, made_by = (
+        points[np.asarray(mesh.tri_verts, dtype=int)],
+        np.asarray(mesh.face_id, dtype=int),
+    )
     assert made_by.max() < FAR
     a, b, c = triangles.swapaxes(0, 1)
     parts = (np.cross(a - points[0], b - points[0]) * (c - points[0])).sum(axis=1) / 6.0

@@ -20,7 +20,9 @@ SLOPE = bench_body(normal(70.0, 180.0), normal(5.0, 180.0), 20.0, 40.0, 25.0)
 
 def three_sets(spacing: float, **scatter: float) -> list[JointSet]:
     dips = ((40.0, 175.0), (75.0, 95.0), (70.0, 350.0))
-    return [JointSet(normal(*dip), spacing, 0.1 * k * spacing, **scatter) for k, dip in enumerate(dips)]
+    return [
+        JointSet(normal(*dip), spacing, 0.1 * k * spacing, **scatter) for k, dip in enumerate(dips)
+    ]
 
 
 def conserves(cut: BenchCut) -> None:
@@ -33,7 +35,10 @@ def conserves(cut: BenchCut) -> None:
     if not (cut.slivers_joined or cut.slivers_left_out):
         assert patches.areas.sum() == pytest.approx(cut.joint_area, rel=1e-9)
     size = cut.body_volume ** (1.0 / 3.0)
-    a, b, c = (assembly.vertices[assembly.triangles[:, k]] - assembly.vertices.mean(axis=0) for k in range(3))
+    a, b, c = (
+        assembly.vertices[assembly.triangles[:, k]] - assembly.vertices.mean(axis=0)
+        for k in range(3)
+    )
     vector = np.cross(b - a, c - a) / 2.0
     for k in range(3):
         assert np.abs(np.bincount(assembly.triangle_block, vector[:, k])).max() < 1e-12 * size**2
@@ -41,11 +46,15 @@ def conserves(cut: BenchCut) -> None:
     assert volumes == pytest.approx(assembly.volumes, rel=1e-9, abs=1e-12 * size**3)
     # ∫ x dV of tetrahedra from one point to all triangles
     parts = np.einsum("ti,ti->t", a, vector)[:, None] / 3.0 * (a + b + c) / 4.0
-    moments = np.stack([np.bincount(assembly.triangle_block, parts[:, k]) for k in range(3)], axis=1)
+    moments = np.stack(
+        [np.bincount(assembly.triangle_block, parts[:, k]) for k in range(3)], axis=1
+    )
     about = assembly.centroids - assembly.vertices.mean(axis=0)
     assert moments == pytest.approx(assembly.volumes[:, None] * about, abs=1e-12 * size**4)
     assert (patches.plus != patches.minus).all()
-    away = np.einsum("ki,ki->k", assembly.centroids[patches.plus] - patches.centroids, patches.normals)
+    away = np.einsum(
+        "ki,ki->k", assembly.centroids[patches.plus] - patches.centroids, patches.normals
+    )
     if not cut.slivers_joined:  # blocks are convex
         assert away.min(initial=1.0) > 0.0
     for k in range(min(len(patches), 60)):
@@ -56,7 +65,9 @@ def conserves(cut: BenchCut) -> None:
         assert around.min() > -1e-9 * size**2  # convex, in order about the normal
         assert around.sum() == pytest.approx(patches.areas[k], rel=1e-8, abs=1e-12 * size**2)
         middles = (arms + np.roll(arms, -1, axis=0)) / 3.0
-        assert (around[:, None] * middles).sum(axis=0) == pytest.approx(np.zeros(3), abs=1e-9 * size**3)
+        assert (around[:, None] * middles).sum(axis=0) == pytest.approx(
+            np.zeros(3), abs=1e-9 * size**3
+        )
 
 
 def blocks_by_sampling(body, found: SetPlanes, count: int = 200_000) -> set[bytes]:
@@ -85,10 +96,14 @@ def test_bricks() -> None:
         assert patches.areas[patches.joint == joint] == pytest.approx(np.full(900, area), rel=1e-12)
     assert np.diff(patches.first).tolist() == [4] * 2700
     step = cut.assembly.centroids[patches.plus] - cut.assembly.centroids[patches.minus]
-    assert np.einsum("ki,ki->k", step, patches.normals) == pytest.approx(np.array([3.0, 2.0, 1.0])[patches.joint])
+    assert np.einsum("ki,ki->k", step, patches.normals) == pytest.approx(
+        np.array([3.0, 2.0, 1.0])[patches.joint]
+    )
 
 
-@pytest.mark.parametrize("scatter", [{}, {"scatter_deg": 3.0, "spacing_scatter": 0.2}, {"scatter_deg": 20.0}])
+@pytest.mark.parametrize(
+    "scatter", [{}, {"scatter_deg": 3.0, "spacing_scatter": 0.2}, {"scatter_deg": 20.0}]
+)
 def test_counts_by_sampling(scatter) -> None:
     """Each cell that random points find is a block, each large block is found, and Euler's count is exact."""
     found = planes_of_sets(three_sets(5.0, **scatter), SLOPE, np.random.default_rng(3))
@@ -117,7 +132,9 @@ def _lines_and_points(body, found: SetPlanes) -> int:
         low, high = (room[rate < 0] / rate[rate < 0]).max(), (room[rate > 0] / rate[rate > 0]).min()
         if low < high:
             with np.errstate(divide="ignore"):  # planes of one set meet the line nowhere
-                at = (found.offsets[j + 1 :] - found.normals[j + 1 :] @ start) / (found.normals[j + 1 :] @ along)
+                at = (found.offsets[j + 1 :] - found.normals[j + 1 :] @ start) / (
+                    found.normals[j + 1 :] @ along
+                )
             inside += 1 + int(((at > low) & (at < high)).sum())
     return inside
 
@@ -130,7 +147,9 @@ def test_planes_through_one_line_and_one_point() -> None:
     """
     body = bench_body(SOUTH, FLAT, 10.0, 40.0, 20.0)
     centre = np.array([0.0, 10.0, 5.0])
-    normals = np.array([[math.cos(a), math.sin(a), 0.0] for a in (0.1, 0.1 + math.pi / 3, 0.1 + 2 * math.pi / 3)])
+    normals = np.array(
+        [[math.cos(a), math.sin(a), 0.0] for a in (0.1, 0.1 + math.pi / 3, 0.1 + 2 * math.pi / 3)]
+    )
     for extra, count in (([], 6), ([FLAT], 12), ([FLAT, normal(30.0, 40.0)], 20)):
         together = np.array([*normals, *extra])
         sets = [JointSet(one, 1000.0, float(one @ centre)) for one in together]
@@ -145,7 +164,9 @@ def test_nearly_parallel_sets(apart_deg) -> None:
     first, second = normal(60.0, 180.0), normal(60.0 + apart_deg, 180.0)
     at = np.array([0.0, 12.0, 8.0])
     sets = [JointSet(one, 3.0, float(one @ at)) for one in (first, second)]
-    found = planes_of_sets([*sets, JointSet(normal(80.0, 90.0), 4.0)], SLOPE, np.random.default_rng(0))
+    found = planes_of_sets(
+        [*sets, JointSet(normal(80.0, 90.0), 4.0)], SLOPE, np.random.default_rng(0)
+    )
     cut = cut_bench(SLOPE, found)
     conserves(cut)
     assert cut.blocks > 100
@@ -165,7 +186,8 @@ def test_duplicate_sets() -> None:
     sets = three_sets(5.0)
     alone = cut_bench(SLOPE, planes(*sets, body=SLOPE))
     twice = cut_bench(
-        SLOPE, planes(*sets, replace(sets[1], normal=-sets[1].normal, offset=-sets[1].offset), body=SLOPE)
+        SLOPE,
+        planes(*sets, replace(sets[1], normal=-sets[1].normal, offset=-sets[1].offset), body=SLOPE),
     )
     assert twice.blocks == alone.blocks
     assert twice.assembly.volumes == pytest.approx(alone.assembly.volumes, rel=1e-12)
@@ -177,10 +199,14 @@ def test_moved_and_scaled(factor) -> None:
     sets = three_sets(5.0)
     here = cut_bench(SLOPE, planes(*sets, body=SLOPE))
     by = np.array([5e5, 4e6, 300.0])
-    body = bench_body(normal(70.0, 180.0), normal(5.0, 180.0), 20.0 * factor, 40.0 * factor, 25.0 * factor)
+    body = bench_body(
+        normal(70.0, 180.0), normal(5.0, 180.0), 20.0 * factor, 40.0 * factor, 25.0 * factor
+    )
     scaled = [
         replace(
-            one, spacing=one.spacing * factor, offset=one.offset * factor + float(one.normal @ by) * (factor == 1.0)
+            one,
+            spacing=one.spacing * factor,
+            offset=one.offset * factor + float(one.normal @ by) * (factor == 1.0),
         )
         for one in sets
     ]
@@ -208,20 +234,28 @@ def test_slivers() -> None:
     level = patches.joint < 2
     assert level.sum() == 3  # one of the two joints has vanished within a block of each column
     assert patches.areas[level] == pytest.approx([200.0] * 3)
-    by_column = cut.assembly.volumes[patches.plus[level]] + cut.assembly.volumes[patches.minus[level]]
+    by_column = (
+        cut.assembly.volumes[patches.plus[level]] + cut.assembly.volumes[patches.minus[level]]
+    )
     assert by_column == pytest.approx([2000.0] * 3)
     assert patches.areas[~level].sum() == pytest.approx(2 * 200.0)
     with pytest.raises(GeometryError, match="E225"):
         cut_bench(BOX, found, min_volume=1e6)
-    with pytest.raises(GeometryError, match="E225 min_volume = 5000 m³ joins all 9 blocks into one, on no"):
-        cut_bench(BOX, found, min_volume=5000.0)  # of 6000: it was a block that falls, with no contact
+    with pytest.raises(
+        GeometryError, match="E225 min_volume = 5000 m³ joins all 9 blocks into one, on no"
+    ):
+        cut_bench(
+            BOX, found, min_volume=5000.0
+        )  # of 6000: it was a block that falls, with no contact
 
 
 def test_slivers_that_choose() -> None:
     """Two slivers beside each other go together to the cell behind; one without neighbours is left out."""
     volumes = np.array([1.0, 1e-12, 2e-12, 1e-12])
     first, second, areas = np.array([0, 1]), np.array([1, 2]), np.array([1.0, 5.0])
-    block, fixed = join_slivers(volumes, np.array([False, True, True, True]), first, second, areas, 1e-9)
+    block, fixed = join_slivers(
+        volumes, np.array([False, True, True, True]), first, second, areas, 1e-9
+    )
     assert block.tolist() == [0, 0, 0, -1]
     assert fixed.tolist() == [False]
 
@@ -229,7 +263,9 @@ def test_slivers_that_choose() -> None:
 def test_fixed_slivers_stay_fixed() -> None:
     """A sliver at the end of the model belongs to the rock there, though it shares more with a free block."""
     first, second, areas = np.array([0, 1]), np.array([1, 2]), np.array([5.0, 1.0])
-    block, _ = join_slivers(np.array([1.0, 1e-12, 1.0]), np.array([False, True, True]), first, second, areas, 1e-9)
+    block, _ = join_slivers(
+        np.array([1.0, 1e-12, 1.0]), np.array([False, True, True]), first, second, areas, 1e-9
+    )
     assert block.tolist() == [0, 1, 1]
 
 
@@ -237,7 +273,12 @@ def test_slivers_that_are_no_sliver_together_stay_bedrock() -> None:
     """Two ends on a larger free piece: rock that goes on where they hold what is asked, or half of what they make."""
     ends = np.array([True, False, True])
     first, second, areas = np.array([0, 1]), np.array([1, 2]), np.array([1.0, 1.0])
-    for end, least, bedrock in ((24.0, 48.0, True), (24.0, 48.1, False), (24.9, 60.0, False), (25.1, 60.0, True)):
+    for end, least, bedrock in (
+        (24.0, 48.0, True),
+        (24.0, 48.1, False),
+        (24.9, 60.0, False),
+        (25.1, 60.0, True),
+    ):
         volumes = np.array([end, 100.0 - 2.0 * end, end])
         block, fixed = join_slivers(volumes, ends, first, second, areas, least)
         assert (block.tolist(), fixed.tolist()) == ([0, 0, 0], [bedrock])
@@ -251,7 +292,9 @@ def test_max_blocks() -> None:
     with pytest.raises(GeometryError, match=r"E220 .* 1,000 blocks, more than max_blocks = 999"):
         cut_bench(BOX, planes(*sets), max_blocks=999)
     fine = [replace(one, spacing=one.spacing / 5.0, offset=0.01) for one in sets]
-    with pytest.raises(GeometryError, match=r"about 1\d\d,\d\d\d blocks, more than max_blocks = 20,000"):
+    with pytest.raises(
+        GeometryError, match=r"about 1\d\d,\d\d\d blocks, more than max_blocks = 20,000"
+    ):
         cut_bench(BOX, planes(*fine))
 
 
@@ -266,7 +309,11 @@ orientations = st.tuples(st.floats(0.0, 90.0), st.floats(0.0, 360.0))
 
 @settings(max_examples=40, deadline=None)
 @given(
-    st.lists(st.tuples(orientations, st.floats(4.0, 30.0), st.floats(-10.0, 10.0)), min_size=1, max_size=5),
+    st.lists(
+        st.tuples(orientations, st.floats(4.0, 30.0), st.floats(-10.0, 10.0)),
+        min_size=1,
+        max_size=5,
+    ),
     st.sampled_from([0.0, 0.0, 2.0, 10.0]),
     st.sampled_from([0.0, 1.0, 50.0]),
     st.integers(0, 5),
@@ -276,7 +323,9 @@ def test_nothing_is_lost(sets, scatter_deg, min_volume, seed) -> None:
     found = planes_of_sets(joints, SLOPE, np.random.default_rng(seed))
     try:
         cut = cut_bench(SLOPE, found, min_volume=min_volume)
-    except GeometryError as refused:  # one joint alone, that cuts off less than min_volume: no joint is left
+    except (
+        GeometryError
+    ) as refused:  # one joint alone, that cuts off less than min_volume: no joint is left
         if min_volume == 0.0 or refused.codes != ("E225",):
             raise
     else:

@@ -27,7 +27,10 @@ def test_goodman_bray() -> None:
     assert patches.normals[base] == pytest.approx(np.tile(e_y, (16, 1)))
     assert patches.centroids[base] == pytest.approx(corner + 5.0 * e_x)
     # up to column 10 the lower column ends the contact, above it the upper one
-    expected = [HEIGHTS[n] - 1.0 if HEIGHTS[n] <= HEIGHTS[n + 1] + 1.0 else HEIGHTS[n + 1] for n in range(15)]
+    expected = [
+        HEIGHTS[n] - 1.0 if HEIGHTS[n] <= HEIGHTS[n + 1] + 1.0 else HEIGHTS[n + 1]
+        for n in range(15)
+    ]
     assert patches.areas[side] == pytest.approx(expected)
     assert (patches.plus[side] - patches.minus[side] == 1).all()
     assert patches.normals[side] == pytest.approx(np.tile(e_x, (15, 1)))
@@ -50,7 +53,9 @@ def test_the_outlines_have_the_same_contacts(step) -> None:
     # a base and the riser behind it are two contacts with the bedrock: told apart by their normals
     rows = []
     for patches, below in ((found.assembly.patches, minus), (exact.patches, exact.patches.minus)):
-        table = np.column_stack([patches.plus, below, patches.normals, patches.areas, patches.centroids])
+        table = np.column_stack(
+            [patches.plus, below, patches.normals, patches.areas, patches.centroids]
+        )
         rows.append(table[np.lexsort(np.round(table[:, [5, 2, 1, 0]], 6).T)])
     assert rows[0] == pytest.approx(rows[1], abs=1e-9)
     assert found.assembly.volumes[:16] == pytest.approx(exact.volumes)
@@ -58,7 +63,9 @@ def test_the_outlines_have_the_same_contacts(step) -> None:
 
 
 def test_rows_are_repeated_along_the_strike() -> None:
-    one, three = (column_assembly(60.0, 10.0, HEIGHTS[:4], 1.0, thickness=2.0, rows=rows) for rows in (1, 3))
+    one, three = (
+        column_assembly(60.0, 10.0, HEIGHTS[:4], 1.0, thickness=2.0, rows=rows) for rows in (1, 3)
+    )
     assert (len(three), len(three.patches)) == (3 * len(one), 3 * len(one.patches))
     assert three.patches.areas.sum() == pytest.approx(3.0 * one.patches.areas.sum())
     last = slice(2 * len(one.patches), None)

@@ -44,7 +44,9 @@ def lifted(corners, plane: Plane):
     return np.array([x * first + y * second for x, y in corners]), first, second
 
 
-@pytest.mark.parametrize("corners", [TRIANGLE, SQUARE, PENTAGON], ids=["triangle", "square", "pentagon"])
+@pytest.mark.parametrize(
+    "corners", [TRIANGLE, SQUARE, PENTAGON], ids=["triangle", "square", "pentagon"]
+)
 @pytest.mark.parametrize("refine", [0, 1, 3])
 @pytest.mark.parametrize("powers", [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)])
 def test_exact_to_degree_two(corners, refine, powers) -> None:
@@ -87,25 +89,41 @@ def test_pairs_that_are_remembered_are_those_of_their_corners() -> None:
     polygon, _, _ = lifted(PENTAGON, Plane(60, 100))
     pairs = node_pairs({3: polygon}, 1)
     moved = np.nextafter(polygon, np.inf)
-    for others in (node_pairs({3: moved}, 1), node_pairs({3: polygon}), node_pairs({4: polygon}, 1)):
+    for others in (
+        node_pairs({3: moved}, 1),
+        node_pairs({3: polygon}),
+        node_pairs({4: polygon}, 1),
+    ):
         same = others.points.shape == pairs.points.shape and (others.points == pairs.points).all()
         assert not same or (others.interface != pairs.interface).all()
     polygon += 1.0  # the caller's own array
     again = node_pairs({3: polygon - 1.0}, 1)
     assert np.abs(again.points - pairs.points).max() < 1e-15
     assert node_pairs({3: polygon}, 1).points - pairs.points == pytest.approx(1.0, abs=1e-14)
-    for values in (pairs.points, pairs.normals, pairs.control_areas, pairs.interface, pairs.plus, pairs.minus):
+    for values in (
+        pairs.points,
+        pairs.normals,
+        pairs.control_areas,
+        pairs.interface,
+        pairs.plus,
+        pairs.minus,
+    ):
         assert not values.flags.writeable
 
 
 def bytes_of(polygons, pairs_on) -> list[bytes]:
     """Every number of the node pairs on faces."""
     pairs = pairs_on(polygons)
-    return [array.tobytes() for array in (pairs.points, pairs.normals, pairs.control_areas, pairs.interface)]
+    return [
+        array.tobytes()
+        for array in (pairs.points, pairs.normals, pairs.control_areas, pairs.interface)
+    ]
 
 
 def as_new(polygons):
-    return interfaces._pairs_on.__wrapped__(tuple((key, face.tobytes()) for key, face in polygons.items()), 0)
+    return interfaces._pairs_of_faces.__wrapped__(
+        tuple((key, face.tobytes()) for key, face in polygons.items()), 0
+    )
 
 
 def nearly(polygons, change: str):
@@ -126,14 +144,21 @@ def nearly(polygons, change: str):
 def test_faces_that_are_nearly_equal_are_never_taken_for_each_other(change) -> None:
     """Each to the last bit as without memory, one after the other and by several threads at once."""
     rng = np.random.default_rng(7)
-    turns = [Plane(dip, direction) for dip, direction in rng.uniform([5.0, 0.0], [85.0, 360.0], (6, 2))]
+    turns = [
+        Plane(dip, direction) for dip, direction in rng.uniform([5.0, 0.0], [85.0, 360.0], (6, 2))
+    ]
     faces = [{0: lifted(SQUARE, turn)[0], 1: lifted(PENTAGON, turn)[0]} for turn in turns]
     asked = [polygons for one in faces for polygons in (one, nearly(one, change))] * 2
     new = [bytes_of(polygons, as_new) for polygons in asked]
     assert [bytes_of(polygons, node_pairs) for polygons in asked] == new
-    assert change == "zeros" or all(one != other for one, other in zip(new[:12:2], new[1:12:2], strict=True))
+    assert change == "zeros" or all(
+        one != other for one, other in zip(new[:12:2], new[1:12:2], strict=True)
+    )
     with ThreadPoolExecutor(4) as threads:
-        assert list(threads.map(lambda polygons: bytes_of(polygons, node_pairs), asked[::-1])) == new[::-1]
+        assert (
+            list(threads.map(lambda polygons: bytes_of(polygons, node_pairs), asked[::-1]))
+            == new[::-1]
+        )
 
 
 def test_no_array_that_is_remembered_can_be_written() -> None:

@@ -15,11 +15,15 @@ SOUTH, FLAT, EAST = np.array([0.0, -1.0, 0.0]), np.array([0.0, 0.0, 1.0]), np.ar
 
 def normal(dip_deg: float, dip_direction_deg: float) -> np.ndarray:
     dip, direction = math.radians(dip_deg), math.radians(dip_direction_deg)
-    return np.array([math.sin(dip) * math.sin(direction), math.sin(dip) * math.cos(direction), math.cos(dip)])
+    return np.array(
+        [math.sin(dip) * math.sin(direction), math.sin(dip) * math.cos(direction), math.cos(dip)]
+    )
 
 
 def moved(body: ConvexBody, by: np.ndarray) -> ConvexBody:
-    return ConvexBody(body.normals, body.offsets + body.normals @ by, body.is_far, body.corners + by)
+    return ConvexBody(
+        body.normals, body.offsets + body.normals @ by, body.is_far, body.corners + by
+    )
 
 
 BOX = bench_body(SOUTH, FLAT, 10.0, 30.0, 20.0)
@@ -37,7 +41,10 @@ def test_a_bench_by_hand() -> None:
     expected = [[x, y, z] for x in (-15.0, 15.0) for y, z in section]
     assert body.corners == pytest.approx(np.array(expected), abs=1e-12)
     assert (body.corners @ body.normals.T <= body.offsets + 1e-12).all()
-    assert [name for name, far in zip(BODY_FACES, body.is_far, strict=True) if not far] == ["face", "upper slope"]
+    assert [name for name, far in zip(BODY_FACES, body.is_far, strict=True) if not far] == [
+        "face",
+        "upper slope",
+    ]
 
 
 @pytest.mark.parametrize(
@@ -46,8 +53,18 @@ def test_a_bench_by_hand() -> None:
         (normal(0.5, 0.0), FLAT, (10.0, 30.0, 20.0), "E221"),
         (normal(60.0, 0.0), normal(60.0, 0.0), (10.0, 30.0, 20.0), "E209"),
         (normal(60.0, 0.0), normal(90.0, 90.0), (10.0, 30.0, 20.0), "E209"),
-        (normal(60.0, 0.0), normal(40.0, 180.0), (10.0, 30.0, 20.0), "E209"),  # behind the crest it falls below the toe
-        (normal(60.0, 0.0), normal(40.0, 90.0), (10.0, 30.0, 20.0), "E209"),  # along the crest it does
+        (
+            normal(60.0, 0.0),
+            normal(40.0, 180.0),
+            (10.0, 30.0, 20.0),
+            "E209",
+        ),  # behind the crest it falls below the toe
+        (
+            normal(60.0, 0.0),
+            normal(40.0, 90.0),
+            (10.0, 30.0, 20.0),
+            "E209",
+        ),  # along the crest it does
     ],
 )
 def test_no_bench(face, upper, sizes, code) -> None:
@@ -118,7 +135,9 @@ def test_moved_to_map_coordinates() -> None:
     by = np.array([5e5, 4e6, 300.0])
     scattered = JointSet(normal(50.0, 120.0), 1.0, 0.25, 3.0, 0.2)
     here = planes(scattered)
-    there = planes(replace(scattered, offset=0.25 + float(scattered.normal @ by)), body=moved(BOX, by))
+    there = planes(
+        replace(scattered, offset=0.25 + float(scattered.normal @ by)), body=moved(BOX, by)
+    )
     assert there.normals == pytest.approx(here.normals, abs=1e-9)
     assert there.offsets - there.normals @ by == pytest.approx(here.offsets, abs=1e-8)
 

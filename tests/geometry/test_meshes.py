@@ -18,14 +18,18 @@ def test_formats(tmp_path, suffix) -> None:
     vertices, triangles = ellipsoid_mesh(2)
     x, y, z = vertices.T
     written = np.stack([x, z, -y], axis=1) if suffix == "glb" else vertices
-    found, faces, closed = read_mesh(save(tmp_path / f"body.{suffix}", (written, triangles)), "body")
+    found, faces, closed = read_mesh(
+        save(tmp_path / f"body.{suffix}", (written, triangles)), "body"
+    )
     assert closed
     assert (len(found), len(faces)) == (len(vertices), len(triangles))
     tolerance = 1e-8 if suffix in ("obj", "off") else 1e-5
     assert np.sort(found, axis=0) == pytest.approx(np.sort(vertices, axis=0), abs=tolerance)
 
 
-@pytest.mark.parametrize(("suffix", "up"), [("obj", "y"), ("stl", "y"), ("dxf", "y"), ("glb", "z"), ("glb", "y")])
+@pytest.mark.parametrize(
+    ("suffix", "up"), [("obj", "y"), ("stl", "y"), ("dxf", "y"), ("glb", "z"), ("glb", "y")]
+)
 def test_the_axis_that_points_up_where_the_format_does_not_say_it(tmp_path, suffix, up) -> None:
     vertices, triangles = ellipsoid_mesh(2)
     x, y, z = vertices.T
@@ -54,7 +58,9 @@ def test_nodes_of_gltf_stand_where_their_matrices_put_them(tmp_path, suffix) -> 
     box.apply_transform(np.linalg.inv(turn))
     scene = trimesh.Scene()
     place = trimesh.transformations.translation_matrix([10.0, 30.0, -20.0])
-    scene.graph.update(frame_from="world", frame_to="place", matrix=place @ np.diag([-1.0, 1.0, 1.0, 1.0]))
+    scene.graph.update(
+        frame_from="world", frame_to="place", matrix=place @ np.diag([-1.0, 1.0, 1.0, 1.0])
+    )
     scene.add_geometry(box, node_name="box", parent_node_name="place", transform=turn)
     save_gltf(scene, tmp_path / f"box.{suffix}")
     vertices, triangles, closed = read_mesh(tmp_path / f"box.{suffix}", "box")
@@ -76,7 +82,11 @@ def test_gltf_that_the_reader_would_pass_over_is_refused(tmp_path, change, says)
     path = save_gltf_of(tmp_path / "body.gltf", ellipsoid_mesh(1))
     document = json.loads(path.read_text())
     (primitive,) = document["meshes"][0]["primitives"]
-    (primitive if "mode" in change else document["accessors"][primitive["attributes"]["POSITION"]]).update(change)
+    (
+        primitive
+        if "mode" in change
+        else document["accessors"][primitive["attributes"]["POSITION"]]
+    ).update(change)
     path.write_text(json.dumps(document))
     with pytest.raises(DesignError, match=f"E172 the mesh body cannot be read .{says}"):
         read_mesh(path, "body")
@@ -91,7 +101,9 @@ def save_gltf_of(path, mesh):
 
 def test_a_body_that_is_inside_out_is_turned(tmp_path) -> None:
     vertices, triangles = ellipsoid_mesh(2)
-    found, faces, closed = read_mesh(save(tmp_path / "body.obj", (vertices, triangles[:, ::-1])), "body")
+    found, faces, closed = read_mesh(
+        save(tmp_path / "body.obj", (vertices, triangles[:, ::-1])), "body"
+    )
     a, b, c = (found[outward(found, faces)[:, k]] for k in range(3))
     assert closed
     assert np.einsum("ni,ni->", a - 40.0, np.cross(b - 40.0, c - 40.0)) > 0.0
@@ -106,12 +118,16 @@ def test_sheets_and_bodies_with_holes_are_open(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("name", "content"),
     [
-        ("empty.stl", b""), ("junk.stl", b"hello"), ("none.stl", b"solid x\nendsolid x\n"), ("no.format", b"1 2 3"),
-        ("cut.stl", b"\0" * 80 + b"\xff\xff\0\0" + b"\0" * 60), ("flat.obj", b"v 0 0 0\nv 1 0 0\n"),
+        ("empty.stl", b""),
+        ("junk.stl", b"hello"),
+        ("none.stl", b"solid x\nendsolid x\n"),
+        ("no.format", b"1 2 3"),
+        ("cut.stl", b"\0" * 80 + b"\xff\xff\0\0" + b"\0" * 60),
+        ("flat.obj", b"v 0 0 0\nv 1 0 0\n"),
         ("odd.ply", b"ply\nformat ascii 1.0\nelement vertex many\n"),
         ("nan.obj", b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
     ],
-)  # fmt: skip
+)
 def test_what_is_no_mesh(tmp_path, name, content) -> None:
     path = tmp_path / name
     path.write_bytes(content)

@@ -10,14 +10,20 @@ from tests.geometry.manifold_wedge import cut_wedge, wedge_rock_mass
 
 CUBE = np.concatenate([np.eye(3), -np.eye(3)])
 WEDGES = [
-    (("45/115", "45/245"), "60/180", "10/180", 64.89), (("52/140", "61/222"), "75/180", "0/180", 12.0),
-    (("78/130", "35/200"), "80/175", "5/185", 30.0), (("33/170", "85/260"), "65/180", "15/180", 8.0),
-]  # fmt: skip
+    (("45/115", "45/245"), "60/180", "10/180", 64.89),
+    (("52/140", "61/222"), "75/180", "0/180", 12.0),
+    (("78/130", "35/200"), "80/175", "5/185", 30.0),
+    (("33/170", "85/260"), "65/180", "15/180", 8.0),
+]
 
 
-def block(outward: np.ndarray, offsets: np.ndarray, size: float = 1.0, at: object = (0.0, 0.0, 0.0)) -> Polytopes:
+def block(
+    outward: np.ndarray, offsets: np.ndarray, size: float = 1.0, at: object = (0.0, 0.0, 0.0)
+) -> Polytopes:
     """One block, moved to a place."""
-    return polytopes(outward[None], (offsets + outward @ np.asarray(at, dtype=float))[None], np.array([size]))
+    return polytopes(
+        outward[None], (offsets + outward @ np.asarray(at, dtype=float))[None], np.array([size])
+    )
 
 
 def areas(solid: Polytopes) -> np.ndarray:
@@ -84,13 +90,23 @@ def test_random_blocks_by_qhull(seed: int) -> None:
         assert np.linalg.norm(hull.points[:, None] - corners, axis=2).min(axis=1).max() <= 1e-9
 
 
-def planes_of(joints: tuple[str, str], face: str, upper: str, height: float) -> tuple[np.ndarray, np.ndarray, float]:
+def planes_of(
+    joints: tuple[str, str], face: str, upper: str, height: float
+) -> tuple[np.ndarray, np.ndarray, float]:
     """Outward normals and offsets of a wedge from its toe, and about its size, by the corners of the closed form."""
-    one, two, front, top = (Plane(*map(float, plane.split("/"))) for plane in (*joints, face, upper))
-    rock = wedge_rock_mass(np.array([one.normal(), two.normal()]), front.normal(), top.normal(), height)
+    one, two, front, top = (
+        Plane(*map(float, plane.split("/"))) for plane in (*joints, face, upper)
+    )
+    rock = wedge_rock_mass(
+        np.array([one.normal(), two.normal()]), front.normal(), top.normal(), height
+    )
     toe, _, crest, _ = rock.corners
     outward = np.array([-one.normal(), -two.normal(), front.normal(), top.normal()])
-    return outward, np.array([outward[0] @ toe, outward[1] @ toe, outward[2] @ toe, outward[3] @ crest]), height
+    return (
+        outward,
+        np.array([outward[0] @ toe, outward[1] @ toe, outward[2] @ toe, outward[3] @ crest]),
+        height,
+    )
 
 
 @pytest.mark.parametrize("wedge", WEDGES)
@@ -98,8 +114,14 @@ def planes_of(joints: tuple[str, str], face: str, upper: str, height: float) -> 
 def test_wedges_as_manifold_cuts_them(wedge: tuple, at: tuple[float, float, float]) -> None:
     """Volume, centroid and faces; 500 km away within the rounding of such coordinates."""
     joints, face, upper, height = wedge
-    one, two, front, top = (Plane(*map(float, plane.split("/"))) for plane in (*joints, face, upper))
-    cut = cut_wedge(wedge_rock_mass(np.array([one.normal(), two.normal()]), front.normal(), top.normal(), height))
+    one, two, front, top = (
+        Plane(*map(float, plane.split("/"))) for plane in (*joints, face, upper)
+    )
+    cut = cut_wedge(
+        wedge_rock_mass(
+            np.array([one.normal(), two.normal()]), front.normal(), top.normal(), height
+        )
+    )
     solid = block(*planes_of(*wedge), at)
     within = 1e-9 if not any(at) else 1e-6
     assert solid.volume[0] == pytest.approx(cut.volume, rel=within)
@@ -117,6 +139,10 @@ def test_a_sliver(thin: float) -> None:
     solid = block(CUBE, offsets)
     assert solid.volume[0] == pytest.approx(thin, rel=1e-9)
     assert solid.counts[0].tolist() == [4] * 6
-    tilted = np.concatenate([CUBE, [[0.0, -np.sin(thin), np.cos(thin)]]])  # a second plane nearly along the top
-    wedge = block(tilted, np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0, np.cos(thin) * (1.0 - np.tan(thin))]))
+    tilted = np.concatenate(
+        [CUBE, [[0.0, -np.sin(thin), np.cos(thin)]]]
+    )  # a second plane nearly along the top
+    wedge = block(
+        tilted, np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0, np.cos(thin) * (1.0 - np.tan(thin))])
+    )
     assert wedge.volume[0] == pytest.approx(1.0 - np.tan(thin) / 2.0, rel=1e-9)

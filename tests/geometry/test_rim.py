@@ -20,11 +20,13 @@ def test_strips_between_the_chords_and_the_rim_of_a_spherical_cap(level, rel) ->
     shape = Ellipsoid(np.full(3, radius))
     body = shape.cutter(level)
     ground = ground_about(body, [(-30.0, -depth), (30.0, -depth)])
-    mass = sliding_mass._snapped(sliding_mass.cut_mass(ground, body), shape.metric)
-    sides = sliding_mass._sides(mass)
+    mass = sliding_mass._with_rim_on_surface(sliding_mass.cut_mass(ground, body), shape.metric)
+    sides = sliding_mass._edges(mass)
     a, b = (sides.ends[sides.rim] / radius).transpose(1, 0, 2)
     pole = np.array([0.0, 0.0, -1.0])
-    triangles = 2.0 * np.arctan2(np.abs(np.cross(a, b) @ pole), 1.0 + (a * b).sum(axis=1) + a @ pole + b @ pole)
+    triangles = 2.0 * np.arctan2(
+        np.abs(np.cross(a, b) @ pole), 1.0 + (a * b).sum(axis=1) + a @ pole + b @ pole
+    )
     cap = 2.0 * math.pi * (1.0 - depth / radius)
     strips = sliding_mass._rim_strips(mass, shape.metric).sum()
     assert strips == pytest.approx(radius**2 * (cap - float(triangles.sum())), rel=rel)

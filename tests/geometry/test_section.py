@@ -27,7 +27,9 @@ def by_hand(plane: float, face: float, upper: float, height: float, distance: fl
     return abs(area), np.array([cx, cz]) / area, ring
 
 
-@pytest.mark.parametrize(("plane", "face", "upper"), [(35, 60, 0), (20, 85, 10), (50, 55, -15), (5, 30, 4)])
+@pytest.mark.parametrize(
+    ("plane", "face", "upper"), [(35, 60, 0), (20, 85, 10), (50, 55, -15), (5, 30, 4)]
+)
 @pytest.mark.parametrize("distance", [None, 0.5, -0.3, 0.0])
 def test_area_centroid_and_corners(plane, face, upper, distance) -> None:
     """To rounding: corners are computed from the planes themselves."""
@@ -45,8 +47,13 @@ def test_area_centroid_and_corners(plane, face, upper, distance) -> None:
 
 def test_depth_and_distance_are_the_same_crack() -> None:
     """Depth 4.35 m lies (12 (1 - cot 60 tan 35) - 4.35) / tan 35 behind the crest."""
-    behind = (12.0 - 12.0 * math.tan(math.radians(35)) / math.tan(math.radians(60)) - 4.35) / math.tan(math.radians(35))
-    one, two = plane_section(35, 60, 0, 12.0, crack_depth=4.35), plane_section(35, 60, 0, 12.0, crack_distance=behind)
+    behind = (
+        12.0 - 12.0 * math.tan(math.radians(35)) / math.tan(math.radians(60)) - 4.35
+    ) / math.tan(math.radians(35))
+    one, two = (
+        plane_section(35, 60, 0, 12.0, crack_depth=4.35),
+        plane_section(35, 60, 0, 12.0, crack_distance=behind),
+    )
     assert one.crack_distance == pytest.approx(behind, rel=1e-12)
     assert one.block.volume == pytest.approx(two.block.volume, rel=1e-12)
 
@@ -59,12 +66,19 @@ def test_an_upper_slope_steeper_than_the_plane_needs_a_crack() -> None:
 @pytest.mark.parametrize(
     ("arguments", "code"),
     [
-        ((60, 60, 0, 12), "E203"), ((61, 60, 0, 12), "E203"), ((0, 60, 0, 12), "E204"), ((-10, 60, 0, 12), "E204"),
-        ((20, 60, 25, 12), "E205"), ((20, 60, 20, 12), "E205"), ((35, 60, 60, 12), "E209"),
-        ((35, 60, 0, 12, 8.0), "E207"), ((35, 60, 0, 12, 4.35, 9.0), "E207"), ((35, 60, 0, 12, None, 10.3), "E207"),
+        ((60, 60, 0, 12), "E203"),
+        ((61, 60, 0, 12), "E203"),
+        ((0, 60, 0, 12), "E204"),
+        ((-10, 60, 0, 12), "E204"),
+        ((20, 60, 25, 12), "E205"),
+        ((20, 60, 20, 12), "E205"),
+        ((35, 60, 60, 12), "E209"),
+        ((35, 60, 0, 12, 8.0), "E207"),
+        ((35, 60, 0, 12, 4.35, 9.0), "E207"),
+        ((35, 60, 0, 12, None, 10.3), "E207"),
         ((35, 60, 0, 12, None, -7.0), "E207"),
     ],
-)  # fmt: skip
+)
 def test_faults(arguments, code) -> None:
     with pytest.raises(GeometryError) as caught:
         plane_section(*arguments)
@@ -74,7 +88,9 @@ def test_faults(arguments, code) -> None:
 @pytest.mark.parametrize(("upper", "said"), [(0, "the deepest has"), (40, "the shallowest has")])
 def test_how_deep_a_crack_may_be(upper, said) -> None:
     """Behind the crest the joint rises towards the upper slope, or falls away below a steeper one."""
-    depth = 12.0 * (1.0 - math.tan(math.radians(35)) / math.tan(math.radians(60)))  # below the crest
+    depth = 12.0 * (
+        1.0 - math.tan(math.radians(35)) / math.tan(math.radians(60))
+    )  # below the crest
     plane_section(35, 60, upper, 12, depth + (0.1 if upper else -0.1))
     with pytest.raises(GeometryError, match=f"deep: {said} {depth:.6g} m"):
         plane_section(35, 60, upper, 12, depth + (-0.1 if upper else 0.1))
@@ -90,7 +106,9 @@ def test_simpson_along_the_plane(elements) -> None:
     for power in range(4):
         exact = section.length ** (power + 1) / (power + 1)
         assert pairs.control_areas @ along**power == pytest.approx(exact, rel=1e-12)
-    assert pairs.normals[0] == pytest.approx([math.sin(math.radians(35)), 0.0, math.cos(math.radians(35))], rel=1e-12)
+    assert pairs.normals[0] == pytest.approx(
+        [math.sin(math.radians(35)), 0.0, math.cos(math.radians(35))], rel=1e-12
+    )
     assert pairs.points[0] == pytest.approx(np.zeros(3))
     assert pairs.points[-1] == pytest.approx(section.bottom)
 

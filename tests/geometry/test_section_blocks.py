@@ -54,23 +54,36 @@ def test_running_bond_wall(degrees, shift) -> None:
     assert cut.assembly.volumes == pytest.approx(
         thickness * np.array([24.0] + ([2.0] * 10 + [1.0] + [2.0] * 9 + [1.0]) * 5), rel=digits * 10
     )
-    assert (len(cut.overlaps), len(cut.gaps), cut.point_contacts, len(cut.untouching)) == (0, 0, 0, 0)
+    assert (len(cut.overlaps), len(cut.gaps), cut.point_contacts, len(cut.untouching)) == (
+        0,
+        0,
+        0,
+        0,
+    )
 
 
 def test_length_of_internal_edges_is_that_of_the_contacts() -> None:
     """All edges less twice the contacts is what is open to the air: base 24 + 2 x 1 + 4, wall 20 + 2 x 10."""
     cut = assemble(turned(running_bond(10, 10), 20.0, (3.0, -2.0)))
-    edges = sum(float(np.linalg.norm(one - np.roll(one, 1, axis=0), axis=1).sum()) for one in cut.outlines)
+    edges = sum(
+        float(np.linalg.norm(one - np.roll(one, 1, axis=0), axis=1).sum()) for one in cut.outlines
+    )
     assert edges - 2.0 * cut.contact == pytest.approx(24.0 + 2.0 + 4.0 + 20.0 + 20.0, rel=1e-12)
 
 
 def test_patch_between_base_and_block() -> None:
     """Both ends, normal into the block that is not fixed, at the user's coordinates."""
-    (base, block), origin = turned([rectangle(-5.0, -1.0, 5.0, 0.0), SQUARE], 30.0, (7.0, 9.0)), np.array([7.0, 9.0])
+    (base, block), origin = (
+        turned([rectangle(-5.0, -1.0, 5.0, 0.0), SQUARE], 30.0, (7.0, 9.0)),
+        np.array([7.0, 9.0]),
+    )
     e_x = np.array([math.cos(math.pi / 6), math.sin(math.pi / 6)])
     for blocks, fixed in (((base, block), (True, False)), ((block, base), (False, True))):
         patches = section_assembly(blocks, np.array(fixed), 1.0).assembly.patches
-        assert (patches.plus.tolist(), patches.minus.tolist()) == ([fixed.index(False)], [fixed.index(True)])
+        assert (patches.plus.tolist(), patches.minus.tolist()) == (
+            [fixed.index(False)],
+            [fixed.index(True)],
+        )
         assert patches.normals[0] == pytest.approx([-0.5, 0.0, math.sqrt(0.75)])
         corners = sorted(patches.corners[:, [0, 2]].tolist())
         assert corners == pytest.approx(np.array([origin, origin + e_x]))
@@ -81,17 +94,33 @@ def test_patch_between_base_and_block() -> None:
 def test_both_ways_round_and_needless_corners_are_the_same() -> None:
     """Corners repeated, on a straight line, or out and back along a spike change nothing."""
     plain = [rectangle(-3.0, -1.0, 3.0, 0.0), SQUARE, SQUARE + np.array([1.0, 0.0])]
-    needless = np.array([[0.0, 0.0], [0.0, 0.0], [0.3, 0.0], [0.6, 0.0], [1.0, 0.0], [1.0, 0.5], [1.5, 0.5], [1.0, 0.5],
-                         [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]])  # fmt: skip
+    needless = np.array(
+        [
+            [0.0, 0.0],
+            [0.0, 0.0],
+            [0.3, 0.0],
+            [0.6, 0.0],
+            [1.0, 0.0],
+            [1.0, 0.5],
+            [1.5, 0.5],
+            [1.0, 0.5],
+            [1.0, 1.0],
+            [0.0, 1.0],
+            [0.0, 0.0],
+        ]
+    )
     expected = assemble(plain).assembly
     for other in (
-        [polygon[::-1] for polygon in plain], [plain[0], needless, plain[2]],
+        [polygon[::-1] for polygon in plain],
+        [plain[0], needless, plain[2]],
         [plain[0], needless[::-1], plain[2][::-1]],
         [np.roll(polygon, 2, axis=0) for polygon in plain],
-    ):  # fmt: skip
+    ):
         found = assemble(other).assembly
         for name in ("plus", "minus", "normals", "areas", "centroids"):
-            assert getattr(found.patches, name) == pytest.approx(getattr(expected.patches, name), abs=1e-12), name
+            assert getattr(found.patches, name) == pytest.approx(
+                getattr(expected.patches, name), abs=1e-12
+            ), name
         assert found.volumes == pytest.approx(expected.volumes)
         assert found.centroids == pytest.approx(expected.centroids)
 
@@ -120,9 +149,13 @@ def test_t_junction_and_corners() -> None:
         SQUARE + np.array([9.0, 9.0]),
     ]
     cut = assemble(blocks)
-    assert sorted(zip(cut.assembly.patches.minus.tolist(), cut.assembly.patches.plus.tolist(), strict=True)) == [
-        (0, 1), (0, 2), (1, 2),
-    ]  # fmt: skip
+    assert sorted(
+        zip(cut.assembly.patches.minus.tolist(), cut.assembly.patches.plus.tolist(), strict=True)
+    ) == [
+        (0, 1),
+        (0, 2),
+        (1, 2),
+    ]
     assert cut.point_contacts == 1
     assert cut.untouching.tolist() == [3, 4]
 
@@ -137,13 +170,15 @@ def test_corner_on_an_edge_is_a_point_contact() -> None:
 def test_overlaps_have_their_area(degrees) -> None:
     """2 mm along 1 m, a corner 0.3 x 0.4 m, and a block within another."""
     blocks = [
-        rectangle(0.0, 0.0, 3.0, 1.0), rectangle(3.0 - 0.002, 0.0, 5.0, 1.0), rectangle(-0.7, 0.6, 0.3, 1.6),
+        rectangle(0.0, 0.0, 3.0, 1.0),
+        rectangle(3.0 - 0.002, 0.0, 5.0, 1.0),
+        rectangle(-0.7, 0.6, 0.3, 1.6),
         rectangle(1.0, 0.25, 1.5, 0.75),
-    ]  # fmt: skip
+    ]
     cut = assemble(turned(blocks, degrees, (100.0, 5.0)), 3.0)
     assert cut.overlaps.pairs.tolist() == [[0, 1], [0, 2], [0, 3]]
     assert cut.overlaps.amounts == pytest.approx([0.002, 0.12, 0.25], rel=1e-9)
-    assert cut.overlaps.apart[0] == pytest.approx(0.002, rel=3e-3)
+    assert cut.overlaps.distances[0] == pytest.approx(0.002, rel=3e-3)
 
 
 def test_overlap_of_blocks_that_are_not_convex() -> None:
@@ -161,11 +196,11 @@ def test_gaps_have_their_width_and_length() -> None:
     wedge = np.array([[3.002, 0.0], [5.0, 0.0], [5.0, 3.0], [3.002, 3.0]])
     cut = assemble([rectangle(0.0, 0.0, 3.0, 3.0), wedge, rectangle(5.5, 0.0, 8.0, 3.0)])
     assert cut.gaps.pairs.tolist() == [[0, 1]]
-    assert cut.gaps.apart[0] == pytest.approx(0.002)
+    assert cut.gaps.distances[0] == pytest.approx(0.002)
     assert cut.gaps.amounts == pytest.approx([3.0])
     tilted = np.array([[0.0, 1.0], [2.0, 1.004], [2.0, 2.0], [0.0, 2.0]])
     cut = assemble([rectangle(0.0, 0.0, 2.0, 1.0), tilted])
-    assert cut.gaps.apart[0] == pytest.approx(0.004, abs=1e-5)
+    assert cut.gaps.distances[0] == pytest.approx(0.004, abs=1e-5)
     assert cut.gaps.amounts == pytest.approx([2.0], rel=1e-5)
     assert len(cut.assembly.patches) == 0
     filled = assemble([rectangle(0.0, 0.0, 3.0, 3.0), wedge, rectangle(3.0, 0.0, 3.002, 3.0)])
@@ -175,7 +210,10 @@ def test_gaps_have_their_width_and_length() -> None:
 
 def test_tolerance_decides_what_touches() -> None:
     """Blocks 2 mm apart touch at 3 mm, halfway between; the normal of edges out of parallel lies between theirs."""
-    blocks = [rectangle(0.0, 0.0, 2.0, 1.0), np.array([[0.0, 1.0], [2.0, 1.004], [2.0, 2.0], [0.0, 2.0]])]
+    blocks = [
+        rectangle(0.0, 0.0, 2.0, 1.0),
+        np.array([[0.0, 1.0], [2.0, 1.004], [2.0, 2.0], [0.0, 2.0]]),
+    ]
     assert len(assemble(blocks, tolerance=0.003).assembly.patches) == 0
     patches = assemble(blocks, tolerance=0.005).assembly.patches
     assert len(patches) == 1
@@ -197,14 +235,20 @@ def test_tolerance_decides_what_touches() -> None:
         ([[0, 0], [1, 1], [1, 0], [0, 1]], "E227"),
         ([[0, 0], [4, 0], [4, 2], [1, -1], [0, 2]], "E227"),
         ([[0, 0], [4, 0], [4, 2], [2, 0], [0, 2]], "E227"),
-        ([[math.cos(4 * math.pi * k / 5), math.sin(4 * math.pi * k / 5)] for k in range(5)], "E227"),
+        (
+            [[math.cos(4 * math.pi * k / 5), math.sin(4 * math.pi * k / 5)] for k in range(5)],
+            "E227",
+        ),
         ([[0, 0], [1, 1], [2, 2]], "E227"),
-        ([[0, 0], [1e-7, 0], [0, 1e-7]], "E227"), ([[0, 0], [3e-4, 0], [0, 3e-4]], "E230"),
+        ([[0, 0], [1e-7, 0], [0, 1e-7]], "E227"),
+        ([[0, 0], [3e-4, 0], [0, 3e-4]], "E230"),
     ],
-)  # fmt: skip
+)
 def test_outlines_that_are_no_blocks(polygon, code) -> None:
     with pytest.raises(GeometryError) as caught:
-        section_assembly([SQUARE * 10.0, polygon], np.array([True, False]), 1.0, names=["base", "B7"])
+        section_assembly(
+            [SQUARE * 10.0, polygon], np.array([True, False]), 1.0, names=["base", "B7"]
+        )
     assert caught.value.codes == (code,)
     assert "B7" in caught.value.faults[0].message
 
@@ -223,10 +267,12 @@ def test_a_long_base_below_a_thousand_blocks() -> None:
 @pytest.mark.parametrize("at_once", [2_000_000, 500])
 def test_boxes_against_all_pairs(axes, at_once, monkeypatch) -> None:
     """Sizes over four decades, many of them alike; against a comparison of each with each."""
-    monkeypatch.setattr(box_search, "_AT_ONCE", at_once)
+    monkeypatch.setattr(box_search, "_CHUNK_SIZE", at_once)
     rng = np.random.default_rng(5)
     lowest = rng.uniform(0.0, 10.0, (700, axes))
-    highest = lowest + np.where(rng.random((700, axes)) < 0.7, 0.4, 10.0 ** rng.uniform(-3.0, 1.0, (700, axes)))
+    highest = lowest + np.where(
+        rng.random((700, axes)) < 0.7, 0.4, 10.0 ** rng.uniform(-3.0, 1.0, (700, axes))
+    )
     meets = (lowest[:, None] <= highest[None]).all(axis=2)
     expected = np.argwhere(np.triu(meets & meets.T, 1))
     first, second = box_pairs(lowest, highest)

@@ -32,7 +32,9 @@ def ellipsoid_cap(radii, distance: float, dip: float):
 
     def stretch(turn: float, level: float) -> float:
         across = math.sqrt(1.0 - level * level)
-        u = level * axis + across * (math.cos(turn) * first + math.sin(turn) * np.array([0.0, 1.0, 0.0]))
+        u = level * axis + across * (
+            math.cos(turn) * first + math.sin(turn) * np.array([0.0, 1.0, 0.0])
+        )
         return math.prod(radii) * math.sqrt(((u / radii) ** 2).sum())
 
     area = dblquad(stretch, -1.0, d, 0.0, 2.0 * math.pi, epsabs=1e-9, epsrel=1e-9)[0]
@@ -49,21 +51,31 @@ def test_caps_of_ellipsoids(radii, share, dip) -> None:
     slivers along the rim lend each other area, within 2e-5.
     """
     shape = Ellipsoid(np.array(radii, dtype=float))
-    distance = share * math.hypot(radii[0] * math.sin(math.radians(dip)), radii[2] * math.cos(math.radians(dip)))
+    distance = share * math.hypot(
+        radii[0] * math.sin(math.radians(dip)), radii[2] * math.cos(math.radians(dip))
+    )
     ground = ground_about(shape.cutter(4), tilted(distance, dip, 60.0))
     volume, area, centroid, cut = ellipsoid_cap(radii, distance, dip)
     errors = []
     for edge in (1e9, None):
         mass, pairs = analytic_mass(ground, shape, edge)
         push = pairs.control_areas @ pairs.normals
-        errors.append([
-            abs(mass.volume / volume - 1.0), abs(mass.area / area - 1.0),
-            np.abs(mass.centroid - centroid).max() / max(radii), np.abs(push - cut).max() / np.linalg.norm(cut),
-        ])  # fmt: skip
+        errors.append(
+            [
+                abs(mass.volume / volume - 1.0),
+                abs(mass.area / area - 1.0),
+                np.abs(mass.centroid - centroid).max() / max(radii),
+                np.abs(push - cut).max() / np.linalg.norm(cut),
+            ]
+        )
         assert pairs.control_areas.sum() == pytest.approx(mass.area, rel=1e-12)
         assert pairs.control_areas.min() > 0.0
-        assert np.linalg.norm(pairs.normals, axis=1) == pytest.approx(np.ones(len(pairs)), rel=1e-12)
-        assert ((pairs.points / shape.radii) ** 2).sum(axis=1) == pytest.approx(np.ones(len(pairs)), rel=1e-9)
+        assert np.linalg.norm(pairs.normals, axis=1) == pytest.approx(
+            np.ones(len(pairs)), rel=1e-12
+        )
+        assert ((pairs.points / shape.radii) ** 2).sum(axis=1) == pytest.approx(
+            np.ones(len(pairs)), rel=1e-9
+        )
         assert mass.pieces == ()
     rough, fine = np.array(errors)
     assert max(fine[::2]) < 4e-6
@@ -84,10 +96,12 @@ def test_segments_of_cylinders(distance, dip) -> None:
     mass, pairs = analytic_mass(ground, shape, None)
     assert mass.volume == pytest.approx(600.0 * segment, rel=1e-6)
     assert mass.area == pytest.approx(120.0 * omega, rel=1e-6)
-    assert mass.centroid == pytest.approx(-20.0 * math.sin(omega) ** 3 / (3.0 * segment) * normal, abs=1e-5)
+    assert mass.centroid == pytest.approx(
+        -20.0 * math.sin(omega) ** 3 / (3.0 * segment) * normal, abs=1e-5
+    )
     chord = 20.0 * math.sin(omega) * 6.0
     assert pairs.control_areas @ pairs.normals == pytest.approx(chord * normal, abs=1e-5 * chord)
-    ends = mass.triangles[(mass.on != SLIP) & (mass.on != GROUND)]
+    ends = mass.triangles[(mass.face_kinds != SLIP) & (mass.face_kinds != GROUND)]
     assert np.abs(np.abs(mass.vertices[ends][:, :, 1]) - 3.0).max() < 1e-9
 
 
@@ -125,7 +139,9 @@ def test_a_profile_that_overhangs() -> None:
     line = np.array([(60, 5), (25, 5), (30, 20), (15, 20), (20, 40), (-20, 40)], dtype=float) - 40.0
     shape = Cylinder(40.0, 10.0)
     mass, _ = analytic_mass(ground_about(shape.cutter(4), line), shape, None)
-    ring = np.vstack([line, [-100.0, line[-1, 1]], [-100.0, -100.0], [100.0, -100.0], [100.0, line[0, 1]]])
+    ring = np.vstack(
+        [line, [-100.0, line[-1, 1]], [-100.0, -100.0], [100.0, -100.0], [100.0, line[0, 1]]]
+    )
     x, z = np.meshgrid(*2 * [np.arange(-39.975, 40.0, 0.05)])
     inside = np.zeros(x.shape, dtype=bool)
     for (x0, z0), (x1, z1) in zip(ring, np.roll(ring, -1, axis=0), strict=True):
@@ -141,14 +157,19 @@ def closes(mass) -> None:
     a, b, c = (mass.vertices[mass.triangles[:, k]] for k in range(3))
     vectors = np.cross(b - a, c - a) / 2.0
     assert np.abs(vectors.sum(axis=0)).max() < 1e-9 * np.abs(vectors).sum()
-    on_slip, free = vectors[mass.on == SLIP].sum(axis=0), vectors[mass.on != SLIP].sum(axis=0)
+    on_slip, free = (
+        vectors[mass.face_kinds == SLIP].sum(axis=0),
+        vectors[mass.face_kinds != SLIP].sum(axis=0),
+    )
     assert on_slip == pytest.approx(-free, abs=1e-9 * np.abs(vectors).sum())
     edges = np.sort(np.concatenate([mass.triangles[:, [k, (k + 1) % 3]] for k in range(3)]), axis=1)
     assert (np.unique(edges, axis=0, return_counts=True)[1] == 2).all()
 
 
 @pytest.mark.parametrize("name", PROFILES)
-@pytest.mark.parametrize("shape", [Ellipsoid(np.array([40.0, 25.0, 38.0])), Cylinder(42.0, 30.0)], ids=["e", "c"])
+@pytest.mark.parametrize(
+    "shape", [Ellipsoid(np.array([40.0, 25.0, 38.0])), Cylinder(42.0, 30.0)], ids=["e", "c"]
+)
 def test_the_mass_is_a_closed_body(name, shape) -> None:
     ground = ground_about(shape.cutter(4), np.array(PROFILES[name], dtype=float) - 40.0)
     closes(cut_mass(ground, shape.cutter(4)))
@@ -161,7 +182,7 @@ def test_pairs_on_facets() -> None:
     body = shape.cutter(4)
     mass = cut_mass(ground_about(body, np.array(PROFILES["slope"], dtype=float) - 40.0), body)
     pairs = facet_pairs(mass, body)
-    a, b, c = (mass.vertices[mass.triangles[mass.on != SLIP][:, k]] for k in range(3))
+    a, b, c = (mass.vertices[mass.triangles[mass.face_kinds != SLIP][:, k]] for k in range(3))
     free = np.cross(b - a, c - a).sum(axis=0) / 2.0
     assert pairs.control_areas.sum() == pytest.approx(mass.area, rel=1e-12)
     push = pairs.control_areas @ pairs.normals
@@ -171,13 +192,17 @@ def test_pairs_on_facets() -> None:
 def test_pieces_that_are_left_out() -> None:
     """Two hills in one sphere: the larger is taken, the smaller reported; together they are the whole."""
     shape = Ellipsoid(np.array([40.0, 40.0, 40.0]))
-    line = np.array([(-5, 20), (20, 30), (38, -8), (42, -8), (60, 25), (90, 20)], dtype=float) - 40.0
+    line = (
+        np.array([(-5, 20), (20, 30), (38, -8), (42, -8), (60, 25), (90, 20)], dtype=float) - 40.0
+    )
     ground = ground_about(shape.cutter(4), line)
     mass = cut_mass(ground, shape.cutter(4))
     assert len(mass.pieces) == 1
     whole = rotational_failure((0, 0, 0), 40.0, 40.0, line, 1.0, 1.0).volume_m3
     assert mass.volume > mass.pieces[0] > 0.0
-    assert mass.volume + mass.pieces[0] == pytest.approx(whole, rel=0.02)  # the facets of level 4 cut 1 % off
+    assert mass.volume + mass.pieces[0] == pytest.approx(
+        whole, rel=0.02
+    )  # the facets of level 4 cut 1 % off
 
 
 def test_a_flat_sheet_cuts_a_prism() -> None:
@@ -186,15 +211,17 @@ def test_a_flat_sheet_cuts_a_prism() -> None:
     vertices, faces = slab([(70, -60), (40, 0), (0, 40), (-60, 40)], 5.0, -80.0, (-90.0, 100.0))
     body = sheet_solid(points, triangles, 100.0)
     mass = cut_mass(Cutter(vertices, faces, np.full(len(faces), GROUND)), body)
-    back = 40.0 / math.tan(math.radians(30.0))  # behind the toe the plane comes out level with the crest
+    back = 40.0 / math.tan(
+        math.radians(30.0)
+    )  # behind the toe the plane comes out level with the crest
     assert mass.volume == pytest.approx(10.0 * 40.0 * (back - 40.0) / 2.0, rel=1e-9)
     assert mass.area == pytest.approx(10.0 * 80.0, rel=1e-9)
     closes(mass)
 
 
 BALL = Ellipsoid(np.array([5.0, 5.0, 5.0])).cutter(3)
-HOLE = Cutter(BALL.vertices, BALL.triangles[1:], BALL.on[1:])
-INSIDE_OUT = Cutter(BALL.vertices, BALL.triangles[:, ::-1].copy(), BALL.on)
+HOLE = Cutter(BALL.vertices, BALL.triangles[1:], BALL.face_kinds[1:])
+INSIDE_OUT = Cutter(BALL.vertices, BALL.triangles[:, ::-1].copy(), BALL.face_kinds)
 
 
 @pytest.mark.parametrize(

@@ -10,9 +10,21 @@ from slopekit.geometry.solids.meshes import read_mesh
 from slopekit.geometry.solids.solids import mesh_assembly
 
 TRIANGLES = np.array(
-    [[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7], [0, 1, 5], [0, 5, 4],
-     [1, 2, 6], [1, 6, 5], [2, 3, 7], [2, 7, 6], [3, 0, 4], [3, 4, 7]]
-)  # fmt: skip
+    [
+        [0, 2, 1],
+        [0, 3, 2],
+        [4, 5, 6],
+        [4, 6, 7],
+        [0, 1, 5],
+        [0, 5, 4],
+        [1, 2, 6],
+        [1, 6, 5],
+        [2, 3, 7],
+        [2, 7, 6],
+        [3, 0, 4],
+        [3, 4, 7],
+    ]
+)
 UTM = np.array([500000.0, 4.0e6, 300.0])
 
 
@@ -29,7 +41,9 @@ def cube(x: float, y: float, z: float, size: float = 1.0):
 def turned(meshes, shift=(0.0, 0.0, 0.0)):
     """By 20° about x and 35° about z, then moved."""
     (cx, sx), (cz, sz) = ((np.cos(a), np.sin(a)) for a in np.radians([20.0, 35.0]))
-    turn = np.array([[cz, -sz, 0], [sz, cz, 0], [0, 0, 1]]) @ np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])
+    turn = np.array([[cz, -sz, 0], [sz, cz, 0], [0, 0, 1]]) @ np.array(
+        [[1, 0, 0], [0, cx, -sx], [0, sx, cx]]
+    )
     return [(vertices @ turn.T + shift, triangles) for vertices, triangles in meshes]
 
 
@@ -41,7 +55,9 @@ def frame():
     """A square frame 3 x 3 x 1 with a hole 1 x 1 through it, one closed mesh: top and bottom are not convex."""
     from manifold3d import Manifold
 
-    body = Manifold.cube([3.0, 3.0, 1.0]) - Manifold.cube([1.0, 1.0, 3.0]).translate([1.0, 1.0, -1.0])
+    body = Manifold.cube([3.0, 3.0, 1.0]) - Manifold.cube([1.0, 1.0, 3.0]).translate(
+        [1.0, 1.0, -1.0]
+    )
     mesh = body.to_mesh64()
     return np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts).astype(np.int64)
 
@@ -59,21 +75,32 @@ def test_stacked_cubes(shift) -> None:
     whole = float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()) / 2.0
     assert whole - 2.0 * cut.contact == pytest.approx(96.0, rel=digits * 10.0)
     assert cut.assembly.volumes == pytest.approx(np.ones(64), rel=digits * 10.0)
-    assert (len(cut.overlaps), len(cut.gaps), len(cut.untouching), len(cut.unchecked)) == (0, 0, 0, 0)
+    assert (len(cut.overlaps), len(cut.gaps), len(cut.untouching), len(cut.unchecked)) == (
+        0,
+        0,
+        0,
+        0,
+    )
     middle = patches.corners.reshape(-1, 4, 3).mean(axis=1)
     assert patches.centroids == pytest.approx(middle, abs=1e-8)
     # into the plus block: from the middle of the minus block to that of the plus block is one normal
     step = cut.assembly.centroids[patches.plus] - cut.assembly.centroids[patches.minus]
     assert patches.normals == pytest.approx(step, abs=1e-8)
-    around = np.cross(patches.corners.reshape(-1, 4, 3)[:, 1] - patches.corners.reshape(-1, 4, 3)[:, 0],
-                      patches.corners.reshape(-1, 4, 3)[:, 2] - patches.corners.reshape(-1, 4, 3)[:, 1])  # fmt: skip
+    around = np.cross(
+        patches.corners.reshape(-1, 4, 3)[:, 1] - patches.corners.reshape(-1, 4, 3)[:, 0],
+        patches.corners.reshape(-1, 4, 3)[:, 2] - patches.corners.reshape(-1, 4, 3)[:, 1],
+    )
     assert around == pytest.approx(patches.normals, abs=1e-8)
 
 
 def test_a_beam_on_many_cubes_that_do_not_match() -> None:
     """A beam 20.5 m long on 20 cubes, and a second beam across half of it, 0.35 m wide."""
     beam = box((0.0, 0.25, 1.0), (20.5, 0.75, 1.5))
-    cut = assemble(turned([beam, *(cube(k, 0.0, 0.0) for k in range(20)), box((3.3, 0.5, 1.5), (3.65, 4.0, 2.0))]))
+    cut = assemble(
+        turned(
+            [beam, *(cube(k, 0.0, 0.0) for k in range(20)), box((3.3, 0.5, 1.5), (3.65, 4.0, 2.0))]
+        )
+    )
     areas = np.sort(cut.assembly.patches.areas)
     assert areas == pytest.approx(np.sort([0.35 * 0.25] + [0.5] * 20 + [1.0] * 19), rel=1e-12)
     assert cut.contact == pytest.approx(0.0875 + 10.0 + 19.0, rel=1e-12)
@@ -89,7 +116,9 @@ def test_faces_with_a_hole() -> None:
     for pair, area in (({0, 1}, 8.0), ({1, 2}, 4.0), ({0, 2}, 1.0)):
         assert sum(patches.areas[[at == pair for at in between]]) == pytest.approx(area, rel=1e-12)
     assert cut.assembly.volumes[1] == pytest.approx(8.0)
-    assert np.diff(cut.assembly.centroids[[1, 2]], axis=0)[0] == pytest.approx(np.zeros(3), abs=1e-12)
+    assert np.diff(cut.assembly.centroids[[1, 2]], axis=0)[0] == pytest.approx(
+        np.zeros(3), abs=1e-12
+    )
     assert assemble([frame()]).assembly.centroids[0] == pytest.approx([1.5, 1.5, 0.5])
     assert len(cut.overlaps) == 0
 
@@ -100,7 +129,7 @@ def test_overlaps_have_their_volume() -> None:
     for found in (assemble(blocks), assemble(turned(blocks))):
         assert found.overlaps.pairs.tolist() == [[0, 1], [0, 2], [0, 3]]
         assert found.overlaps.amounts == pytest.approx([0.002, 0.0625, 0.001], rel=1e-9)
-        assert found.overlaps.apart[0] == pytest.approx(0.002, rel=5e-3)
+        assert found.overlaps.distances[0] == pytest.approx(0.002, rel=5e-3)
 
 
 def test_gaps_and_tolerance() -> None:
@@ -108,7 +137,7 @@ def test_gaps_and_tolerance() -> None:
     blocks = [cube(0, 0, 0), cube(0, 0, 1.002), cube(7, 0, 0)]
     cut = assemble(turned(blocks))
     assert cut.gaps.pairs.tolist() == [[0, 1]]
-    assert (cut.gaps.apart[0], cut.gaps.amounts[0]) == pytest.approx((0.002, 1.0))
+    assert (cut.gaps.distances[0], cut.gaps.amounts[0]) == pytest.approx((0.002, 1.0))
     assert cut.untouching.tolist() == [0, 1, 2]
     closed = assemble(blocks, tolerance=0.003)
     assert closed.assembly.patches.centroids[0] == pytest.approx([0.5, 0.5, 1.001])
@@ -127,7 +156,10 @@ def test_inside_out_and_loose_triangles_and_two_bodies() -> None:
     vertices, triangles = cube(0, 0, 1)
     soup = (vertices[triangles].reshape(-1, 3), np.arange(36).reshape(-1, 3)[:, ::-1])
     far = cube(5, 0, 0)
-    both = (np.concatenate([vertices + np.array([0, 0, 1]), far[0]]), np.concatenate([triangles, far[1] + 8]))
+    both = (
+        np.concatenate([vertices + np.array([0, 0, 1]), far[0]]),
+        np.concatenate([triangles, far[1] + 8]),
+    )
     cut = assemble([cube(0, 0, 0), soup, both])
     assert cut.shells.tolist() == [1, 1, 2]
     assert cut.assembly.volumes == pytest.approx([1.0, 1.0, 2.0])
@@ -142,10 +174,16 @@ def test_files(tmp_path, suffix) -> None:
     meshes = []
     for k in range(2):
         vertices, triangles = cube(0, 0, float(k))
-        split = trimesh.Trimesh(vertices[triangles].reshape(-1, 3), np.arange(36).reshape(-1, 3), process=False)
+        split = trimesh.Trimesh(
+            vertices[triangles].reshape(-1, 3), np.arange(36).reshape(-1, 3), process=False
+        )
         split.vertex_normals = np.repeat(split.face_normals, 3, axis=0)
         path = tmp_path / f"cube{k}.{suffix}"
-        path.write_bytes(split.export(file_type=suffix) if suffix != "obj" else split.export(file_type="obj").encode())
+        path.write_bytes(
+            split.export(file_type=suffix)
+            if suffix != "obj"
+            else split.export(file_type="obj").encode()
+        )
         points, corners, closed = read_mesh(path, "cube")
         assert closed
         assert len(points) == 8
@@ -169,7 +207,7 @@ def broken(what: str):
 @pytest.mark.parametrize(
     ("what", "code"),
     [("hole", "E216"), ("sense", "E216"), ("twice", "E216"), ("flat", "E227"), ("dust", "E230")],
-)  # fmt: skip
+)
 def test_meshes_that_are_no_blocks(what, code) -> None:
     with pytest.raises(GeometryError) as caught:
         mesh_assembly([cube(0, 0, 0), broken(what)], np.array([True, False]), names=["base", "B7"])

@@ -55,12 +55,22 @@ ANGLES = geometric(90.0, 0.01, 41)
 BETWEEN = "angle between the joints, degrees"
 ANGLE = [
     Sweep("dip directions apart", BETWEEN, apart, ANGLES, ROUNDING, "angle"),
-    Sweep("dip directions apart, c = 0", BETWEEN, lambda x: apart(x, 0.0), ANGLES, ROUNDING, "angle"),
+    Sweep(
+        "dip directions apart, c = 0", BETWEEN, lambda x: apart(x, 0.0), ANGLES, ROUNDING, "angle"
+    ),
     Sweep("normals apart", BETWEEN, dihedral, ANGLES, ROUNDING, "angle"),
-    Sweep("apart in dip and direction", BETWEEN, skewed, ANGLES[6:], ROUNDING, "angle",
-          statuses=("rotates",), left_out=11),
+    Sweep(
+        "apart in dip and direction",
+        BETWEEN,
+        skewed,
+        ANGLES[6:],
+        ROUNDING,
+        "angle",
+        statuses=("rotates",),
+        left_out=11,
+    ),
     Sweep("volume", BETWEEN, apart, ANGLES, ROUNDING, "angle", "volume"),
-]  # fmt: skip
+]
 
 # -- size -------------------------------------------------------------------------------------------------
 
@@ -74,18 +84,55 @@ def sized(size: float) -> Case:
 
 
 SIZE = [
-    Sweep("wedge, c with the size", TIMES, lambda s: wedge(PAPER, height=64.89 * s, c=50 * s), SIZES, ROUNDING, "size"),
-    Sweep("wedge, c = 0", TIMES, lambda s: wedge(PAPER, height=64.89 * s, c=0), SIZES, ROUNDING, "size"),
-    Sweep("wedge, c stays", TIMES, lambda s: wedge(WYLLIE, height=30.0 * s), SIZES, ROUNDING, "size"),
+    Sweep(
+        "wedge, c with the size",
+        TIMES,
+        lambda s: wedge(PAPER, height=64.89 * s, c=50 * s),
+        SIZES,
+        ROUNDING,
+        "size",
+    ),
+    Sweep(
+        "wedge, c = 0",
+        TIMES,
+        lambda s: wedge(PAPER, height=64.89 * s, c=0),
+        SIZES,
+        ROUNDING,
+        "size",
+    ),
+    Sweep(
+        "wedge, c stays", TIMES, lambda s: wedge(WYLLIE, height=30.0 * s), SIZES, ROUNDING, "size"
+    ),
     Sweep("plane, crack, water", TIMES, sized, SIZES, ROUNDING, "size"),
-    Sweep("footing", TIMES, lambda s: footing(2000 * s * s, 40, 8 * s, 120 * s), SIZES, ROUNDING, "size"),
+    Sweep(
+        "footing",
+        TIMES,
+        lambda s: footing(2000 * s * s, 40, 8 * s, 120 * s),
+        SIZES,
+        ROUNDING,
+        "size",
+    ),
     Sweep("sphere, φ = 0", TIMES, lambda s: sphere(10 * s, 20 * s), SIZES[::4], MESH, "size"),
     Sweep("block", TIMES, lambda s: stack(c=3 * s, size=s), SIZES, SECTION, "size-blocks"),
-    Sweep("stack of six", TIMES, lambda s: stack(30, 1, 30, many=6, size=s), SIZES, SECTION, "size-blocks"),
-    Sweep("toppling columns", TIMES, lambda s: columns(size=s), SIZES[::2], SECTION, "size-blocks",
-          statuses=("slides",)),
+    Sweep(
+        "stack of six",
+        TIMES,
+        lambda s: stack(30, 1, 30, many=6, size=s),
+        SIZES,
+        SECTION,
+        "size-blocks",
+    ),
+    Sweep(
+        "toppling columns",
+        TIMES,
+        lambda s: columns(size=s),
+        SIZES[::2],
+        SECTION,
+        "size-blocks",
+        statuses=("slides",),
+    ),
     Sweep("bench", TIMES, bench, SIZES[::4], SPACE, "size-blocks"),
-]  # fmt: skip
+]
 
 # -- offset -----------------------------------------------------------------------------------------------
 
@@ -94,13 +141,30 @@ FAR = "offset of the coordinates, m"
 OFFSET = [
     Sweep("wedge", FAR, lambda x: wedge(WYLLIE, x), OFFSETS, ROUNDING, "offset"),
     Sweep("wedge: volume", FAR, lambda x: wedge(WYLLIE, x), OFFSETS, ROUNDING, "offset", "volume"),
-    Sweep("wedge: coordinates", FAR, lambda x: wedge(WYLLIE, x), OFFSETS, LAST_DIGITS, "offset", "coordinates"),
-    Sweep("stack of six", FAR, lambda x: stack(30, 1, 30, many=6, shift=x), OFFSETS, SECTION, "offset"),
-    Sweep("stack: volume", FAR, lambda x: stack(30, 1, 30, many=6, shift=x), OFFSETS,
-          (1e-8, "corners of 1 m given as floats at 1e7 m: 2e-9 of a side"), "offset", "volume"),
+    Sweep(
+        "wedge: coordinates",
+        FAR,
+        lambda x: wedge(WYLLIE, x),
+        OFFSETS,
+        LAST_DIGITS,
+        "offset",
+        "coordinates",
+    ),
+    Sweep(
+        "stack of six", FAR, lambda x: stack(30, 1, 30, many=6, shift=x), OFFSETS, SECTION, "offset"
+    ),
+    Sweep(
+        "stack: volume",
+        FAR,
+        lambda x: stack(30, 1, 30, many=6, shift=x),
+        OFFSETS,
+        (1e-8, "corners of 1 m given as floats at 1e7 m: 2e-9 of a side"),
+        "offset",
+        "volume",
+    ),
     Sweep("sphere, φ = 0", FAR, lambda x: sphere(shift=x), OFFSETS[1::4], MESH, "offset"),
     Sweep("bench", FAR, lambda x: bench(shift=x), OFFSETS[1::7], SPACE, "offset"),
-]  # fmt: skip
+]
 
 # -- aspect -----------------------------------------------------------------------------------------------
 
@@ -138,11 +202,24 @@ ASPECT = [
     Sweep("thin plane", SLENDER, lambda a: plane(dip=60 - 25 / a), ASPECTS, ROUNDING, "aspect"),
     Sweep("long plate", SLENDER, lambda a: stack(1.1 * a, 1, c=3), ASPECTS, SECTION, "aspect"),
     Sweep("slender column", SLENDER, leaning, ASPECTS, SECTION, "aspect", statuses=("topples",)),
-    Sweep("stack of six plates", SLENDER, lambda a: stack(30 * a, 1, 30, many=6), geometric(1.0, 1e4, 21), SECTION,
-          "aspect"),
-    Sweep("bench: length", SLENDER, lambda a: bench(length=30 * a, spacings=(9, 12, 14 * a)),
-          geometric(1.0, 5.0, 5), SPACE, "aspect", statuses=("topples", "rotates")),
-]  # fmt: skip
+    Sweep(
+        "stack of six plates",
+        SLENDER,
+        lambda a: stack(30 * a, 1, 30, many=6),
+        geometric(1.0, 1e4, 21),
+        SECTION,
+        "aspect",
+    ),
+    Sweep(
+        "bench: length",
+        SLENDER,
+        lambda a: bench(length=30 * a, spacings=(9, 12, 14 * a)),
+        geometric(1.0, 5.0, 5),
+        SPACE,
+        "aspect",
+        statuses=("topples", "rotates"),
+    ),
+]
 
 # -- stiffness --------------------------------------------------------------------------------------------
 
@@ -158,10 +235,18 @@ def sheared(base: object, ratio: float) -> Case:
 
 STIFFNESS = [
     Sweep("paper's wedge", STIFFER, lambda r: sheared(PAPER, r), RATIOS, ROUNDING, "stiffness"),
-    Sweep("Wyllie & Mah's wedge", STIFFER, lambda r: sheared(WYLLIE, r), RATIOS, ROUNDING, "stiffness"),
-    Sweep("plane", STIFFER, lambda r: plane(stiffness=r, criterion="all-pairs"), RATIOS, ROUNDING, "stiffness",
-          ),
-]  # fmt: skip
+    Sweep(
+        "Wyllie & Mah's wedge", STIFFER, lambda r: sheared(WYLLIE, r), RATIOS, ROUNDING, "stiffness"
+    ),
+    Sweep(
+        "plane",
+        STIFFER,
+        lambda r: plane(stiffness=r, criterion="all-pairs"),
+        RATIOS,
+        ROUNDING,
+        "stiffness",
+    ),
+]
 
 # -- water ------------------------------------------------------------------------------------------------
 
@@ -169,19 +254,67 @@ STIFFNESS = [
 TURNS = ("rotates", "topples", "slides_on_J1", "slides_on_J2", "slides_up")
 WATER_LABEL = "mean water pressure, kPa"
 WATER = [
-    Sweep("wedge: both joints", WATER_LABEL, lambda u: wedge(WYLLIE, water=(u, u)), even(0.0, 200.0, 41), PASSES,
-          "water", logarithmic=False, statuses=TURNS),
-    Sweep("wedge: J1", WATER_LABEL, lambda u: wedge(WYLLIE, water=(u, 0.0)), even(0.0, 400.0, 41), PASSES, "water",
-          logarithmic=False, statuses=TURNS),
-    Sweep("wedge: J2", WATER_LABEL, lambda u: wedge(WYLLIE, water=(0.0, u)), even(0.0, 400.0, 41), PASSES, "water",
-          logarithmic=False, statuses=TURNS),
-    Sweep("symmetric wedge", WATER_LABEL, lambda u: wedge(PAPER, water=(u, u)), even(0.0, 500.0, 41), PASSES, "water",
-          logarithmic=False, statuses=TURNS),
-    Sweep("plane", WATER_LABEL, lambda u: plane(pressure=u), even(0.0, 80.0, 41), PASSES, "water", logarithmic=False,
-          statuses=TURNS),
-    Sweep("block", WATER_LABEL, lambda u: stack(c=3, pressure=u), even(0.0, 30.0, 31), SECTION, "water",
-          logarithmic=False, statuses=("topples", "falls")),
-]  # fmt: skip
+    Sweep(
+        "wedge: both joints",
+        WATER_LABEL,
+        lambda u: wedge(WYLLIE, water=(u, u)),
+        even(0.0, 200.0, 41),
+        PASSES,
+        "water",
+        logarithmic=False,
+        statuses=TURNS,
+    ),
+    Sweep(
+        "wedge: J1",
+        WATER_LABEL,
+        lambda u: wedge(WYLLIE, water=(u, 0.0)),
+        even(0.0, 400.0, 41),
+        PASSES,
+        "water",
+        logarithmic=False,
+        statuses=TURNS,
+    ),
+    Sweep(
+        "wedge: J2",
+        WATER_LABEL,
+        lambda u: wedge(WYLLIE, water=(0.0, u)),
+        even(0.0, 400.0, 41),
+        PASSES,
+        "water",
+        logarithmic=False,
+        statuses=TURNS,
+    ),
+    Sweep(
+        "symmetric wedge",
+        WATER_LABEL,
+        lambda u: wedge(PAPER, water=(u, u)),
+        even(0.0, 500.0, 41),
+        PASSES,
+        "water",
+        logarithmic=False,
+        statuses=TURNS,
+    ),
+    Sweep(
+        "plane",
+        WATER_LABEL,
+        lambda u: plane(pressure=u),
+        even(0.0, 80.0, 41),
+        PASSES,
+        "water",
+        logarithmic=False,
+        statuses=TURNS,
+    ),
+    Sweep(
+        "block",
+        WATER_LABEL,
+        lambda u: stack(c=3, pressure=u),
+        even(0.0, 30.0, 31),
+        SECTION,
+        "water",
+        logarithmic=False,
+        statuses=("topples", "falls"),
+    ),
+]
 
 # -- a pull uphill, off one plane, an earthquake ------------------------------------------------------------
 
@@ -207,65 +340,212 @@ def facing(direction: float) -> Case:
 
 
 LOADS = [
-    Sweep("wedge pulled uphill", "pull, parts of the weight", pulled, even(0.0, 1.2, 49), ROUNDING, "pull",
-          logarithmic=False),
-    Sweep("plane pulled uphill", "pull, parts of the weight", lambda x: plane(force=(-1835.0 * x, 0.0)),
-          even(0.0, 1.2, 49), ROUNDING, "pull", logarithmic=False),
-    Sweep("normal force on J2 towards nothing", "what is left of the normal force on J2", unloaded,
-          geometric(1.0, 1e-12, 37), PASSES, "unloaded", statuses=TURNS),
-    Sweep("dip direction of J2", "dip direction of J2, degrees", facing, even(196.0, 300.0, 53), PASSES, "facing",
-          logarithmic=False, statuses=TURNS),
-    Sweep("steep wedge, earthquake", "seismic coefficient", lambda k: wedge(STEEP, seismic=(k, 180.0)),
-          even(0.0, 2.0, 41), PASSES, "seismic", logarithmic=False, statuses=TURNS),
-    Sweep("plane, earthquake", "seismic coefficient", lambda k: plane(seismic=k), even(0.0, 2.0, 41), PASSES,
-          "seismic", logarithmic=False, statuses=TURNS),
-]  # fmt: skip
+    Sweep(
+        "wedge pulled uphill",
+        "pull, parts of the weight",
+        pulled,
+        even(0.0, 1.2, 49),
+        ROUNDING,
+        "pull",
+        logarithmic=False,
+    ),
+    Sweep(
+        "plane pulled uphill",
+        "pull, parts of the weight",
+        lambda x: plane(force=(-1835.0 * x, 0.0)),
+        even(0.0, 1.2, 49),
+        ROUNDING,
+        "pull",
+        logarithmic=False,
+    ),
+    Sweep(
+        "normal force on J2 towards nothing",
+        "what is left of the normal force on J2",
+        unloaded,
+        geometric(1.0, 1e-12, 37),
+        PASSES,
+        "unloaded",
+        statuses=TURNS,
+    ),
+    Sweep(
+        "dip direction of J2",
+        "dip direction of J2, degrees",
+        facing,
+        even(196.0, 300.0, 53),
+        PASSES,
+        "facing",
+        logarithmic=False,
+        statuses=TURNS,
+    ),
+    Sweep(
+        "steep wedge, earthquake",
+        "seismic coefficient",
+        lambda k: wedge(STEEP, seismic=(k, 180.0)),
+        even(0.0, 2.0, 41),
+        PASSES,
+        "seismic",
+        logarithmic=False,
+        statuses=TURNS,
+    ),
+    Sweep(
+        "plane, earthquake",
+        "seismic coefficient",
+        lambda k: plane(seismic=k),
+        even(0.0, 2.0, 41),
+        PASSES,
+        "seismic",
+        logarithmic=False,
+        statuses=TURNS,
+    ),
+]
 
 # -- plunge and dips ----------------------------------------------------------------------------------------
 
 
 def upright(short: float) -> Case:
     """Joints that dip `short` degrees less than 90 below a face that is steeper still, by 0.6 of that."""
-    return wedge(dips=((90 - 1.01 * short, 120), (90 - 1.01 * short, 240)), face=(90 - 0.4 * short, 180))
+    return wedge(
+        dips=((90 - 1.01 * short, 120), (90 - 1.01 * short, 240)), face=(90 - 0.4 * short, 180)
+    )
 
 
 DIPS = [
-    Sweep("wedge: plunge below the face", "plunge less than the dip of the face, degrees", beneath_the_face,
-          geometric(30.0, 1e-3, 41), ROUNDING, "plunge"),
-    Sweep("wedge: volume", "plunge less than the dip of the face, degrees", beneath_the_face,
-          geometric(30.0, 1e-3, 41), ROUNDING, "plunge", "volume"),
-    Sweep("plane: dip below the face", "plunge less than the dip of the face, degrees", lambda x: plane(dip=60 - x),
-          geometric(30.0, 1e-3, 41), ROUNDING, "plunge"),
-    Sweep("flat wedge", "dip of the joints, degrees", lambda d: wedge(dips=((d, 100), (d, 260))),
-          geometric(0.05, 55.0, 41), ROUNDING, "flat"),
-    Sweep("flat plane", "dip of the joints, degrees", lambda d: plane(dip=d), geometric(0.05, 55.0, 41), ROUNDING,
-          "flat"),
-    Sweep("flat footing", "dip of the joints, degrees", lambda d: footing(dip=d), geometric(0.05, 55.0, 41), ROUNDING,
-          "flat"),
-    Sweep("flat block", "dip of the joints, degrees", lambda d: stack(dip=d), geometric(1e-4, 14.0, 31), SECTION,
-          "flat"),
-    Sweep("steep wedge", "dip short of 90 degrees", upright, geometric(40.0, 0.05, 41), ROUNDING, "steep"),
-    Sweep("steep plane", "dip short of 90 degrees", lambda x: plane(face=90 - x / 2, dip=90 - x),
-          geometric(40.0, 1e-3, 41), ROUNDING, "steep"),
-    Sweep("steep footing", "dip short of 90 degrees", lambda x: footing(dip=90 - x), geometric(40.0, 0.1, 31),
-          ROUNDING, "steep"),
-]  # fmt: skip
+    Sweep(
+        "wedge: plunge below the face",
+        "plunge less than the dip of the face, degrees",
+        beneath_the_face,
+        geometric(30.0, 1e-3, 41),
+        ROUNDING,
+        "plunge",
+    ),
+    Sweep(
+        "wedge: volume",
+        "plunge less than the dip of the face, degrees",
+        beneath_the_face,
+        geometric(30.0, 1e-3, 41),
+        ROUNDING,
+        "plunge",
+        "volume",
+    ),
+    Sweep(
+        "plane: dip below the face",
+        "plunge less than the dip of the face, degrees",
+        lambda x: plane(dip=60 - x),
+        geometric(30.0, 1e-3, 41),
+        ROUNDING,
+        "plunge",
+    ),
+    Sweep(
+        "flat wedge",
+        "dip of the joints, degrees",
+        lambda d: wedge(dips=((d, 100), (d, 260))),
+        geometric(0.05, 55.0, 41),
+        ROUNDING,
+        "flat",
+    ),
+    Sweep(
+        "flat plane",
+        "dip of the joints, degrees",
+        lambda d: plane(dip=d),
+        geometric(0.05, 55.0, 41),
+        ROUNDING,
+        "flat",
+    ),
+    Sweep(
+        "flat footing",
+        "dip of the joints, degrees",
+        lambda d: footing(dip=d),
+        geometric(0.05, 55.0, 41),
+        ROUNDING,
+        "flat",
+    ),
+    Sweep(
+        "flat block",
+        "dip of the joints, degrees",
+        lambda d: stack(dip=d),
+        geometric(1e-4, 14.0, 31),
+        SECTION,
+        "flat",
+    ),
+    Sweep(
+        "steep wedge",
+        "dip short of 90 degrees",
+        upright,
+        geometric(40.0, 0.05, 41),
+        ROUNDING,
+        "steep",
+    ),
+    Sweep(
+        "steep plane",
+        "dip short of 90 degrees",
+        lambda x: plane(face=90 - x / 2, dip=90 - x),
+        geometric(40.0, 1e-3, 41),
+        ROUNDING,
+        "steep",
+    ),
+    Sweep(
+        "steep footing",
+        "dip short of 90 degrees",
+        lambda x: footing(dip=90 - x),
+        geometric(40.0, 0.1, 31),
+        ROUNDING,
+        "steep",
+    ),
+]
 
 # -- strength -----------------------------------------------------------------------------------------------
 
 FRICTIONS = (0.0, *even(2.0, 88.0, 44), 88.5, 89.0)
 COHESIONS = (0.0, *geometric(1e-6, 1e6, 37))
 STRENGTH = [
-    Sweep("wedge", "φ, degrees", lambda f: wedge(WYLLIE, phi=f), FRICTIONS, ROUNDING, "friction", logarithmic=False),
-    Sweep("wedge, c = 0", "φ, degrees", lambda f: wedge(PAPER, c=0, phi=f), FRICTIONS, ROUNDING, "friction",
-          logarithmic=False),
-    Sweep("plane", "φ, degrees", lambda f: plane(phi=f), FRICTIONS, ROUNDING, "friction", logarithmic=False),
-    Sweep("block", "φ, degrees", lambda f: stack(phi=f), FRICTIONS, SECTION, "friction", logarithmic=False,
-          statuses=("falls",)),
+    Sweep(
+        "wedge",
+        "φ, degrees",
+        lambda f: wedge(WYLLIE, phi=f),
+        FRICTIONS,
+        ROUNDING,
+        "friction",
+        logarithmic=False,
+    ),
+    Sweep(
+        "wedge, c = 0",
+        "φ, degrees",
+        lambda f: wedge(PAPER, c=0, phi=f),
+        FRICTIONS,
+        ROUNDING,
+        "friction",
+        logarithmic=False,
+    ),
+    Sweep(
+        "plane",
+        "φ, degrees",
+        lambda f: plane(phi=f),
+        FRICTIONS,
+        ROUNDING,
+        "friction",
+        logarithmic=False,
+    ),
+    Sweep(
+        "block",
+        "φ, degrees",
+        lambda f: stack(phi=f),
+        FRICTIONS,
+        SECTION,
+        "friction",
+        logarithmic=False,
+        statuses=("falls",),
+    ),
     Sweep("wedge", "c, kPa", lambda c: wedge(WYLLIE, c=c), COHESIONS, ROUNDING, "cohesion"),
-    Sweep("wedge, φ = 0", "c, kPa", lambda c: wedge(WYLLIE, c=c, phi=0), COHESIONS, ROUNDING, "cohesion"),
+    Sweep(
+        "wedge, φ = 0",
+        "c, kPa",
+        lambda c: wedge(WYLLIE, c=c, phi=0),
+        COHESIONS,
+        ROUNDING,
+        "cohesion",
+    ),
     Sweep("plane, φ = 0", "c, kPa", lambda c: plane(c=c, phi=0), COHESIONS, ROUNDING, "cohesion"),
     Sweep("block", "c, kPa", lambda c: stack(c=c), COHESIONS, SECTION, "cohesion"),
-]  # fmt: skip
+]
 
 SWEEPS = [*ANGLE, *SIZE, *OFFSET, *ASPECT, *STIFFNESS, *WATER, *LOADS, *DIPS, *STRENGTH]

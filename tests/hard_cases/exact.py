@@ -93,14 +93,26 @@ def less(a: Sequence[Number], b: Sequence[Number]) -> list[Number]:
 
 def corner(planes: Sequence[tuple[Sequence[Number], Number]]) -> list[Number]:
     """Where three planes n·x = d meet."""
-    return list(mp.lu_solve(mp.matrix([list(n) for n, _ in planes]), mp.matrix([d for _, d in planes])))
+    return list(
+        mp.lu_solve(mp.matrix([list(n) for n, _ in planes]), mp.matrix([d for _, d in planes]))
+    )
 
 
 def wedge(
-    dips: Sequence[Sequence[float]], face: Sequence[float], upper: Sequence[float], height: float, c: Any, phi: Any,
-    unit_weight: float, *, water: Any = None, seismic: Any = None, forces: Sequence[Any] = (),
-    water_unit_weight: float = 9.81, **_unused: Any,
-) -> Exact:  # fmt: skip
+    dips: Sequence[Sequence[float]],
+    face: Sequence[float],
+    upper: Sequence[float],
+    height: float,
+    c: Any,
+    phi: Any,
+    unit_weight: float,
+    *,
+    water: Any = None,
+    seismic: Any = None,
+    forces: Sequence[Any] = (),
+    water_unit_weight: float = 9.81,
+    **_unused: Any,
+) -> Exact:
     """The wedge on two joints; the arguments of `slopekit.wedge`, as numbers.
 
     Parameters
@@ -120,7 +132,9 @@ def wedge(
     areas = tuple(length(cross(crest, back)) / 2 for crest in (crest1, crest2))
     levels = [point[2] for point in corners]
     total = max(levels) - min(levels)
-    inward = [n if dot(n, other) > 0 else [-x for x in n] for n, other in ((n1, crest2), (n2, crest1))]
+    inward = [
+        n if dot(n, other) > 0 else [-x for x in n] for n, other in ((n1, crest2), (n2, crest1))
+    ]
     weight = mp.mpf(unit_weight) * volume
     down = [-x if back[2] > 0 else x for x in back]
     load = [zero, zero, -weight]
@@ -128,8 +142,11 @@ def wedge(
         coefficient, trend = seismic if isinstance(seismic, tuple) else (seismic, None)
         way = [down[0], down[1]] if trend is None else [sine(trend), cosine(trend)]
         size = mp.hypot(*way)
-        load = [load[0] + mp.mpf(coefficient) * weight * way[0] / size,
-                load[1] + mp.mpf(coefficient) * weight * way[1] / size, load[2]]  # fmt: skip
+        load = [
+            load[0] + mp.mpf(coefficient) * weight * way[0] / size,
+            load[1] + mp.mpf(coefficient) * weight * way[1] / size,
+            load[2],
+        ]
     if water is None:
         pressures = (zero, zero)
     elif isinstance(water, tuple):
@@ -142,18 +159,28 @@ def wedge(
         if isinstance(force, dict):
             force = [mp.mpf(force["force"]) * x for x in line_vector(*force["toward"])]
         load = [x + mp.mpf(y) for x, y in zip(load, force, strict=True)]
-    size = weight + mp.fsum(abs(u) * a for u, a in zip(pressures, areas, strict=True)) + length(load)
+    size = (
+        weight + mp.fsum(abs(u) * a for u, a in zip(pressures, areas, strict=True)) + length(load)
+    )
     status, contact, normal, pull = _mode(load, inward, size)
     driving = length(pull)
     bonds, tangents = _each(c), [tangent(angle) for angle in _each(phi)]
     resisting = mp.fsum(
         mp.mpf(bonds[k]) * areas[k] + normal[at] * tangents[k] for at, k in enumerate(contact)
-    )  # fmt: skip
+    )
     slides = status.startswith("slides")
     return Exact(
-        status, resisting / driving if slides else None, tuple(f"J{k + 1}" for k in contact), tuple(normal), driving,
-        volume, areas, total, weight, tuple(tuple(point) for point in corners),
-    )  # fmt: skip
+        status,
+        resisting / driving if slides else None,
+        tuple(f"J{k + 1}" for k in contact),
+        tuple(normal),
+        driving,
+        volume,
+        areas,
+        total,
+        weight,
+        tuple(tuple(point) for point in corners),
+    )
 
 
 def _each(value: Any) -> tuple[float, float]:
@@ -189,10 +216,21 @@ def _mode(
 
 
 def plane_failure(
-    face: float, plane: float, height: float, c: float, phi: float, unit_weight: float, *, upper: float = 0.0,
-    crack_depth: float | None = None, water_depth: float = 0.0, pressure: float | None = None, seismic: float = 0.0,
-    forces: Sequence[Sequence[float]] = (), water_unit_weight: float = 9.81,
-) -> Exact:  # fmt: skip
+    face: float,
+    plane: float,
+    height: float,
+    c: float,
+    phi: float,
+    unit_weight: float,
+    *,
+    upper: float = 0.0,
+    crack_depth: float | None = None,
+    water_depth: float = 0.0,
+    pressure: float | None = None,
+    seismic: float = 0.0,
+    forces: Sequence[Sequence[float]] = (),
+    water_unit_weight: float = 9.81,
+) -> Exact:
     """Plane failure per metre: dips in degrees, x out of the slope, z up, the toe at 0, 0.
 
     Parameters
@@ -205,24 +243,46 @@ def plane_failure(
     up, slope = tangent(plane), tangent(upper)
     # depth of the plane below the upper slope at x: h - (crest_x - x)·(-slope) - (-x)·up
     behind_full = (h + crest[0] * up) / (up - slope)
-    behind = behind_full if crack_depth is None else (h + crest[0] * up - mp.mpf(crack_depth)) / (up - slope)
+    behind = (
+        behind_full
+        if crack_depth is None
+        else (h + crest[0] * up - mp.mpf(crack_depth)) / (up - slope)
+    )
     top = (crest[0] - behind, h + behind * slope)
     bottom = (top[0], -top[0] * up)
     outline = [(mp.mpf(0), mp.mpf(0)), crest, top, bottom]
-    area = abs(mp.fsum(a[0] * b[1] - a[1] * b[0] for a, b in zip(outline, outline[1:] + outline[:1], strict=True))) / 2
+    area = (
+        abs(
+            mp.fsum(
+                a[0] * b[1] - a[1] * b[0]
+                for a, b in zip(outline, outline[1:] + outline[:1], strict=True)
+            )
+        )
+        / 2
+    )
     long = mp.hypot(*bottom)
     weight = mp.mpf(unit_weight) * area
     s, k = sine(plane), cosine(plane)
     gamma, deep = mp.mpf(water_unit_weight), mp.mpf(water_depth)
     uplift = gamma * deep * long / 2 if pressure is None else mp.mpf(pressure) * long
-    x = gamma * deep**2 / 2 + mp.mpf(seismic) * weight + mp.fsum(mp.mpf(force[0]) for force in forces)
+    x = (
+        gamma * deep**2 / 2
+        + mp.mpf(seismic) * weight
+        + mp.fsum(mp.mpf(force[0]) for force in forces)
+    )
     z = -weight + mp.fsum(mp.mpf(force[1]) for force in forces)
     along, normal = x * k - z * s, -(x * s + z * k) - uplift
     return _on_one_plane(along, normal, mp.mpf(c) * long, tangent(phi), area, long, weight)
 
 
 def _on_one_plane(
-    along: Number, normal: Number, bond: Number, friction: Number, area: Number, long: Number, weight: Number
+    along: Number,
+    normal: Number,
+    bond: Number,
+    friction: Number,
+    area: Number,
+    long: Number,
+    weight: Number,
 ) -> Exact:
     """One plane, dipping out of the slope: `along` is positive downhill."""
     shape = {"volume": area, "areas": (long,), "weight": weight}
@@ -231,22 +291,44 @@ def _on_one_plane(
     if abs(along) <= NOTHING * (abs(normal) + weight):
         return Exact("no_driving_force", None, ("J1",), (normal,), mp.mpf(0), **shape)
     factor = (bond + normal * friction) / abs(along)
-    return Exact("slides_on_J1" if along > 0 else "slides_up", factor, ("J1",), (normal,), abs(along), **shape)
+    return Exact(
+        "slides_on_J1" if along > 0 else "slides_up",
+        factor,
+        ("J1",),
+        (normal,),
+        abs(along),
+        **shape,
+    )
 
 
-def footing(load: float, dip: float, long: float, c: float, phi: float, unit_weight: float = 0.0) -> Exact:
+def footing(
+    load: float, dip: float, long: float, c: float, phi: float, unit_weight: float = 0.0
+) -> Exact:
     """A block between a weak plane that daylights in a vertical face and a level top (Sheng et al. 2023, §3.3)."""
     area = mp.mpf(long) ** 2 * sine(dip) * cosine(dip) / 2
     total = mp.mpf(load) + mp.mpf(unit_weight) * area
     return _on_one_plane(
-        total * sine(dip), total * cosine(dip), mp.mpf(c) * mp.mpf(long), tangent(phi), area, mp.mpf(long), total
+        total * sine(dip),
+        total * cosine(dip),
+        mp.mpf(c) * mp.mpf(long),
+        tangent(phi),
+        area,
+        mp.mpf(long),
+        total,
     )
 
 
 def block_on_incline(
-    wide: float, high: float, dip: float, c: float, phi: float, unit_weight: float, *, pressure: float = 0.0,
+    wide: float,
+    high: float,
+    dip: float,
+    c: float,
+    phi: float,
+    unit_weight: float,
+    *,
+    pressure: float = 0.0,
     many: int = 1,
-) -> Exact:  # fmt: skip
+) -> Exact:
     """A stack of `many` rectangles on an incline: slides at the joint with the least factor, or tips at its toe.
 
     All of them tip together about the toe where T (many·high)/2 > N wide/2: the pressure (kPa) acts below the lowest.
@@ -256,14 +338,24 @@ def block_on_incline(
     if presses > 0 and mp.mpf(many) * mp.mpf(high) * weight * sine(dip) > mp.mpf(wide) * presses:
         return Exact("topples", None, volume=mp.mpf(wide) * mp.mpf(high) * many)
     found = _on_one_plane(
-        weight * sine(dip), presses, mp.mpf(c) * mp.mpf(wide),
-        tangent(phi), mp.mpf(wide) * mp.mpf(high) * many, mp.mpf(wide), weight,
-    )  # fmt: skip
+        weight * sine(dip),
+        presses,
+        mp.mpf(c) * mp.mpf(wide),
+        tangent(phi),
+        mp.mpf(wide) * mp.mpf(high) * many,
+        mp.mpf(wide),
+        weight,
+    )
     return Exact(found.status.replace("slides_on_J1", "slides"), found.factor, volume=found.volume)
 
 
 def toppling_columns(
-    heights: Sequence[float], width: float, step: float, base_dip: float, phi: float, unit_weight: float
+    heights: Sequence[float],
+    width: float,
+    step: float,
+    base_dip: float,
+    phi: float,
+    unit_weight: float,
 ) -> Exact:
     """Columns on a stepped base: the factor at which column 1 starts to slide or to turn (Goodman & Bray 1976)."""
     y, wide, rise = [mp.mpf(h) for h in heights], mp.mpf(width), mp.mpf(step)
@@ -290,7 +382,9 @@ def toppling_columns(
     return Exact("topples", factor, volume=mp.fsum(y) * wide)
 
 
-def sphere_without_friction(radius: float, distance: float, dip: float, c: float, unit_weight: float) -> Exact:
+def sphere_without_friction(
+    radius: float, distance: float, dip: float, c: float, unit_weight: float
+) -> Exact:
     """The cap below a straight slope, turning about the level axis along the strike (Hungr, Salgado & Byrne 1989).
 
     F = c ∫ ρ dA / (W a), ρ the distance from the axis: c R³ ∫ 4 E(sin²θ) sin θ dθ over the cap.

@@ -13,9 +13,18 @@ from tests.hard_cases.sweeps import Point, point
 
 #: How far a jump may be off, in parts of the parameter, and why.
 CLOSE = 1e-9, "the mode comes from signs, which rounding moves by 1e-13 of the load"
-REVERSAL = 5e-6, "within this, what drives is less than a millionth of the strength: F is above 1e5 on both sides"
-TIPPING = 1e-5, "one block: its path settles to 1e-6, and what lacks less than that to balance still stands"
-EDGE = 1e-6, "many blocks: a limit state is admissible to 1e-7 of the load, and what lacks less to balance still stands"
+REVERSAL = (
+    5e-6,
+    "within this, what drives is less than a millionth of the strength: F is above 1e5 on both sides",
+)
+TIPPING = (
+    1e-5,
+    "one block: its path settles to 1e-6, and what lacks less than that to balance still stands",
+)
+EDGE = (
+    1e-6,
+    "many blocks: a limit state is admissible to 1e-7 of the load, and what lacks less to balance still stands",
+)
 
 
 @dataclass(frozen=True)
@@ -63,7 +72,9 @@ class Located:
 @cache
 def exact_place(jump: Jump) -> float:
     """The place of a jump in the reference, to the last bit of a float."""
-    return _bisected(lambda value: jump.exact_before(jump.at(value).answer()), jump.low, jump.high, 0.0)
+    return _bisected(
+        lambda value: jump.exact_before(jump.at(value).answer()), jump.low, jump.high, 0.0
+    )
 
 
 def located(jump: Jump) -> Located:
@@ -76,7 +87,9 @@ def located(jump: Jump) -> Located:
         if is_before(point(jump.at(ends[0]))) and not is_before(point(jump.at(ends[1]))):
             low, high = ends
             break
-    place = _bisected(lambda value: is_before(point(jump.at(value))), low, high, 1e-3 * jump.tolerance[0])
+    place = _bisected(
+        lambda value: is_before(point(jump.at(value))), low, high, 1e-3 * jump.tolerance[0]
+    )
     return Located(wanted, place, *sides(jump, wanted))
 
 
@@ -91,7 +104,9 @@ def side_of(jump: Jump, wanted: float) -> Callable[[Point], bool]:
     """Whether a point of slopekit is on the lower side of a jump whose place is known."""
     if jump.before is not None:
         return jump.before
-    below, above = (jump.at(wanted * factor).answer().as_float for factor in (1.0 - 1e-12, 1.0 + 1e-12))
+    below, above = (
+        jump.at(wanted * factor).answer().as_float for factor in (1.0 - 1e-12, 1.0 + 1e-12)
+    )
     assert below is not None
     assert above is not None
     middle = 0.5 * (below + above)
@@ -151,34 +166,137 @@ _KPA = "mean water pressure, kPa"
 _TIPS = math.degrees(math.atan(0.5))
 
 JUMPS = [
-    Jump("Wyllie & Mah's wedge, water on both: J2 loses contact and its cohesion", _KPA,
-         lambda u: wedge(WYLLIE, water=(u, u)), 60.0, 130.0, _touching("J1", "J2")),
-    Jump("Wyllie & Mah's wedge, water on both: it is lifted", _KPA,
-         lambda u: wedge(WYLLIE, water=(u, u)), 130.0, 200.0, *_LIFTED, tested=False),
-    Jump("Wyllie & Mah's wedge, water on J2: J2 loses contact", _KPA,
-         lambda u: wedge(WYLLIE, water=(0.0, u)), 50.0, 150.0, _touching("J1", "J2")),
-    Jump("Wyllie & Mah's wedge, water on J1: J1 loses contact", _KPA,
-         lambda u: wedge(WYLLIE, water=(u, 0.0)), 100.0, 240.0, _touching("J1", "J2"), tested=False),
-    Jump("paper's wedge, water on both: both joints lose contact at once", _KPA,
-         lambda u: wedge(PAPER, water=(u, u)), 300.0, 450.0, *_LIFTED),
-    Jump("paper's wedge pulled off J2: J2 loses contact", "pull, parts of the normal force", _pulled_off, 0.5, 1.5,
-         _touching("J1", "J2")),
-    Jump("wedge, dip direction of J2: J2 comes into contact", "dip direction, degrees", facing, 235.0, 255.0,
-         _touching("J1")),
-    Jump("paper's wedge pulled uphill: sliding reverses", "pull, parts of the weight", pulled, 0.2, 0.6,
-         *_UP, REVERSAL),
-    Jump("plane pulled uphill: sliding reverses", "pull out of the rock, kN", lambda x: plane(force=(-x, 0.0)), 800.0,
-         2000.0, *_UP, REVERSAL),
-    Jump("steep wedge, earthquake: it is lifted", "seismic coefficient",
-         lambda k: wedge(STEEP, seismic=(k, 180.0)), 0.8, 1.6, *_LIFTED),
-    Jump("plane, earthquake: it is lifted", "seismic coefficient", lambda k: plane(seismic=k), 0.8, 1.9, *_LIFTED),
+    Jump(
+        "Wyllie & Mah's wedge, water on both: J2 loses contact and its cohesion",
+        _KPA,
+        lambda u: wedge(WYLLIE, water=(u, u)),
+        60.0,
+        130.0,
+        _touching("J1", "J2"),
+    ),
+    Jump(
+        "Wyllie & Mah's wedge, water on both: it is lifted",
+        _KPA,
+        lambda u: wedge(WYLLIE, water=(u, u)),
+        130.0,
+        200.0,
+        *_LIFTED,
+        tested=False,
+    ),
+    Jump(
+        "Wyllie & Mah's wedge, water on J2: J2 loses contact",
+        _KPA,
+        lambda u: wedge(WYLLIE, water=(0.0, u)),
+        50.0,
+        150.0,
+        _touching("J1", "J2"),
+    ),
+    Jump(
+        "Wyllie & Mah's wedge, water on J1: J1 loses contact",
+        _KPA,
+        lambda u: wedge(WYLLIE, water=(u, 0.0)),
+        100.0,
+        240.0,
+        _touching("J1", "J2"),
+        tested=False,
+    ),
+    Jump(
+        "paper's wedge, water on both: both joints lose contact at once",
+        _KPA,
+        lambda u: wedge(PAPER, water=(u, u)),
+        300.0,
+        450.0,
+        *_LIFTED,
+    ),
+    Jump(
+        "paper's wedge pulled off J2: J2 loses contact",
+        "pull, parts of the normal force",
+        _pulled_off,
+        0.5,
+        1.5,
+        _touching("J1", "J2"),
+    ),
+    Jump(
+        "wedge, dip direction of J2: J2 comes into contact",
+        "dip direction, degrees",
+        facing,
+        235.0,
+        255.0,
+        _touching("J1"),
+    ),
+    Jump(
+        "paper's wedge pulled uphill: sliding reverses",
+        "pull, parts of the weight",
+        pulled,
+        0.2,
+        0.6,
+        *_UP,
+        REVERSAL,
+    ),
+    Jump(
+        "plane pulled uphill: sliding reverses",
+        "pull out of the rock, kN",
+        lambda x: plane(force=(-x, 0.0)),
+        800.0,
+        2000.0,
+        *_UP,
+        REVERSAL,
+    ),
+    Jump(
+        "steep wedge, earthquake: it is lifted",
+        "seismic coefficient",
+        lambda k: wedge(STEEP, seismic=(k, 180.0)),
+        0.8,
+        1.6,
+        *_LIFTED,
+    ),
+    Jump(
+        "plane, earthquake: it is lifted",
+        "seismic coefficient",
+        lambda k: plane(seismic=k),
+        0.8,
+        1.9,
+        *_LIFTED,
+    ),
     Jump("plane, water: it is lifted", _KPA, lambda u: plane(pressure=u), 50.0, 80.0, *_LIFTED),
-    Jump("plane, earthquake, c = 0: it tips about its toe", "seismic coefficient", _pushed_plane, 0.5, 1.9,
-         _TOPPLES[0], _has_number, TIPPING),
-    Jump("block of 1 m by 2 m: its centre of gravity passes its edge", "dip, degrees",
-         lambda dip: stack(1.0, 2.0, dip, phi=50.0), 0.9 * _TIPS, 1.1 * _TIPS, _TOPPLES[0], _has_number, EDGE),
-    Jump("stack of six: its centre of gravity passes its edge", "dip, degrees",
-         lambda dip: stack(3.0, 1.0, dip, phi=50.0, many=6), 0.9 * _TIPS, 1.1 * _TIPS, _TOPPLES[0], _has_number, EDGE),
-    Jump("block on wet ground: the pressure lets it tip", _KPA,
-         lambda u: stack(pressure=u), 15.0, 23.0, _TOPPLES[0], _has_number, EDGE),
-]  # fmt: skip
+    Jump(
+        "plane, earthquake, c = 0: it tips about its toe",
+        "seismic coefficient",
+        _pushed_plane,
+        0.5,
+        1.9,
+        _TOPPLES[0],
+        _has_number,
+        TIPPING,
+    ),
+    Jump(
+        "block of 1 m by 2 m: its centre of gravity passes its edge",
+        "dip, degrees",
+        lambda dip: stack(1.0, 2.0, dip, phi=50.0),
+        0.9 * _TIPS,
+        1.1 * _TIPS,
+        _TOPPLES[0],
+        _has_number,
+        EDGE,
+    ),
+    Jump(
+        "stack of six: its centre of gravity passes its edge",
+        "dip, degrees",
+        lambda dip: stack(3.0, 1.0, dip, phi=50.0, many=6),
+        0.9 * _TIPS,
+        1.1 * _TIPS,
+        _TOPPLES[0],
+        _has_number,
+        EDGE,
+    ),
+    Jump(
+        "block on wet ground: the pressure lets it tip",
+        _KPA,
+        lambda u: stack(pressure=u),
+        15.0,
+        23.0,
+        _TOPPLES[0],
+        _has_number,
+        EDGE,
+    ),
+]

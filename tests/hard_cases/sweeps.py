@@ -10,12 +10,21 @@ from tests.hard_cases.cases import Case
 from tests.hard_cases.exact import Exact
 
 #: Relative errors that a cause explains.
-ROUNDING = 1e-9, "double precision; the condition of thin and near-parallel wedges costs up to seven of sixteen digits"
+ROUNDING = (
+    1e-9,
+    "double precision; the condition of thin and near-parallel wedges costs up to seven of sixteen digits",
+)
 PASSES = 2e-6, "one block: a path that has settled changes by no more than 1e-6"
-SECTION = 1e-9, "sections of many blocks: limit states exact for their contact modes; slender blocks cost digits"
+SECTION = (
+    1e-9,
+    "sections of many blocks: limit states exact for their contact modes; slender blocks cost digits",
+)
 SPACE = 1e-5, "benches: in space the path ends where a step changes the limit by less than 1e-6"
 MESH = 1e-5, "curved surface: triangles with an edge of a twentieth of its size"
-LAST_DIGITS = 2e-15, "coordinates are floats: rounding of the corners, and of the sum with the offset"
+LAST_DIGITS = (
+    2e-15,
+    "coordinates are floats: rounding of the corners, and of the sum with the offset",
+)
 #: A load that needs less than a millionth of the strength counts as none (`no_driving_force`).
 NO_DRIVE = 1e6
 
@@ -99,9 +108,20 @@ def point(case: Case, value: float = 0.0, quantity: str = "factor") -> Point:
         result = analyse(case)
     except sk.SlopekitError as refused:
         return Point(
-            value, "", answer.status, None, wanted, None, None, None, None, None, (), refused.faults[0].code,
+            value,
+            "",
+            answer.status,
+            None,
+            wanted,
+            None,
+            None,
+            None,
+            None,
+            None,
+            (),
+            refused.faults[0].code,
             time.perf_counter() - began,
-        )  # fmt: skip
+        )
     seconds = time.perf_counter() - began
     limit, alone = result.fos.limit, result.comparisons.forces_only or None
     compared, below = limit, None
@@ -113,9 +133,20 @@ def point(case: Case, value: float = 0.0, quantity: str = "factor") -> Point:
     elif quantity == "coordinates":
         error = misplaced(result, answer, case.shift)
     return Point(
-        value, result.status, answer.status, limit, wanted, alone, error, below, result.fos.all_pairs_failed,
-        result.agree, tuple(dict.fromkeys(notice.code for notice in result.warnings)), "", seconds,
-    )  # fmt: skip
+        value,
+        result.status,
+        answer.status,
+        limit,
+        wanted,
+        alone,
+        error,
+        below,
+        result.fos.all_pairs_failed,
+        result.agree,
+        tuple(dict.fromkeys(notice.code for notice in result.warnings)),
+        "",
+        seconds,
+    )
 
 
 def misplaced(result: Result, answer: Exact, shift: Sequence[float]) -> float:
@@ -137,7 +168,9 @@ def verdict(sweep: Sweep, found: Point) -> str:
     so. "wrong: ...": why.
     """
     if found.refused:
-        return f"wrong: our own fault, {found.refused}" if found.refused.startswith("E5") else "said"
+        return (
+            f"wrong: our own fault, {found.refused}" if found.refused.startswith("E5") else "said"
+        )
     if found.status == "not_converged":
         return "said"
     if sweep.quantity != "factor":
@@ -152,7 +185,9 @@ def verdict(sweep: Sweep, found: Point) -> str:
     if found.agree is False:
         return "wrong: the two methods disagree"
     if found.below is not None:
-        if found.forces_only is None or (found.limit or 0.0) > found.exact * (1.0 + sweep.tolerance[0]):
+        if found.forces_only is None or (found.limit or 0.0) > found.exact * (
+            1.0 + sweep.tolerance[0]
+        ):
             return f"wrong: {found.limit} where forces alone give {found.exact:.6g}"
         return _within(sweep, found) or "moments govern"
     if found.limit is None:

@@ -6,7 +6,18 @@ import pytest
 
 import slopekit as sk
 from tests.hard_cases import exact
-from tests.hard_cases.cases import PAPER, STEEP, WYLLIE, Case, bench, columns, footing, plane, stack, wedge
+from tests.hard_cases.cases import (
+    PAPER,
+    STEEP,
+    WYLLIE,
+    Case,
+    bench,
+    columns,
+    footing,
+    plane,
+    stack,
+    wedge,
+)
 from tests.hard_cases.catalogue import apart, beneath_the_face, pulled
 from tests.hard_cases.sweeps import PASSES, ROUNDING, SECTION, SPACE, Sweep, point, verdict
 
@@ -79,7 +90,9 @@ def test_what_the_reference_leaves_out_agrees_with_the_closed_form(change) -> No
         assert (result.fos.limit or 0.0) < result.fos.closed_form
     else:
         assert result.fos.limit == pytest.approx(result.fos.closed_form, rel=1e-9)
-    assert result.fos.static_bound is None or result.fos.limit <= result.fos.static_bound * (1 + 1e-7)
+    assert result.fos.static_bound is None or result.fos.limit <= result.fos.static_bound * (
+        1 + 1e-7
+    )
 
 
 @pytest.mark.parametrize("gap", [1e-6, 1e-8])
@@ -117,7 +130,9 @@ def test_agreement_does_not_depend_on_the_joint_stiffness(ratio) -> None:
 @pytest.mark.parametrize("refine", [0, 1, 2, 3])
 def test_the_mesh_does_not_matter_for_a_wedge_that_opens(refine) -> None:
     """The bed has the exact polygons; 1,500 separate springs a joint: 0.7050 to 0.7056."""
-    result = sk.wedge(dips=("45/105", "70/235"), face="65/185", upper="12/195", water=(290, 0), refine=refine)
+    result = sk.wedge(
+        dips=("45/105", "70/235"), face="65/185", upper="12/195", water=(290, 0), refine=refine
+    )
     assert result.comparisons.forces_only == pytest.approx(0.8803428271540841, rel=1e-9)
     assert result.comparisons.forces_only == pytest.approx(result.fos.closed_form, rel=1e-9)
     assert result.fos.limit == pytest.approx(0.7050040977, rel=1e-8)
@@ -125,7 +140,14 @@ def test_the_mesh_does_not_matter_for_a_wedge_that_opens(refine) -> None:
 
 def test_where_the_bed_holds_more_the_forces_alone_govern() -> None:
     """One plane unloaded: Hoek & Bray 1.538, on the bed 1.578 (separate springs 1.5776 to 1.5789)."""
-    single = {"dips": ("40/160", "80/220"), "face": "65/180", "upper": "0/180", "height": 10, "c": 20, "phi": 30}
+    single = {
+        "dips": ("40/160", "80/220"),
+        "face": "65/180",
+        "upper": "0/180",
+        "height": 10,
+        "c": 20,
+        "phi": 30,
+    }
     result = sk.wedge(**single, unit_weight=26)
     assert not result.moments_govern
     assert result.agree
@@ -139,20 +161,39 @@ def test_where_the_bed_holds_more_the_forces_alone_govern() -> None:
 
 @pytest.mark.parametrize(
     "case",
-    [plane(dip=59.999), plane(upper=34.999), plane(face=89.9995, dip=89.999), plane(height=1e-3, c=0.0),
-     plane(height=1e5, c=0.0), plane(pressure=80.0), plane(c=0.0, phi=0.0), plane(force=(-2000.0, 0.0)),
-     footing(dip=89.9), footing(dip=0.01), footing(load=1e8), footing(c=0.0, phi=0.0)],
-)  # fmt: skip
+    [
+        plane(dip=59.999),
+        plane(upper=34.999),
+        plane(face=89.9995, dip=89.999),
+        plane(height=1e-3, c=0.0),
+        plane(height=1e5, c=0.0),
+        plane(pressure=80.0),
+        plane(c=0.0, phi=0.0),
+        plane(force=(-2000.0, 0.0)),
+        footing(dip=89.9),
+        footing(dip=0.01),
+        footing(load=1e8),
+        footing(c=0.0, phi=0.0),
+    ],
+)
 def test_planes_and_footings(case) -> None:
     """Closed forms of one plane, to 1e-9."""
     assert_sound(case)
 
 
-@pytest.mark.parametrize(("case", "statuses"), [
-    (stack(dip=0.0), ()), (stack(c=0.0, phi=0.0), ("falls",)), (stack(dip=40.0, phi=89.0), ()),
-    (stack(30, 1, 30, many=6, shift=4e6), ()), (stack(c=3.0, pressure=30.0), ()), (columns(size=1e-3), ()),
-    (stack(1, 2, math.degrees(math.atan(0.5)) + 0.1), ()), (stack(1, 2, math.degrees(math.atan(0.5)) - 0.1), ()),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("case", "statuses"),
+    [
+        (stack(dip=0.0), ()),
+        (stack(c=0.0, phi=0.0), ("falls",)),
+        (stack(dip=40.0, phi=89.0), ()),
+        (stack(30, 1, 30, many=6, shift=4e6), ()),
+        (stack(c=3.0, pressure=30.0), ()),
+        (columns(size=1e-3), ()),
+        (stack(1, 2, math.degrees(math.atan(0.5)) + 0.1), ()),
+        (stack(1, 2, math.degrees(math.atan(0.5)) - 0.1), ()),
+    ],
+)
 def test_blocks_on_inclines(case, statuses) -> None:
     """A block on a horizontal plane, one without strength, and its centre of gravity on either side of its edge."""
     assert_sound(case, SECTION, statuses)
@@ -177,13 +218,17 @@ def test_a_block_on_ground_that_hardly_dips_has_no_driving_force() -> None:
 @pytest.mark.parametrize("offset", [1e-12, 1e-6])
 def test_duplicate_planes_are_one(offset) -> None:
     """A fourth set a hair from the first: merged, the same factor."""
-    double = bench(more={"S4": {"plane": [45, 170], "spacing": 9.0, "offset": offset, "strength": "joint"}})
+    double = bench(
+        more={"S4": {"plane": [45, 170], "spacing": 9.0, "offset": offset, "strength": "joint"}}
+    )
     found = point(double)
     assert found.limit == pytest.approx(found.exact, rel=SPACE[0])
 
 
 def test_the_same_set_twice_is_refused() -> None:
-    double = bench(more={"S4": {"plane": [45, 170], "spacing": 9.0, "offset": 0.0, "strength": "joint"}})
+    double = bench(
+        more={"S4": {"plane": [45, 170], "spacing": 9.0, "offset": 0.0, "strength": "joint"}}
+    )
     assert point(double).refused == "E151"
 
 
@@ -200,7 +245,9 @@ def test_how_columns_fail_does_not_depend_on_their_size(size) -> None:
     """Without cohesion nothing has a length: the status, and how each column moves, are those at size 1."""
     one, other = (sk.run(columns(size=s).design) for s in (1.0, size))
     assert other.status == one.status
-    ways = [dict(zip(r.findings.first.blocks, r.findings.first.how, strict=True)) for r in (one, other)]
+    ways = [
+        dict(zip(r.findings.first.blocks, r.findings.first.how, strict=True)) for r in (one, other)
+    ]
     assert ways[0] == ways[1]
 
 
@@ -210,11 +257,15 @@ def test_how_columns_fail_does_not_depend_on_their_size(size) -> None:
 def test_the_reference_gives_published_numbers() -> None:
     """Sheng et al. 2023 (1.5574 at g = 9.81); Wyllie & Mah 2004, plane; Goodman & Bray 1976; Hungr et al. 1989."""
     assert float(exact.wedge(**PAPER).factor) == pytest.approx(1.5574, abs=5e-5)
-    assert float(exact.wedge(**{**PAPER, "unit_weight": 25.588}).factor) == pytest.approx(1.556, abs=5e-4)
+    assert float(exact.wedge(**{**PAPER, "unit_weight": 25.588}).factor) == pytest.approx(
+        1.556, abs=5e-4
+    )
     cracked = exact.plane_failure(60, 35, 12, 25, 37, 26, crack_depth=4.35, water_depth=3)
     assert float(cracked.factor) == pytest.approx(1.25, abs=5e-3)
     assert float(columns().answer().factor) == pytest.approx(1.0, abs=1e-3)
-    assert float(exact.sphere_without_friction(10, 5, math.degrees(math.atan(0.5)), 20, 20).factor) == pytest.approx(
-        1.4016, abs=5e-5
+    assert float(
+        exact.sphere_without_friction(10, 5, math.degrees(math.atan(0.5)), 20, 20).factor
+    ) == pytest.approx(1.4016, abs=5e-5)
+    assert float(exact.footing(1500, 45, 5 * math.sqrt(2), 200, 0).factor) == pytest.approx(
+        4 / 3, rel=1e-12
     )
-    assert float(exact.footing(1500, 45, 5 * math.sqrt(2), 200, 0).factor) == pytest.approx(4 / 3, rel=1e-12)

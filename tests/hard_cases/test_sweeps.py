@@ -44,7 +44,9 @@ def analysed() -> dict:
 def test_every_point_agrees_or_says_why_not(sweep, walked) -> None:
     """Against 50 digits, at the tolerance that the sweep names with its cause."""
     points = walked[sweep.picture, sweep.name] = walk(sweep, sweep.thinned)
-    wrong = {found.value: text for found in points if (text := verdict(sweep, found)).startswith("wrong")}
+    wrong = {
+        found.value: text for found in points if (text := verdict(sweep, found)).startswith("wrong")
+    }
     assert not wrong
     assert any(verdict(sweep, found) != "said" for found in points)
 
@@ -87,23 +89,34 @@ def test_no_number_where_there_is_none_and_not_converged_is_said() -> None:
 
 #: One point of a few kinds, quick ones: the picture, the sweep and the number of the point.
 KEPT = [
-    ("angle", "dip directions apart", -1), ("size", "wedge, c = 0", 0), ("size-blocks", "stack of six", 7),
-    ("size-blocks", "bench", 0), ("water", "wedge: J2", 12), ("water", "block", 9),
-    ("plunge", "plane: dip below the face", 20), ("friction", "wedge", 5), ("pull", "wedge pulled uphill", 40),
+    ("angle", "dip directions apart", -1),
+    ("size", "wedge, c = 0", 0),
+    ("size-blocks", "stack of six", 7),
+    ("size-blocks", "bench", 0),
+    ("water", "wedge: J2", 12),
+    ("water", "block", 9),
+    ("plunge", "plane: dip below the face", 20),
+    ("friction", "wedge", 5),
+    ("pull", "wedge pulled uphill", 40),
     ("aspect", "slender column", 15),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("picture", "name", "at"), KEPT)
 def test_the_curves_on_file_are_what_slopekit_gives(picture, name, at, walked) -> None:
     """docs/hard-cases.json against a new run: the same status, the number to ten digits (rounding may differ)."""
     kept = next(
-        sweep for sweep in json.loads(CURVES.read_text(encoding="utf-8"))["sweeps"]
+        sweep
+        for sweep in json.loads(CURVES.read_text(encoding="utf-8"))["sweeps"]
         if (sweep["picture"], sweep["name"]) == (picture, name)
-    )  # fmt: skip
+    )
     sweep = next(sweep for sweep in SWEEPS if (sweep.picture, sweep.name) == (picture, name))
-    before = [found for found in walked.get((picture, name), ()) if found.value == kept["value"][at]]
+    before = [
+        found for found in walked.get((picture, name), ()) if found.value == kept["value"][at]
+    ]
     found = before[0] if before else point(sweep.at(kept["value"][at]))
     assert found.status == kept["status"][at]
-    assert found.limit == pytest.approx(kept["limit"][at], rel=1e-10 if kept["tolerance"] < 1e-6 else 1e-6)
+    assert found.limit == pytest.approx(
+        kept["limit"][at], rel=1e-10 if kept["tolerance"] < 1e-6 else 1e-6
+    )
     assert found.exact == pytest.approx(kept["exact"][at], rel=1e-15)

@@ -35,10 +35,17 @@ def turned(points, degrees: float):
 
 def on_incline(outlines, dip: float, phi: float, c: float = 0.0, **more) -> dict:
     """Blocks by name above a fixed base, the whole turned by the dip."""
-    blocks = {"base": {"polygon": turned([[-50, -5], [200, -5], [200, 0], [-50, 0]], dip), "fixed": True}}
+    blocks = {
+        "base": {"polygon": turned([[-50, -5], [200, -5], [200, 0], [-50, 0]], dip), "fixed": True}
+    }
     blocks |= {name: {"polygon": turned(outline, dip)} for name, outline in outlines.items()}
-    design = {"slopekit": 1, "kind": "blocks", "blocks": blocks, "strength": {"joint": {"c": c, "phi": phi}},
-              "rock": {"unit_weight": 25}}  # fmt: skip
+    design = {
+        "slopekit": 1,
+        "kind": "blocks",
+        "blocks": blocks,
+        "strength": {"joint": {"c": c, "phi": phi}},
+        "rock": {"unit_weight": 25},
+    }
     return design | more
 
 
@@ -68,7 +75,9 @@ def test_a_square_block_tips_at_its_geometric_limit(dip, status) -> None:
     result = sk.run(on_incline({"B": SQUARE}, dip, 50))
     assert result.status == status
     if status == "slides":
-        assert result.fos.limit == pytest.approx(math.tan(math.radians(50)) / math.tan(math.radians(dip)), rel=1e-5)
+        assert result.fos.limit == pytest.approx(
+            math.tan(math.radians(50)) / math.tan(math.radians(dip)), rel=1e-5
+        )
     else:
         assert result.fos.limit is None
         assert result.exit_code == 0
@@ -87,7 +96,10 @@ def test_a_second_block_that_touches_nothing_changes_nothing() -> None:
     ("floating", "message"),
     [
         ({"C": box(30, 8, 4, 1)}, "C has no contact and would fall whatever the strength"),
-        ({"C": box(4, 1, 4, 1)}, "C has no contact and would fall whatever the strength"),  # a corner carries nothing
+        (
+            {"C": box(4, 1, 4, 1)},
+            "C has no contact and would fall whatever the strength",
+        ),  # a corner carries nothing
         ({"C": box(30, 0.01, 4, 1), "D": box(30, 1.01, 4, 1)}, "C, D have no contact with bedrock"),
     ],
 )
@@ -103,19 +115,25 @@ def test_a_stack_on_an_incline() -> None:
     """Every joint of a stack carries what lies on it: tan φ / tan β whatever the heights."""
     stack = {f"B{k}": box(0, k, 30, 1) for k in range(6)}
     result = sk.run(on_incline(stack, 30, 35))
-    assert result.fos.limit == pytest.approx(math.tan(math.radians(35)) / math.tan(math.radians(30)), rel=1e-6)
+    assert result.fos.limit == pytest.approx(
+        math.tan(math.radians(35)) / math.tan(math.radians(30)), rel=1e-6
+    )
 
 
 def test_mechanisms_one_after_the_other() -> None:
     """Three blocks with joints of their own fail in the order of their friction angles."""
     design = on_incline({name: box(20 * k, 0, 4, 1) for k, name in enumerate("ABC")}, 20, 30)
-    design["strength"] = {name: {"c": 0, "phi": phi} for name, phi in zip("abc", (30, 25, 35), strict=True)}
+    design["strength"] = {
+        name: {"c": 0, "phi": phi} for name, phi in zip("abc", (30, 25, 35), strict=True)
+    }
     design["interfaces"] = {"default": "a", "B/base": "b", "C/base": "c"}
     design["analysis"] = {"mechanisms": 5}
     result = sk.run(design)
     assert [(row.blocks, row.role) for row in result.mechanisms] == [
-        (("B",), "first"), (("A",), "next"), (("C",), "next"),
-    ]  # fmt: skip
+        (("B",), "first"),
+        (("A",), "next"),
+        (("C",), "next"),
+    ]
     expected = [math.tan(math.radians(phi)) / math.tan(math.radians(20)) for phi in (25, 30, 35)]
     assert [row.fos for row in result.mechanisms] == pytest.approx(expected, rel=1e-6)
     assert result.findings.standing == "none of 3 blocks is left"
@@ -136,8 +154,14 @@ def test_seismic_forces_bolts_and_water() -> None:
     design = on_incline({"B": box(0, 0, 4, 1)}, dip, phi)
     design["loads"] = {"seismic": {"k": k, "toward": 270}}
     design["water"] = {"pressures": {"B/base": u}}
-    design["support"] = {"bolts": [{"force": pull, "toward": f"090/{-dip}", "block": "B", "acts": "active"}]}
-    expected = (weight * (c - k * s) - u * wide) * math.tan(math.radians(phi)) / (weight * (s + k * c) - pull)
+    design["support"] = {
+        "bolts": [{"force": pull, "toward": f"090/{-dip}", "block": "B", "acts": "active"}]
+    }
+    expected = (
+        (weight * (c - k * s) - u * wide)
+        * math.tan(math.radians(phi))
+        / (weight * (s + k * c) - pull)
+    )
     result = sk.run(design)
     assert result.fos.limit == pytest.approx(expected, rel=1e-6)
     assert result.forces.weight == pytest.approx(weight)
@@ -145,7 +169,14 @@ def test_seismic_forces_bolts_and_water() -> None:
 
 def test_gaps_overlaps_corners_and_names_that_do_not_touch() -> None:
     gap = on_incline(
-        {"A": box(0, 0, 1, 1), "B": box(1.002, 0, 1, 1), "C": box(2.002, 1, 1, 1), "D": box(2.002, 0, 1, 1)}, 0, 30
+        {
+            "A": box(0, 0, 1, 1),
+            "B": box(1.002, 0, 1, 1),
+            "C": box(2.002, 1, 1, 1),
+            "D": box(2.002, 0, 1, 1),
+        },
+        0,
+        30,
     )
     gap["strength"]["smooth"] = {"c": 0, "phi": 5}
     gap["interfaces"] = {"default": "joint", "A/C": "smooth"}
@@ -163,12 +194,21 @@ def test_meshes_are_blocks_too(tmp_path) -> None:
     """Two cubes on a slab, one file inside out, one with two bodies: the same factor as in a section."""
     slope = trimesh.transformations.rotation_matrix(math.radians(-20), [0, 1, 0])
     parts = {
-        "base": trimesh.creation.box([60, 40, 2], trimesh.transformations.translation_matrix([0, 0, -1])),
-        "A": trimesh.creation.box([4, 4, 1], trimesh.transformations.translation_matrix([0, 0, 0.5])),
-        "B": trimesh.util.concatenate([
-            trimesh.creation.box([4, 4, 1], trimesh.transformations.translation_matrix([10, y, 0.5])) for y in (-8, 8)
-        ]),
-    }  # fmt: skip
+        "base": trimesh.creation.box(
+            [60, 40, 2], trimesh.transformations.translation_matrix([0, 0, -1])
+        ),
+        "A": trimesh.creation.box(
+            [4, 4, 1], trimesh.transformations.translation_matrix([0, 0, 0.5])
+        ),
+        "B": trimesh.util.concatenate(
+            [
+                trimesh.creation.box(
+                    [4, 4, 1], trimesh.transformations.translation_matrix([10, y, 0.5])
+                )
+                for y in (-8, 8)
+            ]
+        ),
+    }
     for name, mesh in parts.items():
         mesh.apply_transform(slope)
         if name == "A":
@@ -179,18 +219,25 @@ def test_meshes_are_blocks_too(tmp_path) -> None:
     text += "strength: {joint: {c: 0, phi: 35}}\nrock: {unit_weight: 25}\ncontact_tolerance: 1 mm\n"
     (tmp_path / "cubes.yaml").write_text(text)
     result = sk.run(tmp_path / "cubes.yaml")
-    assert result.fos.limit == pytest.approx(math.tan(math.radians(35)) / math.tan(math.radians(20)), rel=1e-6)
+    assert result.fos.limit == pytest.approx(
+        math.tan(math.radians(35)) / math.tan(math.radians(20)), rel=1e-6
+    )
     assert "W334" in codes(result)
     assert result.geometry.volume_m3 == pytest.approx(48.0)
 
 
 BENCH = {
-    "slopekit": 1, "kind": "bench", "slope": {"face": "70/180", "height": 15, "upper": "0/180", "length": 15},
-    "sets": {"S1": {"plane": "45/170", "spacing": 5, "strength": "j"},
-             "S2": {"plane": "80/350", "spacing": 7, "offset": 0.5, "strength": "j"},
-             "S3": {"plane": "85/80", "spacing": 7, "strength": "j"}},
-    "strength": {"j": {"c": 0, "phi": 35}}, "rock": {"unit_weight": 26},
-}  # fmt: skip
+    "slopekit": 1,
+    "kind": "bench",
+    "slope": {"face": "70/180", "height": 15, "upper": "0/180", "length": 15},
+    "sets": {
+        "S1": {"plane": "45/170", "spacing": 5, "strength": "j"},
+        "S2": {"plane": "80/350", "spacing": 7, "offset": 0.5, "strength": "j"},
+        "S3": {"plane": "85/80", "spacing": 7, "strength": "j"},
+    },
+    "strength": {"j": {"c": 0, "phi": 35}},
+    "rock": {"unit_weight": 26},
+}
 
 
 @cache
@@ -233,7 +280,11 @@ def test_coincident_planes_and_benches_without_a_free_block() -> None:
     with pytest.raises(GeometryError, match="can move") as error:
         sk.run(
             BENCH,
-            set={f"sets.S{k}.{key}": size for k in (1, 2, 3) for key, size in (("spacing", 500), ("offset", 250))},
+            set={
+                f"sets.S{k}.{key}": size
+                for k in (1, 2, 3)
+                for key, size in (("spacing", 500), ("offset", 250))
+            },
         )
     assert error.value.faults[0].code == "E225"
 
@@ -244,26 +295,41 @@ def test_loads_on_a_bench_find_their_block() -> None:
     at = free.geometry.centroids_m[free.geometry.names.index(name)]
     held = sk.run(BENCH, set={"loads.forces": [{"force": [0, 0, -1.0], "at": at.tolist()}]})
     assert held.fos.limit == pytest.approx(free.fos.limit, rel=1e-2)
-    for forces in ([{"force": [0, 0, -1], "at": [0, 900, 0]}], [{"force": [0, 0, -1], "block": "B99999"}]):
+    for forces in (
+        [{"force": [0, 0, -1], "at": [0, 900, 0]}],
+        [{"force": [0, 0, -1], "block": "B99999"}],
+    ):
         with pytest.raises(DesignError) as error:
             sk.run(BENCH, set={"loads.forces": forces})
         assert error.value.faults[0].code == "E250"
     with pytest.raises(DesignError) as error:
-        sk.run(BENCH, set={"support.bolts": [{"force": 9, "toward": "000/10", "block": "B9999", "acts": "passive"}]})
+        sk.run(
+            BENCH,
+            set={
+                "support.bolts": [
+                    {"force": 9, "toward": "000/10", "block": "B9999", "acts": "passive"}
+                ]
+            },
+        )
     assert error.value.faults[0].code == "E250"
 
 
 COLUMNS = {
-    "slopekit": 1, "kind": "topple", "columns": {"dip": 60, "width": 10, "heights": [4, 8, 12, 10, 6], "base_step": 1},
-    "strength": {"j": {"c": 0, "phi": 38}}, "rock": {"unit_weight": 25},
-}  # fmt: skip
+    "slopekit": 1,
+    "kind": "topple",
+    "columns": {"dip": 60, "width": 10, "heights": [4, 8, 12, 10, 6], "base_step": 1},
+    "strength": {"j": {"c": 0, "phi": 38}},
+    "rock": {"unit_weight": 25},
+}
 
 
 def test_columns_agree_with_goodman_and_bray() -> None:
     result = sk.run(COLUMNS)
     assert result.fos.limit == pytest.approx(result.fos.closed_form, rel=1e-5)
     assert result.agree
-    assert [row["mode"] for row in result.findings.table] == [row["mode_preie"] for row in result.findings.table]
+    assert [row["mode"] for row in result.findings.table] == [
+        row["mode_preie"] for row in result.findings.table
+    ]
 
 
 @pytest.mark.parametrize(
@@ -314,20 +380,35 @@ def test_what_the_results_of_hard_scenes_say() -> None:
 
     assert said() == {}
     bond = np.array([1.0, 0.0, 1.0])
-    assert said(basis=Basis.PEAK, change=0.01, bond=bond, static_bound=None).keys() == {"W317", "W307"}
+    assert said(basis=Basis.PEAK, change=0.01, bond=bond, static_bound=None).keys() == {
+        "W317",
+        "W307",
+    }
     lost = "1 of 1 contacts with cohesion are open or partly open in the state that gives the factor of safety"
     assert lost in said(bond=bond)["W307"]
-    assert "67 % of the cohesion does not act" in said(bond=bond)["W307"]  # Simpson's middle pair has two thirds
+    assert (
+        "67 % of the cohesion does not act" in said(bond=bond)["W307"]
+    )  # Simpson's middle pair has two thirds
     assert "for 0.4 % of the elastic energy" in said(rounding=0.0042)["W317"]
     without = {"factor": None, "outcome": Outcome.NO_REST, "basis": Basis.NONE}
     tips = said(tips=(0.45, 0.8), **without)
-    assert "strength divided by 0.8 or less the blocks topple at 0.45 of the loads beside weight and" in tips["W362"]
+    assert (
+        "strength divided by 0.8 or less the blocks topple at 0.45 of the loads beside weight and"
+        in tips["W362"]
+    )
     assert tips["W362"].endswith("no factor of safety is given")
     assert "came to rest at none" not in tips["W362"]
     assert said(**without)["W362"].endswith("not that they arise")
     assert said(static_bound=None, **without)["W362"].endswith("no factor of safety is given")
-    gave_up = {"factor": None, "outcome": Outcome.NOT_CONVERGED, "basis": Basis.NONE, "static_bound": 1.75}
-    assert said(**gave_up)["W308"].endswith("whose forces balance within strength; the upper bound is 1.75")
+    gave_up = {
+        "factor": None,
+        "outcome": Outcome.NOT_CONVERGED,
+        "basis": Basis.NONE,
+        "static_bound": 1.75,
+    }
+    assert said(**gave_up)["W308"].endswith(
+        "whose forces balance within strength; the upper bound is 1.75"
+    )
     assert said(spent=True, **gave_up).keys() == {"W360"}
     assert "by 1.5 %" in said(mesh_change=0.015)["W312"]
     in_group = (replace(part, limit=replace(part.limit, group=3, width=7e-4)),)
@@ -343,7 +424,9 @@ def test_the_static_bound_is_that_of_all_blocks(number) -> None:
     """By a program of all blocks."""
     design = populations.bench(number)
     result = sk.run(design)
-    assert result.fos.static_bound == pytest.approx(path_oracle.static_bound(path_oracle.model_of(design)), rel=1e-5)
+    assert result.fos.static_bound == pytest.approx(
+        path_oracle.static_bound(path_oracle.model_of(design)), rel=1e-5
+    )
     assert result.fos.limit <= result.fos.static_bound
 
 
@@ -407,7 +490,9 @@ def test_meshes_that_are_inside_out_or_cross_themselves(tmp_path, monkeypatch) -
     assert result.status == "no_driving_force"
 
     whole = solids.mesh_assembly
-    monkeypatch.setattr(solids, "mesh_assembly", lambda *given: replace(whole(*given), unchecked=np.array([[0, 1]])))
+    monkeypatch.setattr(
+        solids, "mesh_assembly", lambda *given: replace(whole(*given), unchecked=np.array([[0, 1]]))
+    )
     again = {notice.code: notice.message for notice in sk.run(tmp_path / "c.yaml").warnings}
     assert "slab/C" in again["W334"]
 
@@ -429,7 +514,9 @@ def test_water_drains_from_joints_that_a_block_has_left() -> None:
     design["water"] = {"pressures": {"B1/B2": 12}}
     design["analysis"] = {"mechanisms": 2}
     second = sk.run(design).mechanisms[1]
-    assert second.fos == pytest.approx(math.tan(math.radians(22)) / math.tan(math.radians(20)), rel=1e-5)
+    assert second.fos == pytest.approx(
+        math.tan(math.radians(22)) / math.tan(math.radians(20)), rel=1e-5
+    )
 
 
 @pytest.mark.parametrize("phi", [0, 1])
@@ -437,9 +524,13 @@ def test_nothing_stands_on_an_incline_without_strength(phi) -> None:
     """c = φ = 0: no number, and surely not "stands"; with 1° the textbook's number."""
     result = sk.run(on_incline({"B": box(0, 0, 2, 1)}, 30, phi))
     if phi:
-        assert result.fos.limit == pytest.approx(math.tan(math.radians(1)) / math.tan(math.radians(30)), rel=1e-5)
+        assert result.fos.limit == pytest.approx(
+            math.tan(math.radians(1)) / math.tan(math.radians(30)), rel=1e-5
+        )
     else:
-        assert result.status == "slides"  # strength would hold it: "falls" is for what no strength holds
+        assert (
+            result.status == "slides"
+        )  # strength would hold it: "falls" is for what no strength holds
         assert result.fos.limit is None
         assert "W308" in [notice.code for notice in result.warnings]
 
@@ -453,33 +544,54 @@ def test_cohesion_does_not_keep_a_block_from_tipping(c) -> None:
 def test_displacements_at_full_strength_are_those_of_the_block_alone() -> None:
     """The same block as kind plane and as one of two polygons; the law is followed in steps there, at once here."""
     both = {"slopekit": 1, "strength": {"joint": {"c": 20, "phi": 30}}, "rock": {"unit_weight": 25}}
-    plane = sk.run(both | {
-        "kind": "plane", "slope": {"face": "60/090", "height": "12 m", "upper": "0/090"},
-        "joints": {"J1": {"plane": "35/090", "strength": "joint"}},
-    })  # fmt: skip
+    plane = sk.run(
+        both
+        | {
+            "kind": "plane",
+            "slope": {"face": "60/090", "height": "12 m", "upper": "0/090"},
+            "joints": {"J1": {"plane": "35/090", "strength": "joint"}},
+        }
+    )
     outline = np.asarray(plane.geometry.outline_m)
     back, top = outline[-1].tolist()
-    blocks = sk.run(both | {
-        "kind": "blocks", "interfaces": {"default": "joint"},
-        "blocks": {
-            "base": {"polygon": [[-40, -10], [5, -10], [0, 0], [back, top], [-40, top]], "fixed": True},
-            "B1": {"polygon": outline.tolist()},
-        },
-    })  # fmt: skip
+    blocks = sk.run(
+        both
+        | {
+            "kind": "blocks",
+            "interfaces": {"default": "joint"},
+            "blocks": {
+                "base": {
+                    "polygon": [[-40, -10], [5, -10], [0, 0], [back, top], [-40, top]],
+                    "fixed": True,
+                },
+                "B1": {"polygon": outline.tolist()},
+            },
+        }
+    )
     one, many = plane.displacements.at_factor_one, blocks.displacements.at_factor_one
     assert one is not None
     assert many is not None
     assert many.block == "B1"
-    np.testing.assert_allclose(many.movement.displacement[[0, 2]], one.movement.displacement[[0, 2]], rtol=5e-3)
+    np.testing.assert_allclose(
+        many.movement.displacement[[0, 2]], one.movement.displacement[[0, 2]], rtol=5e-3
+    )
     np.testing.assert_allclose(many.movement.rotation[1], one.movement.rotation[1], rtol=1e-6)
     np.testing.assert_array_equal(blocks.scene.displacement[1], many.movement.vector())
-    fails = sk.run(both | {
-        "kind": "blocks", "interfaces": {"default": "joint"}, "strength": {"joint": {"c": 2, "phi": 20}},
-        "blocks": {
-            "base": {"polygon": [[-40, -10], [5, -10], [0, 0], [back, top], [-40, top]], "fixed": True},
-            "B1": {"polygon": outline.tolist()},
-        },
-    })  # fmt: skip
+    fails = sk.run(
+        both
+        | {
+            "kind": "blocks",
+            "interfaces": {"default": "joint"},
+            "strength": {"joint": {"c": 2, "phi": 20}},
+            "blocks": {
+                "base": {
+                    "polygon": [[-40, -10], [5, -10], [0, 0], [back, top], [-40, top]],
+                    "fixed": True,
+                },
+                "B1": {"polygon": outline.tolist()},
+            },
+        }
+    )
     assert fails.fos.limit < 1.0
     assert (fails.displacements.at_factor_one, fails.scene.displacement) == (None, None)
 
@@ -518,4 +630,7 @@ def test_a_tolerance_larger_than_the_blocks_is_named() -> None:
     with pytest.raises(sk.GeometryError) as caught:
         sk.run(path_of("blocks"), set={"contact_tolerance": "10 m"})
     assert set(caught.value.codes) == {"E227"}
-    assert caught.value.faults[0].advice == "Up to 100 m² count as none: the contact tolerance is 10 m."
+    assert (
+        caught.value.faults[0].advice
+        == "Up to 100 m² count as none: the contact tolerance is 10 m."
+    )

@@ -24,11 +24,17 @@ from tests.support import result_of
 TEMPLATE = path_of("wedge-basal")
 #: A trough along 180 with a level line, behind an upright face, over a basal joint that rises from 4 m into the slope.
 TROUGH = {
-    "slopekit": 1, "kind": "wedge", "slope": {"face": "90/180", "upper": "0/180", "height": 10},
-    "joints": {"J1": {"plane": "60/090", "strength": "side"}, "J2": {"plane": "60/270", "strength": "side"}},
+    "slopekit": 1,
+    "kind": "wedge",
+    "slope": {"face": "90/180", "upper": "0/180", "height": 10},
+    "joints": {
+        "J1": {"plane": "60/090", "strength": "side"},
+        "J2": {"plane": "60/270", "strength": "side"},
+    },
     "basal": {"plane": "30/180", "height": 4, "strength": "base"},
-    "strength": {"side": {"c": 0, "phi": 20}, "base": {"c": 20, "phi": 25}}, "rock": {"unit_weight": 25},
-}  # fmt: skip
+    "strength": {"side": {"c": 0, "phi": 20}, "base": {"c": 20, "phi": 25}},
+    "rock": {"unit_weight": 25},
+}
 
 
 @cache
@@ -45,9 +51,12 @@ def test_thirty_random_wedges_agree_with_the_closed_form_to_1e_9() -> None:
     differences = [one.difference for one in blocks if one.difference is not None]
     assert len(differences) > 22
     assert max(differences) < 1e-9
-    assert {"slides_on_basal", "slides_on_J1_and_basal", "slides_on_J2_and_basal", "slides_on_J1_and_J2"} <= {
-        one.status for one in blocks
-    }
+    assert {
+        "slides_on_basal",
+        "slides_on_J1_and_basal",
+        "slides_on_J2_and_basal",
+        "slides_on_J1_and_J2",
+    } <= {one.status for one in blocks}
 
 
 def put(design: dict, **values) -> dict:
@@ -69,7 +78,9 @@ def test_volume_and_areas_by_hand() -> None:
     areas = {"J1": 36.0, "J2": 36.0, "basal": 4.0 / math.sqrt(3.0) * 42.0}
     assert found.geometry.areas_m2 == pytest.approx(areas, rel=1e-12)
     assert found.geometry.line_length_m == 0.0
-    assert found.status == "no_driving_force"  # it would have to widen the trough to follow its base down
+    assert (
+        found.status == "no_driving_force"
+    )  # it would have to widen the trough to follow its base down
     assert found.agree
 
 
@@ -84,9 +95,10 @@ def test_a_block_that_leaves_its_sides_is_a_plane_failure() -> None:
     assert (found.comparisons.forces_only or found.fos.limit) == pytest.approx(by_hand, rel=1e-9)
     assert found.forces.normal["J1"] == found.forces.normal["J2"] == 0.0
     uplift = sk.run(put(design, water__pressures={"basal": 10.0}))
-    pushed = (20.0 * area + (weight * math.cos(math.radians(30)) - 10.0 * area) * math.tan(math.radians(25))) / (
-        weight * 0.5
-    )
+    pushed = (
+        20.0 * area
+        + (weight * math.cos(math.radians(30)) - 10.0 * area) * math.tan(math.radians(25))
+    ) / (weight * 0.5)
     assert uplift.fos.closed_form == pytest.approx(pushed, rel=1e-12)
 
 
@@ -94,10 +106,13 @@ def test_what_it_shares_with_the_wedge_of_two_joints() -> None:
     """A flat basal joint a hair above the toe leaves all of its volume; a steep one, without cohesion, its factor."""
     wedge = {key: TROUGH[key] for key in ("slopekit", "kind", "rock")} | {
         "slope": {"face": "65/185", "upper": "12/195", "height": 30},
-        "joints": {"J1": {"plane": "45/105"}, "J2": {"plane": "70/235"}}, "strength": {"sand": {"c": 0, "phi": 25}},
-    }  # fmt: skip
+        "joints": {"J1": {"plane": "45/105"}, "J2": {"plane": "70/235"}},
+        "strength": {"sand": {"c": 0, "phi": 25}},
+    }
     two = sk.run(wedge)
-    flat, steep = (sk.run(put(wedge, basal={"plane": plane, "height": 1e-3})) for plane in ("5/190", "40/190"))
+    flat, steep = (
+        sk.run(put(wedge, basal={"plane": plane, "height": 1e-3})) for plane in ("5/190", "40/190")
+    )
     assert flat.geometry.volume_m3 == pytest.approx(two.geometry.volume_m3, rel=1e-6)
     assert steep.geometry.volume_m3 < 0.95 * two.geometry.volume_m3
     assert (two.status, steep.status) == ("slides_on_both", "slides_on_J1_and_J2")
@@ -110,7 +125,9 @@ def test_what_it_shares_with_the_wedge_of_two_joints() -> None:
 def test_turned_mirrored_moved_and_scaled_it_is_the_same(number) -> None:
     """By the closed form; c grows with the size."""
     one = [one.design for one in random_ones() if one.status[0] != "E"][number]
-    design = put({key: value for key, value in one.items() if key not in ("loads", "water", "support")})
+    design = put(
+        {key: value for key, value in one.items() if key not in ("loads", "water", "support")}
+    )
     factor = closed_form(sk.load(design)).factor
 
     def changed(turn, scale=1.0) -> dict:
@@ -119,10 +136,18 @@ def test_turned_mirrored_moved_and_scaled_it_is_the_same(number) -> None:
             return f"{dip}/{turn(float(direction)) % 360.0}"
 
         new = put(design)
-        for holder in (*new["joints"].values(), new["basal"], *([new["crack"]] if "crack" in new else [])):
+        for holder in (
+            *new["joints"].values(),
+            new["basal"],
+            *([new["crack"]] if "crack" in new else []),
+        ):
             holder["plane"] = plane(holder["plane"])
         new["slope"] |= {key: plane(new["slope"][key]) for key in ("face", "upper")}
-        for holder, key in ((new["slope"], "height"), (new["basal"], "height"), (new.get("crack", {}), "distance")):
+        for holder, key in (
+            (new["slope"], "height"),
+            (new["basal"], "height"),
+            (new.get("crack", {}), "distance"),
+        ):
             if key in holder:
                 holder[key] *= scale
         for strength in new["strength"].values():
@@ -130,9 +155,11 @@ def test_turned_mirrored_moved_and_scaled_it_is_the_same(number) -> None:
         return new
 
     for other in (
-        changed(lambda at: at + 77.0), changed(lambda at: -at), changed(lambda at: at, 1e3),
+        changed(lambda at: at + 77.0),
+        changed(lambda at: -at),
+        changed(lambda at: at, 1e3),
         put(design, slope__origin=[5e5, 4e6, 120.0]),
-    ):  # fmt: skip
+    ):
         assert closed_form(sk.load(other)).factor == (factor and pytest.approx(factor, rel=1e-9))
 
 
@@ -175,8 +202,26 @@ def test_what_is_wrong_with_a_basal_joint_is_said(change, codes) -> None:
 
 
 def test_a_call_takes_it_as_the_command_line_does() -> None:
-    given = ["wedge", "--dips", "80/100", "78/262", "--face", "70/180", "--upper", "5/180", "--height", "20", "--basal",
-             "28/185@4m", "--c", "0,0,10kPa", "--phi", "32,32,24", "--unit-weight", "26"]  # fmt: skip
+    given = [
+        "wedge",
+        "--dips",
+        "80/100",
+        "78/262",
+        "--face",
+        "70/180",
+        "--upper",
+        "5/180",
+        "--height",
+        "20",
+        "--basal",
+        "28/185@4m",
+        "--c",
+        "0,0,10kPa",
+        "--phi",
+        "32,32,24",
+        "--unit-weight",
+        "26",
+    ]
     code, out, _ = slopekit(*given, "--json")
     document = json.loads(out)
     from_file = sk.run(TEMPLATE, set={"crack": None})
@@ -209,35 +254,58 @@ def test_samples_that_scatter_are_evaluated_in_one_call() -> None:
     document["strength"]["base"]["phi"] = {"dist": "normal", "mean": 25, "sd": 2}
     design = sk.load(document)
     keys = [key for variable in design.variables for key in variable.columns]
-    values = np.array([[4.1, 24.0], [3.8, 27.0]])[:, [keys.index("basal.height"), keys.index("strength.base.phi")]]
-    asked = vectorised(design, values, lambda row: dict(zip(keys, values[row].tolist(), strict=True)))
+    values = np.array([[4.1, 24.0], [3.8, 27.0]])[
+        :, [keys.index("basal.height"), keys.index("strength.base.phi")]
+    ]
+    asked = vectorised(
+        design, values, lambda row: dict(zip(keys, values[row].tolist(), strict=True))
+    )
     assert asked is not None
     one_by_one = [
-        sk.run(document, set=dict(zip(keys, row.tolist(), strict=True))).fos.closed_form for row in values
-    ]  # fmt: skip
+        sk.run(document, set=dict(zip(keys, row.tolist(), strict=True))).fos.closed_form
+        for row in values
+    ]
     assert asked.rows(values).closed_form.factor == pytest.approx(one_by_one, rel=1e-12)
 
 
 def test_passive_bolts_hold_what_active_ones_press() -> None:
     """A bolt square to the basal joint adds its normal force: F = (c A + (N + T) tan φ) / S where it acts as a load."""
     plain = BasalWedgeArrays(
-        joint1_dip_deg=80.0, joint1_dip_direction_deg=100.0, joint2_dip_deg=80.0, joint2_dip_direction_deg=260.0,
-        face_dip_deg=90.0, face_dip_direction_deg=180.0, upper_dip_deg=0.0, upper_dip_direction_deg=180.0,
-        height_m=10.0, cohesion1_kpa=0.0, cohesion2_kpa=0.0, cohesion3_kpa=20.0, friction1_deg=20.0, friction2_deg=20.0,
-        friction3_deg=25.0, unit_weight_kn_m3=25.0, basal_dip_deg=30.0, basal_dip_direction_deg=180.0,
+        joint1_dip_deg=80.0,
+        joint1_dip_direction_deg=100.0,
+        joint2_dip_deg=80.0,
+        joint2_dip_direction_deg=260.0,
+        face_dip_deg=90.0,
+        face_dip_direction_deg=180.0,
+        upper_dip_deg=0.0,
+        upper_dip_direction_deg=180.0,
+        height_m=10.0,
+        cohesion1_kpa=0.0,
+        cohesion2_kpa=0.0,
+        cohesion3_kpa=20.0,
+        friction1_deg=20.0,
+        friction2_deg=20.0,
+        friction3_deg=25.0,
+        unit_weight_kn_m3=25.0,
+        basal_dip_deg=30.0,
+        basal_dip_direction_deg=180.0,
         basal_height_m=4.0,
-    )  # fmt: skip
+    )
     found = basal_wedges(plain)
     normal, driving, area = found.normal_kn[2, 0], found.driving_kn[0], found.areas_m2[2, 0]
     # square to a plane that dips 30° to the south: it drives nothing
-    pressed = basal_wedges(dataclasses.replace(plain, force_kn=(0.0, 50.0, -math.sqrt(0.75) * 100.0)))
+    pressed = basal_wedges(
+        dataclasses.replace(plain, force_kn=(0.0, 50.0, -math.sqrt(0.75) * 100.0))
+    )
     assert OUTCOMES[pressed.outcome[0]] == "slides_on_basal"
     assert pressed.driving_kn[0] == pytest.approx(driving, rel=1e-12)
     assert pressed.factor[0] == pytest.approx(
         (20.0 * area + (normal + 100.0) * math.tan(math.radians(25))) / driving, rel=1e-12
     )
     # along the slide, upward, a passive bolt of T holds with T / F: F = (resisting + T) / driving
-    held = basal_wedges(dataclasses.replace(plain, passive_kn=[(0.0, math.sqrt(0.75) * 50.0, 25.0)]))
+    held = basal_wedges(
+        dataclasses.replace(plain, passive_kn=[(0.0, math.sqrt(0.75) * 50.0, 25.0)])
+    )
     assert held.factor[0] == pytest.approx((found.resisting_kn[0] + 50.0) / driving, rel=1e-9)
 
 
@@ -245,30 +313,52 @@ def test_its_page_calls_it_by_its_name() -> None:
     """Title, what the closed form rests on, and the strengths with that of the third joint."""
     inputs = sk.load(TEMPLATE).inputs()
     said = words_named("wedge", inputs)
-    assert (said.title, said.rests_on) == ("wedge on two joints and a basal joint", "vectors: forces only")
+    assert (said.title, said.rests_on) == (
+        "wedge on two joints and a basal joint",
+        "vectors: forces only",
+    )
     assert words_named("wedge", {}).title == "wedge on two joints"
     assert ("cohesion", "0, 0, 10 kPa") in input_rows(inputs)
 
 
 CUT_OFF = {
-    "slopekit": 1, "kind": "wedge", "slope": {"face": "60/180", "upper": "10/180", "height": 30},
-    "joints": {"J1": {"plane": "45/115", "strength": "a"}, "J2": {"plane": "50/240", "strength": "b"}},
+    "slopekit": 1,
+    "kind": "wedge",
+    "slope": {"face": "60/180", "upper": "10/180", "height": 30},
+    "joints": {
+        "J1": {"plane": "45/115", "strength": "a"},
+        "J2": {"plane": "50/240", "strength": "b"},
+    },
     "basal": {"plane": "20/000", "height": 5, "strength": "c"},
     "strength": {"a": {"c": 10, "phi": 20}, "b": {"c": 15, "phi": 22}, "c": {"c": 5, "phi": 18}},
-    "rock": {"unit_weight": 26}, "acceptance": {"rules": ["fos >= 1.5"]},
-}  # fmt: skip
+    "rock": {"unit_weight": 26},
+    "acceptance": {"rules": ["fos >= 1.5"]},
+}
 
 
 @pytest.mark.parametrize(
     "change",
     [
-        {}, {"basal__plane": "15/180"}, {"water": "full"}, {"water__pressures": [3, 4, 5]},
+        {},
+        {"basal__plane": "15/180"},
+        {"water": "full"},
+        {"water__pressures": [3, 4, 5]},
         {"loads__seismic": {"k": 0.05, "toward": 170}},
-        {"support__bolts": [{"force": 400, "toward": "000/05", "acts": "passive", "head": [0, -6, 12], "length": 60}]},
+        {
+            "support__bolts": [
+                {
+                    "force": 400,
+                    "toward": "000/05",
+                    "acts": "passive",
+                    "head": [0, -6, 12],
+                    "length": 60,
+                }
+            ]
+        },
         {"crack": {"plane": "90/180", "distance": "12 m"}, "water": "full"},
         {"loads__surcharge": "20 kPa"},
     ],
-)  # fmt: skip
+)
 def test_the_wedge_whose_toe_is_cut_off_is_judged_too(change) -> None:
     """As the design without its basal joint, and its pressure, says of itself: another file, another closed form."""
     design = put(CUT_OFF, **change)
@@ -278,7 +368,9 @@ def test_the_wedge_whose_toe_is_cut_off_is_judged_too(change) -> None:
     if "pressures" in (alone.get("water") or ()):
         del alone["water"]["pressures"][2]
     whole = sk.run(alone)
-    assert found.comparisons.without_basal.closed_form == pytest.approx(whole.fos.closed_form, rel=1e-12)
+    assert found.comparisons.without_basal.closed_form == pytest.approx(
+        whole.fos.closed_form, rel=1e-12
+    )
     assert whole.fos.closed_form < 1.5
     assert found.accepted is False
     assert found.exit_code == 1
@@ -287,11 +379,24 @@ def test_the_wedge_whose_toe_is_cut_off_is_judged_too(change) -> None:
     assert f"FoS {whole.fos.closed_form:.4g} by the closed form" in said
     above, whole_row = found.to_dict()["mechanisms"]
     assert [row.blocks for row in found.mechanisms] == [("wedge",), ("whole wedge",)]
-    assert (above["volume_m3"], above["height_m"]) == (found.geometry.volume_m3, found.size.height_m)
+    assert (above["volume_m3"], above["height_m"]) == (
+        found.geometry.volume_m3,
+        found.size.height_m,
+    )
     assert whole_row["volume_m3"] is None
-    assert (above["mechanism"], above["fos"], above["mass_t"]) == ("block_above_basal", found.fos.limit, found.mass_t)
-    assert (whole_row["mechanism"], whole_row["fos"]) == ("whole_wedge", found.comparisons.without_basal.closed_form)
-    assert f"whole_wedge {whole.fos.closed_form:.3f}" in found.line or found.fos.limit < whole.fos.closed_form
+    assert (above["mechanism"], above["fos"], above["mass_t"]) == (
+        "block_above_basal",
+        found.fos.limit,
+        found.mass_t,
+    )
+    assert (whole_row["mechanism"], whole_row["fos"]) == (
+        "whole_wedge",
+        found.comparisons.without_basal.closed_form,
+    )
+    assert (
+        f"whole_wedge {whole.fos.closed_form:.3f}" in found.line
+        or found.fos.limit < whole.fos.closed_form
+    )
 
 
 def test_a_crack_may_be_fuller_than_the_joints() -> None:
@@ -323,17 +428,30 @@ def test_what_the_whole_wedge_keeps_is_met() -> None:
 def test_a_basal_joint_into_the_slope_is_said() -> None:
     """Typed the wrong way round it holds all that lies on it."""
     said = [
-        [notice.message for notice in sk.run(put(CUT_OFF, basal__plane=plane)).warnings if notice.code == "W410"]
+        [
+            notice.message
+            for notice in sk.run(put(CUT_OFF, basal__plane=plane)).warnings
+            if notice.code == "W410"
+        ]
         for plane in ("20/000", "20/080", "20/180", "0/000")
     ]
-    assert [any("dips into the slope" in message for message in each) for each in said] == [True, True, False, False]
+    assert [any("dips into the slope" in message for message in each) for each in said] == [
+        True,
+        True,
+        False,
+        False,
+    ]
 
 
 #: A socket under a line of intersection that plunges into the slope: J1 and J2 alone cut no wedge (E204).
 SOCKET = put(
-    TROUGH, slope__face="74/180", joints__J1__plane="79/140", joints__J2__plane="62/320", basal__plane="27/163",
+    TROUGH,
+    slope__face="74/180",
+    joints__J1__plane="79/140",
+    joints__J2__plane="62/320",
+    basal__plane="27/163",
     basal__height=-3,
-)  # fmt: skip
+)
 
 
 @pytest.mark.slow
@@ -348,7 +466,9 @@ def test_the_worst_crack_of_a_block_whose_sides_do_not_daylight(crack) -> None:
     scanned = []
     for distance in np.linspace(1e-3, 20.0, 150):
         with suppress(GeometryError):  # behind the block
-            scanned.append(closed_form(sk.load(put(design, crack__distance=float(distance)))).factor)
+            scanned.append(
+                closed_form(sk.load(put(design, crack__distance=float(distance)))).factor
+            )
     assert 50 < len(scanned) < 150
     assert lowest <= min(scanned)
     assert lowest == pytest.approx(min(scanned), rel=1e-2)
@@ -376,7 +496,11 @@ def test_a_block_that_only_a_crack_closes_has_no_farthest_crack() -> None:
 
 def test_a_block_that_ends_before_the_crest_has_no_worst_crack() -> None:
     design = put(
-        SOCKET, joints__J1__plane="84/048", joints__J2__plane="72/259", basal__plane="45/181", slope__face="63/180"
+        SOCKET,
+        joints__J1__plane="84/048",
+        joints__J2__plane="72/259",
+        basal__plane="45/181",
+        slope__face="63/180",
     )
     assert sk.run(put(design, basal__height=-2)).fos.limit is not None
     with pytest.raises(DesignError, match="E459 no place of the crack"):
@@ -385,8 +509,12 @@ def test_a_block_that_ends_before_the_crest_has_no_worst_crack() -> None:
 
 #: J1 and J2 mirror each other: their line plunges due south by atan(tan 80° cos 80°) = 44.6°, the face faces south.
 MIRRORED = put(
-    TROUGH, joints__J1__plane="80/100", joints__J2__plane="80/260", slope__face="70/180", slope__upper="5/180",
-)  # fmt: skip
+    TROUGH,
+    joints__J1__plane="80/100",
+    joints__J2__plane="80/260",
+    slope__face="70/180",
+    slope__upper="5/180",
+)
 
 
 @pytest.mark.parametrize(("dip", "locked"), [(30, True), (40, True), (47, False), (50, False)])
@@ -408,7 +536,9 @@ def test_a_socket_that_closes_toward_the_face_is_no_block_that_could_fall(dip, l
         assert error.value.exit_code == 3
     with pytest.raises(GeometryError, match="E232 the block cannot leave the slope") as error:
         sk.run(design)
-    assert error.value.faults[0].advice.endswith("as the height of the basal joint is -3 m: was 3 m meant?")
+    assert error.value.faults[0].advice.endswith(
+        "as the height of the basal joint is -3 m: was 3 m meant?"
+    )
     swept = sk.sweep(sk.load(design), {"basal.height": [-3.0, 3.0]}, closed_form=True)
     assert [point.code for point in swept.points] == ["E232", ""]
 
@@ -421,7 +551,10 @@ def test_a_socket_asks_whether_its_height_was_meant() -> None:
     said = " ".join(str(found).split())
     assert "W410 a socket wedge: basal.height is -3 m, so it lies under J1 and J2" in said
     assert "(is 3 m meant?)" in said
-    assert "fos >= 1.3 (limit): MET (it stands without any strength: there is no factor to judge)" in said
+    assert (
+        "fos >= 1.3 (limit): MET (it stands without any strength: there is no factor to judge)"
+        in said
+    )
 
 
 def test_the_height_of_the_slope_is_told_from_that_of_the_block() -> None:
@@ -439,18 +572,33 @@ def test_the_height_of_the_slope_is_told_from_that_of_the_block() -> None:
 def test_a_bolt_that_ends_below_the_basal_joint_does_not_hold_the_whole_wedge() -> None:
     """It ends in rock that is part of the wedge on J1 and J2: run alone that refuses it (E212) and has less without."""
     design = {
-        "slopekit": 1, "kind": "wedge", "slope": {"face": "65/180", "upper": "5/180", "height": 20},
-        "joints": {"J1": {"plane": "60/130", "strength": "a"}, "J2": {"plane": "60/230", "strength": "a"}},
-        "basal": {"plane": "20/180", "height": 6, "strength": "b"}, "acceptance": {"rules": ["fos >= 1"]},
-        "strength": {"a": {"c": 5, "phi": 34}, "b": {"c": 0, "phi": 36}}, "rock": {"unit_weight": 26},
-    }  # fmt: skip
-    alone = {key: value for key, value in design.items() if key != "basal"} | {"strength": {"a": {"c": 5, "phi": 34}}}
-    bolts = {length: {"bolts": [{"force": 1500, "toward": "000/60", "head": [0, 3.3, 7], "length": length}]}
-             for length in (2.0, 2.5)}  # fmt: skip
+        "slopekit": 1,
+        "kind": "wedge",
+        "slope": {"face": "65/180", "upper": "5/180", "height": 20},
+        "joints": {
+            "J1": {"plane": "60/130", "strength": "a"},
+            "J2": {"plane": "60/230", "strength": "a"},
+        },
+        "basal": {"plane": "20/180", "height": 6, "strength": "b"},
+        "acceptance": {"rules": ["fos >= 1"]},
+        "strength": {"a": {"c": 5, "phi": 34}, "b": {"c": 0, "phi": 36}},
+        "rock": {"unit_weight": 26},
+    }
+    alone = {key: value for key, value in design.items() if key != "basal"} | {
+        "strength": {"a": {"c": 5, "phi": 34}}
+    }
+    bolts = {
+        length: {
+            "bolts": [{"force": 1500, "toward": "000/60", "head": [0, 3.3, 7], "length": length}]
+        }
+        for length in (2.0, 2.5)
+    }
     short, long = (sk.run(design | {"support": bolts[length]}) for length in (2.0, 2.5))
     with pytest.raises(sk.SlopekitError, match="E212"):
         sk.run(alone | {"support": bolts[2.0]})
-    assert short.comparisons.without_basal.closed_form == pytest.approx(sk.run(alone).fos.closed_form, rel=1e-12)
+    assert short.comparisons.without_basal.closed_form == pytest.approx(
+        sk.run(alone).fos.closed_form, rel=1e-12
+    )
     assert long.comparisons.without_basal.closed_form == pytest.approx(
         sk.run(alone | {"support": bolts[2.5]}).fos.closed_form, rel=1e-12
     )

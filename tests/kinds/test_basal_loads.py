@@ -38,10 +38,17 @@ def test_the_bounds_of_bolts_are_the_faces_of_the_block() -> None:
     found, block = bounds(design), shape_of(design).block
     over = found.outward[:, 0] @ block.corners.T - found.offsets
     assert over.max() < 1e-9
-    assert np.abs(over).min(axis=1) == pytest.approx(0.0, abs=1e-9)  # each plane has a corner of the block
+    assert np.abs(over).min(axis=1) == pytest.approx(
+        0.0, abs=1e-9
+    )  # each plane has a corner of the block
 
 
-STEEP = {"basal__plane": "45/262", "basal__height": 1, "joints__J1__plane": "60/100", "joints__J2__plane": "60/250"}
+STEEP = {
+    "basal__plane": "45/262",
+    "basal__height": 1,
+    "joints__J1__plane": "60/100",
+    "joints__J2__plane": "60/250",
+}
 
 
 @pytest.mark.parametrize(
@@ -50,7 +57,14 @@ STEEP = {"basal__plane": "45/262", "basal__height": 1, "joints__J1__plane": "60/
         ({"basal__plane": "75/100", "basal__height": 25, "joints__J1__plane": "45/115"}, "E440"),
         ({"basal__plane": "35/45", "basal__height": 25, "joints__J1__plane": "60/100"}, "E442"),
         ({"basal__plane": "28/262", "basal__height": 6, "joints__J2__plane": "60/270"}, "E440"),
-        ({"basal__plane": "60/100", "joints__J1__plane": "60/100", "joints__J2__plane": "78/262"}, "E440"),
+        (
+            {
+                "basal__plane": "60/100",
+                "joints__J1__plane": "60/100",
+                "joints__J2__plane": "78/262",
+            },
+            "E440",
+        ),
         ({"basal__height": 1e9}, "E447"),
     ],
 )
@@ -64,6 +78,6 @@ def test_what_cuts_no_block_has_a_code(change, code) -> None:
 @pytest.mark.parametrize(
     ("change", "code"),
     [(STEEP, "W410"), ({"basal__plane": "2/225", "basal__height": -8}, "W410")],
-)  # fmt: skip
+)
 def test_what_a_reader_must_know_of_a_basal_joint(change, code) -> None:
     assert code in {notice.code for notice in sk.run(put(TROUGH, **change)).warnings}

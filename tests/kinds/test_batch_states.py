@@ -26,7 +26,9 @@ def compared(designs: list[Design]) -> Counter[str]:
     assert statuses == [one.status for one in single]
     assert limits.moments_govern.tolist() == [one.moments_govern for one in single]
     factors = np.array([np.nan if one.limit is None else one.limit for one in single])
-    assert np.where(limits.factor == 0.0, np.nan, limits.factor) == pytest.approx(factors, rel=1e-6, nan_ok=True)
+    assert np.where(limits.factor == 0.0, np.nan, limits.factor) == pytest.approx(
+        factors, rel=1e-6, nan_ok=True
+    )
     return Counter(statuses)
 
 
@@ -62,7 +64,14 @@ def basal(seed: int) -> Iterator[Design]:
 @pytest.mark.slow
 def test_three_hundred_ordinary_cuts() -> None:
     found = compared(formed(ordinary(5), 300))
-    assert {"slides_on_both", "slides_on_J1", "slides_on_J2", "rotates", "lifted", "topples"} <= set(found)
+    assert {
+        "slides_on_both",
+        "slides_on_J1",
+        "slides_on_J2",
+        "rotates",
+        "lifted",
+        "topples",
+    } <= set(found)
 
 
 def test_wedges_on_three_joints() -> None:
@@ -97,13 +106,21 @@ def planes(seed: int) -> Iterator[Design]:
             "slope": {"face": f"{u(55, 85)}/180", "height": height, "upper": "0/180"},
             "joints": {"J1": {"plane": f"{abs(dip)}/{180 if dip >= 0 else 0}", "strength": "s"}},
             "crack": {"depth": float(height * u(0.05, 0.4) if dip > 10 else u(0.8, 0.99) * height)},
-            "strength": {"s": {"c": float(rng.choice([0.0, u(0, 60)])), "phi": float(rng.choice([0.0, u(5, 45)]))}},
+            "strength": {
+                "s": {
+                    "c": float(rng.choice([0.0, u(0, 60)])),
+                    "phi": float(rng.choice([0.0, u(5, 45)])),
+                }
+            },
             "rock": {"unit_weight": 26},
         }
         if rng.integers(0, 2):
             design["water"] = {"fill": float(u(0.0, 1.0))}
         if rng.integers(0, 2):
-            force = {"force": float(height**2 * u(0, 40)), "toward": f"{rng.choice([0, 180])}/{u(-60, 60)}"}
+            force = {
+                "force": float(height**2 * u(0, 40)),
+                "toward": f"{rng.choice([0, 180])}/{u(-60, 60)}",
+            }
             design["loads"] = {"forces": [force]}
         yield sk.load(design)
 
@@ -116,15 +133,38 @@ def test_planes_in_their_sections() -> None:
 def test_nearly_parallel_joints_that_push_a_thousand_times_the_load() -> None:
     """A millionth of the water moved these from 28.7 to 24.5 and from 75.6 to 35.5, alone or in batch: 1e-5 now."""
     wedges = (
-        {"dips": ((31.3857506832471, 181.71535579560128), (31.812523495287714, 183.61068739413741)), "height": 21.0447,
-         "face": (76.03320422848438, 180.0), "upper": (10.23159406176788, 180.0), "c": (10.40389790948893, 33.595),
-         "phi": (32.737397038037734, 32.772222111663325), "unit_weight": 26.0, "water": 0.765378697317069},
-        {"dips": ((55.39276903821835, 179.0304800702344), (56.663784582949546, 177.78352222780026)), "height": 27.055,
-         "face": (73.55896537184844, 180.0), "upper": (4.419431323817861, 180.0), "c": (36.59271558634349, 25.2729),
-         "phi": (44.52550591157052, 38.30139204769621), "unit_weight": 26.0, "water": 0.8389027353698193},
-    )  # fmt: skip
+        {
+            "dips": (
+                (31.3857506832471, 181.71535579560128),
+                (31.812523495287714, 183.61068739413741),
+            ),
+            "height": 21.0447,
+            "face": (76.03320422848438, 180.0),
+            "upper": (10.23159406176788, 180.0),
+            "c": (10.40389790948893, 33.595),
+            "phi": (32.737397038037734, 32.772222111663325),
+            "unit_weight": 26.0,
+            "water": 0.765378697317069,
+        },
+        {
+            "dips": (
+                (55.39276903821835, 179.0304800702344),
+                (56.663784582949546, 177.78352222780026),
+            ),
+            "height": 27.055,
+            "face": (73.55896537184844, 180.0),
+            "upper": (4.419431323817861, 180.0),
+            "c": (36.59271558634349, 25.2729),
+            "phi": (44.52550591157052, 38.30139204769621),
+            "unit_weight": 26.0,
+            "water": 0.8389027353698193,
+        },
+    )
     for wedge in wedges:
-        near = [wedge_design(wedge | {"water": wedge["water"] * (1.0 + 1e-6 * step)}) for step in range(12)]
+        near = [
+            wedge_design(wedge | {"water": wedge["water"] * (1.0 + 1e-6 * step)})
+            for step in range(12)
+        ]
         compared(near)
         factors = [factors_of(design).limit for design in near]
         assert factors == pytest.approx([factors[0]] * len(near), rel=1e-5)

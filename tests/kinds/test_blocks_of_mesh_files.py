@@ -18,7 +18,9 @@ def slab_on_an_incline(folder, suffix: str, up: str, key: str = "") -> str:
     """A slab of 2 x 2 x 0.5 m on a block whose top dips 60° toward the south, as y-up or as z-up files."""
     turn = trimesh.transformations.rotation_matrix(math.radians(60.0), [1.0, 0.0, 0.0])
     for name, size, middle in (("base", [6.0, 4.0, 2.0], -1.0), ("slab", [2.0, 2.0, 0.5], 0.25)):
-        body = trimesh.creation.box(size, trimesh.transformations.translation_matrix([0.0, 0.0, middle]))
+        body = trimesh.creation.box(
+            size, trimesh.transformations.translation_matrix([0.0, 0.0, middle])
+        )
         body.apply_transform(turn)
         if up == "y":
             body.vertices = body.vertices[:, [0, 2, 1]] * [1.0, 1.0, -1.0]
@@ -39,14 +41,21 @@ def slab_on_an_incline(folder, suffix: str, up: str, key: str = "") -> str:
 @pytest.mark.parametrize(
     ("suffix", "up", "key"),
     [
-        ("obj", "z", ""), ("stl", "z", ""), ("ply", "z", ""), ("glb", "y", ""), ("gltf", "y", ""), ("glb", "z", "z"),
+        ("obj", "z", ""),
+        ("stl", "z", ""),
+        ("ply", "z", ""),
+        ("glb", "y", ""),
+        ("gltf", "y", ""),
+        ("glb", "z", "z"),
         ("off", "y", "y"),
     ],
-)  # fmt: skip
+)
 def test_a_slab_slides_down_the_dip_of_its_file(tmp_path, suffix, up, key) -> None:
     """tan φ / tan β; a GLB read as z-up had the slab on 30°: 1.0000."""
     result = sk.run(slab_on_an_incline(tmp_path, suffix, up, key))
-    assert result.fos.limit == pytest.approx(math.tan(math.radians(30)) / math.tan(math.radians(60)), rel=1e-5)
+    assert result.fos.limit == pytest.approx(
+        math.tan(math.radians(30)) / math.tan(math.radians(60)), rel=1e-5
+    )
     assert ("y is up in the files of base, slab" in str(result.sheet)) == (up == "y")
     assert "toward 180/60.0" in result.sheet.full
 
@@ -75,7 +84,11 @@ def test_the_hash_of_a_design_knows_which_way_is_up(tmp_path) -> None:
     stated = {key: sk.load(slab_on_an_incline(tmp_path, "glb", "y", key)) for key in ("", "y", "z")}
     hashes = {key: design.input_hash() for key, design in stated.items()}
     assert hashes[""] == hashes["y"] != hashes["z"]
-    assert [stated[key].inputs()["blocks"][0]["mesh"].get("up") for key in ("", "y", "z")] == ["y", "y", None]
+    assert [stated[key].inputs()["blocks"][0]["mesh"].get("up") for key in ("", "y", "z")] == [
+        "y",
+        "y",
+        None,
+    ]
 
 
 @pytest.mark.parametrize("suffix", ["glb", "stl"])
@@ -90,7 +103,9 @@ def test_blocks_that_were_exported_are_the_same_blocks(tmp_path, suffix) -> None
     (tmp_path / "back.yaml").write_text(text)
     back = sk.run(tmp_path / "back.yaml")
     assert back.fos.limit == pytest.approx(result.fos.limit, rel=1e-5)
-    middles = [BlockScene.from_dict(one.to_dict()["scene"]).shapes.centroids for one in (back, result)]
+    middles = [
+        BlockScene.from_dict(one.to_dict()["scene"]).shapes.centroids for one in (back, result)
+    ]
     np.testing.assert_allclose(*middles, atol=1e-6)
 
 
@@ -98,7 +113,9 @@ def test_blocks_that_were_exported_are_the_same_blocks(tmp_path, suffix) -> None
 def test_a_block_on_a_face_that_is_not_convex(tmp_path, first) -> None:
     """An L of 5 m² and 100 kN, pushed by 0.2 of its weight: (5 c + 100 tan φ) / 20; fans gave 7 m²."""
     (tmp_path / "ell.obj").write_bytes(as_obj(*prism(ELL, first)))
-    floor = trimesh.creation.box([12.0, 12.0, 1.0], trimesh.transformations.translation_matrix([0.0, 0.0, -0.5]))
+    floor = trimesh.creation.box(
+        [12.0, 12.0, 1.0], trimesh.transformations.translation_matrix([0.0, 0.0, -0.5])
+    )
     floor.export(tmp_path / "floor.obj")
     (tmp_path / "ell.yaml").write_text(
         "slopekit: 1\nkind: blocks\nrock: {unit_weight: 20}\nblocks:\n  floor: {mesh: floor.obj, fixed: true}\n"
@@ -106,7 +123,9 @@ def test_a_block_on_a_face_that_is_not_convex(tmp_path, first) -> None:
     )
     result = sk.run(tmp_path / "ell.yaml")
     assert result.geometry.areas_m2["joint"] == pytest.approx(5.0, rel=1e-9)
-    assert result.fos.limit == pytest.approx((5.0 * 10.0 + 100.0 * math.tan(math.radians(30))) / 20.0, rel=1e-4)
+    assert result.fos.limit == pytest.approx(
+        (5.0 * 10.0 + 100.0 * math.tan(math.radians(30))) / 20.0, rel=1e-4
+    )
 
 
 @pytest.mark.parametrize("first", range(4))
@@ -125,6 +144,8 @@ def test_blocks_share_a_warped_face_whole(tmp_path, first) -> None:
     cut = mesh_assembly(bodies, np.array([True, False]))
     a, b, c, d = np.array(seam)
     halves = [((a, b, c), (a, c, d)), ((a, b, d), (b, c, d))]  # by one diagonal or by the other
-    areas = [sum(np.linalg.norm(np.cross(q - p, r - p)) / 2.0 for p, q, r in pair) for pair in halves]
+    areas = [
+        sum(np.linalg.norm(np.cross(q - p, r - p)) / 2.0 for p, q, r in pair) for pair in halves
+    ]
     assert min(abs(cut.contact - area) for area in areas) < 1e-9
     assert len(cut.overlaps.amounts) == len(cut.gaps.pairs) == 0

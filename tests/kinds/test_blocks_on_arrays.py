@@ -18,31 +18,51 @@ from slopekit.preie.batch import Blocks
 from slopekit.studies.evaluation.vectorised import vectorised
 
 PLANE: dict[str, Any] = {
-    "slopekit": 1, "kind": "plane", "slope": {"face": "65/170", "upper": "8/175", "height": 14},
-    "joints": {"J1": {"plane": "38/185", "strength": "s"}}, "strength": {"s": {"c": 12, "phi": 33}},
+    "slopekit": 1,
+    "kind": "plane",
+    "slope": {"face": "65/170", "upper": "8/175", "height": 14},
+    "joints": {"J1": {"plane": "38/185", "strength": "s"}},
+    "strength": {"s": {"c": 12, "phi": 33}},
     "rock": {"unit_weight": 26},
-}  # fmt: skip
+}
 WEDGE = PLANE | {
-    "kind": "wedge", "slope": {"face": "65/185", "upper": "12/195", "height": 20},
-    "joints": {"J1": {"plane": "45/105", "strength": "s"}, "J2": {"plane": "70/235", "strength": "s"}},
-}  # fmt: skip
+    "kind": "wedge",
+    "slope": {"face": "65/185", "upper": "12/195", "height": 20},
+    "joints": {
+        "J1": {"plane": "45/105", "strength": "s"},
+        "J2": {"plane": "70/235", "strength": "s"},
+    },
+}
 OF_PLANES: dict[str, dict[str, Any]] = {
-    "dry": {}, "full": {"water": {"fill": 0.7}}, "crack": {"crack": {"depth": 4}, "water": {"fill": 0.5}},
+    "dry": {},
+    "full": {"water": {"fill": 0.7}},
+    "crack": {"crack": {"depth": 4}, "water": {"fill": 0.5}},
     "water in the crack": {"crack": {"distance": 2, "water": "2 m"}},
     "pressure": {"water": {"pressures": {"J1": 15}}, "loads": {"seismic": {"k": 0.1}}},
     "trend": {"loads": {"seismic": {"k": 0.1, "toward": 200}}},
-    "forces": {"loads": {"forces": [{"force": 90, "toward": "180/20", "at": [0, 2, 9]}]},
-               "support": {"bolts": [{"force": 100, "toward": "000/10", "head": [0, 2.3, 5], "length": 30}]}},
-}  # fmt: skip
+    "forces": {
+        "loads": {"forces": [{"force": 90, "toward": "180/20", "at": [0, 2, 9]}]},
+        "support": {
+            "bolts": [{"force": 100, "toward": "000/10", "head": [0, 2.3, 5], "length": 30}]
+        },
+    },
+}
 
 CUT_OFF = {"plane": "80/185", "distance": 3, "water": "30 %"}
 OF_WEDGES: dict[str, dict[str, Any]] = {
     "crack fuller than the joints": {"crack": CUT_OFF | {"water": "80 %"}, "water": {"fill": 0.3}},
     "crack beside pressures": {"crack": CUT_OFF, "water": {"pressures": {"J1": 20, "J2": 5}}},
-    "pressure in the crack": {"crack": CUT_OFF | {"water": None}, "water": {"pressures": {"J2": 5, "crack": 12}}},
-    "bolts and forces": {"loads": {"forces": [{"force": 90, "toward": "180/20", "at": [0, 2, 9]}]},
-                         "support": {"bolts": [{"force": 500, "toward": "000/10", "head": [-7, 6, 14], "length": 30}]}},
-}  # fmt: skip
+    "pressure in the crack": {
+        "crack": CUT_OFF | {"water": None},
+        "water": {"pressures": {"J2": 5, "crack": 12}},
+    },
+    "bolts and forces": {
+        "loads": {"forces": [{"force": 90, "toward": "180/20", "at": [0, 2, 9]}]},
+        "support": {
+            "bolts": [{"force": 500, "toward": "000/10", "head": [-7, 6, 14], "length": 30}]
+        },
+    },
+}
 
 
 def on_arrays(design: Design) -> Blocks:
@@ -70,7 +90,9 @@ def test_forty_ordinary_cuts_have_the_loads_of_each_by_itself() -> None:
         single, many = blocks_of_cuts([made]), on_arrays(design)
         assert many.load == pytest.approx(single.load, rel=0, abs=1e-9 * np.abs(single.load).max())
         assert many.counts.tolist() == single.counts.tolist()
-        assert [corners(many, joint) for joint in range(2)] == [corners(single, joint) for joint in range(2)]
+        assert [corners(many, joint) for joint in range(2)] == [
+            corners(single, joint) for joint in range(2)
+        ]
         assert many.cohesion == pytest.approx(single.cohesion, rel=1e-15)
         assert many.tan_friction == pytest.approx(single.tan_friction, rel=1e-15)
     assert {bool(design.crack) for design in designs} == {True, False}  # type: ignore[attr-defined]
@@ -92,10 +114,14 @@ def test_a_metre_of_a_plane_has_the_loads_of_the_section(name: str) -> None:
     design = sk.load(PLANE | OF_PLANES[name])
     made, many = cut(design), on_arrays(design)
     force, moment = made.loads.force, made.loads.moment
-    assert many.load[0] == pytest.approx([*force, *moment], abs=1e-9 * np.abs(made.loads.force).max())
+    assert many.load[0] == pytest.approx(
+        [*force, *moment], abs=1e-9 * np.abs(made.loads.force).max()
+    )
     assert many.counts.tolist() == [[2]]
     low, high = many.corners[0, 0]
-    assert np.linalg.norm(high - low) == pytest.approx(sk.run(design).geometry.areas_m2["J1"], rel=1e-9)
+    assert np.linalg.norm(high - low) == pytest.approx(
+        sk.run(design).geometry.areas_m2["J1"], rel=1e-9
+    )
 
 
 def test_a_crack_cuts_the_block_and_one_behind_it_leaves_it_whole() -> None:
@@ -132,9 +158,19 @@ def test_a_block_without_strength_has_a_status_and_no_number() -> None:
 def test_a_wedge_that_hardly_daylights_is_weighed_as_the_closed_form_weighs_it() -> None:
     """Its line is 5e-8 rad steeper than the upper slope, and the wedge a million times as long as thick."""
     dips = 14.767444667665846 + np.array([3e-6, 1e-5, 1e-3])
-    design = sk.load({"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}})
-    columns = vectorised(design, dips[:, None], lambda row: {"joints.J1.plane.dip": float(dips[row])},
-                         ["joints.J1.plane.dip"])  # fmt: skip
+    design = sk.load(
+        {
+            "slopekit": 1,
+            "kind": "wedge",
+            "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
+        }
+    )
+    columns = vectorised(
+        design,
+        dips[:, None],
+        lambda row: {"joints.J1.plane.dip": float(dips[row])},
+        ["joints.J1.plane.dip"],
+    )
     assert columns is not None
     found = columns.rows(dips[:, None]).limits()
     assert found.forces == pytest.approx(columns.rows(dips[:, None]).closed_form.factor, rel=1e-8)

@@ -11,10 +11,19 @@ def columns(scale=1.0, friction=38.15, **slope):
     """Goodman & Bray's slope: base plane 30°, stepped by 5.7°."""
     made = {"height": 92.5 * scale, "face": 56.6, "upper": 4} | slope
     return {
-        "slopekit": 1, "kind": "topple", "slope": made, "rock": {"unit_weight": 25},
-        "columns": {"dip": 60, "width": 10.0 * scale, "base_angle": 35.7, "base": "j", "sides": "j"},
+        "slopekit": 1,
+        "kind": "topple",
+        "slope": made,
+        "rock": {"unit_weight": 25},
+        "columns": {
+            "dip": 60,
+            "width": 10.0 * scale,
+            "base_angle": 35.7,
+            "base": "j",
+            "sides": "j",
+        },
         "strength": {"j": {"c": 0, "phi": friction}},
-    }  # fmt: skip
+    }
 
 
 @pytest.mark.parametrize("friction", [38.15, 33.0])
@@ -30,14 +39,18 @@ def test_the_setback_is_from_the_crest_to_the_back_of_the_last_column_at_its_top
     assert top_x > crest_x
     # the top of the last column lies on the upper slope, but for the step that Goodman & Bray leave out
     z = up * math.cos(math.radians(30.0)) + last * 10.0 * math.sin(math.radians(30.0))
-    assert z == pytest.approx(92.5 + (top_x - crest_x) * math.tan(math.radians(4.0)), abs=1.2 * step)
+    assert z == pytest.approx(
+        92.5 + (top_x - crest_x) * math.tan(math.radians(4.0)), abs=1.2 * step
+    )
 
 
 def test_lengths_areas_and_volumes_scale() -> None:
     one, other = (sk.run(columns(scale)) for scale in (1.0, 3.0))
     small, large = one.findings.first.size, other.findings.first.size
     assert large.setback_m == pytest.approx(3.0 * small.setback_m, rel=1e-9)
-    assert large.volume_m3 == pytest.approx(9.0 * small.volume_m3, rel=1e-9)  # per metre along the strike
+    assert large.volume_m3 == pytest.approx(
+        9.0 * small.volume_m3, rel=1e-9
+    )  # per metre along the strike
     assert other.fos.limit == pytest.approx(one.fos.limit, rel=1e-6)
 
 

@@ -14,12 +14,20 @@ FILES = [f"templates/{name}.yaml" for name in ("wedge", "plane", "footing", "top
 def same(design, whole=None) -> None:
     """Of one design; its whole analysis may be there already."""
     quick, whole = factors_of(design), whole or sk.analyse(design)
-    assert (quick.status, quick.limit, quick.closed_form) == (whole.status, whole.fos.limit, whole.fos.closed_form)
+    assert (quick.status, quick.limit, quick.closed_form) == (
+        whole.status,
+        whole.fos.limit,
+        whole.fos.closed_form,
+    )
     assert (quick.agree, quick.difference) == (whole.agree, whole.difference)
     assert quick.moments_govern == whole.moments_govern
     alone = factors_of(design, pre_ie=False)
     if quick.closed_status is not None:
-        assert (alone.status, alone.limit, alone.factor) == (quick.closed_status, None, quick.closed_form)
+        assert (alone.status, alone.limit, alone.factor) == (
+            quick.closed_status,
+            None,
+            quick.closed_form,
+        )
 
 
 @pytest.mark.parametrize("file", FILES)
@@ -36,9 +44,18 @@ def test_dilating_joints_are_not_compared() -> None:
 def test_other_values_are_read_as_those_of_the_file() -> None:
     design = load("templates/wedge.yaml", [("slope.height", "30 m")])
     other = with_values(design, {"strength.weak.phi": 25, "slope.face": "62/180"})
-    assert (other.friction_angle_deg, other.face.dip_deg, other.height_m) == ((25.0, 25.0), 62.0, 30.0)
-    assert other.input_hash() == load("templates/wedge.yaml", [("slope.height", "30 m"), ("strength.weak.phi", 25),
-                                                               ("slope.face", "62/180")]).input_hash()  # fmt: skip
+    assert (other.friction_angle_deg, other.face.dip_deg, other.height_m) == (
+        (25.0, 25.0),
+        62.0,
+        30.0,
+    )
+    assert (
+        other.input_hash()
+        == load(
+            "templates/wedge.yaml",
+            [("slope.height", "30 m"), ("strength.weak.phi", 25), ("slope.face", "62/180")],
+        ).input_hash()
+    )
 
 
 def test_a_design_without_a_file_has_no_values_to_change() -> None:

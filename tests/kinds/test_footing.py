@@ -13,11 +13,16 @@ TEMPLATE = Path(__file__).parents[2] / "templates" / "paper-footing.yaml"
 
 
 def run(load=1500.0, at="middle", dip=45.0, length=LENGTH, c=200.0, phi=0.0, **more):
-    return sk.run({
-        "slopekit": 1, "kind": "footing", "footing": {"load": load, "at": at},
-        "weak_plane": {"dip": dip, "length": length, "pairs": more.pop("pairs", 9)},
-        "strength": {"seam": {"c": c, "phi": phi}}, **more,
-    })  # fmt: skip
+    return sk.run(
+        {
+            "slopekit": 1,
+            "kind": "footing",
+            "footing": {"load": load, "at": at},
+            "weak_plane": {"dip": dip, "length": length, "pairs": more.pop("pairs", 9)},
+            "strength": {"seam": {"c": c, "phi": phi}},
+            **more,
+        }
+    )
 
 
 def test_the_paper_s_factor() -> None:
@@ -28,7 +33,9 @@ def test_the_paper_s_factor() -> None:
     assert (result.status, result.agree) == ("slides_on_J1", True)
 
 
-@pytest.mark.parametrize(("dip", "friction", "weight"), [(20.0, 0.0, None), (45.0, 30.0, 20.0), (70.0, 10.0, 26.0)])
+@pytest.mark.parametrize(
+    ("dip", "friction", "weight"), [(20.0, 0.0, None), (45.0, 30.0, 20.0), (70.0, 10.0, 26.0)]
+)
 def test_two_equations_of_a_free_body(dip, friction, weight) -> None:
     """N and T from horizontal and vertical equilibrium, to rounding."""
     angle = math.radians(dip)
@@ -42,7 +49,9 @@ def test_two_equations_of_a_free_body(dip, friction, weight) -> None:
     assert found.fos.closed_form == pytest.approx(expected, rel=1e-12)
 
 
-@pytest.mark.parametrize(("dip", "c", "phi"), [(20, 50, 10), (40, 120, 25), (70, 300, 40), (45, 0, 50)])
+@pytest.mark.parametrize(
+    ("dip", "c", "phi"), [(20, 50, 10), (40, 120, 25), (70, 300, 40), (45, 0, 50)]
+)
 @pytest.mark.parametrize("unit_weight", [None, 24.0])
 def test_two_forces_by_hand(dip, c, phi, unit_weight) -> None:
     """F = (c L + P cos δ tan φ) / (P sin δ), P with the weight of the triangle L² sin δ cos δ / 2."""
@@ -70,7 +79,9 @@ def test_the_series_of_the_template() -> None:
     assert down == sorted(down)
     assert 0.0 < down[0] < down[-1] < 1.0
     at_one = 1e3 * result.series[0].movement.displacement[[0, 2]]
-    assert at_one == pytest.approx([11.2, -17.0], abs=0.1)  # Table 3 (mm); the stiffness was chosen to give it
+    assert at_one == pytest.approx(
+        [11.2, -17.0], abs=0.1
+    )  # Table 3 (mm); the stiffness was chosen to give it
 
 
 def test_a_load_in_the_middle_fails_all_pairs_at_once() -> None:
@@ -105,7 +116,10 @@ def test_the_middle_third(share) -> None:
         assert rest is not None
         assert rest.failed_pairs == 0
     assert result.limit_state.node_pairs.normal_kn.min() >= 0.0
-    idle = (result.limit_state.node_pairs.normal_kn <= 1e-9 * result.limit_state.node_pairs.normal_kn.sum()).any()
+    idle = (
+        result.limit_state.node_pairs.normal_kn
+        <= 1e-9 * result.limit_state.node_pairs.normal_kn.sum()
+    ).any()
     assert idle == opens
 
 
@@ -124,10 +138,15 @@ def test_a_load_on_the_edge_is_still_on_the_block(at) -> None:
 
 def test_displacement_of_an_even_load_by_hand() -> None:
     """u_n = N / (k_n L), u_t = T / (k_t L): springs in a row (1e-6: Newton's residual)."""
-    result = sk.run({
-        "slopekit": 1, "kind": "footing", "footing": {"load": 1500}, "weak_plane": {"dip": 30, "length": 6},
-        "strength": {"seam": {"c": 500, "phi": 0, "stiffness": {"normal": 4e4, "shear": 1e4}}},
-    })  # fmt: skip
+    result = sk.run(
+        {
+            "slopekit": 1,
+            "kind": "footing",
+            "footing": {"load": 1500},
+            "weak_plane": {"dip": 30, "length": 6},
+            "strength": {"seam": {"c": 500, "phi": 0, "stiffness": {"normal": 4e4, "shear": 1e4}}},
+        }
+    )
     sine, cosine = 0.5, math.sqrt(0.75)
     closes, slips = 1500.0 * cosine / (4e4 * 6.0), 1500.0 * sine / (1e4 * 6.0)
     x, _, z = result.displacements.at_factor_one.movement.displacement
@@ -138,6 +157,12 @@ def test_displacement_of_an_even_load_by_hand() -> None:
 def test_what_governs_is_the_closed_form_of_the_changed_design() -> None:
     """The block has another weight where the plane is steeper."""
     rock = {"rock": {"unit_weight": 24.0}}
-    said = {change: factor for change, factor, _ in run(dip=40.0, phi=30.0, **rock).comparisons.governs}
-    assert said["dip +1°"] == pytest.approx(run(dip=41.0, phi=30.0, **rock).fos.closed_form, rel=1e-12)
-    assert said["load +10 %"] == pytest.approx(run(load=1650.0, dip=40.0, phi=30.0, **rock).fos.closed_form, rel=1e-12)
+    said = {
+        change: factor for change, factor, _ in run(dip=40.0, phi=30.0, **rock).comparisons.governs
+    }
+    assert said["dip +1°"] == pytest.approx(
+        run(dip=41.0, phi=30.0, **rock).fos.closed_form, rel=1e-12
+    )
+    assert said["load +10 %"] == pytest.approx(
+        run(load=1650.0, dip=40.0, phi=30.0, **rock).fos.closed_form, rel=1e-12
+    )

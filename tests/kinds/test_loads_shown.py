@@ -9,11 +9,15 @@ from slopekit.design.fields import number
 from slopekit.design.parts import Seismic
 from slopekit.design.templates import path_of
 from slopekit.kinds.wedge.design import WedgeDesign
-from slopekit.kinds.words import WEIGHT_ONLY, loads_part
+from slopekit.kinds.words import WEIGHT_ONLY, loads_section
 from slopekit.result import Result
 from tests.support import SMALL_BENCH
 
-WEDGE = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
+WEDGE = {
+    "slopekit": 1,
+    "kind": "wedge",
+    "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,7 +34,7 @@ def loads_of(**given) -> str:
     assert isinstance(result, Result)
     plain = {part.name: getattr(result.design, part.name) for part in fields(WedgeDesign)}
     object.__setattr__(result, "design", WithCable(**{**plain, **given}))
-    return " | ".join(map(str, loads_part([], result).entries))
+    return " | ".join(map(str, loads_section([], result).entries))
 
 
 def test_a_load_that_a_sheet_does_not_know_is_shown_and_never_denied() -> None:
@@ -54,7 +58,9 @@ LOADS = {
 @pytest.mark.parametrize("path", LOADS)
 def test_no_sheet_denies_a_load(kind, path) -> None:
     try:
-        design = sk.load(path_of(kind), {path: LOADS[path]} | (SMALL_BENCH if kind == "bench" else {}))
+        design = sk.load(
+            path_of(kind), {path: LOADS[path]} | (SMALL_BENCH if kind == "bench" else {})
+        )
     except sk.DesignError:
         pytest.skip("this kind has no such load")
     try:

@@ -17,7 +17,9 @@ def test_pieces_joined_until_nothing_is_left_say_so() -> None:
     bench = path_of("bench")
     with pytest.raises(sk.GeometryError, match="E225 none of the 2 blocks can move") as refused:
         sk.run(bench, set={"cut.min_volume": 500})
-    assert refused.value.faults[0].advice.endswith("deeper bench, or a cut.min_volume below 500 m3.")
+    assert refused.value.faults[0].advice.endswith(
+        "deeper bench, or a cut.min_volume below 500 m3."
+    )
     whole, coarse = cut(sk.load(bench)), cut(sk.load(bench, set={"cut.min_volume": 50}))
     (said,) = [one.message for one in coarse.notices if one.code == "W505"]
     small = whole.assembly.volumes < 50.0
@@ -41,7 +43,11 @@ def test_rock_that_is_left_out_is_said(monkeypatch) -> None:
     """Slivers without a neighbour are no part of any block: how many m³ that is stands on the short sheet."""
     made = splitting.cut_bench
     monkeypatch.setattr(
-        splitting, "cut_bench", lambda *given: replace(made(*given), slivers_left_out=2, volume_left_out=0.125)
+        splitting,
+        "cut_bench",
+        lambda *given: replace(made(*given), slivers_left_out=2, volume_left_out=0.125),
     )
-    (message,) = [one.message for one in cut(sk.load(path_of("bench"))).notices if one.code == "W505"]
+    (message,) = [
+        one.message for one in cut(sk.load(path_of("bench"))).notices if one.code == "W505"
+    ]
     assert message == "0.125 m³ of rock is left out: slivers below 0.01 m³ without a neighbour"

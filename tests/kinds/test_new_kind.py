@@ -16,9 +16,12 @@ from tests.support import forget_kinds
 
 PAGE = Path(__file__).parents[2] / "docs/add-a-kind.md"
 SLAB = {
-    "slopekit": 1, "kind": "slab", "weak_plane": {"dip": 35, "length": "8 m", "thickness": "2 m"},
-    "strength": {"seam": {"c": "12 kPa", "phi": 30}}, "rock": {"unit_weight": 25},
-}  # fmt: skip
+    "slopekit": 1,
+    "kind": "slab",
+    "weak_plane": {"dip": 35, "length": "8 m", "thickness": "2 m"},
+    "strength": {"seam": {"c": "12 kPa", "phi": 30}},
+    "rock": {"unit_weight": 25},
+}
 
 
 @pytest.fixture(autouse=True)

@@ -10,10 +10,14 @@ import slopekit as sk
 
 def inputs(joint=(35, 180), face=(60, 180), upper=(0, 180), height=12.0, c=25.0, phi=37.0, **more):
     return {
-        "slopekit": 1, "kind": "plane", "slope": {"face": list(face), "upper": list(upper), "height": height},
-        "joints": {"J1": {"plane": list(joint)}}, "strength": {"s": {"c": c, "phi": phi}},
-        "rock": {"unit_weight": more.pop("unit_weight", 26.0)}, **more,
-    }  # fmt: skip
+        "slopekit": 1,
+        "kind": "plane",
+        "slope": {"face": list(face), "upper": list(upper), "height": height},
+        "joints": {"J1": {"plane": list(joint)}},
+        "strength": {"s": {"c": c, "phi": phi}},
+        "rock": {"unit_weight": more.pop("unit_weight", 26.0)},
+        **more,
+    }
 
 
 def run(*args, **more):
@@ -21,7 +25,9 @@ def run(*args, **more):
 
 
 @pytest.mark.parametrize(
-    ("c", "water", "exact"), [(25, 3, 1.24666), (25, 0, 1.54448), (0, 0, 1.07619)], ids=["4a_wm6", "4c_wm6", "4d_wm6"]
+    ("c", "water", "exact"),
+    [(25, 3, 1.24666), (25, 0, 1.54448), (0, 0, 1.07619)],
+    ids=["4a_wm6", "4c_wm6", "4d_wm6"],
 )
 def test_the_cases_of_wyllie_and_mah(c, water, exact) -> None:
     """Wyllie & Mah (2004), ch. 6: to 1e-4 of the recomputed five digits; closed form and PRE-IE to 1e-9."""
@@ -42,7 +48,10 @@ def free_body(plane, face, upper, height, c, phi, weight, crack, water, seismic,
     if crack is not None:
         ring.append((at, height + crack * tu if crack >= 0.0 else -at * tf))
     ring.append((at, -at * tp))
-    area = abs(sum(a[0] * b[1] - a[1] * b[0] for a, b in zip(ring, ring[1:] + ring[:1], strict=True))) / 2.0
+    area = (
+        abs(sum(a[0] * b[1] - a[1] * b[0] for a, b in zip(ring, ring[1:] + ring[:1], strict=True)))
+        / 2.0
+    )
     length = math.hypot(*ring[-1])
     sine, cosine = math.sin(math.radians(plane)), math.cos(math.radians(plane))
     if crack is None:  # highest halfway along, nothing at both ends
@@ -71,17 +80,37 @@ def random_plane(seed: int):
     force, plunge = rng.uniform(0.0, 0.1) * 25.0 * height**2, rng.uniform(-20.0, 50.0)
     acts = rng.choice(["active", "passive", "none"])
     return (
-        (plane, face, upper, height, rng.uniform(0.0, 100.0), rng.uniform(5.0, 50.0), rng.uniform(20.0, 30.0), crack,
-         water, seismic), azimuth, force, plunge, str(acts),
-    )  # fmt: skip
+        (
+            plane,
+            face,
+            upper,
+            height,
+            rng.uniform(0.0, 100.0),
+            rng.uniform(5.0, 50.0),
+            rng.uniform(20.0, 30.0),
+            crack,
+            water,
+            seismic,
+        ),
+        azimuth,
+        force,
+        plunge,
+        str(acts),
+    )
 
 
-@pytest.mark.parametrize("seed", [*range(32), 50, 55, 64, 65, 76, 82, 96])  # every branch that a hundred take
+@pytest.mark.parametrize(
+    "seed", [*range(32), 50, 55, 64, 65, 76, 82, 96]
+)  # every branch that a hundred take
 def test_random_planes(seed) -> None:
     """Hand equilibrium and closed form to 1e-8 where moments do not govern; below them where they do."""
-    (plane, face, upper, height, c, phi, weight, crack, water, seismic), azimuth, force, plunge, acts = random_plane(
-        seed
-    )
+    (
+        (plane, face, upper, height, c, phi, weight, crack, water, seismic),
+        azimuth,
+        force,
+        plunge,
+        acts,
+    ) = random_plane(seed)
     back = (azimuth + 180.0) % 360.0
     more = {"water": {"mode": "full", "fill": water}} if water else {}
     more |= {"crack": {"distance": crack}} if crack is not None else {}
@@ -90,9 +119,15 @@ def test_random_planes(seed) -> None:
         more["support"] = {"bolts": [{"force": force, "toward": [back, plunge], "acts": acts}]}
     try:
         result = run(
-            (plane, azimuth), (face, azimuth), (abs(upper), azimuth if upper >= 0.0 else back), height, c, phi,
-            unit_weight=weight, **more,
-        )  # fmt: skip
+            (plane, azimuth),
+            (face, azimuth),
+            (abs(upper), azimuth if upper >= 0.0 else back),
+            height,
+            c,
+            phi,
+            unit_weight=weight,
+            **more,
+        )
     except sk.GeometryError:  # E207: the crack lies in front of the toe or behind the block
         if crack is None:
             raise
@@ -106,7 +141,9 @@ def test_random_planes(seed) -> None:
         if exact is not None:
             assert result.fos.closed_form == pytest.approx(exact, rel=1e-9)
     if result.fos.limit:
-        assert result.fos.static_bound is None or result.fos.limit <= result.fos.static_bound * (1.0 + 1e-9)
+        assert result.fos.static_bound is None or result.fos.limit <= result.fos.static_bound * (
+            1.0 + 1e-9
+        )
         if result.moments_govern:
             assert result.fos.limit < result.comparisons.forces_only
             assert result.comparisons.forces_only == pytest.approx(result.fos.closed_form, rel=1e-8)
@@ -132,7 +169,15 @@ def test_a_passive_bolt_is_divided_with_the_strength(phi, water) -> None:
 
 def column(seismic: float):
     """A slab 2 m thick and about 12 m high on a plane at 20°, in front of a dry crack, pushed outward."""
-    return run((20, 180), (90, 180), height=12.0, c=0.0, phi=60.0, crack={"distance": 2.0}, loads={"seismic": seismic})
+    return run(
+        (20, 180),
+        (90, 180),
+        height=12.0,
+        c=0.0,
+        phi=60.0,
+        crack={"distance": 2.0},
+        loads={"seismic": seismic},
+    )
 
 
 def test_a_slab_tips_at_its_geometric_limit() -> None:
@@ -151,8 +196,18 @@ def test_a_slab_tips_at_its_geometric_limit() -> None:
     assert "they turn the block over" in " ".join(str(above.sheet).split())
     assert below.status != "topples"
     assert below.fos.limit
-    assert run((20, 180), (90, 180), height=12.0, c=0.0, phi=85.0, crack={"distance": 2.0},
-               loads={"seismic": 1.001 * limit}).status == "topples"  # fmt: skip
+    assert (
+        run(
+            (20, 180),
+            (90, 180),
+            height=12.0,
+            c=0.0,
+            phi=85.0,
+            crack={"distance": 2.0},
+            loads={"seismic": 1.001 * limit},
+        ).status
+        == "topples"
+    )
 
 
 @pytest.mark.parametrize("water", [5.0, 6.5])
@@ -161,12 +216,17 @@ def test_water_tips_a_slab_at_its_place(water) -> None:
     rear = 12.0 - 2.0 * math.tan(math.radians(20.0))
     foot, length = 12.0 - rear, 2.0 / math.cos(math.radians(20.0))
     x = (2.0 * rear + 12.0) / (3.0 * (12.0 + rear)) * 2.0
-    turns = 0.5 * 9.81 * water**2 * (foot + water / 3.0) + 0.5 * 9.81 * water * length * (2.0 / 3.0) * length
+    turns = (
+        0.5 * 9.81 * water**2 * (foot + water / 3.0)
+        + 0.5 * 9.81 * water * length * (2.0 / 3.0) * length
+    )
     balance = turns / (x * (12.0 + rear))
 
     def status(unit_weight: float) -> str:
         crack = {"distance": 2.0, "water": water}
-        return run((20, 180), (90, 180), c=0.0, phi=85.0, unit_weight=unit_weight, crack=crack).status
+        return run(
+            (20, 180), (90, 180), c=0.0, phi=85.0, unit_weight=unit_weight, crack=crack
+        ).status
 
     assert status(balance * (1.0 - 2e-4)) == "topples"
     assert status(balance * (1.0 + 2e-4)) != "topples"
@@ -185,13 +245,20 @@ def test_a_crack_in_the_face() -> None:
 @pytest.mark.parametrize(
     ("changes", "code"),
     [
-        ({"joint": (61, 180)}, "E203"), ({"joint": (35, 0)}, "E204"), ({"joint": (0, 180)}, "E204"),
-        ({"joint": (20, 180), "upper": (25, 180)}, "E205"), ({"crack": {"distance": 50}}, "E207"),
-        ({"crack": {"distance": -8}}, "E207"), ({"crack": {"depth": 10}}, "E207"),
-        ({"crack": {"depth": 4.35, "distance": 9}}, "E207"), ({"crack": {"depth": 4.35, "water": 5}}, "E207"),
-        ({"upper": (60, 180)}, "E209"), ({"joint": (35, 201)}, "E213"), ({"upper": (10, 230)}, "E213"),
+        ({"joint": (61, 180)}, "E203"),
+        ({"joint": (35, 0)}, "E204"),
+        ({"joint": (0, 180)}, "E204"),
+        ({"joint": (20, 180), "upper": (25, 180)}, "E205"),
+        ({"crack": {"distance": 50}}, "E207"),
+        ({"crack": {"distance": -8}}, "E207"),
+        ({"crack": {"depth": 10}}, "E207"),
+        ({"crack": {"depth": 4.35, "distance": 9}}, "E207"),
+        ({"crack": {"depth": 4.35, "water": 5}}, "E207"),
+        ({"upper": (60, 180)}, "E209"),
+        ({"joint": (35, 201)}, "E213"),
+        ({"upper": (10, 230)}, "E213"),
     ],
-)  # fmt: skip
+)
 def test_faults(changes, code) -> None:
     with pytest.raises(sk.GeometryError) as caught:
         run(**changes)
@@ -222,20 +289,35 @@ def test_where_along_the_slope_a_bolt_stands_does_not_matter(east) -> None:
 @pytest.mark.parametrize("acts", ["active", "passive"])
 def test_what_acts_along_the_slope_is_left_out(toward, acts) -> None:
     """W323; the part in the section by hand: cos of the horizontal angle."""
-    result = run(support={"bolts": [{"force": 300, "toward": toward, "acts": acts, "head": [5, -3.4641, 6]}]}) if (
-        toward[0] == 10
-    ) else run(support={"bolts": [{"force": 300, "toward": toward, "acts": acts}]})  # fmt: skip
+    result = (
+        run(
+            support={
+                "bolts": [{"force": 300, "toward": toward, "acts": acts, "head": [5, -3.4641, 6]}]
+            }
+        )
+        if (toward[0] == 10)
+        else run(support={"bolts": [{"force": 300, "toward": toward, "acts": acts}]})
+    )
     assert "W323" in [notice.code for notice in result.warnings]
     plunge = math.radians(toward[1])
-    level, down = 300.0 * math.cos(plunge) * math.cos(math.radians(toward[0])), 300.0 * math.sin(plunge)
+    level, down = (
+        300.0 * math.cos(plunge) * math.cos(math.radians(toward[0])),
+        300.0 * math.sin(plunge),
+    )
     if level < 1e-9:
         assert result.fos.limit == pytest.approx(run().fos.limit, rel=1e-12)
         return
-    same = {"force": math.hypot(level, down), "toward": [0, math.degrees(math.atan2(down, level))], "acts": acts}
+    same = {
+        "force": math.hypot(level, down),
+        "toward": [0, math.degrees(math.atan2(down, level))],
+        "acts": acts,
+    }
     assert result.fos.limit == pytest.approx(run(support={"bolts": [same]}).fos.limit, rel=1e-9)
 
 
-@pytest.mark.parametrize(("head", "length", "code"), [([0, 3, 20], 9, "E211"), ([0, -3.4641, 6], 2, "E212")])
+@pytest.mark.parametrize(
+    ("head", "length", "code"), [([0, 3, 20], 9, "E211"), ([0, -3.4641, 6], 2, "E212")]
+)
 def test_bolts_that_hold_nothing(head, length, code) -> None:
     with pytest.raises(sk.GeometryError) as caught:
         run(support={"bolts": [{**BOLT, "head": head, "length": length}]})

@@ -32,7 +32,9 @@ def stack(rng, courses: int):
 
 def on_incline(outlines, dip_deg: float, shift):
     c, s = math.cos(math.radians(dip_deg)), math.sin(math.radians(dip_deg))
-    return {name: outline @ np.array([[c, -s], [s, c]]) + shift for name, outline in outlines.items()}
+    return {
+        name: outline @ np.array([[c, -s], [s, c]]) + shift for name, outline in outlines.items()
+    }
 
 
 def factor(dip_deg: float) -> float:
@@ -42,10 +44,16 @@ def factor(dip_deg: float) -> float:
 def run_sections(outlines, **more):
     blocks = {name: {"polygon": outline.tolist()} for name, outline in outlines.items()}
     blocks["base"]["fixed"] = True
-    return sk.run({
-        "slopekit": 1, "kind": "blocks", "rock": {"unit_weight": 25}, "blocks": blocks,
-        "strength": {"joint": {"c": 0, "phi": PHI}}, **more,
-    })  # fmt: skip
+    return sk.run(
+        {
+            "slopekit": 1,
+            "kind": "blocks",
+            "rock": {"unit_weight": 25},
+            "blocks": blocks,
+            "strength": {"joint": {"c": 0, "phi": PHI}},
+            **more,
+        }
+    )
 
 
 @cache
@@ -84,14 +92,18 @@ def save_mesh(path, vertices, decimals: int | None):
         lines += [f"f {' '.join(str(k + 1) for k in quad)}" for quad in QUADS]
         path.write_text("\n".join(lines), encoding="utf-8")
         return
-    mesh = trimesh.Trimesh(vertices if decimals is None else vertices.round(decimals), TRIANGLES, process=False)
+    mesh = trimesh.Trimesh(
+        vertices if decimals is None else vertices.round(decimals), TRIANGLES, process=False
+    )
     if decimals is None:
         mesh.export(path)
     else:
         path.write_text(trimesh.exchange.stl.export_stl_ascii(mesh), encoding="utf-8")
 
 
-def run_meshes(folder, suffix: str, dip: float, shift, decimals: int | None = None, courses: int = 2):
+def run_meshes(
+    folder, suffix: str, dip: float, shift, decimals: int | None = None, courses: int = 2
+):
     """Boxes 2 to 3 m long on an incline that dips toward some azimuth."""
     rng = np.random.default_rng(7)
     turn = trimesh.transformations.euler_matrix(0.0, math.radians(dip), 0.7, "sxyz")[:3, :3]
@@ -99,15 +111,24 @@ def run_meshes(folder, suffix: str, dip: float, shift, decimals: int | None = No
     for name, outline in stack(rng, courses).items():
         deep = (-9.0, 11.0) if name == "base" else (0.0, 2.5)
         (x0, z0), (x1, z1) = outline[0], outline[2]
-        corners = [[x, y, z] for z in (z0, z1) for x, y in ((x0, deep[0]), (x1, deep[0]), (x1, deep[1]), (x0, deep[1]))]
+        corners = [
+            [x, y, z]
+            for z in (z0, z1)
+            for x, y in ((x0, deep[0]), (x1, deep[0]), (x1, deep[1]), (x0, deep[1]))
+        ]
         files[name] = folder / f"{name}{suffix}"
         save_mesh(files[name], np.array(corners) @ turn.T + shift, decimals)
     blocks = {name: {"mesh": str(file), "up": "z"} for name, file in files.items()}
     blocks["base"]["fixed"] = True
-    return sk.run({
-        "slopekit": 1, "kind": "blocks", "rock": {"unit_weight": 25}, "blocks": blocks,
-        "strength": {"joint": {"c": 0, "phi": PHI}},
-    })  # fmt: skip
+    return sk.run(
+        {
+            "slopekit": 1,
+            "kind": "blocks",
+            "rock": {"unit_weight": 25},
+            "blocks": blocks,
+            "strength": {"joint": {"c": 0, "phi": PHI}},
+        }
+    )
 
 
 @pytest.mark.parametrize(("suffix", "decimals"), [(".obj", 2), (".obj", 4), (".stl", 3)], ids=str)
@@ -125,13 +146,19 @@ def test_meshes_of_single_precision_far_from_the_origin(tmp_path, suffix) -> Non
     """At 5000 m single precision holds 0.5 mm, more than 1e-5 of the blocks; a text holds every digit."""
     result = run_meshes(tmp_path, suffix, 33.0, np.array([5000.3, -3000.7, 100.1]))
     assert result.fos.limit == pytest.approx(factor(33.0), rel=2e-4)
-    assert result.findings.checks.get("corner_rounding_m") == (None if suffix == ".obj" else 2.0**-11)
+    assert result.findings.checks.get("corner_rounding_m") == (
+        None if suffix == ".obj" else 2.0**-11
+    )
 
 
 @pytest.mark.parametrize("suffix", [".stl", ".ply", ".glb"])
-@pytest.mark.parametrize(("shift", "held"), [((512300.0, 0.0, 0.0), "0.031 m"), ((512300.0, 4187650.0, 0.0), "0.25 m")])
+@pytest.mark.parametrize(
+    ("shift", "held"), [((512300.0, 0.0, 0.0), "0.031 m"), ((512300.0, 4187650.0, 0.0), "0.25 m")]
+)
 def test_map_coordinates_in_single_precision_are_refused(tmp_path, suffix, shift, held) -> None:
-    with pytest.raises(DesignError, match=rf"single precision \(float32\), which rounds them to {held}") as error:
+    with pytest.raises(
+        DesignError, match=rf"single precision \(float32\), which rounds them to {held}"
+    ) as error:
         run_meshes(tmp_path, suffix, 33.0, np.array(shift))
     assert {fault.code for fault in error.value.faults} == {"E172"}
     assert "Shift the origin" in error.value.faults[0].advice
@@ -143,7 +170,9 @@ def test_map_coordinates_in_the_nodes_of_a_glb_lose_nothing(tmp_path) -> None:
     slope = trimesh.transformations.rotation_matrix(math.radians(-33.0), [1, 0, 0])
     place = trimesh.transformations.translation_matrix([512300.0, 4187650.0, 120.0])
     for name, size, up in (("base", (30.0, 30.0, 4.0), -2.0), ("B", (3.0, 2.0, 1.0), 0.5)):
-        body = trimesh.creation.box(size, trimesh.transformations.translation_matrix([0, 0, up])).apply_transform(slope)
+        body = trimesh.creation.box(
+            size, trimesh.transformations.translation_matrix([0, 0, up])
+        ).apply_transform(slope)
         scene = trimesh.Scene()
         scene.add_geometry(body, transform=place)
         scene.export(tmp_path / f"{name}.glb")
@@ -155,16 +184,29 @@ def test_map_coordinates_in_the_nodes_of_a_glb_lose_nothing(tmp_path) -> None:
 
 def test_map_coordinates_of_single_precision_in_a_text_are_refused(tmp_path) -> None:
     """A program of single precision writes 512303.906250: the digits after the fifth are none."""
-    corners = [[x, y, z] for z in (0.0, 1.0) for x, y in ((0.0, 0.0), (3.0, 0.0), (3.0, 2.0), (0.0, 2.0))]
+    corners = [
+        [x, y, z] for z in (0.0, 1.0) for x, y in ((0.0, 0.0), (3.0, 0.0), (3.0, 2.0), (0.0, 2.0))
+    ]
     vertices = np.array(corners) @ [[0.8, 0.1, 0.6], [0, 1, 0.1], [-0.6, 0, 0.8]]
-    vertices = (vertices + np.array([512300.0, 4187650.0, 120.0])).astype(np.float32).astype(np.float64)
+    vertices = (
+        (vertices + np.array([512300.0, 4187650.0, 120.0])).astype(np.float32).astype(np.float64)
+    )
     save_mesh(tmp_path / "B.obj", vertices, 6)
-    (tmp_path / "base.obj").write_text((tmp_path / "B.obj").read_text(encoding="utf-8"), encoding="utf-8")
+    (tmp_path / "base.obj").write_text(
+        (tmp_path / "B.obj").read_text(encoding="utf-8"), encoding="utf-8"
+    )
     blocks = {name: {"mesh": str(tmp_path / f"{name}.obj")} for name in ("base", "B")}
     blocks["base"]["fixed"] = True
     with pytest.raises(DesignError, match=r"E172 the mesh B\.obj .* in single precision"):
-        sk.run({"slopekit": 1, "kind": "blocks", "rock": {"unit_weight": 25}, "blocks": blocks,
-                "strength": {"joint": {"c": 0, "phi": PHI}}})  # fmt: skip
+        sk.run(
+            {
+                "slopekit": 1,
+                "kind": "blocks",
+                "rock": {"unit_weight": 25},
+                "blocks": blocks,
+                "strength": {"joint": {"c": 0, "phi": PHI}},
+            }
+        )
 
 
 @pytest.mark.parametrize("binary", [False, True])
@@ -176,7 +218,9 @@ def test_drawings_in_millimetres_and_inches_say_so(tmp_path, binary) -> None:
         outlines = on_incline(stack(np.random.default_rng(3), 1), 33.0, np.array([4.3, 1.7]))
         for block, outline in outlines.items():
             deep = (-5.0, 5.0) if block == "base" else (0.0, 2.0)
-            corners = np.array([[x, y, z] for y in deep for x, z in outline])[[0, 1, 5, 4, 3, 2, 6, 7]]
+            corners = np.array([[x, y, z] for y in deep for x, z in outline])[
+                [0, 1, 5, 4, 3, 2, 6, 7]
+            ]
             drawing = ezdxf.new("R2000", units=units)
             mesh = ezdxf.render.MeshBuilder()
             mesh.add_mesh(vertices=(corners / length).round(decimals).tolist(), faces=QUADS)
@@ -184,18 +228,32 @@ def test_drawings_in_millimetres_and_inches_say_so(tmp_path, binary) -> None:
             file = tmp_path / f"{block}-{name}.dxf"
             drawing.saveas(file, fmt="bin" if binary else "asc")
             blocks[block] = {"mesh": str(file), "fixed": block == "base"}
-        result = sk.run({"slopekit": 1, "kind": "blocks", "rock": {"unit_weight": 25}, "blocks": blocks,
-                         "strength": {"joint": {"c": 0, "phi": PHI}}})  # fmt: skip
+        result = sk.run(
+            {
+                "slopekit": 1,
+                "kind": "blocks",
+                "rock": {"unit_weight": 25},
+                "blocks": blocks,
+                "strength": {"joint": {"c": 0, "phi": PHI}},
+            }
+        )
         assert result.fos.limit == pytest.approx(factor(33.0), rel=1e-3)
-        assert result.findings.checks["corner_rounding_m"] == pytest.approx(length * 10.0**-decimals)
+        assert result.findings.checks["corner_rounding_m"] == pytest.approx(
+            length * 10.0**-decimals
+        )
         assert f"B0-{name}.dxf ($INSUNITS {name}, scaled to m)" in " ".join(str(result).split())
 
 
 def test_contacts_that_depend_on_the_tolerance_are_named() -> None:
     """A gap of 1 mm: lost with a third of 2 mm, gained with three times 0.5 mm, neither within 0.9 mm and 3 mm."""
-    outlines = on_incline({"base": rectangle(-3, -1, 9, 1), "B": rectangle(0, 0, 2, 1), "C": rectangle(2, 0, 2, 1)},
-                          20.0, np.zeros(2))  # fmt: skip
-    outlines["C"] = outlines["C"] + 0.001 * np.array([math.cos(math.radians(20.0)), -math.sin(math.radians(20.0))])
+    outlines = on_incline(
+        {"base": rectangle(-3, -1, 9, 1), "B": rectangle(0, 0, 2, 1), "C": rectangle(2, 0, 2, 1)},
+        20.0,
+        np.zeros(2),
+    )
+    outlines["C"] = outlines["C"] + 0.001 * np.array(
+        [math.cos(math.radians(20.0)), -math.sin(math.radians(20.0))]
+    )
     expected = {
         "2 mm": "with a third of the contact tolerance (2 mm) contacts are lost: B/C",
         "0.5 mm": "with three times the contact tolerance (0.5 mm) contacts are gained: B/C",
@@ -203,13 +261,22 @@ def test_contacts_that_depend_on_the_tolerance_are_named() -> None:
         "5 mm": None,
     }
     for tolerance, message in expected.items():
-        said = [notice.message for notice in run_sections(outlines, contact_tolerance=tolerance).warnings]
-        assert [words for words in said if words.startswith("with ")] == ([message] if message else [])
+        said = [
+            notice.message
+            for notice in run_sections(outlines, contact_tolerance=tolerance).warnings
+        ]
+        assert [words for words in said if words.startswith("with ")] == (
+            [message] if message else []
+        )
 
 
 def test_a_thin_seam_is_not_closed_across() -> None:
     """A seam 10 mm thick in coordinates of 2 decimals: the blocks above and below it do not touch each other."""
-    seam = {"base": rectangle(-3, -1, 9, 1), "seam": rectangle(0, 0, 2, 0.01), "B": rectangle(0, 0.01, 2, 1)}
+    seam = {
+        "base": rectangle(-3, -1, 9, 1),
+        "seam": rectangle(0, 0, 2, 0.01),
+        "B": rectangle(0, 0.01, 2, 1),
+    }
     result = run_sections(seam)
     assert len(result.geometry.contacts) == 2
     assert "corner_rounding_m" not in result.findings.checks

@@ -29,10 +29,13 @@ from tests.closed_form.extents import block_extents
 
 CUT = 1e-8  # manifold rounds to 1e-12 of the body; a thin wedge loses some digits
 WEDGE: dict[str, Any] = {
-    "slopekit": 1, "kind": "wedge", "slope": {"face": "65/185", "upper": "12/195", "height": 30},
+    "slopekit": 1,
+    "kind": "wedge",
+    "slope": {"face": "65/185", "upper": "12/195", "height": 30},
     "joints": {"A": {"plane": "45/105"}, "B": {"plane": "70/235"}},
-    "strength": {"joint": {"c": 0, "phi": 35}}, "rock": {"unit_weight": 25},
-}  # fmt: skip
+    "strength": {"joint": {"c": 0, "phi": 35}},
+    "rock": {"unit_weight": 25},
+}
 
 
 def limited(**limits: Any) -> Result:
@@ -73,11 +76,18 @@ def test_random_wedges_have_the_sizes_of_their_corners() -> None:
         except GeometryError:
             continue
         seen += 1
-        wanted = {"height_m": own.height_m, "face_width_m": own.face_width_m, "setback_m": own.setback_m}
+        wanted = {
+            "height_m": own.height_m,
+            "face_width_m": own.face_width_m,
+            "setback_m": own.setback_m,
+        }
         for key, value in wanted.items():
             assert getattr(found, key) == pytest.approx(float(value[0]), rel=CUT), key
         traces = found.trace_lengths_m
-        for joint, face, upper in (("J1", own.trace1_m, own.upper_trace1_m), ("J2", own.trace2_m, own.upper_trace2_m)):
+        for joint, face, upper in (
+            ("J1", own.trace1_m, own.upper_trace1_m),
+            ("J2", own.trace2_m, own.upper_trace2_m),
+        ):
             assert traces[joint]["face"] == pytest.approx(float(face[0]), rel=CUT)
             assert traces[joint]["upper"] == pytest.approx(float(upper[0]), rel=CUT)
     assert seen == 30
@@ -91,7 +101,9 @@ def test_a_level_crest_by_the_corners_of_the_block() -> None:
     own = block_extents(corners, design.face.dip_direction_deg, geometry.corners_m["crest_J1"])
     assert geometry.setback_m == pytest.approx(own.setback_m, rel=CUT)
     assert geometry.height_m == pytest.approx(own.height_m, rel=CUT)
-    assert result.mass_t == pytest.approx(geometry.volume_m3 * design.rock.unit_weight_kn_m3 / 9.81, rel=1e-9)
+    assert result.mass_t == pytest.approx(
+        geometry.volume_m3 * design.rock.unit_weight_kn_m3 / 9.81, rel=1e-9
+    )
 
 
 @pytest.mark.parametrize("scale", [0.1, 3.0])
@@ -101,20 +113,33 @@ def test_sizes_scale_and_the_factor_does_not(scale: float) -> None:
     assert other.fos.limit == pytest.approx(one.fos.limit, rel=1e-6)
     assert other.fos.closed_form == pytest.approx(one.fos.closed_form, rel=1e-12)
     for key in ("height_m", "face_width_m", "setback_m"):
-        assert getattr(other.geometry, key) == pytest.approx(scale * getattr(one.geometry, key), rel=CUT)
+        assert getattr(other.geometry, key) == pytest.approx(
+            scale * getattr(one.geometry, key), rel=CUT
+        )
     for joint, traces in one.geometry.trace_lengths_m.items():
         for where, length in traces.items():
-            assert other.geometry.trace_lengths_m[joint][where] == pytest.approx(scale * length, rel=CUT)
-        assert other.geometry.areas_m2[joint] == pytest.approx(scale**2 * one.geometry.areas_m2[joint], rel=CUT)
+            assert other.geometry.trace_lengths_m[joint][where] == pytest.approx(
+                scale * length, rel=CUT
+            )
+        assert other.geometry.areas_m2[joint] == pytest.approx(
+            scale**2 * one.geometry.areas_m2[joint], rel=CUT
+        )
     assert other.forces.weight == pytest.approx(scale**3 * one.forces.weight, rel=CUT)
     assert other.mass_t == pytest.approx(scale**3 * one.mass_t, rel=CUT)
 
 
 def test_a_plane_by_hoek_and_bray() -> None:
     """b = H (cot ψp - cot ψf) / (1 - tan ψs cot ψp) without a crack, the distance of the crack with one."""
-    whole = sk.run({"slopekit": 1, "kind": "plane", "slope": {"face": "60/180", "height": 12, "upper": "5/180"},
-                    "joints": {"J1": {"plane": "35/180"}}, "strength": {"joint": {"c": 5, "phi": 30}},
-                    "rock": {"unit_weight": 26}})  # fmt: skip
+    whole = sk.run(
+        {
+            "slopekit": 1,
+            "kind": "plane",
+            "slope": {"face": "60/180", "height": 12, "upper": "5/180"},
+            "joints": {"J1": {"plane": "35/180"}},
+            "strength": {"joint": {"c": 5, "phi": 30}},
+            "rock": {"unit_weight": 26},
+        }
+    )
     face, joint, upper = (math.tan(math.radians(dip)) for dip in (60, 35, 5))
     setback = 12 * (1 / joint - 1 / face) / (1 - upper / joint)
     assert whole.geometry.setback_m == pytest.approx(setback, rel=1e-12)
@@ -123,7 +148,9 @@ def test_a_plane_by_hoek_and_bray() -> None:
     cracked = sk.run(folder() / "plane.yaml")
     assert cracked.geometry.setback_m == pytest.approx(cracked.geometry.crack_distance_m, rel=1e-9)
     table = cracked.tables()["result"]
-    assert [column.of(cracked) for column in table.columns if column.key == "setback_m"] == [cracked.geometry.setback_m]
+    assert [column.of(cracked) for column in table.columns if column.key == "setback_m"] == [
+        cracked.geometry.setback_m
+    ]
 
 
 # -- many blocks ------------------------------------------------------------------------------------------------------
@@ -131,7 +158,9 @@ def test_a_plane_by_hoek_and_bray() -> None:
 
 @pytest.fixture(scope="module")
 def bench() -> Result:
-    return sk.run(folder() / "bench.yaml", set={"slope.length": 14, "slope.depth": 9, "slope.height": 8})
+    return sk.run(
+        folder() / "bench.yaml", set={"slope.length": 14, "slope.depth": 9, "slope.height": 8}
+    )
 
 
 @pytest.mark.slow
@@ -143,7 +172,9 @@ def test_a_mechanism_has_the_sizes_of_its_blocks(bench: Result) -> None:
     assert bench.findings is not None
     first, scene = bench.findings.first, cut_bench(design)
     a, b, c = (geometry.vertices_m[geometry.triangles[:, k]] for k in range(3))
-    volume = np.bincount(geometry.triangle_block, (a * np.cross(b, c)).sum(axis=1) / 6.0, len(geometry.names))
+    volume = np.bincount(
+        geometry.triangle_block, (a * np.cross(b, c)).sum(axis=1) / 6.0, len(geometry.names)
+    )
     index = {name: k for k, name in enumerate(geometry.names)}
     behind = math.tan(math.radians(90 - design.face.dip_deg)) * design.height_m
     to = math.radians(design.face.dip_direction_deg)
@@ -153,11 +184,15 @@ def test_a_mechanism_has_the_sizes_of_its_blocks(bench: Result) -> None:
     sizes = [(own, sizes_of_blocks(own, scene, design.rock.gravity_m_s2)) for own in made]
     setbacks = []
     for own, size in ((np.array([index[name] for name in first.blocks]), first.size), *sizes):
-        corners = geometry.vertices_m[geometry.triangles[np.isin(geometry.triangle_block, own)].ravel()]
+        corners = geometry.vertices_m[
+            geometry.triangles[np.isin(geometry.triangle_block, own)].ravel()
+        ]
         extents = block_extents(corners, design.face.dip_direction_deg, crest)
         assert size is not None
         assert size.volume_m3 == pytest.approx(float(volume[own].sum()), rel=1e-9)
-        assert size.mass_t == pytest.approx(float(volume[own].sum()) * design.rock.unit_weight_kn_m3 / 9.81, rel=1e-9)
+        assert size.mass_t == pytest.approx(
+            float(volume[own].sum()) * design.rock.unit_weight_kn_m3 / 9.81, rel=1e-9
+        )
         assert size.height_m == pytest.approx(extents.height_m, rel=1e-9)
         assert size.setback_m == pytest.approx(extents.setback_m, abs=1e-9)
         assert size.face_width_m is not None
@@ -179,28 +214,49 @@ def test_the_result_of_many_blocks_says_it(bench: Result) -> None:
 
 def test_a_bench_that_one_wedge_leaves_is_that_wedge() -> None:
     """Two sets with one plane each in the bench: the traces, width and setback of the block are those of kind wedge."""
-    bench = sk.run({
-        "slopekit": 1, "kind": "bench",
-        "slope": {"face": "70/180", "height": 10, "upper": "0/180", "length": 80, "depth": 40},
-        "sets": {"J1": {"plane": "50/130", "spacing": 500}, "J2": {"plane": "55/235", "spacing": 500}},
-        "strength": {"joint": {"c": 0, "phi": 25}}, "rock": {"unit_weight": 25},
-    })  # fmt: skip
-    wedge = sk.wedge(dips=("50/130", "55/235"), face="70/180", upper="0/180", height=10, c=0, phi=25, unit_weight=25)
+    bench = sk.run(
+        {
+            "slopekit": 1,
+            "kind": "bench",
+            "slope": {"face": "70/180", "height": 10, "upper": "0/180", "length": 80, "depth": 40},
+            "sets": {
+                "J1": {"plane": "50/130", "spacing": 500},
+                "J2": {"plane": "55/235", "spacing": 500},
+            },
+            "strength": {"joint": {"c": 0, "phi": 25}},
+            "rock": {"unit_weight": 25},
+        }
+    )
+    wedge = sk.wedge(
+        dips=("50/130", "55/235"),
+        face="70/180",
+        upper="0/180",
+        height=10,
+        c=0,
+        phi=25,
+        unit_weight=25,
+    )
     size, geometry = bench.size, wedge.geometry
     assert size is not None
     for key in ("volume_m3", "height_m", "face_width_m", "setback_m"):
         assert getattr(size, key) == pytest.approx(getattr(geometry, key), rel=1e-6), key
     for joint in ("J1", "J2"):
-        assert size.trace_lengths_m[joint] == pytest.approx(geometry.trace_lengths_m[joint], rel=1e-6)
+        assert size.trace_lengths_m[joint] == pytest.approx(
+            geometry.trace_lengths_m[joint], rel=1e-6
+        )
 
 
 def test_dimension_lines_are_as_long_as_their_numbers(bench: Result) -> None:
     """Of a wedge and of a mechanism: each line has its length, and begins or ends at the block."""
     for result in (sk.run(WEDGE), bench):
-        stage = Stage.of(result.to_dict())
+        stage = Stage.from_document(result.to_dict())
         found = {text.split()[0]: (text, start, end) for text, start, end, _ in dimensions(stage)}
         assert result.size is not None
-        for name, key in (("setback", "setback_m"), ("width", "face_width_m"), ("height", "height_m")):
+        for name, key in (
+            ("setback", "setback_m"),
+            ("width", "face_width_m"),
+            ("height", "height_m"),
+        ):
             if getattr(result.size, key):
                 (text, start, end), length_m = found.pop(name), getattr(result.size, key)
                 assert float(np.linalg.norm(end - start)) == pytest.approx(length_m, rel=1e-4)
@@ -214,28 +270,45 @@ def test_dimension_lines_are_as_long_as_their_numbers(bench: Result) -> None:
 @pytest.mark.parametrize(
     ("limits", "key", "by"),
     [
-        ({"bench_width": 6}, "setback", "bench width"), ({"slope_length": 5}, "width", "slope length"),
-        ({"max_volume": 50}, "volume", "max volume"), ({"trace_length": {"A": 4}}, "trace A", "trace length"),
-        ({"trace_length": 5}, "trace", "trace length"), ({"persistence": {"B": 7}}, "edge B", "persistence"),
+        ({"bench_width": 6}, "setback", "bench width"),
+        ({"slope_length": 5}, "width", "slope length"),
+        ({"max_volume": 50}, "volume", "max volume"),
+        ({"trace_length": {"A": 4}}, "trace A", "trace length"),
+        ({"trace_length": 5}, "trace", "trace length"),
+        ({"persistence": {"B": 7}}, "edge B", "persistence"),
         ({"persistence": [20, 7], "bench_width": 40}, "edge B", "persistence"),
     ],
-)  # fmt: skip
+)
 def test_a_scaled_wedge_meets_its_limit(limits: dict[str, Any], key: str, by: str) -> None:
     """The cut block has just the size of the limit that it is said to meet; dry and with c = 0 F stays."""
     result, whole = limited(**limits), sk.run(WEDGE)
     geometry = result.geometry
     traces = {name: max(own.values()) for name, own in geometry.trace_lengths_m.items()}
     measured = {
-        "setback": geometry.setback_m, "width": geometry.face_width_m, "volume": geometry.volume_m3,
-        "trace A": traces["J1"], "trace": max(traces.values()), "edge B": max(traces["J2"], geometry.line_length_m),
-    }[key]  # fmt: skip
+        "setback": geometry.setback_m,
+        "width": geometry.face_width_m,
+        "volume": geometry.volume_m3,
+        "trace A": traces["J1"],
+        "trace": max(traces.values()),
+        "edge B": max(traces["J2"], geometry.line_length_m),
+    }[key]
     first = next(iter(limits.values()))
-    wanted = first if isinstance(first, int) else first[-1] if isinstance(first, list) else next(iter(first.values()))
+    wanted = (
+        first
+        if isinstance(first, int)
+        else first[-1]
+        if isinstance(first, list)
+        else next(iter(first.values()))
+    )
     assert measured == pytest.approx(wanted, rel=CUT)
     scaled = geometry.scaled
     assert scaled["by"] == by
-    assert geometry.volume_m3 == pytest.approx(scaled["factor"] ** 3 * whole.geometry.volume_m3, rel=CUT)
-    assert (result.fos.limit, result.fos.closed_form) == pytest.approx((whole.fos.limit, whole.fos.closed_form), 1e-6)
+    assert geometry.volume_m3 == pytest.approx(
+        scaled["factor"] ** 3 * whole.geometry.volume_m3, rel=CUT
+    )
+    assert (result.fos.limit, result.fos.closed_form) == pytest.approx(
+        (whole.fos.limit, whole.fos.closed_form), 1e-6
+    )
     assert f"made smaller by the limit of {by}" in " ".join(str(result.sheet).split())
 
 
@@ -245,7 +318,9 @@ def test_limits_that_a_wedge_meets_change_nothing() -> None:
     assert (result.fos, result.geometry.volume_m3) == (whole.fos, whole.geometry.volume_m3)
     assert result.geometry.scaled["by"] is None
     assert "limits" not in whole.design.inputs()
-    assert "within its limits of size: persistence 500 m, bench width 1000 m" in " ".join(str(result.sheet).split())
+    assert "within its limits of size: persistence 500 m, bench width 1000 m" in " ".join(
+        str(result.sheet).split()
+    )
 
 
 def test_the_smallest_of_several_wedges_counts() -> None:
@@ -268,13 +343,19 @@ def test_a_filtered_wedge_is_none() -> None:
 @pytest.mark.parametrize(
     ("limits", "codes"),
     [
-        ({"bench_width": 0}, ["E116"]), ({"min_volume": 5, "max_volume": 2}, ["E116"]),
-        ({"trace_length": {"A": -1}}, ["E116"]), ({"trace_length": {"C": 1}}, ["E197"]),
-        ({"persistence": [1, 2, 3]}, ["E109"]), ({"by": "cut"}, ["E126"]), ({"bench_width": "6 kPa"}, ["E107"]),
+        ({"bench_width": 0}, ["E116"]),
+        ({"min_volume": 5, "max_volume": 2}, ["E116"]),
+        ({"trace_length": {"A": -1}}, ["E116"]),
+        ({"trace_length": {"C": 1}}, ["E197"]),
+        ({"persistence": [1, 2, 3]}, ["E109"]),
+        ({"by": "cut"}, ["E126"]),
+        ({"bench_width": "6 kPa"}, ["E107"]),
         ({"by": "cut", "slope_length": -2, "persistence": {"J1": 4}}, ["E116", "E126", "E197"]),
-        ({"width": 3}, ["E142"]), (5, ["E144"]), ({"trace_length": {"A": "long"}}, ["E106"]),
+        ({"width": 3}, ["E142"]),
+        (5, ["E144"]),
+        ({"trace_length": {"A": "long"}}, ["E106"]),
     ],
-)  # fmt: skip
+)
 def test_limits_that_are_none_are_refused(limits: Any, codes: list[str]) -> None:
     """All faults at once, each with its code."""
     with pytest.raises(DesignError) as raised:
@@ -284,7 +365,10 @@ def test_limits_that_are_none_are_refused(limits: Any, codes: list[str]) -> None
 
 def test_limits_and_what_bounds_the_wedge_exclude_each_other() -> None:
     """E112 beside a crack or a basal joint."""
-    for other in ({"crack": {"plane": "80/185", "distance": 3}}, {"basal": {"plane": "20/185", "height": 4}}):
+    for other in (
+        {"crack": {"plane": "80/185", "distance": 3}},
+        {"basal": {"plane": "20/185", "height": 4}},
+    ):
         with pytest.raises(DesignError) as raised:
             sk.load(WEDGE | other | {"limits": {"bench_width": 6}})
         assert [fault.code for fault in raised.value.faults] == ["E112"]

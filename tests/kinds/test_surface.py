@@ -12,7 +12,18 @@ from slopekit.core.errors import DesignError
 from slopekit.design.reading.files import with_values
 from slopekit.design.templates import path_of
 from slopekit.exchange.solids import save_gltf
-from tests.scenes import COARSE, PAPER, SLOPE, SPHERE, ellipsoid_mesh, inputs, run, save, sheet, slab
+from tests.scenes import (
+    COARSE,
+    PAPER,
+    SLOPE,
+    SPHERE,
+    ellipsoid_mesh,
+    inputs,
+    run,
+    save,
+    sheet,
+    slab,
+)
 
 CAP = {**PAPER, **COARSE}
 
@@ -34,7 +45,9 @@ def test_the_paper_s_ellipsoid() -> None:
     assert result.status == "rotates"
     assert result.geometry.motions == 1
     pairs = result.limit_state.node_pairs
-    assert pairs.control_area_m2.sum() == pytest.approx(result.geometry.areas_m2["slip surface"], rel=1e-9)
+    assert pairs.control_area_m2.sum() == pytest.approx(
+        result.geometry.areas_m2["slip surface"], rel=1e-9
+    )
     assert not codes(result)
 
 
@@ -46,7 +59,9 @@ def test_the_sphere_of_hungr() -> None:
     assert result.fos.limit == pytest.approx(1.4016, abs=5e-4)
     assert result.fos.limit == pytest.approx(result.fos.closed_form, rel=1e-5)
     assert result.agree
-    with_friction = run(slip, [[30, -20.5901699], [-30, 9.4098301]], c=20.0, phi=20.0, unit_weight=20.0)
+    with_friction = run(
+        slip, [[30, -20.5901699], [-30, 9.4098301]], c=20.0, phi=20.0, unit_weight=20.0
+    )
     assert with_friction.fos.limit == pytest.approx(2.673, abs=1e-3)
 
 
@@ -144,13 +159,18 @@ def test_map_coordinates() -> None:
     far = [[x + 5e5, z] for x, z in SLOPE]
     plain, moved = run(CAP), run({**CAP, "centre": [500040, 4e6, 40]}, far)
     assert moved.fos.limit == pytest.approx(plain.fos.limit, rel=1e-7)
-    assert moved.geometry.centroid_m - [5e5, 4e6, 0] == pytest.approx(plain.geometry.centroid_m, abs=1e-6)
+    assert moved.geometry.centroid_m - [5e5, 4e6, 0] == pytest.approx(
+        plain.geometry.centroid_m, abs=1e-6
+    )
     assert moved.limit_state.node_pairs.points_m.min(axis=0)[1] > 3.9e6
 
 
 def slip_at(offset, tmp_path, suffix: str):
     """The result of an ellipsoid 80 m long, its mesh and that of the ground moved by `offset`."""
-    (vertices, triangles), (points, faces) = ellipsoid_mesh(3), slab(SLOPE, 60.0, -20.0, (-60.0, 100.0))
+    (vertices, triangles), (points, faces) = (
+        ellipsoid_mesh(3),
+        slab(SLOPE, 60.0, -20.0, (-60.0, 100.0)),
+    )
     slip = save(tmp_path / f"slip.{suffix}", (vertices + offset, triangles))
     return run({"mesh": str(slip)}, save(tmp_path / "slope.obj", (points + offset, faces)))
 
@@ -166,7 +186,9 @@ def test_a_mesh_file_of_single_precision_at_map_coordinates(tmp_path) -> None:
 @pytest.mark.parametrize("suffix", ["stl", "ply", "glb"])
 def test_map_coordinates_that_single_precision_spoils_are_refused(tmp_path, suffix) -> None:
     """4e6 m is rounded to 0.25 m, more than a thousandth of 80 m."""
-    with pytest.raises(DesignError, match=r"single precision \(float32\), which rounds them to 0\.25 m") as error:
+    with pytest.raises(
+        DesignError, match=r"single precision \(float32\), which rounds them to 0\.25 m"
+    ) as error:
         slip_at(np.array([5e5, 4e6, 1e3]), tmp_path, suffix)
     assert error.value.faults[0].code == "E172"
     assert error.value.faults[0].advice.startswith("Shift the origin")
@@ -178,7 +200,10 @@ def test_slip_and_ground_of_gltf_are_y_up(tmp_path, slip_suffix, slope_suffix) -
     cap, ground = ellipsoid_mesh(3), slab(SLOPE, 60.0, -20.0, (-60.0, 100.0))
     plain = run({"mesh": str(save(tmp_path / "a.obj", cap))}, save(tmp_path / "b.obj", ground))
     paths = []
-    for name, suffix, (vertices, triangles) in (("slip", slip_suffix, cap), ("slope", slope_suffix, ground)):
+    for name, suffix, (vertices, triangles) in (
+        ("slip", slip_suffix, cap),
+        ("slope", slope_suffix, ground),
+    ):
         x, y, z = vertices.T
         body = (vertices if suffix == "obj" else np.stack([x, z, -y], axis=1), triangles)
         path = tmp_path / f"{name}.{suffix}"
@@ -190,8 +215,12 @@ def test_slip_and_ground_of_gltf_are_y_up(tmp_path, slip_suffix, slope_suffix) -
     result = run({"mesh": str(paths[0])}, paths[1])
     assert result.fos.limit == pytest.approx(plain.fos.limit, rel=1e-3)
     assert result.geometry.centroid_m == pytest.approx(plain.geometry.centroid_m, abs=1e-3)
-    assert (f"mesh slip.{slip_suffix} (y is up there)" in str(result.sheet)) == (slip_suffix != "obj")
-    assert (f"ground mesh slope.{slope_suffix} (y is up there)" in str(result.sheet)) == (slope_suffix != "obj")
+    assert (f"mesh slip.{slip_suffix} (y is up there)" in str(result.sheet)) == (
+        slip_suffix != "obj"
+    )
+    assert (f"ground mesh slope.{slope_suffix} (y is up there)" in str(result.sheet)) == (
+        slope_suffix != "obj"
+    )
 
 
 @pytest.mark.parametrize("length", [0.5, 1.0, 30.0])
@@ -219,10 +248,15 @@ def meshes(tmp_path) -> dict:
 @pytest.mark.parametrize(
     ("name", "code"),
     [
-        ("in the ground", "E214"), ("in the air", "E214"), ("sheet too short", "E215"), ("body with a hole", "E216"),
-        ("upright sheet", "E216"), ("sphere in the ground", "E214"), ("sphere in the air", "E214"),
+        ("in the ground", "E214"),
+        ("in the air", "E214"),
+        ("sheet too short", "E215"),
+        ("body with a hole", "E216"),
+        ("upright sheet", "E216"),
+        ("sphere in the ground", "E214"),
+        ("sphere in the air", "E214"),
     ],
-)  # fmt: skip
+)
 def test_faults_of_the_slip_surface(tmp_path, name, code) -> None:
     slip = meshes(tmp_path)[name]
     if "mesh" in slip:
@@ -266,6 +300,11 @@ def test_a_mass_beyond_the_profile_is_no_slope(x) -> None:
     with pytest.raises(sk.GeometryError) as caught:
         sk.analyse(design)
     assert caught.value.codes == ("E551",)
-    low, high = (float(one) for one in re.findall(r"x (\S+) to (\S+) m, the profile goes from -30.000 to 60.000 m",
-                                                  caught.value.faults[0].message)[0])  # fmt: skip
+    low, high = (
+        float(one)
+        for one in re.findall(
+            r"x (\S+) to (\S+) m, the profile goes from -30.000 to 60.000 m",
+            caught.value.faults[0].message,
+        )[0]
+    )
     assert x - 44.0 <= low < x < high <= x + 44.0

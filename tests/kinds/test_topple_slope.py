@@ -7,14 +7,36 @@ import pytest
 import slopekit as sk
 from slopekit.core.errors import DesignError
 
-PUBLISHED = (4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 34, 28, 22, 16, 10, 4)  # cases.json 5a_goodman_bray
+PUBLISHED = (
+    4,
+    8,
+    12,
+    16,
+    20,
+    24,
+    28,
+    32,
+    36,
+    40,
+    34,
+    28,
+    22,
+    16,
+    10,
+    4,
+)  # cases.json 5a_goodman_bray
 #: The dips at which a₁ and a₂ are the 5.0 m that the book rounds them to; it prints 56.6 and 4.
 FACE, UPPER = 30.0 + math.degrees(math.atan(0.5)), 30.0 - math.degrees(math.atan(0.5))
 
 
 def design(slope=None, strength=38.15, **columns) -> dict:
-    made = {"slopekit": 1, "kind": "topple", "columns": {"dip": 60, "width": 10, "base_step": 1} | columns,
-            "strength": {"joint": {"c": 0, "phi": strength}}, "rock": {"unit_weight": 25}}  # fmt: skip
+    made = {
+        "slopekit": 1,
+        "kind": "topple",
+        "columns": {"dip": 60, "width": 10, "base_step": 1} | columns,
+        "strength": {"joint": {"c": 0, "phi": strength}},
+        "rock": {"unit_weight": 25},
+    }
     if slope is not None:
         made["slope"] = slope
     made["columns"] = {key: value for key, value in made["columns"].items() if value is not None}
@@ -29,9 +51,9 @@ def test_the_published_columns_come_out_of_the_slope() -> None:
     assert len(printed.heights_m) == 16
     assert printed.heights_m[:10] == pytest.approx(PUBLISHED[:10], rel=2e-3)
     # behind the crest a₂ = 10 tan 26 = 4.877 m and not 5.0: 0.123 m more with each of six columns, and 0.076 m of C10
-    assert [own - book for own, book in zip(printed.heights_m[10:], PUBLISHED[10:], strict=True)] == pytest.approx(
-        [0.0763 + 0.12267 * n for n in range(1, 7)], abs=1e-3
-    )
+    assert [
+        own - book for own, book in zip(printed.heights_m[10:], PUBLISHED[10:], strict=True)
+    ] == pytest.approx([0.0763 + 0.12267 * n for n in range(1, 7)], abs=1e-3)
 
 
 def test_its_factor_is_the_published_one_and_prei_e_says_the_same() -> None:
@@ -43,7 +65,9 @@ def test_its_factor_is_the_published_one_and_prei_e_says_the_same() -> None:
     listed = sk.run(design(heights=list(PUBLISHED)))
     of_slope = sk.run(design({"height": 92.5, "face": FACE, "upper": UPPER}))
     assert of_slope.fos.closed_form == pytest.approx(listed.fos.closed_form, rel=1e-12)
-    assert "made from a slope 92.5 m high, face 56.6°, upper slope 4°" in " ".join(str(found.sheet).split())
+    assert "made from a slope 92.5 m high, face 56.6°, upper slope 4°" in " ".join(
+        str(found.sheet).split()
+    )
     assert "slope_height_m" in found.to_dict()["inputs"]
     assert "slope_height_m" not in listed.to_dict()["inputs"]
 
@@ -51,11 +75,15 @@ def test_its_factor_is_the_published_one_and_prei_e_says_the_same() -> None:
 def test_a_base_angle_stands_for_a_step() -> None:
     """b = Δx tan(ψ_b - ψ_p)."""
     angle = 30.0 + math.degrees(math.atan(0.1))
-    by_angle = sk.load(design({"height": 92.5, "face": 56.6, "upper": 4}, base_step=None, base_angle=angle))
+    by_angle = sk.load(
+        design({"height": 92.5, "face": 56.6, "upper": 4}, base_step=None, base_angle=angle)
+    )
     by_step = sk.load(design({"height": 92.5, "face": 56.6, "upper": 4}))
     assert by_angle.base_step_m == pytest.approx(1.0, rel=1e-12)
     assert by_angle.heights_m == pytest.approx(by_step.heights_m, rel=1e-12)
-    assert sk.load(design(heights=[4, 8], base_step=None, base_angle=angle)).base_step_m == pytest.approx(1.0)
+    assert sk.load(
+        design(heights=[4, 8], base_step=None, base_angle=angle)
+    ).base_step_m == pytest.approx(1.0)
 
 
 def test_studies_change_the_slope() -> None:

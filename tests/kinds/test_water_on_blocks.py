@@ -12,28 +12,48 @@ from slopekit.kinds.assemblies.many_blocks_scene import scene_loads
 
 WATER = 9.81
 SECTION = {
-    "slopekit": 1, "kind": "blocks", "strength": {"s": {"c": 5, "phi": 35}}, "rock": {"unit_weight": 26},
+    "slopekit": 1,
+    "kind": "blocks",
+    "strength": {"s": {"c": 5, "phi": 35}},
+    "rock": {"unit_weight": 26},
     "blocks": {
         "base": {"polygon": [[-4, -3], [9, -3], [9, 6], [0, 0], [-4, 0]], "fixed": True},
-        "B1": {"polygon": [[0, 0], [3, 2], [3, 6], [0.5, 4]]}, "B2": {"polygon": [[3, 2], [9, 6], [9, 9], [3, 6]]},
+        "B1": {"polygon": [[0, 0], [3, 2], [3, 6], [0.5, 4]]},
+        "B2": {"polygon": [[3, 2], [9, 6], [9, 9], [3, 6]]},
     },
-}  # fmt: skip
+}
 BENCH = {
-    "slopekit": 1, "kind": "bench", "slope": {"face": "70/180", "height": "8 m", "length": "16 m"},
-    "sets": {"S1": {"plane": "35/175", "spacing": "3 m"}, "S2": {"plane": "80/270", "spacing": "4 m"}},
-    "strength": {"s": {"c": 5, "phi": 30}}, "rock": {"unit_weight": 25},
-}  # fmt: skip
+    "slopekit": 1,
+    "kind": "bench",
+    "slope": {"face": "70/180", "height": "8 m", "length": "16 m"},
+    "sets": {
+        "S1": {"plane": "35/175", "spacing": "3 m"},
+        "S2": {"plane": "80/270", "spacing": "4 m"},
+    },
+    "strength": {"s": {"c": 5, "phi": 30}},
+    "rock": {"unit_weight": 25},
+}
 COLUMNS = {
-    "slopekit": 1, "kind": "topple", "strength": {"s": {"c": 0, "phi": 42}}, "rock": {"unit_weight": 25},
-    "columns": {"dip": 60, "width": "10 m", "heights": [4, 10, 16, 22, 28, 24, 18, 12, 6], "base_step": "1 m"},
-}  # fmt: skip
+    "slopekit": 1,
+    "kind": "topple",
+    "strength": {"s": {"c": 0, "phi": 42}},
+    "rock": {"unit_weight": 25},
+    "columns": {
+        "dip": 60,
+        "width": "10 m",
+        "heights": [4, 10, 16, 22, 28, 24, 18, 12, 6],
+        "base_step": "1 m",
+    },
+}
 
 
 SMALL = BENCH | {"slope": {"face": "70/180", "height": "6 m", "length": "8 m"}}
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("design", "level"), [(SECTION, 30.0), (SMALL, 20.0), (COLUMNS, 200.0)], ids="sbc")
+@pytest.mark.parametrize(
+    ("design", "level"), [(SECTION, 30.0), (SMALL, 20.0), (COLUMNS, 200.0)], ids="sbc"
+)
 def test_drowned_blocks_have_their_buoyant_weight(design, level) -> None:
     """Archimedes: γ_w V less, through the centroid, whatever the contacts; and the factor of that weight."""
     scene = kind_named(design["kind"]).cut(sk.load({**design, "water": {"pond": level}}))
@@ -93,25 +113,43 @@ def test_a_column_in_a_pond_by_hand(level) -> None:
     Face and back take γ_w h² / 2 each over their wet lengths; the base γ_w times the depth of its middle where it is
     all wet, a triangle where it is not.
     """
-    design = {**COLUMNS, "columns": {"dip": 70, "width": "1 m", "heights": [2]}, "water": {"pond": level}}
+    design = {
+        **COLUMNS,
+        "columns": {"dip": 70, "width": "1 m", "heights": [2]},
+        "water": {"pond": level},
+    }
     loads = scene_loads(kind_named("topple").cut(sk.load(design)))
     dip = math.radians(20.0)
-    wet_face, wet_back = level / math.cos(dip), (level - math.sin(dip)) / math.cos(dip)  # along the column
-    along = WATER * (level * wet_face - (level - math.sin(dip)) * wet_back) / 2.0  # of face and back, up the base
+    wet_face, wet_back = (
+        level / math.cos(dip),
+        (level - math.sin(dip)) / math.cos(dip),
+    )  # along the column
+    along = (
+        WATER * (level * wet_face - (level - math.sin(dip)) * wet_back) / 2.0
+    )  # of face and back, up the base
     base = WATER * (level - math.sin(dip) / 2.0)
-    expected = along * np.array([math.cos(dip), 0, math.sin(dip)]) + base * np.array([-math.sin(dip), 0, math.cos(dip)])
+    expected = along * np.array([math.cos(dip), 0, math.sin(dip)]) + base * np.array(
+        [-math.sin(dip), 0, math.cos(dip)]
+    )
     assert loads.forces[0] - [0, 0, -50.0] == pytest.approx(expected, abs=1e-9)
     weight = 50.0
     normal, driving = weight * math.cos(dip) - base, weight * math.sin(dip) - along
     result = sk.run(design)
-    assert result.fos.limit == pytest.approx(normal * math.tan(math.radians(42)) / driving, rel=1e-6)
+    assert result.fos.limit == pytest.approx(
+        normal * math.tan(math.radians(42)) / driving, rel=1e-6
+    )
     assert result.fos.closed_form == pytest.approx(result.fos.limit, rel=1e-6)
 
 
-@pytest.mark.parametrize("more", [
-    {"water": {"mode": "table", "points": [[0, 0], [20, 14], [60, 45]]}},
-    {"water": {"pressures": {"base": 20, "sides": 6}}}, {"loads": {"surcharge": {"C4": 60, "C8": 30}}},
-], ids=str)  # fmt: skip
+@pytest.mark.parametrize(
+    "more",
+    [
+        {"water": {"mode": "table", "points": [[0, 0], [20, 14], [60, 45]]}},
+        {"water": {"pressures": {"base": 20, "sides": 6}}},
+        {"loads": {"surcharge": {"C4": 60, "C8": 30}}},
+    ],
+    ids=str,
+)
 def test_goodman_and_bray_with_water(more) -> None:
     """The closed form has the loads of PRE-IE on each column: the same factor, and another than without them."""
     result, dry = sk.run({**COLUMNS, **more}), sk.run(COLUMNS)
@@ -134,13 +172,16 @@ def test_a_bench_below_its_ground() -> None:
         {"mode": "table", "depth": "2 m"},
         {"mode": "table", "points": [[-3 * face, -26], [face, 6], [9, 6]]},
     )
-    first, second = (kind_named("bench").cut(sk.load({**BENCH, "water": water})) for water in waters)
+    first, second = (
+        kind_named("bench").cut(sk.load({**BENCH, "water": water})) for water in waters
+    )
     assert first.pressures == pytest.approx(second.pressures, abs=1e-9)
     loaded = kind_named("bench").cut(sk.load({**BENCH, "loads": {"surcharge": 20}}))
     on_top = sum(float(load.push.force[2]) for load in loaded.acting.pushes)
     plan = 0.0
-    for corners in loaded.assembly.vertices[loaded.assembly.triangles[~loaded.assembly.fixed[
-        loaded.assembly.triangle_block]]]:  # fmt: skip
+    for corners in loaded.assembly.vertices[
+        loaded.assembly.triangles[~loaded.assembly.fixed[loaded.assembly.triangle_block]]
+    ]:
         if (corners[:, 2] > 8.0 - 1e-9).all():
             plan += 0.5 * abs(float(np.cross(corners[1] - corners[0], corners[2] - corners[0])[2]))
     assert plan > 1.0
@@ -152,19 +193,33 @@ def test_a_bench_below_its_ground() -> None:
 def test_a_surcharge_is_a_force_on_the_top_of_a_block() -> None:
     """On B2: its top, 6 m in plan; B1 presses on it from the side alone. Typed as a force, the same factor."""
     pressed = sk.run({**SECTION, "loads": {"surcharge": {"B2": "50 kPa"}}})
-    forced = sk.run({**SECTION, "loads": {"forces": [{"force": [0, 0, -300], "at": [6, 0, 7.5], "block": "B2"}]}})
+    forced = sk.run(
+        {
+            **SECTION,
+            "loads": {"forces": [{"force": [0, 0, -300], "at": [6, 0, 7.5], "block": "B2"}]},
+        }
+    )
     assert pressed.fos.limit == pytest.approx(forced.fos.limit, rel=1e-9)
     assert "surcharge 50 kPa on B2" in str(pressed.sheet)
 
 
-@pytest.mark.parametrize(("design", "more", "code"), [
-    (SECTION, {"loads": {"surcharge": {"B7": 5}}}, "E250"), (SECTION, {"loads": {"surcharge": {"base": 5}}}, "E250"),
-    (SECTION, {"loads": {"surcharge": {"B1": -5}}}, "E123"), (COLUMNS, {"loads": {"surcharge": {"D1": 5}}}, "E250"),
-    (SECTION, {"water": {"pond": 3, "pressures": {"B1/B2": 5}}}, "E112"), (SECTION, {"water": {"pond": "x"}}, "E106"),
-    (COLUMNS, {"water": {"mode": "table"}}, "E454"), (COLUMNS, {"water": {"mode": "table", "depth": 2}}, "E142"),
-    (BENCH, {"water": {"mode": "table", "depth": -2}}, "E454"), (BENCH, {"loads": {"surcharge": -2}}, "E123"),
-    (BENCH, {"water": {"mode": "table", "depth": 2, "plane": "5/180@1m"}}, "E112"),
-], ids=str)  # fmt: skip
+@pytest.mark.parametrize(
+    ("design", "more", "code"),
+    [
+        (SECTION, {"loads": {"surcharge": {"B7": 5}}}, "E250"),
+        (SECTION, {"loads": {"surcharge": {"base": 5}}}, "E250"),
+        (SECTION, {"loads": {"surcharge": {"B1": -5}}}, "E123"),
+        (COLUMNS, {"loads": {"surcharge": {"D1": 5}}}, "E250"),
+        (SECTION, {"water": {"pond": 3, "pressures": {"B1/B2": 5}}}, "E112"),
+        (SECTION, {"water": {"pond": "x"}}, "E106"),
+        (COLUMNS, {"water": {"mode": "table"}}, "E454"),
+        (COLUMNS, {"water": {"mode": "table", "depth": 2}}, "E142"),
+        (BENCH, {"water": {"mode": "table", "depth": -2}}, "E454"),
+        (BENCH, {"loads": {"surcharge": -2}}, "E123"),
+        (BENCH, {"water": {"mode": "table", "depth": 2, "plane": "5/180@1m"}}, "E112"),
+    ],
+    ids=str,
+)
 def test_what_is_wrong(design, more, code) -> None:
     """Each is said by its code."""
     with pytest.raises(DesignError) as found:
@@ -174,10 +229,15 @@ def test_what_is_wrong(design, more, code) -> None:
 
 def test_what_cannot_be() -> None:
     """A surcharge under another block (E461), and a pond that wets nothing (W419)."""
-    stack = {**SECTION, "blocks": {
-        "base": {"polygon": [[-2, -1], [2, -1], [2, 0], [-2, 0]], "fixed": True},
-        "B1": {"polygon": [[-1, 0], [1, 0], [1, 1], [-1, 1]]}, "B2": {"polygon": [[-1, 1], [1, 1], [1, 2], [-1, 2]]},
-    }, "loads": {"surcharge": {"B1": 5}}}  # fmt: skip
+    stack = {
+        **SECTION,
+        "blocks": {
+            "base": {"polygon": [[-2, -1], [2, -1], [2, 0], [-2, 0]], "fixed": True},
+            "B1": {"polygon": [[-1, 0], [1, 0], [1, 1], [-1, 1]]},
+            "B2": {"polygon": [[-1, 1], [1, 1], [1, 2], [-1, 2]]},
+        },
+        "loads": {"surcharge": {"B1": 5}},
+    }
     with pytest.raises(MisfitError, match="E461"):
         sk.run(stack)
     dry = sk.run({**SECTION, "water": {"pond": -1}})

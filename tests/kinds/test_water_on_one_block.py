@@ -13,7 +13,9 @@ def test_a_wedge_that_is_partly_full(fill) -> None:
     result = sk.wedge(dips=("45/115", "45/245"), water=fill)
     mean = fill * 9.81 * result.geometry.total_height_m / 6.0
     for joint in ("J1", "J2"):
-        assert result.forces.water[joint] == pytest.approx(mean * result.geometry.areas_m2[joint], rel=1e-12)
+        assert result.forces.water[joint] == pytest.approx(
+            mean * result.geometry.areas_m2[joint], rel=1e-12
+        )
     assert result.comparisons.forces_only == pytest.approx(result.fos.closed_form, rel=1e-8)
 
 
@@ -21,30 +23,47 @@ def test_a_wedge_that_is_partly_full(fill) -> None:
 def test_an_even_pressure_on_a_plane(pressure) -> None:
     """F = (c L + (W cos β - u L) tan φ) / (W sin β), W of the triangle above the plane."""
     dip, face, height, c, phi = 35.0, 60.0, 12.0, 25.0, 37.0
-    result = sk.run({
-        "slopekit": 1, "kind": "plane", "slope": {"face": [face, 180], "upper": [0, 180], "height": height},
-        "joints": {"J1": {"plane": [dip, 180]}}, "strength": {"s": {"c": c, "phi": phi}},
-        "rock": {"unit_weight": 26}, "water": {"pressures": {"J1": pressure}},
-    })  # fmt: skip
+    result = sk.run(
+        {
+            "slopekit": 1,
+            "kind": "plane",
+            "slope": {"face": [face, 180], "upper": [0, 180], "height": height},
+            "joints": {"J1": {"plane": [dip, 180]}},
+            "strength": {"s": {"c": c, "phi": phi}},
+            "rock": {"unit_weight": 26},
+            "water": {"pressures": {"J1": pressure}},
+        }
+    )
     a = math.radians(dip)
     length = height / math.sin(a)
     weight = 13.0 * height**2 * (1.0 / math.tan(a) - 1.0 / math.tan(math.radians(face)))
     tangent = math.tan(math.radians(phi))
-    exact = (c * length + (weight * math.cos(a) - pressure * length) * tangent) / (weight * math.sin(a))
+    exact = (c * length + (weight * math.cos(a) - pressure * length) * tangent) / (
+        weight * math.sin(a)
+    )
     assert result.forces.water["J1"] == pytest.approx(pressure * length, rel=1e-12)
     assert result.moments_govern or result.fos.limit == pytest.approx(exact, rel=1e-8)
     assert result.comparisons.forces_only == pytest.approx(exact, rel=1e-8)
 
 
 PLANE = {
-    "slopekit": 1, "kind": "plane", "slope": {"face": "60/180", "height": 12}, "joints": {"J1": {"plane": "35/180"}},
-    "strength": {"J1": {"c": 25, "phi": 37}}, "rock": {"unit_weight": 26}, "crack": {"depth": 4.35},
-}  # fmt: skip
+    "slopekit": 1,
+    "kind": "plane",
+    "slope": {"face": "60/180", "height": 12},
+    "joints": {"J1": {"plane": "35/180"}},
+    "strength": {"J1": {"c": 25, "phi": 37}},
+    "rock": {"unit_weight": 26},
+    "crack": {"depth": 4.35},
+}
 WEDGE = {
-    "slopekit": 1, "kind": "wedge", "slope": {"face": "65/185", "upper": "12/195", "height": 30},
-    "joints": {"J1": {"plane": "45/105"}, "J2": {"plane": "70/235"}}, "strength": {"s": {"c": 24, "phi": 20}},
-    "rock": {"unit_weight": 25}, "crack": {"plane": "80/185", "distance": 3},
-}  # fmt: skip
+    "slopekit": 1,
+    "kind": "wedge",
+    "slope": {"face": "65/185", "upper": "12/195", "height": 30},
+    "joints": {"J1": {"plane": "45/105"}, "J2": {"plane": "70/235"}},
+    "strength": {"s": {"c": 24, "phi": 20}},
+    "rock": {"unit_weight": 25},
+    "crack": {"plane": "80/185", "distance": 3},
+}
 
 
 def without_crack(design):
@@ -61,19 +80,32 @@ def test_half_of_full_water_is_half_of_its_pressure(design) -> None:
     if "crack" in design:
         crack = {"crack": design["crack"] | {"water": "50 %"}}
         by_crack = sk.run(design | crack | ({"water": {"mode": "full"}} if design is WEDGE else {}))
-        assert by_crack.forces.water["crack"] == pytest.approx(half.forces.water["crack"], rel=1e-12)
+        assert by_crack.forces.water["crack"] == pytest.approx(
+            half.forces.water["crack"], rel=1e-12
+        )
 
 
 @pytest.mark.parametrize(
     ("design", "water", "line"),
     [
-        (PLANE, {"water": {"fill": "50 %"}}, f"water 50 % of full pressure, highest {9.81 * 4.35 / 2:.4g} kPa"),
+        (
+            PLANE,
+            {"water": {"fill": "50 %"}},
+            f"water 50 % of full pressure, highest {9.81 * 4.35 / 2:.4g} kPa",
+        ),
         (without_crack(PLANE), {"water": "full"}, f"water full, highest {9.81 * 12 / 2:.4g} kPa"),
-        (PLANE, {"crack": PLANE["crack"] | {"water": "2 m"}},
-         "water 2 m deep in the crack, 19.62 kPa at its bottom, falling to nothing at the toe"),
-        (without_crack(WEDGE), {"water": "50 %"}, "water 50 % of full pressure, highest {half} kPa"),
+        (
+            PLANE,
+            {"crack": PLANE["crack"] | {"water": "2 m"}},
+            "water 2 m deep in the crack, 19.62 kPa at its bottom, falling to nothing at the toe",
+        ),
+        (
+            without_crack(WEDGE),
+            {"water": "50 %"},
+            "water 50 % of full pressure, highest {half} kPa",
+        ),
     ],
-)  # fmt: skip
+)
 def test_the_sheet_says_what_per_cent_are_of_and_the_highest_pressure(design, water, line) -> None:
     """γ_w z at the foot of a crack, γ_w H/2 halfway along without one (Hoek & Bray)."""
     result = sk.run(design | water)

@@ -35,9 +35,13 @@ class FrozenFriction:
     def __init__(self, model: AssemblyModel, elastic: float = 0.0, most_load: float = 1e3) -> None:
         self.program = program = _Program(model, 2)
         load = model.load.ravel()
-        self.balance = sp.hstack([model.statics, sp.csc_matrix((len(load), 1)), sp.csc_matrix(-load[:, None])])
+        self.balance = sp.hstack(
+            [model.statics, sp.csc_matrix((len(load), 1)), sp.csc_matrix(-load[:, None])]
+        )
         areas = program.by_group @ model.control_area
-        give = np.concatenate([1.0 / model.control_area, np.repeat(1.0 / areas, program.width), [0.0, 0.0]])
+        give = np.concatenate(
+            [1.0 / model.control_area, np.repeat(1.0 / areas, program.width), [0.0, 0.0]]
+        )
         self.energy = sp.diags(elastic * give).tocsc()
         self.most_load = most_load
 
@@ -48,17 +52,28 @@ class FrozenFriction:
             np.asarray(part) * np.ones(program.groups) for part in (strength, dilation, reference)
         )
         cost = np.append(np.zeros(program.unknowns - 2), [1.0, self.most_load])
-        top = sp.hstack([
-            sp.diags(dilation) @ program.by_group, program.none, sp.csc_matrix(strength[:, None]),
-            sp.csc_matrix((program.groups, 1)),
-        ])  # fmt: skip
-        found = program.solved(self.energy, cost, self.balance, top, -dilation * reference, 0.0, tolerance)
+        top = sp.hstack(
+            [
+                sp.diags(dilation) @ program.by_group,
+                program.none,
+                sp.csc_matrix(strength[:, None]),
+                sp.csc_matrix((program.groups, 1)),
+            ]
+        )
+        found = program.solved(
+            self.energy, cost, self.balance, top, -dilation * reference, 0.0, tolerance
+        )
         x = np.array(found.x)
         return Found(
-            str(found.status), float(x[-2]), float(x[-1]), x[: program.pairs],
-            x[program.pairs : -2].reshape(-1, program.width), float(found.obj_val), float(found.solve_time),
+            str(found.status),
+            float(x[-2]),
+            float(x[-1]),
+            x[: program.pairs],
+            x[program.pairs : -2].reshape(-1, program.width),
+            float(found.obj_val),
+            float(found.solve_time),
             int(found.iterations),
-        )  # fmt: skip
+        )
 
 
 @dataclass(frozen=True)
@@ -73,9 +88,13 @@ class Sequence:
 
 
 def conic_sequence(
-    model: AssemblyModel, parts: float = 1e-4, steady: int = 3, most: int = 40, tolerance: float = 1e-8,
+    model: AssemblyModel,
+    parts: float = 1e-4,
+    steady: int = 3,
+    most: int = 40,
+    tolerance: float = 1e-8,
     elastic: float = 1e-6,
-) -> Sequence:  # fmt: skip
+) -> Sequence:
     """METHOD.md §4, plainly: friction frozen at the normal forces of the last pass until the factor stays.
 
     Parameters
@@ -135,7 +154,8 @@ class _Program:
         self.pairs, self.groups = len(model.control_area), len(model.tan_friction)
         self.of_pair = np.searchsorted(model.group_first, np.arange(self.pairs), side="right") - 1
         self.by_group = sp.csr_matrix(
-            (np.ones(self.pairs), (self.of_pair, np.arange(self.pairs))), shape=(self.groups, self.pairs)
+            (np.ones(self.pairs), (self.of_pair, np.arange(self.pairs))),
+            shape=(self.groups, self.pairs),
         )
         self.width = model.slip_rows.shape[1]
         self.frictions, self.extra = self.groups * self.width, extra
@@ -145,22 +165,30 @@ class _Program:
     def solved(self, energy, cost, balance, top, top_constant, least: float, tolerance: float):
         """Clarabel's answer with |T_g| <= top x + top_constant, N >= 0 and the extra unknowns >= least."""
         pairs, groups, width = self.pairs, self.groups, self.width
-        bounded = np.concatenate([np.arange(pairs), self.unknowns - self.extra + np.arange(self.extra)])
+        bounded = np.concatenate(
+            [np.arange(pairs), self.unknowns - self.extra + np.arange(self.extra)]
+        )
         at_least = sp.csr_matrix(
-            (-np.ones(len(bounded)), (np.arange(len(bounded)), bounded)), shape=(len(bounded), self.unknowns)
+            (-np.ones(len(bounded)), (np.arange(len(bounded)), bounded)),
+            shape=(len(bounded), self.unknowns),
         )
         bounds = np.concatenate([np.zeros(pairs), np.full(self.extra, -least)])
         friction = sp.csr_matrix(
-            (np.ones(self.frictions), (np.arange(self.frictions), pairs + np.arange(self.frictions))),
+            (
+                np.ones(self.frictions),
+                (np.arange(self.frictions), pairs + np.arange(self.frictions)),
+            ),
             shape=(self.frictions, self.unknowns),
-        )  # fmt: skip
+        )
         cones = [clarabel.ZeroConeT(balance.shape[0]), clarabel.NonnegativeConeT(len(bounded))]
         if width == 1:  # |T| <= r is two inequalities
             rows, right = [friction - top, -friction - top], [top_constant, top_constant]
             cones.append(clarabel.NonnegativeConeT(2 * groups))
         else:
             tips = (1 + width) * np.arange(groups)
-            order = np.argsort(np.concatenate([tips, (tips[:, None] + 1 + np.arange(width)).ravel()]))
+            order = np.argsort(
+                np.concatenate([tips, (tips[:, None] + 1 + np.arange(width)).ravel()])
+            )
             rows = [sp.vstack([-top, -friction]).tocsr()[order]]
             right = [np.concatenate([top_constant, np.zeros(self.frictions)])[order]]
             cones += [clarabel.SecondOrderConeT(1 + width)] * groups

@@ -5,7 +5,9 @@ from collections.abc import Callable
 _FARTHEST = 0.2  # of the number, to both sides
 
 
-def around(stands: Callable[[float], bool], near: float | None, parts: float) -> tuple[float, float] | None:
+def around(
+    stands: Callable[[float], bool], near: float | None, parts: float
+) -> tuple[float, float] | None:
     """A factor at which forces exist and one at which none do, on both sides of `near`; None: it is not near."""
     apart = parts
     while near is not None and apart < _FARTHEST:

@@ -36,7 +36,9 @@ def solve(model: Model, elastic: float, top: np.ndarray, right: np.ndarray, fixe
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     matrix = sp.csc_matrix(np.vstack(rows))
-    return clarabel.DefaultSolver(energy, cost, matrix, np.concatenate(bounds), cones, settings).solve()
+    return clarabel.DefaultSolver(
+        energy, cost, matrix, np.concatenate(bounds), cones, settings
+    ).solve()
 
 
 def shortfall(model: Model, reduction: float) -> float:
@@ -76,29 +78,52 @@ def sparse_shortfall(model: Model, reduction: float) -> float:
     count, bolts, unknowns = len(model.control_area), len(model.bolt_capacity), model.unknowns
     width, pairs = 3 * count + bolts + 1, np.arange(count)
     balance = sp.hstack(
-        [sp.csc_matrix(model.flat_rows.T), sp.csc_matrix(model.bolt_rows.T), sp.csc_matrix((unknowns, 1))]
+        [
+            sp.csc_matrix(model.flat_rows.T),
+            sp.csc_matrix(model.bolt_rows.T),
+            sp.csc_matrix((unknowns, 1)),
+        ]
     )
     bounded = np.concatenate([3 * pairs, 3 * count + np.arange(bolts), [width - 1]])
-    push = sp.csc_matrix((-np.ones(len(bounded)), (np.arange(len(bounded)), bounded)), (len(bounded), width))
-    weak = sp.csc_matrix((np.ones(bolts), (np.arange(bolts), 3 * count + np.arange(bolts))), (bolts, width))
-    at = (np.concatenate([3 * pairs, 3 * pairs, 3 * pairs + 1, 3 * pairs + 2]),
-          np.concatenate([3 * pairs, np.full(count, width - 1), 3 * pairs + 1, 3 * pairs + 2]))  # fmt: skip
-    values = np.concatenate([-reduction * model.tan_friction, -model.control_area, -np.ones(2 * count)])
+    push = sp.csc_matrix(
+        (-np.ones(len(bounded)), (np.arange(len(bounded)), bounded)), (len(bounded), width)
+    )
+    weak = sp.csc_matrix(
+        (np.ones(bolts), (np.arange(bolts), 3 * count + np.arange(bolts))), (bolts, width)
+    )
+    at = (
+        np.concatenate([3 * pairs, 3 * pairs, 3 * pairs + 1, 3 * pairs + 2]),
+        np.concatenate([3 * pairs, np.full(count, width - 1), 3 * pairs + 1, 3 * pairs + 2]),
+    )
+    values = np.concatenate(
+        [-reduction * model.tan_friction, -model.control_area, -np.ones(2 * count)]
+    )
     cone_right = np.zeros(3 * count)
     cone_right[::3] = reduction * model.cohesion
-    right = [-model.load, np.append(np.zeros(count + bolts), 1.0), reduction * model.bolt_capacity, cone_right]
+    right = [
+        -model.load,
+        np.append(np.zeros(count + bolts), 1.0),
+        reduction * model.bolt_capacity,
+        cone_right,
+    ]
     cones = [clarabel.ZeroConeT(unknowns), clarabel.NonnegativeConeT(len(bounded) + bolts)]
     cones += [clarabel.SecondOrderConeT(3)] * count
-    matrix = sp.vstack([balance, push, weak, sp.csc_matrix((values, at), (3 * count, width))]).tocsc()
+    matrix = sp.vstack(
+        [balance, push, weak, sp.csc_matrix((values, at), (3 * count, width))]
+    ).tocsc()
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     cost = np.append(np.zeros(width - 1), 1.0)
     none = sp.csc_matrix((width, width))
-    found = clarabel.DefaultSolver(none, cost, matrix, np.concatenate(right), cones, settings).solve()
+    found = clarabel.DefaultSolver(
+        none, cost, matrix, np.concatenate(right), cones, settings
+    ).solve()
     return math.inf if "Infeasible" in str(found.status) else float(found.obj_val)
 
 
-def sparse_static_bound(model: Model, low: float, parts: float = 1e-7, near: float | None = None) -> float:
+def sparse_static_bound(
+    model: Model, low: float, parts: float = 1e-7, near: float | None = None
+) -> float:
     """The static bound at or above a factor that is known to stand, by bisection, at `near` first."""
 
     def stands(factor: float) -> bool:

@@ -40,7 +40,15 @@ def springs_on(polygons, cohesion, tan_friction, centroid, count: int) -> Spring
             whole = np.linalg.norm(vector)
             points = p + a[:, None] * (q - p) + b[:, None] * (r - p)
             ones = np.ones(len(points))
-            parts.append((points, ones * whole / 2 / n**2, ones[:, None] * (-vector / whole), ones * c, ones * mu))
+            parts.append(
+                (
+                    points,
+                    ones * whole / 2 / n**2,
+                    ones[:, None] * (-vector / whole),
+                    ones * c,
+                    ones * mu,
+                )
+            )
     return Springs(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
@@ -51,7 +59,9 @@ class Block:
         self.s = springs
         self.size = float(np.sqrt((springs.points**2).sum(axis=1).mean()))
         self.load = np.concatenate([force, np.asarray(moment) / self.size]) / np.linalg.norm(force)
-        self.stress = float(np.linalg.norm(force)) / springs.area.sum()  # so that forces are in parts of the load
+        self.stress = (
+            float(np.linalg.norm(force)) / springs.area.sum()
+        )  # so that forces are in parts of the load
         self.share = springs.area / springs.area.sum()
         arm = springs.points / self.size
         eye = np.broadcast_to(np.eye(3), (len(arm), 3, 3))
@@ -62,8 +72,13 @@ class Block:
         self.open = np.einsum("nx,nxu->nu", springs.normal, self.move)
         first = np.cross(springs.normal, np.eye(3)[np.abs(springs.normal).argmin(axis=1)])
         first /= np.linalg.norm(first, axis=1)[:, None]  # two directions along the joint
-        self.slide = [np.einsum("nx,nxu->nu", way, self.move) for way in (first, np.cross(springs.normal, first))]
-        self.rows = np.concatenate([self.open, *self.slide])  # opening and slips of every spring, (3 n, 6)
+        self.slide = [
+            np.einsum("nx,nxu->nu", way, self.move)
+            for way in (first, np.cross(springs.normal, first))
+        ]
+        self.rows = np.concatenate(
+            [self.open, *self.slide]
+        )  # opening and slips of every spring, (3 n, 6)
         self.bonded = self._stiffness(self.share, SHEAR * self.share)
 
     def _stiffness(self, normal, shear):
@@ -83,10 +98,14 @@ class Block:
         cap = strength * (c * on + self.s.tan_friction * over)
         slides = (SHEAR * size > cap) | ~pressed
         shear = self.share * np.where(slides, cap, SHEAR * size)
-        out = self.load - np.concatenate([-self.share * over, shear * one, shear * other]) @ self.rows
+        out = (
+            self.load - np.concatenate([-self.share * over, shear * one, shear * other]) @ self.rows
+        )
 
         def slope():
-            cap_slope = strength * (c * ((on > 0) & (on < 1)) / RAMP + self.s.tan_friction) * pressed
+            cap_slope = (
+                strength * (c * ((on > 0) & (on < 1)) / RAMP + self.s.tan_friction) * pressed
+            )
             ways = one[:, None] * self.slide[0] + other[:, None] * self.slide[1]
             per = np.where(slides, shear / size, self.share * SHEAR)
             of_sliding = ways.T * np.where(slides, per, 0.0)

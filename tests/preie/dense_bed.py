@@ -21,7 +21,10 @@ def _triangles(polygon, parts):
             (i + j < parts, ((0, 0), (1, 0), (0, 1))),
             (i + j < parts - 1, ((1, 1), (0, 1), (1, 0))),
         ):
-            at = [np.outer(i[inside] + a, sides[0]) + np.outer(j[inside] + b, sides[1]) for a, b in corners]
+            at = [
+                np.outer(i[inside] + a, sides[0]) + np.outer(j[inside] + b, sides[1])
+                for a, b in corners
+            ]
             places.append(polygon[0] + np.stack(at, axis=1))
     return np.concatenate(places)
 
@@ -32,9 +35,16 @@ class DenseBed:
     def __init__(self, polygons, cohesion, tan_friction, load, parts: int = 20) -> None:
         cells = [_triangles(polygon, parts) for polygon in polygons]
         count, corners = [len(cell) for cell in cells], np.concatenate(cells)
-        outward = [np.cross(polygon[1] - polygon[0], polygon[2] - polygon[0]) for polygon in polygons]
+        outward = [
+            np.cross(polygon[1] - polygon[0], polygon[2] - polygon[0]) for polygon in polygons
+        ]
         normal = np.repeat([-way / np.linalg.norm(way) for way in outward], count, axis=0)
-        area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2.0
+        area = (
+            np.linalg.norm(
+                np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+            )
+            / 2.0
+        )
         size, weight = np.sqrt((corners**2).sum(axis=2).mean()), np.linalg.norm(load[:3])
         self.load = np.concatenate([load[:3], load[3:] / size]) / weight
         self.cohesion = np.repeat(np.asarray(cohesion) * area.sum() / weight, count)
@@ -54,13 +64,20 @@ class DenseBed:
     def forces(self, u, strength):
         low, middle, high = np.sort(-(self.gaps @ u), axis=1).T
         mean, first, second = (low + middle + high) / 3.0, self.rows[1] @ u, self.rows[2] @ u
-        corner = high * high / np.maximum((high - low) * (high - middle), _LEAST)  # only one of its corners is pressed
+        corner = (
+            high * high / np.maximum((high - low) * (high - middle), _LEAST)
+        )  # only one of its corners is pressed
         open_corner = low * low / np.maximum((middle - low) * (high - low), _LEAST)
         kinds = [high <= 0.0, low >= 0.0, middle <= 0.0]
         share = np.select(kinds, [0.0, 1.0, corner], 1.0 - open_corner)
         push = np.select(kinds, [0.0, mean, corner * high / 3.0], mean - open_corner * low / 3.0)
         slip = np.maximum(np.hypot(first, second), _LEAST)
-        drag = np.minimum(SHEAR * slip * share, strength * (self.cohesion * share + self.friction * push)) / slip
+        drag = (
+            np.minimum(
+                SHEAR * slip * share, strength * (self.cohesion * share + self.friction * push)
+            )
+            / slip
+        )
         pulls = zip((push, -drag * first, -drag * second), self.rows, strict=True)
         return self.load + sum((self.area * pull) @ rows for pull, rows in pulls)
 
@@ -68,7 +85,11 @@ class DenseBed:
         step = 1e-7 * max(np.abs(u).max(), 1e-3)
         ways = step * np.eye(6)
         return np.stack(
-            [(self.forces(u + way, strength) - self.forces(u - way, strength)) / (2 * step) for way in ways], 1
+            [
+                (self.forces(u + way, strength) - self.forces(u - way, strength)) / (2 * step)
+                for way in ways
+            ],
+            1,
         )
 
     def _settled(self, begin, strength, drag):
@@ -78,9 +99,14 @@ class DenseBed:
         for _ in range(40):
             if np.abs(out).max() < _RESTS:
                 return u
-            step, length = np.linalg.lstsq(self.slopes(u, strength) - held, -out, rcond=None)[0], 1.0
+            step, length = (
+                np.linalg.lstsq(self.slopes(u, strength) - held, -out, rcond=None)[0],
+                1.0,
+            )
             while True:
-                after = self.forces(u + length * step, strength) - held @ (u + length * step - begin)
+                after = self.forces(u + length * step, strength) - held @ (
+                    u + length * step - begin
+                )
                 if np.abs(after).max() < np.abs(out).max() * (1.0 - 0.1 * length):
                     break
                 length /= 2.0
@@ -111,7 +137,9 @@ class DenseBed:
         elastic, way = np.linalg.norm(u), [(np.linalg.norm(u), strength)]
         while len(way) < 1500:
             scale = np.linalg.norm(u)
-            ahead = np.linalg.svd(np.column_stack([self.slopes(u, strength) * scale, self._weaker(u, strength)]))[2][-1]
+            ahead = np.linalg.svd(
+                np.column_stack([self.slopes(u, strength) * scale, self._weaker(u, strength)])
+            )[2][-1]
             onward = ahead[-1] < 0.0 if tangent is None else ahead @ tangent > 0.0
             tangent = ahead if onward else -ahead
             x, length = self._step(u / scale, np.log(strength), scale, tangent, length)
@@ -128,11 +156,17 @@ class DenseBed:
             return 1.0 / way[k][1]
         (low, middle, high), logs = zip(*way[k - 1 : k + 2], strict=True)
         bend, slope, least = np.polyfit([low - middle, 0.0, high - middle], np.log(logs), 2)
-        return float(np.exp(slope * slope / (4.0 * bend) - least)) if bend > 0.0 else 1.0 / way[k][1]
+        return (
+            float(np.exp(slope * slope / (4.0 * bend) - least)) if bend > 0.0 else 1.0 / way[k][1]
+        )
 
     def _weaker(self, u, strength):
         step = 1e-6 * strength
-        return strength * (self.forces(u, strength + step) - self.forces(u, strength - step)) / (2.0 * step)
+        return (
+            strength
+            * (self.forces(u, strength + step) - self.forces(u, strength - step))
+            / (2.0 * step)
+        )
 
     def _step(self, at, log, scale, tangent, length):
         while length > 1e-7:
@@ -143,7 +177,9 @@ class DenseBed:
                 off = np.append(self.forces(u, strength), tangent @ (x - begin))
                 if np.abs(off).max() < 1e-8:
                     break
-                beside = np.column_stack([self.slopes(u, strength) * scale, self._weaker(u, strength)])
+                beside = np.column_stack(
+                    [self.slopes(u, strength) * scale, self._weaker(u, strength)]
+                )
                 x = x - np.linalg.lstsq(np.vstack([beside, tangent]), off, rcond=None)[0]
             if np.abs(off).max() < 1e-8 and np.linalg.norm(x - begin) < 0.3 * max(length, 3e-4):
                 return x, length

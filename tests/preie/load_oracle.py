@@ -41,16 +41,23 @@ def comes_on(model: AssemblyModel, strength: float, cohesion: np.ndarray | None 
     return part
 
 
-def tips_whatever_the_strength(model: AssemblyModel, motion: np.ndarray, part: float, strength: float) -> bool:
+def tips_whatever_the_strength(
+    model: AssemblyModel, motion: np.ndarray, part: float, strength: float
+) -> bool:
     """Whether a motion (n, u) is that of a limit state at a part of the live loads, at a strength λ and at all above.
 
     It opens contacts or leaves them closed and pushes none; the live loads drive it. Node pairs that it opens carry
     nothing, nor do those that slip; on all others there are forces N >= 0, |T| <= λ r, in balance with the loads. As
     nothing slips that carries a force, more friction or cohesion changes none of that.
     """
-    given = in_parts_of_blocks(replace(arrays_of(model), load=(model.load - (1.0 - part) * model.live).ravel()))
+    given = in_parts_of_blocks(
+        replace(arrays_of(model), load=(model.load - (1.0 - part) * model.live).ravel())
+    )
     plain, v = arrays_of(model), motion.ravel()
-    opening, slip = plain.normal @ v, np.abs(plain.slip @ v).reshape(-1, plain.directions).max(axis=1)
+    opening, slip = (
+        plain.normal @ v,
+        np.abs(plain.slip @ v).reshape(-1, plain.directions).max(axis=1),
+    )
     least = _OF_FASTEST * max(float(np.abs(opening).max()), float(slip.max()))
     if opening.min() < -least or model.live.ravel() @ v <= 0.0 or not 0.0 < part < 1.0:
         return False
@@ -64,10 +71,17 @@ def tips_whatever_the_strength(model: AssemblyModel, motion: np.ndarray, part: f
     column, none = np.ones((len(balance), 1)), np.zeros((groups, 1))
     found = linprog(
         np.append(np.zeros(pairs + groups), 1.0),
-        np.vstack([np.hstack([balance, -column]), np.hstack([-balance, -column]),
-                   np.hstack([-sums, one, none]), np.hstack([-sums, -one, none])]),
+        np.vstack(
+            [
+                np.hstack([balance, -column]),
+                np.hstack([-balance, -column]),
+                np.hstack([-sums, one, none]),
+                np.hstack([-sums, -one, none]),
+            ]
+        ),
         np.concatenate([-given.load, given.load, bonds, bonds]),
-        bounds=[(0.0, None if at else 0.0) for at in closed] + [(None, None) if at else (0.0, 0.0) for at in held]
+        bounds=[(0.0, None if at else 0.0) for at in closed]
+        + [(None, None) if at else (0.0, 0.0) for at in held]
         + [(0.0, None)],
-    )  # fmt: skip
+    )
     return bool(found.status == 0 and found.fun < _OUT_OF_BALANCE)

@@ -1,6 +1,6 @@
 """Judges of the many-block limit that share no line with the solver: they take an assembly's arrays alone.
 
-The law of METHOD-3 §13: normal forces N at node pairs, friction forces T of groups of pairs, B their kinematics,
+The law of elastic joints: normal forces N at node pairs, friction forces T of groups of pairs, B their kinematics,
 
     Bᵀ (N, T) + P = 0,   N >= 0,   |T| <= λ r,   r = Σ c + μ Σ N,   λ = 1 / F.
 
@@ -31,13 +31,22 @@ def model_of(design: Mapping[str, Any], refine: int = 0) -> AssemblyModel:
     """The model of a design with all of its blocks free."""
     scene = cut(sk.load(dict(design)))
     blocks, patches = scene.assembly, scene.assembly.patches
-    loads = assembly_loads(blocks, scene.unit_weights, scene.acting.seismic, scene.pressures, scene.acting.pushes)
+    loads = assembly_loads(
+        blocks, scene.unit_weights, scene.acting.seismic, scene.pressures, scene.acting.pushes
+    )
     touched = np.zeros(len(blocks) + 1, dtype=bool)
     touched[patches.plus] = touched[patches.minus] = True
     return build_assembly(
-        patches, blocks.fixed | ~touched[:-1], blocks.centroids, loads.forces, loads.moments,
-        joint_strength(scene.strengths), blocks.in_section, np.full(len(patches), refine), loads.live,
-    )  # fmt: skip
+        patches,
+        blocks.fixed | ~touched[:-1],
+        blocks.centroids,
+        loads.forces,
+        loads.moments,
+        joint_strength(scene.strengths),
+        blocks.in_section,
+        np.full(len(patches), refine),
+        loads.live,
+    )
 
 
 @dataclass(frozen=True)
@@ -72,9 +81,16 @@ def arrays_of(model: AssemblyModel) -> Arrays:
     """The arrays of a model, dense."""
     rows, pairs = model.kinematics.toarray(), len(model.control_area)
     return Arrays(
-        rows[:pairs], rows[pairs:], model.load.ravel(), model.control_area, model.cohesion, model.tan_friction,
-        model.group_of_pair, model.pair_contact, model.bolted,
-    )  # fmt: skip
+        rows[:pairs],
+        rows[pairs:],
+        model.load.ravel(),
+        model.control_area,
+        model.cohesion,
+        model.tan_friction,
+        model.group_of_pair,
+        model.pair_contact,
+        model.bolted,
+    )
 
 
 def in_parts_of_blocks(given: Arrays) -> Arrays:
@@ -92,9 +108,12 @@ def in_parts_of_blocks(given: Arrays) -> Arrays:
     of_pairs = np.where(given.normal != 0.0, of_unknown, np.inf).min(axis=1)
     of_groups = of_pairs[np.searchsorted(given.group, np.arange(len(given.friction)))]
     return replace(
-        given, normal=scaled(given.normal, of_pairs), cohesion=given.cohesion / of_pairs,
-        slip=scaled(given.slip, np.repeat(of_groups, given.directions)), load=given.load / of_unknown,
-    )  # fmt: skip
+        given,
+        normal=scaled(given.normal, of_pairs),
+        cohesion=given.cohesion / of_pairs,
+        slip=scaled(given.slip, np.repeat(of_groups, given.directions)),
+        load=given.load / of_unknown,
+    )
 
 
 # -- the static bound -------------------------------------------------------------------------------------------------
@@ -105,7 +124,9 @@ _NEARLY_NOTHING = 1e-7  # and what Clarabel does, which ends within 1e-8 of the 
 _NOTHING = 1e-9  # of a block's load: what HiGHS leaves of a friction force too large
 
 
-def static_bound(model: AssemblyModel, parts: float | None = None, near: float | None = None) -> float | None:
+def static_bound(
+    model: AssemblyModel, parts: float | None = None, near: float | None = None
+) -> float | None:
     """The highest F at which admissible forces are in equilibrium with the loads; all blocks are free.
 
     The least excess s of friction, |T| <= λ r + s, is a linear program in a section (HiGHS) and a cone program in space
@@ -142,16 +163,24 @@ def _bisected(stands: Callable[[float], bool], low: float, high: float, parts: f
 def _linear(given: Arrays) -> Callable[[float], bool]:
     """Whether admissible forces exist in a section, by λ."""
     pairs, groups = len(given.area), len(given.friction)
-    sums = sparse.csr_matrix((given.friction[given.group], (given.group, np.arange(pairs))), shape=(groups, pairs))
+    sums = sparse.csr_matrix(
+        (given.friction[given.group], (given.group, np.arange(pairs))), shape=(groups, pairs)
+    )
     one, excess = sparse.identity(groups), sparse.csr_matrix(np.ones((groups, 1)))
-    balance = sparse.csr_matrix(np.hstack([given.normal.T, given.slip.T, np.zeros((len(given.load), 1))]))
+    balance = sparse.csr_matrix(
+        np.hstack([given.normal.T, given.slip.T, np.zeros((len(given.load), 1))])
+    )
     cost = np.append(np.zeros(pairs + groups), 1.0)
     bounds = [(0.0, None)] * pairs + [(None, None)] * groups + [(0.0, None)]
 
     def stands(strength: float) -> bool:
-        cone = sparse.vstack([sparse.hstack([-strength * sums, sign * one, -excess]) for sign in (1.0, -1.0)]).tocsr()
+        cone = sparse.vstack(
+            [sparse.hstack([-strength * sums, sign * one, -excess]) for sign in (1.0, -1.0)]
+        ).tocsr()
         most = np.tile(strength * given.of_groups(given.cohesion), 2)
-        found = linprog(cost, cone, most, balance, -given.load, bounds, method="highs", options=_CLOSE)
+        found = linprog(
+            cost, cone, most, balance, -given.load, bounds, method="highs", options=_CLOSE
+        )
         return found.status == 0 and found.fun <= _NOTHING
 
     return stands
@@ -164,7 +193,10 @@ def _conic(given: Arrays) -> Callable[[float], bool]:
     settings.verbose = False
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-9
     # slivers among boulders have forces of thousands of their loads: Clarabel's own 1e-8 moved a bound by 5e-4
-    settings.static_regularization_constant, settings.static_regularization_proportional = 1e-13, 0.0
+    settings.static_regularization_constant, settings.static_regularization_proportional = (
+        1e-13,
+        0.0,
+    )
     cones = [
         clarabel.ZeroConeT(unknowns),
         clarabel.NonnegativeConeT(pairs + 1),
@@ -173,12 +205,17 @@ def _conic(given: Arrays) -> Callable[[float], bool]:
     balance = sparse.csr_matrix(np.hstack([given.normal.T, given.slip.T, np.zeros((unknowns, 1))]))
     pressed = sparse.diags(np.append(-np.ones(pairs), np.append(np.zeros(2 * pairs), -1.0))).tocsr()
     pressed = pressed[np.append(np.arange(pairs), 3 * pairs)]
-    cost, curved = np.append(np.zeros(3 * pairs), 1.0), sparse.csc_matrix((3 * pairs + 1, 3 * pairs + 1))
+    cost, curved = (
+        np.append(np.zeros(3 * pairs), 1.0),
+        sparse.csc_matrix((3 * pairs + 1, 3 * pairs + 1)),
+    )
     first, each = 3 * np.arange(pairs), np.arange(pairs)
 
     def stands(strength: float) -> bool:
         rows = np.concatenate([first, first, first + 1, first + 2])
-        columns = np.concatenate([each, np.full(pairs, 3 * pairs), pairs + 2 * each, pairs + 2 * each + 1])
+        columns = np.concatenate(
+            [each, np.full(pairs, 3 * pairs), pairs + 2 * each, pairs + 2 * each + 1]
+        )
         values = np.concatenate([-strength * given.friction, -np.ones(3 * pairs)])
         cone = sparse.csr_matrix((values, (rows, columns)), shape=(3 * pairs, 3 * pairs + 1))
         right = np.zeros(3 * pairs)
@@ -194,7 +231,10 @@ def _conic(given: Arrays) -> Callable[[float], bool]:
 # -- every limit state of a few blocks --------------------------------------------------------------------------------
 
 #: What a flat contact may do: which ends touch, and the sign of its slip (None: it is open and carries nothing).
-_MODES = (*((ends, sign) for ends in ("both", "first", "last") for sign in (0, 1, -1)), ("none", None))
+_MODES = (
+    *((ends, sign) for ends in ("both", "first", "last") for sign in (0, 1, -1)),
+    ("none", None),
+)
 _WIDTH = 1e-4  # of the range: the certificate is an interval of λ this narrow at either end
 
 
@@ -240,10 +280,14 @@ class _Contacts:
             elif sign is not None:
                 above.append(-sign * given.slip[contact])
         return self._feasible(
-            np.concatenate([-given.normal[~closed], np.reshape(above, (-1, len(given.load)))]), 0.0,
-            np.concatenate([given.normal[closed], np.reshape(equal, (-1, len(given.load))), given.load[None]]),
-            np.append(np.zeros(int(closed.sum()) + len(equal)), 1.0), (-np.inf, np.inf),
-        )  # fmt: skip
+            np.concatenate([-given.normal[~closed], np.reshape(above, (-1, len(given.load)))]),
+            0.0,
+            np.concatenate(
+                [given.normal[closed], np.reshape(equal, (-1, len(given.load))), given.load[None]]
+            ),
+            np.append(np.zeros(int(closed.sum()) + len(equal)), 1.0),
+            (-np.inf, np.inf),
+        )
 
     def carries(self, modes: tuple[int, ...], low: float, high: float) -> bool:
         """Are there forces at a λ between two values, or nearly so: λ may differ from contact to contact?
@@ -259,19 +303,28 @@ class _Contacts:
             bond[contact] *= ends == "both"  # a contact that opens anywhere has lost its cohesion
             slips[contact] = sign or 0
         one, at = np.eye(len(bond)), slips != 0.0
-        rows = [np.hstack([-high * self.sums, one]), np.hstack([-high * self.sums, -one]),
-                np.hstack([low * self.sums, one * slips[:, None]])[at]]  # fmt: skip
+        rows = [
+            np.hstack([-high * self.sums, one]),
+            np.hstack([-high * self.sums, -one]),
+            np.hstack([low * self.sums, one * slips[:, None]])[at],
+        ]
         most = np.concatenate([high * bond, high * bond, -low * bond[at]])
-        bounds = (np.append(0.0 * idle, np.where(slips < 0.0, 0.0, -np.inf)),
-                  np.append(np.where(idle, 0.0, np.inf), np.where(slips > 0.0, 0.0, np.inf)))  # fmt: skip
+        bounds = (
+            np.append(0.0 * idle, np.where(slips < 0.0, 0.0, -np.inf)),
+            np.append(np.where(idle, 0.0, np.inf), np.where(slips > 0.0, 0.0, np.inf)),
+        )
         balance = np.hstack([given.normal.T, given.slip.T])
         return self._feasible(np.concatenate(rows), most, balance, -given.load, bounds)
 
-    def _feasible(self, above: np.ndarray, most: Any, equal: np.ndarray, to: np.ndarray, bounds: Any) -> bool:
+    def _feasible(
+        self, above: np.ndarray, most: Any, equal: np.ndarray, to: np.ndarray, bounds: Any
+    ) -> bool:
         """Is there an x within `bounds` with `above` x <= `most` and `equal` x = `to`? Doubtful ones count as there."""
         self.programs += 1
         least = np.concatenate([np.full(len(above), -np.inf), to])
-        rows = LinearConstraint(np.concatenate([above, equal]), least, np.append(np.broadcast_to(most, len(above)), to))
+        rows = LinearConstraint(
+            np.concatenate([above, equal]), least, np.append(np.broadcast_to(most, len(above)), to)
+        )
         found = milp(np.zeros(equal.shape[1]), constraints=rows, bounds=Bounds(*bounds))
         return bool(found.status != 2)  # 2: proven infeasible
 
@@ -281,7 +334,9 @@ class _Contacts:
             return []
         if len(modes) == len(self.bond):
             return [modes]
-        return [found for mode in range(len(_MODES)) for found in self.listed(low, high, (*modes, mode))]
+        return [
+            found for mode in range(len(_MODES)) for found in self.listed(low, high, (*modes, mode))
+        ]
 
     def edge(self, modes: tuple[int, ...], low: float, high: float, lowest: bool) -> float | None:
         """The first λ from below, or from above, at which `carries` finds forces in an interval of that width."""
@@ -331,7 +386,10 @@ _SETTLED = 1e-6  # change of λ while the work of the loads grows tenfold
 
 _PRESSED = 3e-3  # of the load, spread over all pairs: the force from which cohesion acts
 
-_LEAST_KPA, _APART = 1e-4, 1e-6  # traction below which curves are straight, and how far apart slopes are read off
+_LEAST_KPA, _APART = (
+    1e-4,
+    1e-6,
+)  # traction below which curves are straight, and how far apart slopes are read off
 
 #: The tangent -dR/du (n, n) and dR/dλ (n,), where they are asked for.
 Slopes = Callable[[], tuple[np.ndarray, np.ndarray]]
@@ -371,20 +429,28 @@ class Joints:
         self.given = given
         self.bond = given.of_groups(cohesion)
         self.along = np.repeat(stiffness * given.of_groups(given.area), given.directions)
-        self.elastic = (given.normal.T * given.area) @ given.normal + (given.slip.T * self.along) @ given.slip
-        self.elastic += 1e-12 * np.trace(self.elastic) / len(self.elastic) * np.eye(len(self.elastic))
+        self.elastic = (given.normal.T * given.area) @ given.normal + (
+            given.slip.T * self.along
+        ) @ given.slip
+        self.elastic += (
+            1e-12 * np.trace(self.elastic) / len(self.elastic) * np.eye(len(self.elastic))
+        )
         self.scale = float(np.abs(given.load).max())
         self.work = float(given.load @ np.linalg.solve(self.elastic, given.load))
         self.steps = 0
 
-    def law(self, u: np.ndarray, old: State, strength: float) -> tuple[np.ndarray, np.ndarray, Slopes]:
+    def law(
+        self, u: np.ndarray, old: State, strength: float
+    ) -> tuple[np.ndarray, np.ndarray, Slopes]:
         """Unbalanced forces (n,), friction (g, t), and what gives the tangent -dR/du and dR/dλ."""
         given, t = self.given, self.given.directions
         opening = given.normal @ u
         pressed = given.area * (opening < 0.0)
         normal = -pressed * opening
         trial = old.friction - (self.along * (given.slip @ u)).reshape(-1, t) + self._reached(old)
-        limit = np.where(given.bolted & (trial[:, 0] < 0.0), 0.0, self.bond) + given.of_groups(self.resists(normal))
+        limit = np.where(given.bolted & (trial[:, 0] < 0.0), 0.0, self.bond) + given.of_groups(
+            self.resists(normal)
+        )
         most = strength * limit
         size = np.sqrt((trial * trial).sum(axis=1))
         slips = size > most
@@ -398,7 +464,9 @@ class Joints:
             away = np.where(slips, 1.0, 0.0)[:, None, None] * e[:, :, None] * e[:, None]
             turn = part[:, None, None] * (np.eye(t) - away)
             rows = (self.along[:, None] * given.slip).reshape(len(limit), t, -1)
-            tangent = given.normal.T @ closing + given.slip.T @ np.matmul(turn, rows).reshape(len(given.slip), -1)
+            tangent = given.normal.T @ closing + given.slip.T @ np.matmul(turn, rows).reshape(
+                len(given.slip), -1
+            )
             sums = np.zeros((len(limit), len(u)))
             np.add.at(sums, given.group, self.follows(normal)[:, None] * closing)
             pull = (e * (slips * strength)[:, None])[:, :, None] * sums[:, None, :]
@@ -419,7 +487,12 @@ class Joints:
         return (self.along * old.slipped).reshape(old.friction.shape)
 
     def step(
-        self, old: State, strength: float, viscosity: float, work: float | None = None, guess: np.ndarray | None = None
+        self,
+        old: State,
+        strength: float,
+        viscosity: float,
+        work: float | None = None,
+        guess: np.ndarray | None = None,
     ) -> tuple[State, float, float] | None:
         """One step in time, R(u) = η K (u - u_old), at a strength or, with λ free, at a work of the loads.
 
@@ -435,13 +508,19 @@ class Joints:
             miss = 0.0 if work is None else work - float(load @ u)
             size = float(np.abs(off).max())
             if size < 1e-9 * self.scale and abs(miss) <= 1e-9 * abs(work or 1.0):
-                return State(u, self.given.slip @ u, friction), strength, float(np.abs(viscous).max())
+                return (
+                    State(u, self.given.slip @ u, friction),
+                    strength,
+                    float(np.abs(viscous).max()),
+                )
             if size > 1e6 * best:
                 return None
             best = min(best, size)
             tangent, rate = slopes()
             try:
-                both = np.linalg.solve(tangent + drag + 1e-13 * self.elastic, np.stack([off, rate], axis=1))
+                both = np.linalg.solve(
+                    tangent + drag + 1e-13 * self.elastic, np.stack([off, rate], axis=1)
+                )
             except np.linalg.LinAlgError:
                 return None
             change, more = both[:, 0], 0.0
@@ -452,7 +531,9 @@ class Joints:
                     return None
                 change = both[:, 0] + more * both[:, 1]
             whole, least = 1.0, (math.inf, u, strength, there)
-            while whole > 0.05:  # the longest of the halved steps that lowers what is left, or the best of them
+            while (
+                whole > 0.05
+            ):  # the longest of the halved steps that lowers what is left, or the best of them
                 beyond, to = u + whole * change, strength + whole * more
                 found = self.law(beyond, old, to)
                 after = float(np.abs(found[0] - drag @ (beyond - old.u)).max())
@@ -463,7 +544,9 @@ class Joints:
             _, u, strength, there = least
         return None
 
-    def rest(self, old: State, strength: float, onward: bool = False) -> tuple[State, str, float, State]:
+    def rest(
+        self, old: State, strength: float, onward: bool = False
+    ) -> tuple[State, str, float, State]:
         """Flow at a strength until it rests or runs: the state, which, the last viscosity and the state before.
 
         Work by which it runs counts from no displacement, or with `onward` from the old state.
@@ -490,7 +573,11 @@ class CurvedJoints(Joints):
     """The same whose pairs have a curved law all over: its strength τ(σ) (kPa) and, by differences, its slope."""
 
     def __init__(
-        self, given: Arrays, stiffness: float, shear: Callable[[np.ndarray], np.ndarray], kpa: np.ndarray
+        self,
+        given: Arrays,
+        stiffness: float,
+        shear: Callable[[np.ndarray], np.ndarray],
+        kpa: np.ndarray,
     ) -> None:
         """`kpa` (m,) is the normal force of each pair at a traction of one kPa."""
         self._shear, self._kpa = shear, kpa
@@ -503,7 +590,9 @@ class CurvedJoints(Joints):
     def follows(self, normal: np.ndarray) -> np.ndarray:
         """How that changes with them, (m,)."""
         at = np.maximum(normal / self._kpa, _LEAST_KPA)
-        return (self._shear(at * (1.0 + _APART)) - self._shear(at * (1.0 - _APART))) / (2.0 * _APART * at)
+        return (self._shear(at * (1.0 + _APART)) - self._shear(at * (1.0 - _APART))) / (
+            2.0 * _APART * at
+        )
 
 
 class PressedJoints(Joints):
@@ -511,21 +600,28 @@ class PressedJoints(Joints):
 
     def __init__(self, given: Arrays, stiffness: float) -> None:
         super().__init__(given, np.zeros_like(given.cohesion), stiffness)
-        self._cohesion, self._full = given.cohesion, _PRESSED * self.scale * given.area / given.area.sum()
+        self._cohesion, self._full = (
+            given.cohesion,
+            _PRESSED * self.scale * given.area / given.area.sum(),
+        )
 
     def resists(self, normal: np.ndarray) -> np.ndarray:
         return super().resists(normal) + self._cohesion * np.tanh(normal / self._full)
 
     def follows(self, normal: np.ndarray) -> np.ndarray:
         return (
-            super().follows(normal) + self._cohesion / self._full / np.cosh(np.minimum(normal / self._full, 50.0)) ** 2
+            super().follows(normal)
+            + self._cohesion / self._full / np.cosh(np.minimum(normal / self._full, 50.0)) ** 2
         )
 
 
 def history(
-    model: AssemblyModel, start: float, stiffness: float = 0.4, cohesion: np.ndarray | None = None,
+    model: AssemblyModel,
+    start: float,
+    stiffness: float = 0.4,
+    cohesion: np.ndarray | None = None,
     bed: Joints | None = None,
-) -> History:  # fmt: skip
+) -> History:
     """The limit state of one history: loads come on at strengths λ = `start`, which then go down slowly.
 
     Joints are elastic without tension, their slip is incremental: what slipped stays slipped. Every state is reached by
@@ -563,7 +659,9 @@ def history(
     return _settled(bed, found, before, trial, viscosity, 1.0 / strength)
 
 
-def _settled(bed: Joints, state: State, before: State, strength: float, viscosity: float, peak: float) -> History:
+def _settled(
+    bed: Joints, state: State, before: State, strength: float, viscosity: float, peak: float
+) -> History:
     """From a running state: viscosity goes, the work of the loads grows, λ follows."""
     load, given = bed.given.load, bed.given
     work, done = float(load @ state.u), float(load @ (state.u - before.u))
@@ -572,7 +670,9 @@ def _settled(bed: Joints, state: State, before: State, strength: float, viscosit
     for _ in range(400):
         wanted = work * grows
         slower = fades * viscosity * done / (wanted - work)
-        found = bed.step(state, strength, slower, wanted, state.u + motion * ((wanted - work) / done))
+        found = bed.step(
+            state, strength, slower, wanted, state.u + motion * ((wanted - work) / done)
+        )
         if found is None:
             grows, fades = grows**0.5, fades**0.5
             if grows < 1.0 + 1e-5:
@@ -594,7 +694,9 @@ def _settled(bed: Joints, state: State, before: State, strength: float, viscosit
     return History(1.0 / strength, peak, end, *rates, bed.steps)
 
 
-def with_bonds(model: AssemblyModel, start: float, stiffness: float = 0.4) -> tuple[History, np.ndarray]:
+def with_bonds(
+    model: AssemblyModel, start: float, stiffness: float = 0.4
+) -> tuple[History, np.ndarray]:
     """`history` again and again: a contact that opens anywhere in the last motion loses all its cohesion for good.
 
     Not the rule of `many_blocks.bonds`, where bonds come back or are kept: it ends at the same limit where each motion
@@ -604,14 +706,18 @@ def with_bonds(model: AssemblyModel, start: float, stiffness: float = 0.4) -> tu
     cohesion = given.cohesion.copy()
     while True:
         found = history(model, start, stiffness, cohesion)
-        opens = found.opening > _OPENS * max(float(np.abs(found.opening).max()), float(np.abs(found.slip).max()))
+        opens = found.opening > _OPENS * max(
+            float(np.abs(found.opening).max()), float(np.abs(found.slip).max())
+        )
         lost = np.isin(given.contact, given.contact[opens]) & (cohesion > 0.0)
         if not lost.any():
             return found, cohesion
         cohesion[lost] = 0.0
 
 
-def breaking(model: AssemblyModel, start: float, stiffness: float = 0.4) -> tuple[float, float, np.ndarray]:
+def breaking(
+    model: AssemblyModel, start: float, stiffness: float = 0.4
+) -> tuple[float, float, np.ndarray]:
     """The last F at rest and the first that is not of a history whose bonds break for good, and what cohesion is left.
 
     Strength goes down as in `history`. A contact that no pair of it presses at rest has lost all of its cohesion from
@@ -622,7 +728,9 @@ def breaking(model: AssemblyModel, start: float, stiffness: float = 0.4) -> tupl
     cohesion, contacts = given.cohesion.copy(), len(model.plus)
     state, strength, ratio = unmoved(given), start, 1.0
 
-    def settled(state: State, strength: float, cohesion: np.ndarray) -> tuple[State, str, np.ndarray]:
+    def settled(
+        state: State, strength: float, cohesion: np.ndarray
+    ) -> tuple[State, str, np.ndarray]:
         while True:
             found, how, _, _ = Joints(given, cohesion, stiffness).rest(state, strength, onward=True)
             presses = np.bincount(given.contact, given.normal @ found.u < 0.0, contacts) > 0

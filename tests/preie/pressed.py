@@ -42,11 +42,18 @@ def pressed_shares_of_pairs(patches: Patches, model: AssemblyModel, gaps: np.nda
         corners = patches.corners[patches.first[patch] : patches.first[patch + 1]]
         pairs = np.flatnonzero(model.pair_contact == contact)
         acts, whole = np.zeros(len(pairs)), np.zeros(len(pairs))
-        for triangle in [corners] if len(corners) == 3 else fan_of(corners, patches.centroids[patch]):
+        for triangle in (
+            [corners] if len(corners) == 3 else fan_of(corners, patches.centroids[patch])
+        ):
             places = np.concatenate([triangle, triangle.mean(axis=0)[None]])
             away = ((model.points[pairs] - places[:, None]) ** 2).sum(axis=2)
-            near, is_pair = away.argmin(axis=1), away.min(axis=1) < 1e-9 * np.ptp(corners, axis=0).max() ** 2
-            weights = np.array([1.0, 1.0, 1.0, 9.0]) if is_pair[3] else np.array([2.0, 2.0, 8.0, 0.0])
+            near, is_pair = (
+                away.argmin(axis=1),
+                away.min(axis=1) < 1e-9 * np.ptp(corners, axis=0).max() ** 2,
+            )
+            weights = (
+                np.array([1.0, 1.0, 1.0, 9.0]) if is_pair[3] else np.array([2.0, 2.0, 8.0, 0.0])
+            )
             _, _, axes = np.linalg.svd(triangle - triangle.mean(axis=0))
             flat = (triangle - triangle[0]) @ axes[:2].T
             area = shoelace(flat)

@@ -18,12 +18,15 @@ def tan(degrees: float) -> float:
     return math.tan(math.radians(degrees))
 
 
-@pytest.mark.parametrize(("sticking", "detached"), [
-    ([True, True, True], [False, False, False]),
-    ([False, True, True], [True, True, True]),
-    ([True, False, True], [False, True, True]),
-    ([True, True, False], [False, False, True]),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("sticking", "detached"),
+    [
+        ([True, True, True], [False, False, False]),
+        ([False, True, True], [True, True, True]),
+        ([True, False, True], [False, True, True]),
+        ([True, True, False], [False, False, True]),
+    ],
+)
 def test_a_block_is_tied_by_a_chain_to_bedrock(sticking, detached) -> None:
     """Three blocks on top of each other: what lies above a contact that slips is detached."""
     assert blocks_detached(stack(3, 20.0, 35.0), np.array(sticking)).tolist() == detached
@@ -31,13 +34,20 @@ def test_a_block_is_tied_by_a_chain_to_bedrock(sticking, detached) -> None:
 
 @pytest.mark.parametrize(
     ("count", "limit"),
-    [(1, None), (4, None), (1, tan(35.0) / tan(20.0)), (12, tan(35.0) / tan(20.0))],  # far slower without a limit
+    [
+        (1, None),
+        (4, None),
+        (1, tan(35.0) / tan(20.0)),
+        (12, tan(35.0) / tan(20.0)),
+    ],  # far slower without a limit
     ids=["1, no limit", "4, no limit", "1, limit", "12, limit"],
 )
 @pytest.mark.parametrize("stiffness", [EVEN, PAPER], ids=["constant", "clough-duncan"])
 def test_blocks_on_an_incline_come_untied_where_they_slide(count: int, stiffness, limit) -> None:
     """F = tan φ / tan β: even slip, every contact at once, and no equilibrium above."""
-    found = all_pairs_failed(stack(count, 20.0, 35.0, width=3.0 * count), stiffness, limit, relative=1e-6)
+    found = all_pairs_failed(
+        stack(count, 20.0, 35.0, width=3.0 * count), stiffness, limit, relative=1e-6
+    )
     assert found.factor == pytest.approx(tan(35.0) / tan(20.0), rel=2e-6)
     low, high = found.bracket
     assert low < high <= low * (1.0 + 1e-6)
@@ -51,7 +61,9 @@ def test_a_block_in_space_on_an_incline() -> None:
     assert found.factor <= exact
 
 
-@pytest.mark.parametrize(("stiffness", "near"), [(PAPER, 1.5539), (JointStiffness(tangential=4e6), 1.10)])
+@pytest.mark.parametrize(
+    ("stiffness", "near"), [(PAPER, 1.5539), (JointStiffness(tangential=4e6), 1.10)]
+)
 def test_one_block_is_the_papers_criterion(stiffness, near: float) -> None:
     """Table 4's wedge as one block and as an assembly of one; 1.10 is METHOD.md's, to 2 %."""
     assembly, model = paper_wedge()

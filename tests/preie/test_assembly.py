@@ -12,7 +12,15 @@ from slopekit.core.errors import SolverError
 from slopekit.geometry.patches import BEDROCK, Patches
 from slopekit.preie.system.assembly import AssemblyModel, build_assembly
 from slopekit.preie.system.model import JointStrength
-from tests.preie.block_scenes import Scene, active_passive, bench, boxes_in_space, columns, wall, weighed
+from tests.preie.block_scenes import (
+    Scene,
+    active_passive,
+    bench,
+    boxes_in_space,
+    columns,
+    wall,
+    weighed,
+)
 
 BENCH = (("45/170", 6.0), ("80/350", 7.0), ("85/80", 7.0))
 SCENES = {
@@ -41,7 +49,9 @@ def as_vectors(model: AssemblyModel, velocity: np.ndarray) -> tuple[np.ndarray, 
     return translation, rotation
 
 
-def placed(scene: Scene, model: AssemblyModel, velocity: np.ndarray, time: float, side: np.ndarray) -> np.ndarray:
+def placed(
+    scene: Scene, model: AssemblyModel, velocity: np.ndarray, time: float, side: np.ndarray
+) -> np.ndarray:
     """Where the node pairs (m, 3) are at a time, carried by the blocks (m,) of one side (bedrock stays)."""
     block = np.full(len(scene) + 1, -1)
     block[model.moving] = np.arange(len(model.moving))
@@ -51,7 +61,11 @@ def placed(scene: Scene, model: AssemblyModel, velocity: np.ndarray, time: float
     still = at < 0
     points = model.points.copy()
     centre = scene.centroids[side[moves]]
-    turned = Rotation.from_rotvec(time * rotation[at]).apply(points[moves] - centre) + centre + time * translation[at]
+    turned = (
+        Rotation.from_rotvec(time * rotation[at]).apply(points[moves] - centre)
+        + centre
+        + time * translation[at]
+    )
     points[moves] = np.where(still[:, None], points[moves], turned)
     return points
 
@@ -85,14 +99,18 @@ def test_statics_is_the_transpose_of_kinematics(case) -> None:
     opening, slip = model.opening_and_slip(velocity)
     normal, friction = rng.normal(size=opening.shape), rng.normal(size=slip.shape)
     work = float((normal * opening).sum() + (friction * slip).sum())
-    assert float((model.forces_on_blocks(normal, friction) * velocity).sum()) == pytest.approx(work, rel=1e-12)
+    assert float((model.forces_on_blocks(normal, friction) * velocity).sum()) == pytest.approx(
+        work, rel=1e-12
+    )
 
 
 def test_forces_on_blocks_are_wrenches(case) -> None:
     """Normal forces as vectors at their points: force and moment about the centroid of every block."""
     scene, model = case
     normal = np.random.default_rng(3).uniform(0.5, 1.5, len(model.points))
-    found = model.forces_on_blocks(normal, np.zeros((len(model.group_first), model.slip_rows.shape[1])))
+    found = model.forces_on_blocks(
+        normal, np.zeros((len(model.group_first), model.slip_rows.shape[1]))
+    )
     of_pair = model.patch[model.pair_contact]
     pushes = normal[:, None] * scene.patches.normals[of_pair]
     wrenches = np.zeros((len(scene), 6))
@@ -103,7 +121,9 @@ def test_forces_on_blocks_are_wrenches(case) -> None:
         moments = np.cross(arms, sign * pushes[ok]) / model.length_scale
         np.add.at(wrenches, at[ok], np.concatenate([sign * pushes[ok], moments], axis=1))
     wrenches = wrenches[model.moving]
-    assert found == pytest.approx(wrenches if model.unknowns == 6 else wrenches[:, [0, 2, 4]], abs=1e-9)
+    assert found == pytest.approx(
+        wrenches if model.unknowns == 6 else wrenches[:, [0, 2, 4]], abs=1e-9
+    )
 
 
 def test_all_moving_as_one_body_opens_no_joint_between_blocks(case) -> None:
@@ -115,13 +135,19 @@ def test_all_moving_as_one_body_opens_no_joint_between_blocks(case) -> None:
         spin, shift = spin * [0, 1, 0], shift * [1, 0, 1]
     arms = (scene.centroids[model.moving] - scene.centroids.mean(axis=0)) / model.length_scale
     velocity = np.concatenate([shift + np.cross(spin, arms), np.tile(spin, (len(arms), 1))], axis=1)
-    opening, slip = model.opening_and_slip(velocity if model.unknowns == 6 else velocity[:, [0, 2, 4]])
+    opening, slip = model.opening_and_slip(
+        velocity if model.unknowns == 6 else velocity[:, [0, 2, 4]]
+    )
     between = model.minus >= 0
     assert opening[between[model.pair_contact]] == pytest.approx(0.0, abs=1e-10)
     assert slip[between[model.group_contact]] == pytest.approx(0.0, abs=1e-10)
     at = model.pair_contact[~between[model.pair_contact]]
-    arms = (model.points - scene.centroids.mean(axis=0))[~between[model.pair_contact]] / model.length_scale
-    into_plus = np.where(scene.fixed[scene.patches.plus] & (scene.patches.minus >= 0), -1.0, 1.0)[model.patch[at], None]
+    arms = (model.points - scene.centroids.mean(axis=0))[
+        ~between[model.pair_contact]
+    ] / model.length_scale
+    into_plus = np.where(scene.fixed[scene.patches.plus] & (scene.patches.minus >= 0), -1.0, 1.0)[
+        model.patch[at], None
+    ]
     normals = scene.patches.normals[model.patch[at]] * into_plus
     exact = (normals * (shift + np.cross(spin, arms))).sum(axis=1)
     assert opening[~between[model.pair_contact]] == pytest.approx(exact, abs=1e-10)
@@ -139,13 +165,20 @@ def test_control_areas_sum_to_the_patches(case) -> None:
 
 def test_cohesion_load_and_strength(case) -> None:
     scene, model = case
-    areas, moments = scene.patches.areas[model.patch], np.random.default_rng(9).normal(size=scene.forces.shape)
+    areas, moments = (
+        scene.patches.areas[model.patch],
+        np.random.default_rng(9).normal(size=scene.forces.shape),
+    )
     loaded = replace(scene, moments=moments).model(30.0, 7.5, 12.0)
     size = float(np.sqrt((scene.forces[model.moving] ** 2).sum(axis=1).mean()))
     assert loaded.force_scale == pytest.approx(size)
     assert loaded.cohesion.sum() * size == pytest.approx(7.5 * areas.sum())
-    wrench = np.concatenate([scene.forces, moments / model.length_scale], axis=1)[model.moving] / size
-    assert loaded.load == pytest.approx(wrench if model.unknowns == 6 else wrench[:, [0, 2, 4]], abs=1e-12)
+    wrench = (
+        np.concatenate([scene.forces, moments / model.length_scale], axis=1)[model.moving] / size
+    )
+    assert loaded.load == pytest.approx(
+        wrench if model.unknowns == 6 else wrench[:, [0, 2, 4]], abs=1e-12
+    )
     assert loaded.tan_friction == pytest.approx(np.tan(np.radians(30.0)))
     assert loaded.tan_dilation == pytest.approx(np.tan(np.radians(12.0)))
     assert model.length_scale == pytest.approx(np.sqrt(areas.mean()))
@@ -153,15 +186,23 @@ def test_cohesion_load_and_strength(case) -> None:
 
 def polygon_patch(corners: np.ndarray) -> Scene:
     """One block on bedrock over one flat polygon (k, 3)."""
-    cross = np.cross(corners - corners[0], np.roll(corners, -1, axis=0) - corners[0]).sum(axis=0) / 2.0
+    cross = (
+        np.cross(corners - corners[0], np.roll(corners, -1, axis=0) - corners[0]).sum(axis=0) / 2.0
+    )
     area = float(np.linalg.norm(cross))
     first, last = corners[1:-1] - corners[0], corners[2:] - corners[0]
     parts = np.linalg.norm(np.cross(first, last), axis=1) / 2.0
     centroid = corners[0] + (parts[:, None] * (first + last) / 3.0).sum(axis=0) / area
     patches = Patches(
-        np.array([0]), np.array([BEDROCK]), np.array([0]), cross[None] / area, np.array([area]), centroid[None],
-        corners, np.array([0, len(corners)]),
-    )  # fmt: skip
+        np.array([0]),
+        np.array([BEDROCK]),
+        np.array([0]),
+        cross[None] / area,
+        np.array([area]),
+        centroid[None],
+        corners,
+        np.array([0, len(corners)]),
+    )
     return weighed(patches, [1.0], np.add(centroid, [[0.1, 0.2, 0.7]]), False)
 
 
@@ -188,7 +229,11 @@ POLYGONS = {
 def in_space(shape) -> np.ndarray:
     """A flat polygon (k, 2) turned and moved, (k, 3)."""
     turn = Rotation.from_rotvec([0.4, -0.3, 0.8]).as_matrix()
-    return np.column_stack([np.array(shape, dtype=float), np.zeros(len(shape))]) @ turn.T + [3.0, -2.0, 5.0]
+    return np.column_stack([np.array(shape, dtype=float), np.zeros(len(shape))]) @ turn.T + [
+        3.0,
+        -2.0,
+        5.0,
+    ]
 
 
 @pytest.mark.parametrize("refine", [0, 1, 3])
@@ -217,9 +262,13 @@ def test_pairs_integrate_quadratics_over_a_patch(name, refine) -> None:
         found = sum(a * quadratic(p) for a, p in zip(areas, model.points, strict=True))
         assert found == pytest.approx(exact, rel=1e-11)
     if k > 3:
-        corners = np.concatenate([corners, polygon_patch(corners).patches.centroids])  # the fan is about it
+        corners = np.concatenate(
+            [corners, polygon_patch(corners).patches.centroids]
+        )  # the fan is about it
     for corner in corners:
-        assert float(np.abs(model.points - corner).sum(axis=1).min()) == pytest.approx(0.0, abs=1e-12)
+        assert float(np.abs(model.points - corner).sum(axis=1).min()) == pytest.approx(
+            0.0, abs=1e-12
+        )
 
 
 @pytest.mark.parametrize("refine", [0, 1, 2])
@@ -243,7 +292,9 @@ def test_pairs_of_a_segment(c, refine, weights) -> None:
     """Simpson's rule with cohesion and without, on one friction force."""
     scene = wall(1, 1)
     model = scene.model(30.0, c, refine=refine)
-    assert model.control_area * model.area_scale == pytest.approx(2.0 * np.array(weights) / sum(weights))
+    assert model.control_area * model.area_scale == pytest.approx(
+        2.0 * np.array(weights) / sum(weights)
+    )
     assert model.points == pytest.approx(np.linspace(*scene.patches.corners, len(weights)))
     assert len(model.group_first) == 1
 
@@ -255,12 +306,20 @@ def test_live_loads_are_those_given_as_such() -> None:
     live = 0.2 * rng.normal(size=scene.forces.shape), 0.2 * rng.normal(size=scene.forces.shape)
     each = np.ones(int(scene.patches.joint.max()) + 1)
     model = build_assembly(
-        scene.patches, scene.fixed, scene.centroids, scene.forces + live[0], scene.moments + live[1],
-        JointStrength(0.0 * each, each, 0.0 * each, 0.0 * each), False, live=live,
-    )  # fmt: skip
+        scene.patches,
+        scene.fixed,
+        scene.centroids,
+        scene.forces + live[0],
+        scene.moments + live[1],
+        JointStrength(0.0 * each, each, 0.0 * each, 0.0 * each),
+        False,
+        live=live,
+    )
     free = ~scene.fixed
     assert model.live[:, :3] * model.force_scale == pytest.approx(live[0][free])
-    assert model.live[:, 3:] * model.force_scale * model.length_scale == pytest.approx(live[1][free])
+    assert model.live[:, 3:] * model.force_scale * model.length_scale == pytest.approx(
+        live[1][free]
+    )
     dead = (model.load - model.live)[:, :3] * model.force_scale
     assert dead == pytest.approx(scene.forces[free], abs=1e-9 * np.abs(scene.forces).max())
     assert (scene.model(30.0).live == 0.0).all()
@@ -271,14 +330,28 @@ def test_fixed_blocks_and_bedrock_are_the_same() -> None:
     scene = wall(2, 2)
     base = np.flatnonzero(scene.patches.minus == BEDROCK)
     on_block = replace(
-        scene, centroids=np.concatenate([scene.centroids, [[0.0, 0.0, -5.0]]]), fixed=np.append(scene.fixed, True),
-        forces=np.concatenate([scene.forces, [[0.0, 0.0, -1e6]]]), moments=np.zeros((len(scene) + 1, 3)),
+        scene,
+        centroids=np.concatenate([scene.centroids, [[0.0, 0.0, -5.0]]]),
+        fixed=np.append(scene.fixed, True),
+        forces=np.concatenate([scene.forces, [[0.0, 0.0, -1e6]]]),
+        moments=np.zeros((len(scene) + 1, 3)),
         patches=replace(
-            scene.patches, plus=np.where(np.isin(np.arange(len(scene.patches)), base), len(scene), scene.patches.plus),
-            minus=np.where(np.isin(np.arange(len(scene.patches)), base), scene.patches.plus, scene.patches.minus),
-            normals=np.where(scene.patches.minus[:, None] == BEDROCK, -scene.patches.normals, scene.patches.normals),
+            scene.patches,
+            plus=np.where(
+                np.isin(np.arange(len(scene.patches)), base), len(scene), scene.patches.plus
+            ),
+            minus=np.where(
+                np.isin(np.arange(len(scene.patches)), base),
+                scene.patches.plus,
+                scene.patches.minus,
+            ),
+            normals=np.where(
+                scene.patches.minus[:, None] == BEDROCK,
+                -scene.patches.normals,
+                scene.patches.normals,
+            ),
         ),
-    )  # fmt: skip
+    )
     one, other = scene.model(30.0, 2.0), on_block.model(30.0, 2.0)
     velocity = np.random.default_rng(6).normal(size=one.load.shape)
     for a, b in zip(one.opening_and_slip(velocity), other.opening_and_slip(velocity), strict=True):

@@ -31,14 +31,18 @@ def test_random_cuts_as_one_by_one() -> None:
     assert slides.sum() > 180
     assert (np.isfinite(found.factor) == np.isfinite(single))[slides].all()
     assert found.factor[slides] == pytest.approx(single[slides], rel=1e-6, nan_ok=True)
-    assert {BedStatus.PRESSED, BedStatus.RUNS, BedStatus.RESTS, BedStatus.CREEPS} <= set(found.bed_status.tolist())
+    assert {BedStatus.PRESSED, BedStatus.RUNS, BedStatus.RESTS, BedStatus.CREEPS} <= set(
+        found.bed_status.tolist()
+    )
 
 
 def test_blocks_without_strength_have_none() -> None:
     """A factor of 0 beside others, as a single block's; no bed is looked at."""
     blocks, closed_form = scattered(3)
     bare = np.array([1.0, 0.0, 1.0])[:, None]
-    found = limits_of_blocks(replace(blocks, cohesion=blocks.cohesion * bare, tan_friction=blocks.tan_friction * bare))
+    found = limits_of_blocks(
+        replace(blocks, cohesion=blocks.cohesion * bare, tan_friction=blocks.tan_friction * bare)
+    )
     assert found.factor[1] == found.forces[1] == 0.0
     assert found.bed_status[1] == -1
     assert found.forces[[0, 2]] == pytest.approx(closed_form[[0, 2]], rel=1e-12)
@@ -57,7 +61,9 @@ def scattered(count: int) -> tuple[Blocks, np.ndarray]:
     design = load(str(TEMPLATE))
     drawn = samples(design.variables, design.correlation, count, 3, "monte-carlo")
     columns = vectorised(design, drawn.values, drawn.settings)
-    return wedges_of(columns.arguments(drawn.values), count), columns.rows(drawn.values).closed_form.factor
+    return wedges_of(columns.arguments(drawn.values), count), columns.rows(
+        drawn.values
+    ).closed_form.factor
 
 
 def test_the_forces_are_those_of_hoek_and_bray() -> None:
@@ -78,7 +84,8 @@ def test_more_friction_never_lowers_a_limit() -> None:
     """Nor a snap that comes to rest again: from 1.01 to 1.02 of its friction the first cut fell from 0.666 to 0.509."""
     cuts = blocks_of([random_cuts(751, 77)[750], *random_cuts(60, 3)])
     factors = [
-        limits_of_blocks(replace(cuts, tan_friction=cuts.tan_friction * times)).factor for times in (1.0, 1.01, 1.02)
+        limits_of_blocks(replace(cuts, tan_friction=cuts.tan_friction * times)).factor
+        for times in (1.0, 1.01, 1.02)
     ]
     rests = np.isfinite(factors[0])
     assert rests.sum() > 50
@@ -125,7 +132,11 @@ def test_dams_on_their_bases(in_section) -> None:
     assert found.pressed[:-1, 0] == pytest.approx(pressed / WIDTH, rel=1e-9)
     assert np.isnan(found.pressed[:, 1]).all()
     assert math.isnan(found.factor[-1])
-    assert found.bed_status.tolist() == [*[BedStatus.PRESSED] * 2, *[BedStatus.RUNS] * 4, BedStatus.NO_REST]
+    assert found.bed_status.tolist() == [
+        *[BedStatus.PRESSED] * 2,
+        *[BedStatus.RUNS] * 4,
+        BedStatus.NO_REST,
+    ]
 
 
 def test_blocks_that_nothing_drives_and_that_are_lifted_have_no_limit() -> None:

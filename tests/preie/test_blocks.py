@@ -15,9 +15,9 @@ from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety
 from slopekit.kinds import cut
 from slopekit.kinds.assemblies.many_blocks_scene import scene_loads
 from slopekit.kinds.solver_inputs import joint_strength
-from slopekit.preie.elastic_path.bed import Bed
-from slopekit.preie.elastic_path.bed_states import Drive
-from slopekit.preie.elastic_path.flow import relaxed
+from slopekit.preie.elastic_path.contact_model import ElasticContactModel
+from slopekit.preie.elastic_path.contact_states import Drive
+from slopekit.preie.elastic_path.flow import viscous_relaxation
 from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome, result_of
 from slopekit.preie.many_blocks import blocks
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
@@ -39,7 +39,11 @@ from tests.preie.block_scenes import (
     wall,
 )
 
-TWO_BLOCKS = [(0.0, 0.0, 3.291798), (10.0, 0.0, 1.941039), (0.0, 10.0, 4.070999)]  # 7c_two_block_1, 2 and 6
+TWO_BLOCKS = [
+    (0.0, 0.0, 3.291798),
+    (10.0, 0.0, 1.941039),
+    (0.0, 10.0, 4.070999),
+]  # 7c_two_block_1, 2 and 6
 BENCH = (("45/170", 7.0), ("80/350", 8.0), ("85/80", 8.0))
 
 CLOSER = (("45/170", 6.0), ("80/350", 7.0), ("85/80", 7.0))
@@ -74,7 +78,10 @@ def test_the_range_of_a_wall_that_slides_on_its_base_is_a_point(scene) -> None:
     """tan 35° / tan 20°: the balance along its base leaves no choice, whatever forces are locked in above it."""
     found = limit_of_blocks(scene.model(35.0))
     exact = tangent(35) / tangent(20)
-    assert (found.lowest, found.highest) == (pytest.approx(exact, rel=1e-4), pytest.approx(exact, rel=1e-4))
+    assert (found.lowest, found.highest) == (
+        pytest.approx(exact, rel=1e-4),
+        pytest.approx(exact, rel=1e-4),
+    )
 
 
 @pytest.mark.parametrize(("count", "width"), [(3, 2.0 * 3), (100, 300.0)])
@@ -110,7 +117,11 @@ def test_a_block_alone_tips_at_its_geometric_limit(dip, space) -> None:
     """b / h = tan β: a hair lower it slides at tan φ / tan β, a hair higher nothing holds it and it turns."""
     for ratio, stands in ((1.0 + 1e-3, True), (1.0 - 1e-3, False), (1.0 - 1e-5, False)):
         height = 2.0 / tangent(dip) / ratio
-        scene = boxes_in_space((1, 1, 1), (2.0, 3.0, height), dip) if space else stack(1, dip, 2.0, height)
+        scene = (
+            boxes_in_space((1, 1, 1), (2.0, 3.0, height), dip)
+            if space
+            else stack(1, dip, 2.0, height)
+        )
         found = limit_of_blocks(scene.model(70.0))
         if stands:
             holds(found, tangent(70) / tangent(dip), 1e-6 if space else 1e-9)
@@ -118,10 +129,14 @@ def test_a_block_alone_tips_at_its_geometric_limit(dip, space) -> None:
             assert found.outcome is Outcome.LIFTED
             assert (found.factor, found.basis) == (None, Basis.NONE)
             if not space:  # in space it may fly off as well as turn: both open its base
-                assert found.velocity[0, 2] == pytest.approx(-1.0) or abs(found.velocity[0, 2]) > 0.2
+                assert (
+                    found.velocity[0, 2] == pytest.approx(-1.0) or abs(found.velocity[0, 2]) > 0.2
+                )
 
 
-@pytest.mark.parametrize("scene", [stack(2, dip=0.0, width=6.0), boxes_in_space((2, 1, 2), (2.0, 2.0, 1.0), 0.0)])
+@pytest.mark.parametrize(
+    "scene", [stack(2, dip=0.0, width=6.0), boxes_in_space((2, 1, 2), (2.0, 2.0, 1.0), 0.0)]
+)
 def test_nothing_drives_blocks_on_level_ground(scene) -> None:
     found = limit_of_blocks(scene.model(30.0))
     assert found.outcome is Outcome.NO_DRIVING_FORCE
@@ -131,11 +146,11 @@ def test_nothing_drives_blocks_on_level_ground(scene) -> None:
 def test_what_has_a_static_bound_does_not_stand_at_any_strength(monkeypatch) -> None:
     """A path that says so of a block on an incline has lost its way: a motion proves the bound."""
 
-    def stands(bed: Bed, start: float, *_: object) -> PathLimit:
+    def stands(bed: ElasticContactModel, start: float, *_: object) -> PathLimit:
         none = np.zeros(bed.size)
         return result_of(bed, PathOutcome.STANDS, None, None, none, none, bed.forces(none, start))
 
-    monkeypatch.setattr(blocks, "follow", stands)
+    monkeypatch.setattr(blocks, "trace_limit", stands)
     found = limit_of_blocks(stack(1, 20.0, 6.0).model(35.0))
     assert found.outcome is Outcome.NOT_CONVERGED
     assert found.factor is None
@@ -144,7 +159,9 @@ def test_what_has_a_static_bound_does_not_stand_at_any_strength(monkeypatch) -> 
 
 @pytest.mark.parametrize("scene", [stack(1, width=5.0), wall(2, 2), wall(4, 4)])
 def test_blocks_pulled_off_the_ground_are_lifted(scene) -> None:
-    assert limit_of_blocks(replace(scene, forces=-scene.forces).model(30.0)).outcome is Outcome.LIFTED
+    assert (
+        limit_of_blocks(replace(scene, forces=-scene.forces).model(30.0)).outcome is Outcome.LIFTED
+    )
 
 
 # -- columns ----------------------------------------------------------------------------------------------------------
@@ -163,7 +180,10 @@ def test_goodman_and_bray(risers, bound) -> None:
     assert found.static_bound == pytest.approx(bound, abs=1e-4)
     size = np.abs(found.velocity).max(axis=1)
     turns = np.abs(found.velocity[:, 2]) > 1e-3 * np.abs(found.velocity).max()
-    modes = ["stable" if s < 1e-6 else "topple" if t else "slide" for s, t in zip(size, turns, strict=True)]
+    modes = [
+        "stable" if s < 1e-6 else "topple" if t else "slide"
+        for s, t in zip(size, turns, strict=True)
+    ]
     assert modes == 3 * ["slide"] + 10 * ["topple"] + 3 * ["stable"]
     opening, _ = model.opening_and_slip(found.velocity)
     base = (model.minus < 0) & (np.arange(len(model.minus)) < 16)
@@ -177,7 +197,9 @@ def test_goodman_and_bray(risers, bound) -> None:
 def test_columns_at_other_strengths(phi) -> None:
     """F = tan φ / tan 38.1512°: all strength is friction."""
     exact = toppling_factor_of_safety(ColumnSlope(GOODMAN_BRAY, 10.0, 1.0, 30.0, 25.0, phi))[0]
-    assert limit_of_blocks(columns().model(phi), ranged=False).factor == pytest.approx(exact, rel=1e-10)
+    assert limit_of_blocks(columns().model(phi), ranged=False).factor == pytest.approx(
+        exact, rel=1e-10
+    )
 
 
 def test_slender_columns() -> None:
@@ -221,9 +243,11 @@ def test_cohesion_of_a_joint_that_opens_is_lost() -> None:
     assert found.basis is Basis.PEAK
     assert tangent(10) / tangent(30) < found.factor < found.static_bound
     assert (found.bond == 1.0).all()
-    bed = Bed(model, Drive(model.load.ravel()))
-    gone = relaxed(bed, bed.elastic_displacement, 1.001 / found.factor / (1.0 + found.change), 1.0)
-    weaker = relaxed(bed, gone.at, 0.999 / found.factor, 1e-2)
+    bed = ElasticContactModel(model, Drive(model.load.ravel()))
+    gone = viscous_relaxation(
+        bed, bed.elastic_displacement, 1.001 / found.factor / (1.0 + found.change), 1.0
+    )
+    weaker = viscous_relaxation(bed, gone.displacement, 0.999 / found.factor, 1e-2)
     assert weaker.ended == "runs"
     assert (weaker.forces.pressed.share[model.minus[model.group_contact] >= 0] == 0.0).all()
     no_bonds = limit_of_blocks(scene.model([35.0, 10.0, 30.0], [0.0, 0.0, 1e-6]))
@@ -281,7 +305,7 @@ def known(request) -> tuple[Scene, float, float, BlocksLimit]:
 
 
 def same(found: BlocksLimit, known: BlocksLimit, parts: float = 1e-8) -> None:
-    """METHOD-3 §13: within 1e-9 in sections; in space 1e-8. The bound is found to 1e-6.
+    """The prototype of the path: within 1e-9 in sections; in space 1e-8. The bound is found to 1e-6.
 
     A block that touches nothing has no stiffness: with one the limit is settled, not exact.
     """
@@ -313,11 +337,16 @@ def test_neither_the_compass_nor_the_numbering_of_blocks_matters(known) -> None:
     name = rng.permutation(len(scene))
     inverse, patches = np.argsort(name), scene.patches
     renamed = replace(
-        scene, centroids=scene.centroids[inverse], forces=scene.forces[inverse], fixed=scene.fixed[inverse],
+        scene,
+        centroids=scene.centroids[inverse],
+        forces=scene.forces[inverse],
+        fixed=scene.fixed[inverse],
         patches=replace(
-            patches, plus=name[patches.plus], minus=np.where(patches.minus < 0, -1, name[patches.minus])
+            patches,
+            plus=name[patches.plus],
+            minus=np.where(patches.minus < 0, -1, name[patches.minus]),
         ),
-    )  # fmt: skip
+    )
     same(limit_of_blocks(renamed.model(phi, c), ranged=False), reference)
 
 
@@ -358,13 +387,19 @@ def test_the_answer_is_a_limit_state(name) -> None:
     """
     scene, phi, c = LIMITS[name]
     model = scene.model(phi, c)
-    found = light_block(BENCH) if name == "bench of even joints" else limit_of_blocks(model, ranged=False)
+    found = (
+        light_block(BENCH)
+        if name == "bench of even joints"
+        else limit_of_blocks(model, ranged=False)
+    )
     assert found.outcome is Outcome.SLIDES
     assert found.basis in (Basis.LIMIT, Basis.SETTLED)
     assert found.factor <= (found.static_bound or 0.0)
     assert np.abs(model.unbalanced(found.normal_force, found.friction)).max() < 1e-6
     assert (found.normal_force >= -1e-12).all()
-    strength = model.by_group(model.cohesion * found.bond) + model.tan_friction * model.by_group(found.normal_force)
+    strength = model.by_group(model.cohesion * found.bond) + model.tan_friction * model.by_group(
+        found.normal_force
+    )
     opening, slip = model.opening_and_slip(found.velocity)
     fastest = max(float(np.abs(opening).max()), float(np.abs(slip).max()))
     opening, slip = opening / fastest, slip / fastest
@@ -419,7 +454,9 @@ def test_random_benches(seed) -> None:
     assert found.static_bound is not None
     assert found.lowest <= found.factor <= found.highest <= found.static_bound
     reduced = math.degrees(math.atan(tangent(phi) / found.factor))
-    assert limit_of_blocks(scene.model(reduced), ranged=False).factor == pytest.approx(1.0, abs=1e-6)
+    assert limit_of_blocks(scene.model(reduced), ranged=False).factor == pytest.approx(
+        1.0, abs=1e-6
+    )
 
 
 def slides_alone(scene: Scene, phi: float) -> float:
@@ -449,12 +486,20 @@ def slides_alone(scene: Scene, phi: float) -> float:
             points, forces = [], []
             for k, normal in zip(mine, normals, strict=True):
                 if (np.abs(base - normal).max(axis=1) < 1e-6).any():
-                    corners = patches.corners[patches.first[k] : patches.first[k + 1]] - scene.centroids[block]
+                    corners = (
+                        patches.corners[patches.first[k] : patches.first[k + 1]]
+                        - scene.centroids[block]
+                    )
                     points.append(corners)
                     forces.append(np.tile(normal - tangent(phi) / factor * slip, (len(corners), 1)))
             arms, forces = np.concatenate(points), np.concatenate(forces)
             wrench = np.vstack([forces.T, np.cross(arms, forces).T])
-            if linprog(np.zeros(len(arms)), A_eq=wrench, b_eq=[0, 0, 1, 0, 0, 0], bounds=(0, None)).status == 0:
+            if (
+                linprog(
+                    np.zeros(len(arms)), A_eq=wrench, b_eq=[0, 0, 1, 0, 0, 0], bounds=(0, None)
+                ).status
+                == 0
+            ):
                 least = min(least, float(factor))
     return least
 
@@ -495,11 +540,18 @@ def test_benches_whose_bound_is_hard(name) -> None:
     assert found.static_bound == pytest.approx(bound, rel=2e-4 if name == 5 else 2e-5)
 
 
-@pytest.mark.parametrize(("design", "cohesion", "coarse", "apart"), [
-    (populations.section(93), 5.0, 1.722, 1e-6), (populations.bench(21), 5.0, 4.814, 1e-6),
-    pytest.param(populations.bench(30), 0.0, 5.563, 5e-3, marks=pytest.mark.slow),
-], ids=["little cohesion", "in space", "turning without cohesion"])  # fmt: skip
-def test_contacts_that_are_partly_open_are_split_until_all_would_give_the_same(design, cohesion, coarse, apart) -> None:
+@pytest.mark.parametrize(
+    ("design", "cohesion", "coarse", "apart"),
+    [
+        (populations.section(93), 5.0, 1.722, 1e-6),
+        (populations.bench(21), 5.0, 4.814, 1e-6),
+        pytest.param(populations.bench(30), 0.0, 5.563, 5e-3, marks=pytest.mark.slow),
+    ],
+    ids=["little cohesion", "in space", "turning without cohesion"],
+)
+def test_contacts_that_are_partly_open_are_split_until_all_would_give_the_same(
+    design, cohesion, coarse, apart
+) -> None:
     """Three node pairs a contact, or its corners and centroid, put forces and cohesion too far out: unsafe here.
 
     Without cohesion a last rest is split no further.
@@ -508,7 +560,9 @@ def test_contacts_that_are_partly_open_are_split_until_all_would_give_the_same(d
     scene = cut(sk.load(design | {"strength": strength}))
     scenery = scene.assembly, scene_loads(scene), joint_strength(scene.strengths)
     part = ravel(*scenery, ranged=False).failures[0].parts[0]
-    unsplit, split = (limit_of_blocks(finer_model(*scenery, part, level), ranged=False).factor for level in (0, 3))
+    unsplit, split = (
+        limit_of_blocks(finer_model(*scenery, part, level), ranged=False).factor for level in (0, 3)
+    )
     assert unsplit == pytest.approx(coarse, rel=1e-3)
     assert part.limit.factor == pytest.approx(split, rel=apart)
     assert part.limit.factor < 0.98 * unsplit

@@ -51,7 +51,14 @@ BOLTS = {"bolts": [{"force": 2e4, "toward": "270/20", "acts": "passive", "head":
         (SPHERE, {"support": BOLTS}),
         (CYLINDER, {"support": BOLTS}),
     ],
-    ids=["plain cylinder", "ellipsoid without cohesion", "wet sphere", "shaken ellipsoid", "bolted sphere", "bolted"],
+    ids=[
+        "plain cylinder",
+        "ellipsoid without cohesion",
+        "wet sphere",
+        "shaken ellipsoid",
+        "bolted sphere",
+        "bolted",
+    ],
 )
 def test_curved_surfaces_against_clarabel(slip, more) -> None:
     """Forces balance just below the bound (1e-5) and none do just above, by a program with other matrices."""
@@ -59,7 +66,10 @@ def test_curved_surfaces_against_clarabel(slip, more) -> None:
     limit = pairs_limit(model).governing
     found = static_bound(model, limit.velocity, limit.factor)
     assert found.factor >= limit.factor
-    below, above = (conic_oracle.sparse_shortfall(model, 1.0 / (found.factor * by)) for by in (1.0 - 1e-5, 1.0 + 1e-5))
+    below, above = (
+        conic_oracle.sparse_shortfall(model, 1.0 / (found.factor * by))
+        for by in (1.0 - 1e-5, 1.0 + 1e-5)
+    )
     assert below < 0.0 < above
 
 
@@ -87,9 +97,15 @@ def test_strength_times_two_is_bound_times_two(by) -> None:
 
 
 JAMS = {
-    "dips": [[77.63, 48.29], [48.14, 253.4]], "face": [73.67, 312.8], "upper": [21.05, 312.8], "height": 35.91,
-    "c": [30.18, 4.943], "phi": [35.26, 16.29], "unit_weight": 24.26, "water": [807.8, 60.93],
-}  # fmt: skip
+    "dips": [[77.63, 48.29], [48.14, 253.4]],
+    "face": [73.67, 312.8],
+    "upper": [21.05, 312.8],
+    "height": 35.91,
+    "c": [30.18, 4.943],
+    "phi": [35.26, 16.29],
+    "unit_weight": 24.26,
+    "water": [807.8, 60.93],
+}
 
 
 def test_where_the_joints_jam_newton_is_not_trusted() -> None:

@@ -19,7 +19,9 @@ from slopekit.preie.tolerances import BOUND_ACCURACY, BOUND_ROUGHLY
 from tests.preie import assembly_oracle, path_oracle
 from tests.preie.block_scenes import bench, boxes_in_space, downhill, random_bench
 
-BENCH = bench((("45/170", 6.0), ("80/350", 7.0), ("85/80", 7.0)))  # 16 blocks, loads from 1 to 4,000
+BENCH = bench(
+    (("45/170", 6.0), ("80/350", 7.0), ("85/80", 7.0))
+)  # 16 blocks, loads from 1 to 4,000
 BOXES = boxes_in_space((2, 2, 3), (2.0, 3.0, 1.0), 25.0, 0.3)
 SLIVERS, SLIVERS_PHI = random_bench(7)  # 4 blocks, loads from 1 to 50,000; S is 13.8
 
@@ -39,7 +41,9 @@ def bolted() -> AssemblyModel:
     head, toe = np.append(blocks, blocks[0]), np.append(np.full(len(blocks), BEDROCK), blocks[-1])
     up = np.array([0.0, 0.3, 0.0]) - downhill(20.0)[:, 0]
     forces = np.linspace(5.0, 60.0, len(head))[:, None] * up
-    return replace(BOXES, bolts=PassiveBolts(head, toe, forces, BOXES.centroids[head] + 0.1)).model([30.0, 35.0], 0.5)
+    return replace(BOXES, bolts=PassiveBolts(head, toe, forces, BOXES.centroids[head] + 0.1)).model(
+        [30.0, 35.0], 0.5
+    )
 
 
 @pytest.mark.parametrize("name", MODELS)
@@ -48,7 +52,9 @@ def test_the_bound_is_that_of_bisection(name) -> None:
     model = MODELS[name]()
     found = bound_in_one_run(model)
     assert found is not None
-    assert found.factor == pytest.approx(assembly_oracle.static_bound(model, 1e-6, found.factor), rel=1.5e-5)
+    assert found.factor == pytest.approx(
+        assembly_oracle.static_bound(model, 1e-6, found.factor), rel=1.5e-5
+    )
 
 
 def test_with_bolts_it_is_that_of_the_programs() -> None:
@@ -67,7 +73,9 @@ def test_with_bolts_it_is_that_of_the_programs() -> None:
 def test_the_strength_divided(strength: float) -> None:
     """S(strength / k) k = S, wherever λ begins: to twice `NEAR`."""
     model = MODELS["bench with cohesion"]()
-    weaker = replace(model, tan_friction=model.tan_friction / strength, cohesion=model.cohesion / strength)
+    weaker = replace(
+        model, tan_friction=model.tan_friction / strength, cohesion=model.cohesion / strength
+    )
     found, whole = bound_in_one_run(weaker), bound_in_one_run(model)
     assert found is not None
     assert whole is not None
@@ -92,10 +100,17 @@ def test_the_motion_proves_it() -> None:
     assert float(higher.min()) < -1e-4 * fastest
 
 
-@pytest.mark.parametrize(("times", "accuracy", "proved"), [
-    (0.99, BOUND_ACCURACY, False), (1.0, BOUND_ACCURACY, True), (1.01, BOUND_ACCURACY, True),
-    (0.99, BOUND_ROUGHLY, False), (0.9998, BOUND_ACCURACY, False), (0.9998, BOUND_ROUGHLY, True),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("times", "accuracy", "proved"),
+    [
+        (0.99, BOUND_ACCURACY, False),
+        (1.0, BOUND_ACCURACY, True),
+        (1.01, BOUND_ACCURACY, True),
+        (0.99, BOUND_ROUGHLY, False),
+        (0.9998, BOUND_ACCURACY, False),
+        (0.9998, BOUND_ROUGHLY, True),
+    ],
+)
 def test_what_a_motion_proves(times, accuracy, proved) -> None:
     """Beyond the bound, and all the more beyond a higher number, no forces balance; below it some do.
 
@@ -104,7 +119,9 @@ def test_what_a_motion_proves(times, accuracy, proved) -> None:
     model = MODELS["bench with cohesion"]()
     found = bound_in_one_run(model)
     assert found is not None
-    assert is_proved(model, replace(found, factor=times * (found.factor or 0.0)), accuracy) is proved
+    assert (
+        is_proved(model, replace(found, factor=times * (found.factor or 0.0)), accuracy) is proved
+    )
 
 
 def test_a_motion_against_the_loads_proves_nothing() -> None:
@@ -115,7 +132,9 @@ def test_a_motion_against_the_loads_proves_nothing() -> None:
     opening, _ = model.opening_and_slip(off.ravel())
     assert float(opening.min()) > -1e-12
     assert not is_proved(model, StaticBound(2.0, False, False, off, opening, 0))
-    assert is_proved(replace(model, load=-model.load), StaticBound(2.0, False, False, off, opening, 0))
+    assert is_proved(
+        replace(model, load=-model.load), StaticBound(2.0, False, False, off, opening, 0)
+    )
 
 
 @pytest.mark.parametrize("number", [54, 151])
@@ -141,7 +160,7 @@ def test_where_blocks_jam_the_bound_is_that_of_an_independent_program(population
 def test_programs_do_not_trust_their_rough_ends() -> None:
     """Where blocks jam a rough program may miss forces that are there: 11.51 for 11.93."""
     blocks = path_oracle.model_of(populations.bench(51))
-    part = blocks.among(np.array([1]))[0]
+    part = blocks.restricted_to(np.array([1]))[0]
     found = bound_by_programs(part)
     assert found is not None
     assert found.factor == pytest.approx(path_oracle.static_bound(part), rel=5e-5)
@@ -169,14 +188,14 @@ def test_of_many_parts_say_where_to_begin(held_back, monkeypatch) -> None:
     whole = bound_in_one_run(model)
     monkeypatch.setattr(bound_of_many, "_MANY", 1)
     monkeypatch.setattr(bound_of_many, "_LAYERS", 1)
-    parts, runs, starts = bound_of_many._of_parts, bound_of_many._run, []
+    parts, runs, starts = bound_of_many._bound_of_subset, bound_of_many._run, []
 
     def watched(program: bound_of_many.Shortfall, start: float, known: bool = False):
         starts.append((len(program.model.load), start, known))
         return runs(program, start, known)
 
     monkeypatch.setattr(bound_of_many, "_run", watched)
-    monkeypatch.setattr(bound_of_many, "_of_parts", lambda model: held_back * parts(model))
+    monkeypatch.setattr(bound_of_many, "_bound_of_subset", lambda model: held_back * parts(model))
     found = bound_in_one_run(model)
     assert found is not None
     assert whole is not None
@@ -194,7 +213,7 @@ def test_parts_lock(monkeypatch) -> None:
     model = MODELS["bench"]()
     whole = bound_in_one_run(model)
     monkeypatch.setattr(bound_of_many, "_MANY", 1)
-    monkeypatch.setattr(bound_of_many, "_of_parts", lambda model: 5.0)
+    monkeypatch.setattr(bound_of_many, "_bound_of_subset", lambda model: 5.0)
     found = bound_in_one_run(model)
     assert found is not None
     assert whole is not None

@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from slopekit.preie.system.contact import CloughDuncan, ContactMode, JointStiffness, breaks, tractions
+from slopekit.preie.system.contact import (
+    CloughDuncan,
+    ContactMode,
+    JointStiffness,
+    breaks,
+    tractions,
+)
 
 STIFF = JointStiffness(tangential=1e6)
 
@@ -20,13 +26,21 @@ def law(
     rows = np.atleast_2d(np.asarray(relative, dtype=float))
     full = np.full(len(rows), 1.0)
     return tractions(
-        rows, stiffness, c * full, np.tan(np.radians(phi)) * full, np.tan(np.radians(psi)) * full,
-        factor, np.full(len(rows), debonded),
-    )  # fmt: skip
+        rows,
+        stiffness,
+        c * full,
+        np.tan(np.radians(phi)) * full,
+        np.tan(np.radians(psi)) * full,
+        factor,
+        np.full(len(rows), debonded),
+    )
 
 
 def test_modes_of_table_1() -> None:
-    assert law([[-1e-5, 1e-6, 0.0], [-1e-5, 1e-3, 0.0]]).modes.tolist() == [ContactMode.STICK, ContactMode.SLIP]
+    assert law([[-1e-5, 1e-6, 0.0], [-1e-5, 1e-3, 0.0]]).modes.tolist() == [
+        ContactMode.STICK,
+        ContactMode.SLIP,
+    ]
     assert law([1e-5, 1e-3, 0.0], debonded=True).modes.tolist() == [ContactMode.DEBOND]
 
 
@@ -46,7 +60,13 @@ def test_debonded_pair_carries_almost_nothing_until_it_closes() -> None:
 
 @pytest.mark.parametrize(
     ("opening", "factor", "parts"),
-    [(1e-6, 1.0, False), (3e-6, 1.0, True), (1e-6, 4.0, True), (1.996e-6, 1.0, False), (2.004e-6, 1.0, True)],
+    [
+        (1e-6, 1.0, False),
+        (3e-6, 1.0, True),
+        (1e-6, 4.0, True),
+        (1.996e-6, 1.0, False),
+        (2.004e-6, 1.0, True),
+    ],
 )
 def test_tension_holds_until_its_reduced_strength(opening, factor, parts) -> None:
     """σ_t = 20 kPa against k_zz x opening: 10 or 30 kPa, and a five-hundredth to either side of its strength."""
@@ -67,7 +87,9 @@ def test_clough_duncan_starts_at_eq_31_and_bends_to_its_ceiling() -> None:
     assert -bent.slopes[0, 1, 1] == pytest.approx(tangent, rel=1e-9)
 
 
-@pytest.mark.parametrize("tangential", [1e6, 4e6, CloughDuncan()], ids=["soft", "stiff", "clough-duncan"])
+@pytest.mark.parametrize(
+    "tangential", [1e6, 4e6, CloughDuncan()], ids=["soft", "stiff", "clough-duncan"]
+)
 @pytest.mark.parametrize("psi", [0.0, 8.0, 20.0])
 def test_slopes_are_the_derivatives(tangential, psi) -> None:
     """Central differences of the tractions, away from the kinks."""
@@ -82,7 +104,10 @@ def test_slopes_are_the_derivatives(tangential, psi) -> None:
     for k in range(3):
         step = np.zeros(3)
         step[k] = 1e-10
-        before, after = (law(relative + sign * step, stiffness, psi=psi, debonded=debonded) for sign in (-1.0, 1.0))
+        before, after = (
+            law(relative + sign * step, stiffness, psi=psi, debonded=debonded)
+            for sign in (-1.0, 1.0)
+        )
         slopes[:, :, k] = (after.tractions - before.tractions) / 2e-10
         keeps_mode &= (before.modes == at.modes) & (after.modes == at.modes)
     assert set(at.modes[keeps_mode].tolist()) == {0, 1, 2}
@@ -95,8 +120,12 @@ def test_plastic_slip_closes_a_joint_that_dilates(psi) -> None:
     """By hand, step by step: what slips beyond τ / k_t opens by tan ψ of it, and presses with k_n on what it cannot."""
     k_n, k_t, slip, elastic = 1e7, 1e6, 3e-4, 100.0
     normal = elastic
-    for _ in range(20_000):  # a small part of the way each time: the plain iteration runs away at k_n tan ψ > k_t
+    for _ in range(
+        20_000
+    ):  # a small part of the way each time: the plain iteration runs away at k_n tan ψ > k_t
         strength = 50.0 + normal * np.tan(np.radians(20.0))
-        normal += 1e-2 * (elastic + k_n * np.tan(np.radians(psi)) * (slip - strength / k_t) - normal)
+        normal += 1e-2 * (
+            elastic + k_n * np.tan(np.radians(psi)) * (slip - strength / k_t) - normal
+        )
     out = law([-elastic / k_n, slip, 0.0], psi=psi).tractions[0]
     assert out == pytest.approx([normal, -strength, 0.0], rel=1e-9)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from slopekit.geometry.patches import BEDROCK, Patches
-from slopekit.preie.elastic_path.bed import Bed
-from slopekit.preie.elastic_path.bed_states import Drive
+from slopekit.preie.elastic_path.contact_model import ElasticContactModel
+from slopekit.preie.elastic_path.contact_states import Drive
 from slopekit.preie.many_blocks.debonding import debonding_limit
 from slopekit.preie.system.contact_cells import pressed_fraction
 from slopekit.preie.system.patch_pairs import polygon_pairs
@@ -28,7 +28,9 @@ def random_gaps(corners: int) -> np.ndarray:
 def test_the_pressed_part_of_a_cell_is_that_of_random_points_in_it(corners) -> None:
     """Barycentric coordinates of points spread evenly are those of sorted random numbers' gaps."""
     rng, gaps = np.random.default_rng(7), random_gaps(corners)
-    weights = np.diff(np.sort(rng.random((POINTS, corners - 1)), axis=1), prepend=0.0, append=1.0, axis=1)
+    weights = np.diff(
+        np.sort(rng.random((POINTS, corners - 1)), axis=1), prepend=0.0, append=1.0, axis=1
+    )
     fraction, _ = pressed_fraction(gaps)
     assert (fraction[0], fraction[1]) == (0.0, 1.0)
     counted = (weights @ gaps.T < 0.0).mean(axis=0)
@@ -43,12 +45,16 @@ def test_the_slopes_of_the_pressed_part_are_its_derivatives(corners) -> None:
         moved = step * (np.arange(corners) == corner)
         ahead, behind = (pressed_fraction(gaps + sign * moved)[0] for sign in (1.0, -1.0))
         smooth = np.abs(gaps).min(axis=1) > 1e-3
-        assert slopes[smooth, corner] == pytest.approx(((ahead - behind) / (2.0 * step))[smooth], rel=1e-5, abs=1e-8)
+        assert slopes[smooth, corner] == pytest.approx(
+            ((ahead - behind) / (2.0 * step))[smooth], rel=1e-5, abs=1e-8
+        )
     assert (slopes[:2] == 0.0).all()
 
 
 def test_a_corner_that_just_touches_has_finite_slopes() -> None:
-    fraction, slopes = pressed_fraction(np.array([[0.0, 1.0, 2.0], [0.0, -1.0, -2.0], [0.0, 0.0, -1.0], [0.0] * 3]))
+    fraction, slopes = pressed_fraction(
+        np.array([[0.0, 1.0, 2.0], [0.0, -1.0, -2.0], [0.0, 0.0, -1.0], [0.0] * 3])
+    )
     assert fraction.tolist() == [0.0, 1.0, 1.0, 0.0]
     assert np.isfinite(slopes).all()
 
@@ -60,11 +66,23 @@ def polygon(corners: int, normal: np.ndarray) -> Patches:
     first = np.cross(normal, [0.3, 1.0, 0.2])
     first /= np.linalg.norm(first)
     second = np.cross(normal, first)
-    at = 3.0 * np.cos(angles)[:, None] * first + 2.0 * np.sin(angles)[:, None] * second + np.array([5.0, -2.0, 1.0])
+    at = (
+        3.0 * np.cos(angles)[:, None] * first
+        + 2.0 * np.sin(angles)[:, None] * second
+        + np.array([5.0, -2.0, 1.0])
+    )
     one = np.zeros(1, dtype=np.int64)
     area = pressed_area(at, normal)
-    return Patches(one, one + BEDROCK, one, normal[None], np.array([area]), at.mean(axis=0)[None], at,
-                   np.array([0, corners]))  # fmt: skip
+    return Patches(
+        one,
+        one + BEDROCK,
+        one,
+        normal[None],
+        np.array([area]),
+        at.mean(axis=0)[None],
+        at,
+        np.array([0, corners]),
+    )
 
 
 def pressed_area(corners: np.ndarray, normal: np.ndarray) -> float:
@@ -83,13 +101,17 @@ def test_a_contact_that_turns_is_pressed_on_the_part_that_clipping_leaves(corner
     first /= np.linalg.norm(first)
     axes = np.stack([normal, first, np.cross(normal, first)])
     points, _, areas, cells = polygon_pairs(patches, np.array([0]), np.array([refine]))
-    assert np.bincount(cells.groups.ravel(), cells.parts.ravel()) == pytest.approx(1.0, rel=1e-12)
+    assert np.bincount(cells.groups.ravel(), cells.cohesion_shares.ravel()) == pytest.approx(
+        1.0, rel=1e-12
+    )
     flat, at = ((there - patches.centroids[0]) @ axes[1:].T for there in (patches.corners, points))
     none = np.zeros(len(at))
     rows = np.stack([none + 1.0, none, none, none, at[:, 1] / 2.0, -at[:, 0] / 2.0], axis=1)
 
     def pressed(motion: np.ndarray) -> tuple[float, np.ndarray]:
-        share, slopes = cells.pressed_share(rows @ motion - 1e-9, rows, len(points))  # what just touches is pressed
+        share, slopes = cells.pressed_share(
+            rows @ motion - 1e-9, rows, len(points)
+        )  # what just touches is pressed
         return areas @ share / areas.sum(), areas @ slopes / areas.sum()
 
     partly = 0
@@ -117,22 +139,30 @@ def test_node_pairs_have_cohesion_where_the_contact_is_pressed_near_them(refine)
     square = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0]])
     one = np.zeros(1, dtype=np.int64)
     patches = Patches(
-        one, one + BEDROCK, one, np.array([[0.0, 0.0, 1.0]]), np.array([4.0]), square.mean(axis=0)[None], square,
+        one,
+        one + BEDROCK,
+        one,
+        np.array([[0.0, 0.0, 1.0]]),
+        np.array([4.0]),
+        square.mean(axis=0)[None],
+        square,
         np.array([0, 4]),
-    )  # fmt: skip
+    )
     points, _, areas, cells = polygon_pairs(patches, np.array([0]), np.array([refine]))
     share, _ = cells.pressed_share(points[:, 0] - 1.0, np.zeros((len(points), 6)), len(points))
     acts = areas * share
     assert acts.sum() == pytest.approx(2.0, rel=1e-9)
     assert points[:, 0] @ acts / acts.sum() == pytest.approx(0.5, abs=0.4 * 0.5 ** (2 * refine))
-    open_ones = points[:, 0] >= 1.0 + 2.0 * 0.5**refine  # no cell reaches so far from what is pressed
+    open_ones = (
+        points[:, 0] >= 1.0 + 2.0 * 0.5**refine
+    )  # no cell reaches so far from what is pressed
     assert open_ones.any()
     assert (share[open_ones] == 0.0).all()
 
 
 def test_cells_of_some_blocks_keep_their_shares() -> None:
     model = boxes_in_space((2, 1, 2), (2.0, 3.0, 1.0), 25.0, 0.3).model(30.0, 1.0)
-    few, _, pairs, groups = model.among(np.array([0, 3]))
+    few, _, pairs, groups = model.restricted_to(np.array([0, 3]))
     gaps = np.random.default_rng(2).normal(size=len(model.control_area))
     share, slopes = model.cells.pressed_share(gaps, model.normal_rows, len(model.group_first))
     of_some, slopes_of_some = few.cells.pressed_share(gaps[pairs], few.normal_rows, len(groups))
@@ -147,10 +177,10 @@ SCENES = {
 }
 
 
-def partly_open(scene: Scene, cohesion: float) -> tuple[Bed, np.ndarray]:
+def partly_open(scene: Scene, cohesion: float) -> tuple[ElasticContactModel, np.ndarray]:
     """Joints with cohesion, and a displacement at which contacts that slip are pressed in part."""
     model = scene.model(30.0, cohesion)
-    bed, rng = Bed(model, Drive(model.load.ravel())), np.random.default_rng(4)
+    bed, rng = ElasticContactModel(model, Drive(model.load.ravel())), np.random.default_rng(4)
     mean = np.abs(bed.elastic_displacement).mean()
     step = 1e-5 * mean
     for _ in range(400):
@@ -159,14 +189,18 @@ def partly_open(scene: Scene, cohesion: float) -> tuple[Bed, np.ndarray]:
         share = there.pressed.share
         slips = there.slips
         near = [bed.forces(at + 10.0 * step * rng.normal(size=bed.size), 0.6) for _ in range(20)]
-        if (slips & (share > 0.05) & (share < 0.95)).sum() > 1 and all(there.same_modes(other) for other in near):
+        if (slips & (share > 0.05) & (share < 0.95)).sum() > 1 and all(
+            there.same_modes(other) for other in near
+        ):
             return bed, at
     raise AssertionError("no such displacement")
 
 
 @pytest.mark.parametrize("cohesion", [1.0, 100.0])
 @pytest.mark.parametrize("name", SCENES)
-def test_the_tangent_with_cohesion_of_a_part_is_the_derivative_of_the_forces(name, cohesion, kernels) -> None:
+def test_the_tangent_with_cohesion_of_a_part_is_the_derivative_of_the_forces(
+    name, cohesion, kernels
+) -> None:
     """Central differences; with 100 kPa nearly all of the friction is cohesion of the pressed parts."""
     bed, at = partly_open(SCENES[name](), cohesion)
     there, step = bed.forces(at, 0.6), 1e-5 * np.abs(bed.elastic_displacement).mean()
@@ -188,20 +222,25 @@ def test_forces_have_the_cohesion_of_what_clipping_leaves(name, kernels) -> None
     of_pairs = pressed_shares_of_pairs(scene.patches, model, opening - 1e-9)
     assert there.pressed.share == pytest.approx(of_pairs, abs=1e-9)
     areas = model.by_group(model.control_area)
-    parts = [np.bincount(model.group_contact, weights) for weights in (areas * there.pressed.share, areas)]
+    parts = [
+        np.bincount(model.group_contact, weights)
+        for weights in (areas * there.pressed.share, areas)
+    ]
     assert parts[0] / parts[1] == pytest.approx(exact, abs=1e-9)
 
 
 def test_cohesion_that_is_kept_acts_wherever_the_blocks_go() -> None:
     bed, at = partly_open(SCENES["space"](), 5.0)
     share = bed.forces(at, 0.6).pressed.share
-    kept = bed.with_cohesion_at(at, 0.6)
+    kept = bed.with_pressed_cohesion(at, 0.6)
     for displacement in (at, 3.0 * at, -at):
         there = kept.forces(displacement, 0.6)
         friction = bed.model.tan_friction * bed.model.by_group(there.normal)
         cohesive = bed.model.by_group(bed.model.cohesion) * share
         assert there.strength == pytest.approx(friction + cohesive, rel=1e-12, abs=1e-15)
-    assert kept.forces(at, 0.6).unbalanced == pytest.approx(bed.forces(at, 0.6).unbalanced, rel=1e-9, abs=1e-12)
+    assert kept.forces(at, 0.6).unbalanced == pytest.approx(
+        bed.forces(at, 0.6).unbalanced, rel=1e-9, abs=1e-12
+    )
 
 
 # -- progressive slip and debonding ------------------------------------------------------------------------------------
@@ -213,7 +252,9 @@ def test_a_bonded_block_debonds_nowhere_and_slides_at_its_closed_form(space) -> 
     scene = boxes_in_space((1, 1, 1), (6.0, 6.0, 0.5), 20.0) if space else stack(1, 20.0, 6.0, 0.5)
     weight, area = -float(scene.forces[0, 2]), float(scene.patches.areas[0])
     dip, cohesion = math.radians(20.0), 3.0
-    exact = (cohesion * area + weight * math.cos(dip) * math.tan(math.radians(35.0))) / (weight * math.sin(dip))
+    exact = (cohesion * area + weight * math.cos(dip) * math.tan(math.radians(35.0))) / (
+        weight * math.sin(dip)
+    )
     stable, fails = debonding_limit(scene.model(35.0, cohesion), exact)
     assert stable < exact < fails < 1.0035 * stable
 
@@ -221,7 +262,9 @@ def test_a_bonded_block_debonds_nowhere_and_slides_at_its_closed_form(space) -> 
 @pytest.mark.parametrize("cohesion", [5.0, 500.0])
 def test_a_face_that_nothing_presses_holds_no_block_back(cohesion) -> None:
     """Two blocks beside each other slide down 20° together: nothing presses the bonded face between."""
-    model = rectangles([(0, 2, 0, 1), (2, 4, 0, 1)], 20.0, joint_of_base=1).model([30.0, 25.0], [cohesion, 0.0])
+    model = rectangles([(0, 2, 0, 1), (2, 4, 0, 1)], 20.0, joint_of_base=1).model(
+        [30.0, 25.0], [cohesion, 0.0]
+    )
     exact = math.tan(math.radians(25.0)) / math.tan(math.radians(20.0))
     stable, fails = debonding_limit(model, exact)
     assert stable < exact < fails < 1.0035 * stable
@@ -234,7 +277,7 @@ def test_contacts_that_have_opened_have_no_cohesion_where_they_are_pressed_again
     of_gone = gone[contact]
     assert gone.any()
     assert (share[~of_gone] > 0.0).any()
-    there = bed.with_opened(gone).forces(at, 0.6)
+    there = bed.without_cohesion_where(gone).forces(at, 0.6)
     assert there.pressed.share == pytest.approx(np.where(of_gone, 0.0, share), abs=1e-15)
     friction = bed.model.tan_friction * bed.model.by_group(there.normal)
     assert there.strength[of_gone] == pytest.approx(friction[of_gone], rel=1e-12)

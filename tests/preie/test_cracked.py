@@ -45,20 +45,27 @@ def corner_motions(bed: Beds, k: int) -> np.ndarray:
     return np.stack(moved, axis=2)[bed.corner[k] : bed.corner[k + 1]]
 
 
-def unbalanced(springs: BedSprings, opening, slip, reduction: float, running=False, sticks=False) -> Unbalanced:
+def unbalanced(
+    springs: BedSprings, opening, slip, reduction: float, running=False, sticks=False
+) -> Unbalanced:
     """The forces on the one block on these springs."""
     one = np.zeros(1, dtype=np.int64)
     at = springs.unbalanced(one, opening[None], slip[None], np.array([reduction]), running, sticks)
-    return Unbalanced(at.out[0], at.by_opening[0], at.by_slip[0], at.by_reduction[0])
+    return Unbalanced(at.force[0], at.by_opening[0], at.by_slip[0], at.by_reduction[0])
 
 
-def dam(eccentricity: float, c: float, phi: float, thrust: float, in_section: bool, dip: float = 0.0) -> Beds:
+def dam(
+    eccentricity: float, c: float, phi: float, thrust: float, in_section: bool, dip: float = 0.0
+) -> Beds:
     """A block 8 m wide on a base that dips toward +x; its resultant meets the base so far downstream of the middle.
 
     Along the base `thrust` kN act, across it `WEIGHT`; the moment is such that the resultant has its eccentricity.
     """
     a = math.radians(dip)
-    along, up = np.array([math.cos(a), 0.0, -math.sin(a)]), np.array([math.sin(a), 0.0, math.cos(a)])
+    along, up = (
+        np.array([math.cos(a), 0.0, -math.sin(a)]),
+        np.array([math.sin(a), 0.0, math.cos(a)]),
+    )
     across = np.array([0.0, 1.0, 0.0])
     centroid = 5.0 * up
     force = thrust * along - WEIGHT * up
@@ -73,14 +80,22 @@ def dam(eccentricity: float, c: float, phi: float, thrust: float, in_section: bo
         points = np.array([ends[1], (ends[0] + ends[1]) / 2.0, ends[0]])
         areas = np.array([1.0, 4.0, 1.0]) / 6.0 * WIDTH
         pairs = NodePairs(
-            points, np.tile(up, (3, 1)), areas, np.zeros(3, dtype=np.int64), np.zeros(3, dtype=np.int64),
+            points,
+            np.tile(up, (3, 1)),
+            areas,
+            np.zeros(3, dtype=np.int64),
+            np.zeros(3, dtype=np.int64),
             np.full(3, BEDROCK),
-        )  # fmt: skip
+        )
         polygon = np.array(ends[::-1])
     else:
-        polygon = np.array([ends[0] - across / 2, ends[0] + across / 2, ends[1] + across / 2, ends[1] - across / 2])
+        polygon = np.array(
+            [ends[0] - across / 2, ends[0] + across / 2, ends[1] + across / 2, ends[1] - across / 2]
+        )
         pairs = node_pairs({0: polygon})
-    return elastic_bed(build_model(pairs, loads, centroid, strength, in_section=in_section), {0: polygon}, centroid)
+    return elastic_bed(
+        build_model(pairs, loads, centroid, strength, in_section=in_section), {0: polygon}, centroid
+    )
 
 
 @pytest.mark.parametrize("in_section", [True, False])
@@ -95,12 +110,18 @@ def test_a_dam_on_its_base(eccentricity, dip, in_section) -> None:
     bed = dam(eccentricity, c, phi, thrust, in_section, dip)
     found = limit_on(bed, 1.0)
     pressed = min(WIDTH, 3.0 * (WIDTH / 2.0 - abs(eccentricity)))
-    toe = WEIGHT / WIDTH * (1.0 + 6.0 * abs(eccentricity) / WIDTH) if pressed == WIDTH else 2.0 * WEIGHT / pressed
-    assert found.factor[0] == pytest.approx((c * pressed + WEIGHT * math.tan(math.radians(phi))) / thrust, rel=1e-9)
+    toe = (
+        WEIGHT / WIDTH * (1.0 + 6.0 * abs(eccentricity) / WIDTH)
+        if pressed == WIDTH
+        else 2.0 * WEIGHT / pressed
+    )
+    assert found.factor[0] == pytest.approx(
+        (c * pressed + WEIGHT * math.tan(math.radians(phi))) / thrust, rel=1e-9
+    )
     assert found.status[0] == BedStatus.RUNS
     at = found.displacement[0], found.velocity[0], found.reduction[0]
-    assert np.abs(unbalanced(BedSprings(bed, 3), *at, True).out).max() < 1e-12
-    forces = found.carried(bed)
+    assert np.abs(unbalanced(BedSprings(bed, 3), *at, True).force).max() < 1e-12
+    forces = found.point_forces(bed)
     assert forces.area[forces.pressed].sum() == pytest.approx(pressed / WIDTH, rel=1e-9)
     scale = math.hypot(WEIGHT, thrust) / WIDTH
     assert (forces.normal / forces.area).max() * scale == pytest.approx(toe, rel=1e-9)
@@ -125,7 +146,12 @@ def test_a_square_base_in_torsion(phi) -> None:
     strength = JointStrength(c * one, math.tan(math.radians(phi)) * one, 0.0 * one, 0.0 * one)
     model = build_model(node_pairs({0: square}), loads, np.array([0.0, 0.0, 1.0]), strength)
     bed = elastic_bed(model, {0: square}, np.array([0.0, 0.0, 1.0]))
-    exact = (c + load / 4.0 * math.tan(math.radians(phi))) * 8.0 * (math.sqrt(2) + math.log(1 + math.sqrt(2))) / 6
+    exact = (
+        (c + load / 4.0 * math.tan(math.radians(phi)))
+        * 8.0
+        * (math.sqrt(2) + math.log(1 + math.sqrt(2)))
+        / 6
+    )
     errors = [abs(factor_on(bed, 1.0, split) * torque / exact - 1.0) for split in (1, 2, 3, 4)]
     assert errors[-1] < 2e-4
     assert all(finer < 0.5 * coarser for coarser, finer in pairwise(errors))
@@ -173,7 +199,9 @@ def by_springs(inputs, guess: float, count: int) -> tuple[float, float] | None:
     made = wedge.cut(wedge_design(inputs))
     block, loads = made.block, made.loads
     polygons = [block.faces[J1], block.faces[J2]]
-    springs = springs_on(polygons, inputs["c"], np.tan(np.radians(inputs["phi"])), block.centroid, count)
+    springs = springs_on(
+        polygons, inputs["c"], np.tan(np.radians(inputs["phi"])), block.centroid, count
+    )
     return Block(springs, loads.force, loads.moment).factor(guess, within=5e-3)
 
 
@@ -183,7 +211,10 @@ def test_random_wedges_against_separate_springs(opened) -> None:
     400 wedges with 1,500 springs a joint: `benchmarks.moments`.
     """
     compared = 0
-    for inputs, scene, factor in (*opened[:2], *opened[3:5]):  # the third needs as many springs as the second
+    for inputs, scene, factor in (
+        *opened[:2],
+        *opened[3:5],
+    ):  # the third needs as many springs as the second
         found = limit_on(bed_on(scene), factor)
         if found.status[0] in (BedStatus.NO_REST, BedStatus.CREEPS):
             continue
@@ -221,7 +252,7 @@ def test_the_slopes_are_those_of_the_forces(opened) -> None:
     in_section = dam(2.0, 150.0, 40.0, 1500.0, True, 17.0)
     for bed in (*(bed_on(scene) for _, scene, _ in opened[:12]), in_section):
         springs = BedSprings(bed, 2)
-        bonded, (first,) = springs.beds.bonded[0], springs.beds.first
+        bonded, (first,) = springs.beds.bonded[0], springs.beds.elastic_size
         count = bed.load.shape[1]
         u, slip = (bonded * (1.0 + 0.2 * rng.standard_normal(count)) for _ in range(2))
         ends = zip(bed.corner[:-1], bed.corner[1:], strict=True)
@@ -230,13 +261,17 @@ def test_the_slopes_are_those_of_the_forces(opened) -> None:
             at = unbalanced(springs, u, slip, 0.3, running)
             scale = float(np.abs(at.by_opening + at.by_slip).max())
             for k, step in enumerate(1e-6 * first * np.eye(count)):
-                opened_by = unbalanced(springs, u + step, slip, 0.3, running).out
-                slopes = (opened_by - unbalanced(springs, u - step, slip, 0.3, running).out) / (2.0 * step[k])
+                opened_by = unbalanced(springs, u + step, slip, 0.3, running).force
+                slopes = (opened_by - unbalanced(springs, u - step, slip, 0.3, running).force) / (
+                    2.0 * step[k]
+                )
                 assert slopes == pytest.approx(at.by_opening[:, k], abs=1e-7 * scale)
-                slipped = unbalanced(springs, u, slip + step, 0.3, running).out
-                slopes = (slipped - unbalanced(springs, u, slip - step, 0.3, running).out) / (2.0 * step[k])
+                slipped = unbalanced(springs, u, slip + step, 0.3, running).force
+                slopes = (slipped - unbalanced(springs, u, slip - step, 0.3, running).force) / (
+                    2.0 * step[k]
+                )
                 assert slopes == pytest.approx(at.by_slip[:, k], abs=1e-7 * scale)
-            weaker = unbalanced(springs, u, slip, 0.3 + 1e-6, running).out - at.out
+            weaker = unbalanced(springs, u, slip, 0.3 + 1e-6, running).force - at.force
             assert weaker / 1e-6 == pytest.approx(at.by_reduction, abs=1e-6 * scale)
     assert cut > 3
 
@@ -258,13 +293,15 @@ def test_no_force_jumps_where_a_corner_opens() -> None:
     """The sums on either side of the first opening of a corner differ by what the displacement does alone."""
     bed = dam(4.0 / 3.0, 150.0, 40.0, 1500.0, False)
     springs = BedSprings(bed, 1)
-    rows, (first,) = corner_motions(bed, 0), springs.beds.first
+    rows, (first,) = corner_motions(bed, 0), springs.beds.elastic_size
     slip = np.random.default_rng(3).standard_normal(6) * springs.beds.bonded[0]
     opened = np.linalg.lstsq(rows[:, 0], np.array([0.0, -1.0, -2.0, -1.0]), rcond=None)[0] * first
     size = float(np.abs(opened).max())
     for away in (1e-6, 1e-9):
         tip = np.linalg.lstsq(rows[:, 0], np.array([away, 0.0, -away, 0.0]), rcond=None)[0] * first
-        before, after = (unbalanced(springs, opened + way * tip, slip, 0.3, False).out for way in (-1.0, 1.0))
+        before, after = (
+            unbalanced(springs, opened + way * tip, slip, 0.3, False).force for way in (-1.0, 1.0)
+        )
         assert float(np.abs(after - before).max()) < 50.0 * away * size
 
 
@@ -282,11 +319,16 @@ def test_the_cracked_base_converges_with_its_triangles(opened) -> None:
 
 
 def turning_on_two_edges() -> dict:
-    """The first wedge of seed 7 whose limit moved with the mesh (METHOD-3 §13), rounded."""
+    """The first wedge of seed 7 whose limit moved with the mesh (the prototype of the path), rounded."""
     return {
-        "dips": ("44.785/86.243", "41.797/34.813"), "face": "87.102/77.401", "upper": "20.153/77.401",
-        "height": 3.98878, "c": (66.2215, 13.1616), "phi": (43.0, 47.5), "unit_weight": 28.741,
-    }  # fmt: skip
+        "dips": ("44.785/86.243", "41.797/34.813"),
+        "face": "87.102/77.401",
+        "upper": "20.153/77.401",
+        "height": 3.98878,
+        "c": (66.2215, 13.1616),
+        "phi": (43.0, 47.5),
+        "unit_weight": 28.741,
+    }
 
 
 def mirrored(inputs: dict) -> dict:
@@ -311,7 +353,13 @@ def larger(inputs: dict, by: float) -> dict:
     bolts = [bolt | {"force": bolt["force"] * by**3} for bolt in inputs.get("bolts", [])]
     water = {"water": [value * by for value in inputs["water"]]} if "water" in inputs else {}
     return (
-        inputs | {"height": inputs["height"] * by, "c": [value * by for value in inputs["c"]], "bolts": bolts} | water
+        inputs
+        | {
+            "height": inputs["height"] * by,
+            "c": [value * by for value in inputs["c"]],
+            "bolts": bolts,
+        }
+        | water
     )
 
 
@@ -345,15 +393,23 @@ def test_the_limit_is_the_lower_of_forces_and_bed_and_below_the_static_bound(ana
 def test_what_moments_take_and_what_lost_cohesion_takes_are_two_shares() -> None:
     """Hoek & Bray with the cohesion of what is pressed lies between the forces on whole joints and the limit."""
     inputs = {
-        "dips": ["55.0/148.5", "53.9/233.0"], "face": "70/180", "upper": "5.3/180", "height": 14.3,
-        "phi": [41, 39], "unit_weight": 26, "crack": "80/180@2.5m", "water": "55%",
-    }  # fmt: skip
+        "dips": ["55.0/148.5", "53.9/233.0"],
+        "face": "70/180",
+        "upper": "5.3/180",
+        "height": 14.3,
+        "phi": [41, 39],
+        "unit_weight": 26,
+        "crack": "80/180@2.5m",
+        "water": "55%",
+    }
     result = sk.wedge(**inputs, c=[53.9, 46])
     pressed = [opening["pressed_share"] for opening in result.to_dict()["openings"].values()]
     weaker = sk.wedge(**inputs, c=[53.9 * pressed[0], 46 * pressed[1]])
     assert result.comparisons.on_pressed == pytest.approx(weaker.fos.closed_form, rel=1e-9)
     forces, between, limit = result.fos.highest, weaker.fos.closed_form, result.fos.limit
-    moments, lost = (f"{share / forces * 100:.2g} %" for share in (between - limit, forces - between))
+    moments, lost = (
+        f"{share / forces * 100:.2g} %" for share in (between - limit, forces - between)
+    )
     line = " ".join(result.sheet.full.split("MOMENTS")[1].split("MODEL")[0].split())
     assert f"(forces only 1.450; moments alone take {moments}, cohesion lost {lost})" in line
 
@@ -365,11 +421,16 @@ def test_the_sheet_and_the_json_say_what_opens() -> None:
     assert found["J2"]["opens_at_m"] is None
     line = " ".join(result.sheet.full.split("MOMENTS")[1].split("MODEL")[0].split())
     shares = "forces only 4.604; moments alone take 13 %, cohesion lost 4.8 %"
-    assert line.startswith(f"6.99 % of J1 opens at failure and carries no cohesion: FoS 3.764 ({shares})")
+    assert line.startswith(
+        f"6.99 % of J1 opens at failure and carries no cohesion: FoS 3.764 ({shares})"
+    )
     model = " ".join(result.sheet.full.split("MODEL")[1].split("MOVES")[0].split())
     points = len(result.limit_state.node_pairs.points_m)
     assert points > result.model.node_pairs
-    assert f"node pairs (bound, displacements), the limit on {points} points of the elastic bed" in model
+    assert (
+        f"node pairs (bound, displacements), the limit on {points} points of the elastic bed"
+        in model
+    )
 
 
 def test_a_wedge_that_presses_on_all_of_its_joints_follows_no_path(monkeypatch) -> None:
@@ -387,17 +448,28 @@ def test_no_turn_of_a_path_lies_between_two_of_its_points() -> None:
 
     Against the same block as one of many, whose path goes down in the strength.
     """
-    design = wedge_design({
-        "dips": [[10.991020980985217, 89.85809374583152], [34.55425120453483, 117.32531901466191]],
-        "face": [43.55579301639267, 100.35160668358684],
-        "upper": [0.776999742967952, 100.35160668358684],
-        "height": 1.651764519949974,
-        "c": [47.21858731897871, 6.256340620919598],
-        "phi": [8.225853010644679, 24.582445497023976],
-        "unit_weight": 28.350721813872532,
-        "water": [4.097802301404191, 1.726054204321697],
-        "bolts": [{"force": 30.229490533557318, "toward": (319.48891816311834, 19.195931995617578), "acts": "active"}],
-    })  # fmt: skip
+    design = wedge_design(
+        {
+            "dips": [
+                [10.991020980985217, 89.85809374583152],
+                [34.55425120453483, 117.32531901466191],
+            ],
+            "face": [43.55579301639267, 100.35160668358684],
+            "upper": [0.776999742967952, 100.35160668358684],
+            "height": 1.651764519949974,
+            "c": [47.21858731897871, 6.256340620919598],
+            "phi": [8.225853010644679, 24.582445497023976],
+            "unit_weight": 28.350721813872532,
+            "water": [4.097802301404191, 1.726054204321697],
+            "bolts": [
+                {
+                    "force": 30.229490533557318,
+                    "toward": (319.48891816311834, 19.195931995617578),
+                    "acts": "active",
+                }
+            ],
+        }
+    )
     scene = cut(design).scene_at(0)
     found = flat_limit(scene.model, scene.bedding.polygons, scene.bedding.centroid)
     many = limit_of_blocks(as_assembly(scene), ranged=False)
@@ -410,8 +482,13 @@ def test_a_path_that_passes_close_to_another_keeps_to_itself() -> None:
     0.5318 to 0.4766 were jumped between in steps of 0.02° on both sides. Against strength that goes down in steps of
     2e-2 to 1e-5 from rest to rest, on triangles split 64 times: 0.53230, 0.47804, 0.47676, 0.47585 (finer: 0.47365).
     """
-    angles, expected = (20.64, 20.68, 20.7, 20.72, 20.8), (0.53230, 0.47804, 0.47676, 0.47585, 0.47365)
-    assert [factors_of(sk.load(two_paths(phi))).limit for phi in angles] == pytest.approx(expected, rel=3e-4)
+    angles, expected = (
+        (20.64, 20.68, 20.7, 20.72, 20.8),
+        (0.53230, 0.47804, 0.47676, 0.47585, 0.47365),
+    )
+    assert [factors_of(sk.load(two_paths(phi))).limit for phi in angles] == pytest.approx(
+        expected, rel=3e-4
+    )
 
 
 @pytest.mark.slow
@@ -421,6 +498,8 @@ def test_both_paths_are_those_of_springs() -> None:
         design = sk.load(two_paths(phi))
         made = cut(design)
         faces = [made.block.faces[joint] for joint in (J1, J2)]
-        springs = springs_on(faces, (20.0, 30.0), np.tan(np.radians([phi, 33.0])), made.block.centroid, 1500)
+        springs = springs_on(
+            faces, (20.0, 30.0), np.tan(np.radians([phi, 33.0])), made.block.centroid, 1500
+        )
         bracket = Block(springs, made.loads.force, made.loads.moment).factor(0.5)
         assert abs(beside(factors_of(design).limit, bracket)) < 2e-3

@@ -54,7 +54,7 @@ def test_a_range_is_that_of_the_motion_that_is_asked_about(monkeypatch) -> None:
 
 
 def test_a_rest_that_is_not_near_enough_is_a_peak(monkeypatch) -> None:
-    monkeypatch.setattr(groups, "JUST", 1e-4)
+    monkeypatch.setattr(groups, "CONFIRMATION_GAP", 1e-4)
     limit = key_part().limit
     assert limit.basis is Basis.PEAK
     assert 0.99 * EXACT < limit.factor < (1.0 - 1e-4) * EXACT
@@ -64,12 +64,14 @@ def test_a_rest_that_is_not_near_enough_is_a_peak(monkeypatch) -> None:
 
 def test_a_group_a_hair_above_the_static_bound(monkeypatch) -> None:
     """The rest is looked for below the bound; what is said of it, in parts of the factor, is what was seen."""
-    bound, rests, seen = blocks.static_bound, groups.rests_before, []
+    bound, rests, seen = blocks.static_bound, groups.equilibrium_below, []
 
     def lower(model):
         found = bound(model)
         unit = math.tan(math.radians(35.0))  # in which the bound is looked for
-        return replace(found, factor=(1.0 - 9e-5) * EXACT / unit) if len(model.load) == 41 else found
+        return (
+            replace(found, factor=(1.0 - 9e-5) * EXACT / unit) if len(model.load) == 41 else found
+        )
 
     def watched(bed, factor, near):
         flow, gap = rests(bed, factor, near)
@@ -77,7 +79,7 @@ def test_a_group_a_hair_above_the_static_bound(monkeypatch) -> None:
         return flow, gap
 
     monkeypatch.setattr(blocks, "static_bound", lower)
-    monkeypatch.setattr(groups, "rests_before", watched)
+    monkeypatch.setattr(groups, "equilibrium_below", watched)
     part = key_part()
     limit = part.limit
     assert limit.group > 0
@@ -106,11 +108,11 @@ def test_blocks_that_are_not_at_their_limit_are_not_said_to_be(monkeypatch) -> N
             super().__init__(*scene)
             made.append(self)
 
-    original, made = groups.at_their_limit, []
+    original, made = groups.is_at_limit, []
     monkeypatch.setattr(ravelling, "Groups", Watched)
     monkeypatch.setattr(groups, "first_limit", lower)
-    monkeypatch.setattr(groups, "at_their_limit", judged)
+    monkeypatch.setattr(groups, "is_at_limit", judged)
     limit = key_part(2.1).limit
     assert set(seen) == {False}
     assert (limit.group, limit.factor) == (0, pytest.approx(EXACT, rel=1e-3))
-    assert {one.found for one in made} == {None}  # what was refused has no range to give
+    assert {one.solution for one in made} == {None}  # what was refused has no range to give

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from benchmarks import populations
-from slopekit.preie.elastic_path.bed import Bed
-from slopekit.preie.elastic_path.bed_states import Drive
+from slopekit.preie.elastic_path.contact_model import ElasticContactModel
+from slopekit.preie.elastic_path.contact_states import Drive
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.joint_strengths import strengths_of
 from tests.preie.path_oracle import model_of
@@ -37,16 +37,24 @@ def test_strength_is_that_of_the_law_at_the_traction_of_each_pair(scene, law) ->
     normal = kpa * 10.0 ** rng.uniform(-1.0, 3.0, len(kpa))
     tau = model.lines.laws[0].resistance(normal / kpa) * kpa
     strengths = strengths_of(model, model.group_of_pair)
-    found = strengths.at(normal, model.by_group(model.cohesion))
+    found = strengths.strength(normal, model.by_group(model.cohesion))
     assert found == pytest.approx(np.bincount(model.group_of_pair, tau), rel=1e-12)
-    straight = strengths_of(replace(model, lines=replace(model.lines, followed=False)), model.group_of_pair)
-    by_lines = np.bincount(model.group_of_pair, model.cohesion + model.tan_friction[model.group_of_pair] * normal)
-    assert straight.at(normal, model.by_group(model.cohesion)) == pytest.approx(by_lines, rel=1e-12)
+    straight = strengths_of(
+        replace(model, lines=replace(model.lines, follows_laws=False)), model.group_of_pair
+    )
+    by_lines = np.bincount(
+        model.group_of_pair, model.cohesion + model.tan_friction[model.group_of_pair] * normal
+    )
+    assert straight.strength(normal, model.by_group(model.cohesion)) == pytest.approx(
+        by_lines, rel=1e-12
+    )
 
 
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("scene", SCENES)
-@pytest.mark.parametrize(("way", "dilation"), [("numpy", 0.0), ("compiled", 0.0), ("compiled", 0.05)])
+@pytest.mark.parametrize(
+    ("way", "dilation"), [("numpy", 0.0), ("compiled", 0.0), ("compiled", 0.05)]
+)
 def test_the_tangent_is_that_of_the_forces(scene, law, way, dilation, monkeypatch) -> None:
     """Unbalanced forces a little farther on, by differences of both sides: contact modes are those of the middle.
 
@@ -55,7 +63,7 @@ def test_the_tangent_is_that_of_the_forces(scene, law, way, dilation, monkeypatc
     monkeypatch.setenv("SLOPEKIT_KERNELS", way)
     model = model_with(scene, law)
     model = replace(model, tan_dilation=np.full(len(model.tan_dilation), dilation))
-    bed, rng = Bed(model, Drive(model.load.ravel())), np.random.default_rng(2)
+    bed, rng = ElasticContactModel(model, Drive(model.load.ravel())), np.random.default_rng(2)
     at = bed.elastic_displacement * 6.0
     there, move = bed.forces(at, 0.1), rng.normal(size=bed.size) * np.abs(at).mean()
     assert there.slips.any()
@@ -66,7 +74,9 @@ def test_the_tangent_is_that_of_the_forces(scene, law, way, dilation, monkeypatc
     assert stiff == pytest.approx(by_differences, abs=1e-6 * float(np.abs(by_differences).max()))
     stronger, weaker = (bed.forces(at, 0.1 + by) for by in (1e-7, -1e-7))
     by_strength = (stronger.unbalanced - weaker.unbalanced) / 2e-7
-    assert bed.by_parameter(there, 0.1) == pytest.approx(by_strength, abs=1e-6 * float(np.abs(by_strength).max()))
+    assert bed.parameter_derivative(there, 0.1) == pytest.approx(
+        by_strength, abs=1e-6 * float(np.abs(by_strength).max())
+    )
     modes = bed.forces(at, 0.1, modes=there)
     assert modes.unbalanced == pytest.approx(there.unbalanced, abs=1e-12 * there.largest)
 
@@ -76,7 +86,7 @@ def test_compiled_forces_are_those_of_numpy(monkeypatch) -> None:
     model, found = model_with("space", "power"), []
     for way in ("numpy", "compiled"):
         monkeypatch.setenv("SLOPEKIT_KERNELS", way)
-        bed = Bed(model, Drive(model.load.ravel()))
+        bed = ElasticContactModel(model, Drive(model.load.ravel()))
         found.append(bed.forces(6.0 * bed.elastic_displacement, 0.1))
     one, other = found
     for name in ("normal", "friction", "strength", "slips", "unbalanced"):

@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from benchmarks import populations
 from slopekit.core.errors import SlopekitError
 from slopekit.preie import kernels as module
-from slopekit.preie.elastic_path.bed import Bed
-from slopekit.preie.elastic_path.bed_states import BedForces, Drive, PressedShare
+from slopekit.preie.elastic_path.contact_model import ElasticContactModel
+from slopekit.preie.elastic_path.contact_states import ContactState, Drive, PressedShare
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
 from slopekit.preie.one_block.bed_path import BedPath
 from slopekit.preie.one_block.polygon_bed import Beds, BedSprings, contact_rows
@@ -53,11 +53,17 @@ def close(found: np.ndarray, exact: np.ndarray, rounding: float = ROUNDING) -> b
     return bool(np.abs(found - exact).max() <= rounding * max(float(np.abs(exact).max()), 1e-300))
 
 
-def _arrays_of(record: BedForces | PressedShare) -> list[np.ndarray]:
+def _arrays_of(record: ContactState | PressedShare) -> list[np.ndarray]:
     """Return all fields of forces, those of the pressed shares after them."""
     values = [getattr(record, field.name) for field in dataclasses.fields(record)]
-    plain = [np.asarray(value) for value in values if value is not None and not isinstance(value, PressedShare)]
-    return plain + [array for value in values if isinstance(value, PressedShare) for array in _arrays_of(value)]
+    plain = [
+        np.asarray(value)
+        for value in values
+        if value is not None and not isinstance(value, PressedShare)
+    ]
+    return plain + [
+        array for value in values if isinstance(value, PressedShare) for array in _arrays_of(value)
+    ]
 
 
 @compiled_only
@@ -67,12 +73,14 @@ def _arrays_of(record: BedForces | PressedShare) -> list[np.ndarray]:
 def test_the_law_and_its_tangent(name, seed, turning, flows) -> None:
     """Forces, modes, pressed shares, stiffness of the contacts and viscous forces at a random displacement."""
     model, rng = BEDS[name](0.0), np.random.default_rng(seed)
-    plain, bed = both_ways(lambda: Bed(model, Drive(model.load.ravel())))
+    plain, bed = both_ways(lambda: ElasticContactModel(model, Drive(model.load.ravel())))
     assert plain._kernels is None
     assert bed._kernels is not None
     at = (
         plain.elastic_displacement
-        + rng.uniform(0.0, 3.0) * rng.normal(size=bed.size) * np.abs(plain.elastic_displacement).mean()
+        + rng.uniform(0.0, 3.0)
+        * rng.normal(size=bed.size)
+        * np.abs(plain.elastic_displacement).mean()
     )
     there, exact = (each.forces(at, 0.6) for each in (bed, plain))
     assert there.same_modes(exact)
@@ -83,13 +91,19 @@ def test_the_law_and_its_tangent(name, seed, turning, flows) -> None:
     one, other = (each.tangent(exact, 0.6, viscosity, turning) for each in (bed, plain))
     assert close(one, other)
     assert close(bed.viscous(at), plain.viscous(at))
-    modes = plain.turned(exact, at)  # along given modes all is linear, and NumPy's in both
-    assert close(bed.forces(at, 0.6, modes=modes).unbalanced, plain.forces(at, 0.6, modes=modes).unbalanced)
+    modes = plain.with_slip_directions(
+        exact, at
+    )  # along given modes all is linear, and NumPy's in both
+    assert close(
+        bed.forces(at, 0.6, modes=modes).unbalanced, plain.forces(at, 0.6, modes=modes).unbalanced
+    )
 
 
 @compiled_only
 @pytest.mark.parametrize("symmetric", [True, False])
-@pytest.mark.parametrize("make", [lambda: random_bench(3)[0], lambda: wall(12, 12), lambda: columns()])
+@pytest.mark.parametrize(
+    "make", [lambda: random_bench(3)[0], lambda: wall(12, 12), lambda: columns()]
+)
 def test_factors_and_the_stiffness_of_contacts(make, symmetric) -> None:
     """One matrix, in compiled fronts and in a band: solutions differ by rounding, 1e-16 times a condition below 1e6."""
     model = make().model(30.0, 1.0)
@@ -114,12 +128,22 @@ def cut_square(cohesion: float = 0.4) -> Beds:
     triangle = np.array([[-0.9, -0.8, -0.5], [-0.9, 0.2, 0.7], [-0.9, 0.7, -0.5]])
     axes = np.array([np.eye(3)[[2, 0, 1]], np.eye(3)[[0, 1, 2]]])
     corner = np.array([0, 4, 7])
-    middle, rows, plane = contact_rows(np.concatenate([square, triangle]), corner, axes, np.arange(6))
+    middle, rows, plane = contact_rows(
+        np.concatenate([square, triangle]), corner, axes, np.arange(6)
+    )
     return Beds(
-        contact=np.array([0, 2]), corner=corner, axes=axes, middle=middle, rows=rows, plane=plane,
-        line=np.array([[0.3, cohesion, 0.6], [0.4, 0.2, 0.3]]), load=np.array([[-0.3, 0.2, -0.9, 0.05, 0.2, 0.1]]),
-        bolt_rows=np.array([[[0.1, 0.2, 0.4, 0.0, -0.3, 0.1]]]), bolt_capacity=np.array([[0.2]]), length=np.ones(1),
-    )  # fmt: skip
+        contact=np.array([0, 2]),
+        corner=corner,
+        axes=axes,
+        middle=middle,
+        rows=rows,
+        plane=plane,
+        line=np.array([[0.3, cohesion, 0.6], [0.4, 0.2, 0.3]]),
+        load=np.array([[-0.3, 0.2, -0.9, 0.05, 0.2, 0.1]]),
+        bolt_rows=np.array([[[0.1, 0.2, 0.4, 0.0, -0.3, 0.1]]]),
+        bolt_capacity=np.array([[0.2]]),
+        length=np.ones(1),
+    )
 
 
 def springs_on(bed: Beds, split: int) -> BedSprings:
@@ -161,12 +185,19 @@ def test_the_forces_of_a_cracked_base(name) -> None:
                 slip *= number > 3  # nothing has slipped yet
                 reduction = rng.uniform(0.1, 2.0)
                 gaps = bed.motions(opening[None])[:, 0]
-                cuts.update(int((part < 0.0).sum()) - len(part) for part in np.split(gaps, bed.corner[1:-1]))
-                exact, one = (unbalanced(each, opening, slip, reduction, running, sticks) for each in (plain, found))
+                cuts.update(
+                    int((part < 0.0).sum()) - len(part) for part in np.split(gaps, bed.corner[1:-1])
+                )
+                exact, one = (
+                    unbalanced(each, opening, slip, reduction, running, sticks)
+                    for each in (plain, found)
+                )
                 for field in dataclasses.fields(exact):
                     slope, by_steps = getattr(one, field.name), getattr(exact, field.name)
                     # slopes that are none have the rounding of terms of some one
-                    assert close(slope, by_steps, 1e-12) or np.abs(slope - by_steps).max() < 1e-14, field.name
+                    assert (
+                        close(slope, by_steps, 1e-12) or np.abs(slope - by_steps).max() < 1e-14
+                    ), field.name
     assert {0, -1, -2} <= cuts
 
 
@@ -196,14 +227,16 @@ def test_a_law_that_fails_raises_its_error_and_may_be_asked_again() -> None:
             return super().resistance(normal)
 
     law = Broken(8.0, 60000.0, 30.0)
-    springs = springs_on(dataclasses.replace(cut_square(), laws=(law, None), stress_scale=np.full(2, 120.0)), 1)
+    springs = springs_on(
+        dataclasses.replace(cut_square(), laws=(law, None), stress_scale=np.full(2, 120.0)), 1
+    )
     at = springs.beds.bonded[0], springs.beds.bonded[0], 0.5
     with pytest.raises(ArithmeticError, match="no strength"):
         unbalanced(springs, *at)
     with pytest.raises(ArithmeticError, match="no strength"):
         BedPath(springs).rests(np.zeros(1, dtype=np.int64), springs.beds.bonded, np.ones(1))
     Broken.is_broken = False
-    assert np.isfinite(unbalanced(springs, *at).out).all()
+    assert np.isfinite(unbalanced(springs, *at).force).all()
 
 
 LIMITS = {
@@ -235,7 +268,11 @@ def test_arrays_of_another_size_are_refused() -> None:
     pairs, groups, k = len(model.control_area), len(model.group_first), len(model.plus)
     springs, tangent, out = np.ones(pairs), np.ones((groups, 1, 1)), np.zeros((k, 3, 3))
     kernels.stiffness(contacts, springs, tangent, out)
-    for wrong in ((springs[:-1], tangent, out), (springs, tangent[1:], out), (springs, tangent, out[1:])):
+    for wrong in (
+        (springs[:-1], tangent, out),
+        (springs, tangent[1:], out),
+        (springs, tangent, out[1:]),
+    ):
         with pytest.raises(ValueError, match="bytes where"):
             kernels.stiffness(contacts, *wrong)
     with pytest.raises(ValueError, match="bytes where"):
@@ -246,16 +283,33 @@ def test_arrays_of_another_size_are_refused() -> None:
     with pytest.raises((ValueError, BufferError)):
         kernels.stiffness(contacts, springs, tangent, out)
     with pytest.raises(ValueError, match="PyCapsule"):
-        kernels.stiffness(SparseStiffness(model).plans[True]._plan, springs, tangent, np.zeros((k, 3, 3)))
-    springs_of_bed, six, block = BedSprings(cut_square(), 1), np.zeros((6, 6)), np.zeros(1, dtype=np.int64)
+        kernels.stiffness(
+            SparseStiffness(model).plans[True]._plan, springs, tangent, np.zeros((k, 3, 3))
+        )
+    springs_of_bed, six, block = (
+        BedSprings(cut_square(), 1),
+        np.zeros((6, 6)),
+        np.zeros(1, dtype=np.int64),
+    )
     for count, slopes, blocks, match in (
-        (5, six, block, "bytes where"), (6, six[:5], block, "bytes where"), (6, six, block + 1, "no such block"),
-    ):  # fmt: skip
+        (5, six, block, "bytes where"),
+        (6, six[:5], block, "bytes where"),
+        (6, six, block + 1, "no such block"),
+    ):
         with pytest.raises(ValueError, match=match):
             kernels.pressed(
-                springs_of_bed.polygons, blocks, np.zeros(6), np.zeros(count), np.ones(1), False, False, np.zeros(6),
-                six, slopes, np.zeros(6),
-            )  # fmt: skip
+                springs_of_bed.polygons,
+                blocks,
+                np.zeros(6),
+                np.zeros(count),
+                np.ones(1),
+                False,
+                False,
+                np.zeros(6),
+                six,
+                slopes,
+                np.zeros(6),
+            )
 
 
 # -- the choice -------------------------------------------------------------------------------------------------------
@@ -265,12 +319,12 @@ def test_numpy_when_it_is_asked_for(monkeypatch) -> None:
     monkeypatch.setenv("SLOPEKIT_KERNELS", "numpy")
     assert module.compiled() is None
     model = stack(2).model(30.0)
-    assert Bed(model, Drive(model.load.ravel()))._kernels is None
+    assert ElasticContactModel(model, Drive(model.load.ravel()))._kernels is None
     assert SparseStiffness(model).contacts is None
 
 
 def test_kernels_that_are_asked_for_and_missing_are_an_error(monkeypatch) -> None:
-    monkeypatch.setattr(module, "_loaded", lambda: (None, "they were not compiled"))
+    monkeypatch.setattr(module, "_bound_to_lapack", lambda: (None, "they were not compiled"))
     monkeypatch.delenv("SLOPEKIT_KERNELS", raising=False)
     assert module.compiled() is None
     monkeypatch.setenv("SLOPEKIT_KERNELS", "compiled")
@@ -289,16 +343,18 @@ def test_kernels_of_another_source_are_not_used(monkeypatch) -> None:
     """As in an editable install whose source has changed since; the BLAS is asked for no more then."""
     found, _ = module.chosen()
     monkeypatch.setattr(found, "SOURCE", found.SOURCE + 1)
-    kernels, missing = module._alone.__wrapped__()
+    kernels, missing = module._imported.__wrapped__()
     assert kernels is None
     assert "another" in missing
-    monkeypatch.setattr(module, "_alone", module._alone.__wrapped__)
-    assert module._loaded.__wrapped__() == (None, missing)
+    monkeypatch.setattr(module, "_imported", module._imported.__wrapped__)
+    assert module._bound_to_lapack.__wrapped__() == (None, missing)
 
 
 @compiled_only
 @pytest.mark.parametrize(
-    "make", [MODELS["bench with cohesion"], MODELS["slivers"], bolted], ids=["bench", "slivers", "bolts"]
+    "make",
+    [MODELS["bench with cohesion"], MODELS["slivers"], bolted],
+    ids=["bench", "slivers", "bolts"],
 )
 def test_the_static_bound_by_kernels(make) -> None:
     """One run, which there is none of without kernels, and programs at one λ each, to 4e-6."""

@@ -23,7 +23,9 @@ def one_by_one(normals, force, cohesion, tan_friction) -> float:
                 if line @ line < _PARALLEL:
                     continue
                 along = line * (float(force @ line) / float(line @ line))
-                carried = np.linalg.lstsq(np.stack([normals[a], normals[b]], axis=1), along - force, rcond=None)[0]
+                carried = np.linalg.lstsq(
+                    np.stack([normals[a], normals[b]], axis=1), along - force, rcond=None
+                )[0]
             pull = math.sqrt(float(along @ along))
             if carried.min() < 0.0 or pull <= _PARALLEL * math.sqrt(float(force @ force)):
                 continue
@@ -51,7 +53,8 @@ def test_all_blocks_at_once_are_one_after_the_other(seed) -> None:
     cohesion, tan_friction = rng.uniform(0.0, 3.0, len(block)), rng.uniform(0.0, 1.5, len(block))
     found = sliding_factors(block, normals, forces, cohesion, tan_friction)
     exact = [
-        one_by_one(normals[block == k], forces[k], cohesion[block == k], tan_friction[block == k]) for k in range(200)
+        one_by_one(normals[block == k], forces[k], cohesion[block == k], tan_friction[block == k])
+        for k in range(200)
     ]
     assert 20 < np.isfinite(found).sum() < 180
     assert found == pytest.approx(np.array(exact), rel=1e-9)
@@ -63,7 +66,9 @@ def test_a_symmetric_wedge_by_hand() -> None:
     across, up = np.array([1.0, 0.0, 0.0]), np.array([0.0, math.sin(down), math.cos(down)])
     normals = np.stack([(up + across), (up - across)]) / math.sqrt(2.0)
     force = np.array([[0.0, 0.0, -2.0]])
-    found = sliding_factors(np.zeros(2, dtype=np.int64), normals, force, np.zeros(2), np.full(2, 0.6))
+    found = sliding_factors(
+        np.zeros(2, dtype=np.int64), normals, force, np.zeros(2), np.full(2, 0.6)
+    )
     assert found == pytest.approx(0.6 / math.tan(down) * math.sqrt(2.0), rel=1e-12)
 
 
@@ -72,5 +77,7 @@ def test_a_block_that_another_face_stops_does_not_slide() -> None:
     down = math.radians(30.0)
     normals = np.array([[0.0, math.sin(down), math.cos(down)], [0.0, -1.0, 0.0]])
     force = np.array([[0.0, 0.0, -1.0]])
-    found = sliding_factors(np.zeros(2, dtype=np.int64), normals, force, np.ones(2), np.full(2, 0.6))
+    found = sliding_factors(
+        np.zeros(2, dtype=np.int64), normals, force, np.ones(2), np.full(2, 0.6)
+    )
     assert np.isinf(found).all()

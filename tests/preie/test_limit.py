@@ -21,7 +21,13 @@ from tests.support import random_wedge
 
 
 def block_on_incline(
-    dip: float, c: float, phi: float, psi: float = 0.0, height: float = 1.0, push: float = 0.0, refine: int = 0
+    dip: float,
+    c: float,
+    phi: float,
+    psi: float = 0.0,
+    height: float = 1.0,
+    push: float = 0.0,
+    refine: int = 0,
 ) -> Model:
     """A 2 m x 2 m block of the given height on a plane dipping toward +x, weight 20 kN, pushed downhill."""
     a = math.radians(dip)
@@ -37,12 +43,16 @@ def block_on_incline(
     none = np.zeros((0, 3))
     loads = Loads(force, np.zeros(3), {"weight": weight, "push": push * down}, none, none)
     one = np.ones(1)
-    strength = JointStrength(c * one, math.tan(math.radians(phi)) * one, math.tan(math.radians(psi)) * one, 0.0 * one)
+    strength = JointStrength(
+        c * one, math.tan(math.radians(phi)) * one, math.tan(math.radians(psi)) * one, 0.0 * one
+    )
     return build_model(node_pairs({0: square}, refine), loads, centroid, strength)
 
 
 @pytest.mark.parametrize("refine", [0, 2])
-@pytest.mark.parametrize(("dip", "c", "phi"), [(30, 0, 35), (30, 2, 20), (10, 0.5, 5), (60, 10, 40)])
+@pytest.mark.parametrize(
+    ("dip", "c", "phi"), [(30, 0, 35), (30, 2, 20), (10, 0.5, 5), (60, 10, 40)]
+)
 def test_block_on_an_incline_slides(dip, c, phi, refine) -> None:
     """F = (c A + W cos α tan φ) / W sin α, exact for a flat block: its moments open nothing that counts."""
     a = math.radians(dip)
@@ -61,7 +71,9 @@ def test_a_block_tips_at_its_geometric_limit(height, tips) -> None:
 
 
 def test_a_block_on_a_horizontal_plane_is_driven_by_nothing() -> None:
-    assert pairs_limit(block_on_incline(0.0, 0.0, 30.0)).governing.outcome is Outcome.NO_DRIVING_FORCE
+    assert (
+        pairs_limit(block_on_incline(0.0, 0.0, 30.0)).governing.outcome is Outcome.NO_DRIVING_FORCE
+    )
 
 
 @pytest.mark.parametrize("psi", [5.0, 15.0, 30.0])
@@ -71,11 +83,17 @@ def test_dilation_of_one_plane(psi) -> None:
     Forces: along the plane only, so F = tan φ / tan α for any ψ <= φ/F (Davis 1968 for this kinematics).
     """
     found = pairs_limit(block_on_incline(20.0, 0.0, 30.0, psi=psi, height=0.2)).governing
-    assert found.factor == pytest.approx(math.tan(math.radians(30)) / math.tan(math.radians(20)), rel=1e-6)
+    assert found.factor == pytest.approx(
+        math.tan(math.radians(30)) / math.tan(math.radians(20)), rel=1e-6
+    )
 
 
 def paper_model(c=(50, 50), phi=(20, 20), **more) -> Model:
-    return cut(wedge_design({"dips": ("45/115", "45/245"), "c": c, "phi": phi, **more})).scene_at(0).model
+    return (
+        cut(wedge_design({"dips": ("45/115", "45/245"), "c": c, "phi": phi, **more}))
+        .scene_at(0)
+        .model
+    )
 
 
 @pytest.mark.parametrize("c", [50.0, 0.0])
@@ -83,7 +101,9 @@ def test_full_dilation_gives_the_static_bound(c) -> None:
     """ψ = φ, reduced with it, is associated flow: the limit is the static bound (METHOD.md §3: 1.5868)."""
     full = pairs_limit(paper_model((c, c), dilation=20.0)).governing.factor
     model = paper_model((c, c))
-    bound = static_bound(model, pairs_limit(model).governing.velocity, pairs_limit(model).governing.factor)
+    bound = static_bound(
+        model, pairs_limit(model).governing.velocity, pairs_limit(model).governing.factor
+    )
     assert full == pytest.approx(bound.factor, rel=2e-6)
 
 
@@ -95,7 +115,11 @@ def test_a_twisted_square_that_dilates_has_cohesion_where_it_touches_alone(psi) 
     there the limit was the static bound, with c on all of the square, of which the corners' pairs are a quarter.
     """
     model = block_on_incline(0.0, 20.0, 20.0, psi=psi)
-    weight, area, corner = -model.load[2], model.control_area.sum(), math.sqrt(2.0) / model.length_scale
+    weight, area, corner = (
+        -model.load[2],
+        model.control_area.sum(),
+        math.sqrt(2.0) / model.length_scale,
+    )
     torque = 0.3 * weight
     model = replace(model, load=np.array([0.0, 0.0, -weight, 0.0, 0.0, torque]))
     cohesion = 20.0 * area * model.area_scale / model.force_scale
@@ -111,7 +135,9 @@ def test_a_wedge_that_would_dilate_as_it_twists_slides_on_one_joint(psi) -> None
     """J2 is not pressed: (c A + W cos δ tan φ) / (W sin δ) on J1 by hand, dilation or not."""
     found = sk.wedge(dips=("40/160", "80/220"), c=100, dilation=psi)
     dip, weight, area = math.radians(40.0), found.forces.weight, found.geometry.areas_m2["J1"]
-    by_hand = (100.0 * area + weight * math.cos(dip) * math.tan(math.radians(20.0))) / (weight * math.sin(dip))
+    by_hand = (100.0 * area + weight * math.cos(dip) * math.tan(math.radians(20.0))) / (
+        weight * math.sin(dip)
+    )
     assert found.fos.limit == pytest.approx(by_hand, rel=1e-6)
     assert found.fos.static_bound > 1.58
 
@@ -146,7 +172,10 @@ def test_dilation_against_the_forces_by_hand(c, psi) -> None:
 
 
 def test_dilation_raises_the_limit_steadily() -> None:
-    factors = [pairs_limit(paper_model(dilation=psi)).governing.factor for psi in (0.0, 3.0, 6.0, 9.0, 12.0)]
+    factors = [
+        pairs_limit(paper_model(dilation=psi)).governing.factor
+        for psi in (0.0, 3.0, 6.0, 9.0, 12.0)
+    ]
     assert factors == sorted(factors)
     assert factors[0] == pytest.approx(1.5573963, abs=1e-6)
     assert factors[-1] < 1.58676
@@ -178,13 +207,21 @@ def test_turning_limit_against_the_conic_sequence() -> None:
     for model, analysis in random_models(40, 12):
         turning = analysis.with_turning
         if turning.bond.all() and turning.factor and not analysis.moments_govern:
-            assert conic_oracle.frozen_friction_limit(model) == pytest.approx(turning.factor, rel=2e-4)
+            assert conic_oracle.frozen_friction_limit(model) == pytest.approx(
+                turning.factor, rel=2e-4
+            )
             compared += 1
     assert compared > 10
 
 
 def test_reducing_the_strength_by_the_limit_leaves_one() -> None:
-    wedge = {"dips": ("45/105", "70/235"), "face": "65/185", "upper": "12/195", "height": 30.0, "water": "50%"}
+    wedge = {
+        "dips": ("45/105", "70/235"),
+        "face": "65/185",
+        "upper": "12/195",
+        "height": 30.0,
+        "water": "50%",
+    }
     first = sk.wedge(**wedge, c=(24, 48), phi=(20, 30)).fos.limit
     reduced = [math.degrees(math.atan(math.tan(math.radians(phi)) / first)) for phi in (20, 30)]
     again = sk.wedge(**wedge, c=(24 / first, 48 / first), phi=reduced).fos.limit

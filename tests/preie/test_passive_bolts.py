@@ -24,7 +24,7 @@ from slopekit.loads import PassiveBolts
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
 from slopekit.preie.one_block.flat_limit import forces_limit
-from slopekit.preie.one_block.forces_limits import _pieces, forces_limits
+from slopekit.preie.one_block.forces_limits import _linear_pieces, forces_limits
 from slopekit.preie.one_block.pairs_limit import pairs_limit
 from slopekit.preie.one_block.polygon_bed import elastic_bed
 from slopekit.preie.programs.distance import Distance
@@ -38,7 +38,10 @@ from tests.preie.block_scenes import boxes_in_space, stack
 
 DIP, WEIGHT = 30.0, 200.0  # blocks 4 m by 2 m, 25 kN/m³
 ALONG, ACROSS = math.sin(math.radians(DIP)), math.cos(math.radians(DIP))
-UP, IN = [math.cos(math.radians(DIP)), math.sin(math.radians(DIP))], [ALONG, -ACROSS]  # the slope, and into it
+UP, IN = (
+    [math.cos(math.radians(DIP)), math.sin(math.radians(DIP))],
+    [ALONG, -ACROSS],
+)  # the slope, and into it
 
 
 def on_slope(corners) -> list[list[float]]:
@@ -51,14 +54,24 @@ def box(x: float, wide: float = 4.0, high: float = 2.0, above: float = 0.0) -> d
     return {"polygon": on_slope([(x, low), (x + wide, low), (x + wide, top), (x, top)])}
 
 
-def design(blocks: dict[str, Any], bolts: list[dict[str, Any]] = (), phi: float = 20.0, **more: Any) -> dict[str, Any]:
-    base = {"polygon": on_slope([(-3.0, -3.0), (20.0, -3.0), (20.0, 0.0), (-3.0, 0.0)]), "fixed": True}
+def design(
+    blocks: dict[str, Any], bolts: list[dict[str, Any]] = (), phi: float = 20.0, **more: Any
+) -> dict[str, Any]:
+    base = {
+        "polygon": on_slope([(-3.0, -3.0), (20.0, -3.0), (20.0, 0.0), (-3.0, 0.0)]),
+        "fixed": True,
+    }
     passive = [{"acts": "passive", **bolt} for bolt in bolts]
     return {
-        "slopekit": 1, "kind": "blocks", "blocks": {"base": base, **blocks},
+        "slopekit": 1,
+        "kind": "blocks",
+        "blocks": {"base": base, **blocks},
         "strength": {"j": {"c": 0, "phi": phi}},
-        "interfaces": {"default": "j"}, "rock": {"unit_weight": 25}, "support": {"bolts": passive}, **more,
-    }  # fmt: skip
+        "interfaces": {"default": "j"},
+        "rock": {"unit_weight": 25},
+        "support": {"bolts": passive},
+        **more,
+    }
 
 
 def bolt(force: float, block: str = "A", steeper: float = 0.0, **more: Any) -> dict[str, Any]:
@@ -83,7 +96,9 @@ def by_hand(capacity: float, steeper: float, phi: float = 20.0) -> float:
     """D F² - (N μ + T cos a) F - T sin a μ = 0 for a bolt into the slope at an angle, drawn out."""
     friction, a = math.tan(math.radians(phi)), math.radians(steeper)
     drives, b = WEIGHT * ALONG, WEIGHT * ACROSS * friction + capacity * math.cos(a)
-    return (b + math.sqrt(b * b + 4.0 * drives * capacity * math.sin(a) * friction)) / (2.0 * drives)
+    return (b + math.sqrt(b * b + 4.0 * drives * capacity * math.sin(a) * friction)) / (
+        2.0 * drives
+    )
 
 
 # -- as part of the model ---------------------------------------------------------------------------------------------
@@ -92,7 +107,9 @@ def by_hand(capacity: float, steeper: float, phi: float = 20.0) -> float:
 @pytest.mark.parametrize("in_section", [True, False])
 def test_a_bolt_shortens_by_the_motion_of_its_ends(in_section: bool) -> None:
     """d · (v of the head's block - v of the toe's), both at a point of its line; either end may be bedrock."""
-    scene = stack(3, 25.0, 4.0) if in_section else boxes_in_space((2, 1, 1), (2.0, 3.0, 1.0), 25.0, 0.3)
+    scene = (
+        stack(3, 25.0, 4.0) if in_section else boxes_in_space((2, 1, 1), (2.0, 3.0, 1.0), 25.0, 0.3)
+    )
     rng, blocks = np.random.default_rng(3), np.flatnonzero(~scene.fixed)
     head, toe = np.array([blocks[0], blocks[1], BEDROCK]), np.array([blocks[1], BEDROCK, blocks[0]])
     flat = np.array([1.0, 0.0, 1.0]) if in_section else np.ones(3)
@@ -109,7 +126,9 @@ def test_a_bolt_shortens_by_the_motion_of_its_ends(in_section: bool) -> None:
 
     along = forces / np.sqrt((forces * forces).sum(axis=1))[:, None]
     _, slip = model.opening_and_slip(velocity)
-    assert slip[model.bolted, 0] == pytest.approx((along * (of(head) - of(toe))).sum(axis=1), abs=1e-12)
+    assert slip[model.bolted, 0] == pytest.approx(
+        (along * (of(head) - of(toe))).sum(axis=1), abs=1e-12
+    )
     assert not slip[model.bolted, 1:].any()
     capacity = model.cohesion[model.joint_pairs.stop :] * model.force_scale
     assert capacity == pytest.approx(np.sqrt((forces * forces).sum(axis=1)))
@@ -125,7 +144,9 @@ def test_one_block_on_a_slope(capacity: float, steeper: float) -> None:
     if steeper < 0.0 and capacity > 1000.0:
         pytest.skip("it lifts the block")
     ends = {} if steeper < 0.0 else {"length": 50.0}  # else in the air: refused (E211)
-    found = limit_of(design({"A": box(0.0)}, [bolt(capacity, steeper=steeper, head=middle(2.0), **ends)]))
+    found = limit_of(
+        design({"A": box(0.0)}, [bolt(capacity, steeper=steeper, head=middle(2.0), **ends)])
+    )
     exact = by_hand(capacity, steeper)
     assert found.basis is Basis.LIMIT
     assert found.factor == pytest.approx(exact, rel=1e-11)
@@ -143,7 +164,10 @@ def middle(x: float, above: float = 0.0) -> list[float]:
 def test_the_papers_wedge_as_one_block_and_as_an_assembly() -> None:
     """1e-9: what the path settles to in space."""
     for force, toward in ((1e6, (0.0, 10.0)), (5e5, (20.0, 40.0)), (3e6, (340.0, -15.0))):
-        wedge = {"dips": ("45/115", "45/245"), "bolts": [{"force": force, "toward": toward, "acts": "passive"}]}
+        wedge = {
+            "dips": ("45/115", "45/245"),
+            "bolts": [{"force": force, "toward": toward, "acts": "passive"}],
+        }
         scene = cut(wedge_design(wedge)).scene_at(0)
         analysis = pairs_limit(scene.model)
         assert not analysis.moments_govern
@@ -155,7 +179,11 @@ def test_the_papers_wedge_as_one_block_and_as_an_assembly() -> None:
 def test_random_wedges_with_passive_bolts() -> None:
     """The limit of a wedge on its exact polygons, and of one block of many (`benchmarks.wedge_paths`)."""
     rng = np.random.default_rng(4)
-    off = [off for word, off in (compared(rng, passive=True) for _ in range(8)) if not word.startswith("no factor")]
+    off = [
+        off
+        for word, off in (compared(rng, passive=True) for _ in range(8))
+        if not word.startswith("no factor")
+    ]
     assert len(off) >= 6
     assert max(abs(each) for each in off) < 0.01
     assert min(abs(each) for each in off) < 1e-9
@@ -163,7 +191,9 @@ def test_random_wedges_with_passive_bolts() -> None:
 
 def test_a_bolt_square_to_the_movement() -> None:
     """It pulls anything from nothing to T / F: the range is what friction makes of that, by hand."""
-    found = limit_of(design({"A": box(0.0)}, [bolt(60.0, steeper=90.0, head=middle(2.0), length=50.0)]))
+    found = limit_of(
+        design({"A": box(0.0)}, [bolt(60.0, steeper=90.0, head=middle(2.0), length=50.0)])
+    )
     slides = math.tan(math.radians(20.0)) / math.tan(math.radians(DIP))
     held = by_hand(60.0, 90.0)
     assert found.lowest == pytest.approx(slides, rel=2e-5)  # how near an end of the range is found
@@ -174,7 +204,9 @@ def test_a_bolt_square_to_the_movement() -> None:
 def test_a_bolt_that_is_pushed_in_adds_nothing() -> None:
     """W311; and it does not push."""
     given = design({"A": box(0.0)}, [bolt(60.0, steeper=180.0)])
-    assert limit_of(given).factor == pytest.approx(limit_of(design({"A": box(0.0)})).factor, rel=1e-12)
+    assert limit_of(given).factor == pytest.approx(
+        limit_of(design({"A": box(0.0)})).factor, rel=1e-12
+    )
     result = sk.run(given)
     assert "W311" in [notice.code for notice in result.warnings]
     assert pulls(result) == [0.0]
@@ -194,10 +226,17 @@ def test_two_blocks_tied_by_a_bolt(capacity: float) -> None:
     """A smooth block below a rough one: it tears the bolt, or draws the other along; one that goes takes it away."""
     blocks = {"A": box(0.0), "B": box(5.0)}
     given = design(
-        blocks, [bolt(capacity, head=middle(2.0, 1.0), length=5.0)], interfaces={"default": "j", "base/B": "rough"},
-        strength={"j": {"c": 0, "phi": 20}, "rough": {"c": 0, "phi": 45}}, analysis={"mechanisms": 2},
-    )  # fmt: skip
-    drives, smooth, rough = WEIGHT * ALONG, WEIGHT * ACROSS * math.tan(math.radians(20.0)), WEIGHT * ACROSS
+        blocks,
+        [bolt(capacity, head=middle(2.0, 1.0), length=5.0)],
+        interfaces={"default": "j", "base/B": "rough"},
+        strength={"j": {"c": 0, "phi": 20}, "rough": {"c": 0, "phi": 45}},
+        analysis={"mechanisms": 2},
+    )
+    drives, smooth, rough = (
+        WEIGHT * ALONG,
+        WEIGHT * ACROSS * math.tan(math.radians(20.0)),
+        WEIGHT * ACROSS,
+    )
     torn, along = (smooth + capacity) / drives, (smooth + rough) / (2.0 * drives)
     result = sk.run(given)
     assert result.fos.limit == pytest.approx(min(torn, along), rel=1e-12)
@@ -207,7 +246,9 @@ def test_two_blocks_tied_by_a_bolt(capacity: float) -> None:
     if torn < along:
         assert ends == pytest.approx([torn, rough / drives], rel=1e-12)
         assert result.findings.first.interfaces[-1].mode in ("pull", "slip")
-        assert sum(one.share for one in result.findings.first.interfaces) == pytest.approx(1.0, rel=1e-9)
+        assert sum(one.share for one in result.findings.first.interfaces) == pytest.approx(
+            1.0, rel=1e-9
+        )
     else:
         assert len(ends) == 1
 
@@ -215,10 +256,12 @@ def test_two_blocks_tied_by_a_bolt(capacity: float) -> None:
 def test_a_bolt_whose_toe_has_gone() -> None:
     """A rough block is bolted to a smooth one above it, which slides first: then friction alone holds the rough one."""
     given = design(
-        {"A": box(0.0), "B": box(5.0)}, [bolt(100.0, head=middle(2.0, 1.0), length=5.0)],
-        interfaces={"default": "j", "base/A": "rough"}, analysis={"mechanisms": 2},
+        {"A": box(0.0), "B": box(5.0)},
+        [bolt(100.0, head=middle(2.0, 1.0), length=5.0)],
+        interfaces={"default": "j", "base/A": "rough"},
+        analysis={"mechanisms": 2},
         strength={"j": {"c": 0, "phi": 20}, "rough": {"c": 0, "phi": 45}},
-    )  # fmt: skip
+    )
     slopes = [math.tan(math.radians(phi)) / math.tan(math.radians(DIP)) for phi in (20.0, 45.0)]
     found = sk.run(given).mechanisms
     assert [one.blocks for one in found] == [("B",), ("A",)]
@@ -248,7 +291,10 @@ def test_blocks_that_hang_on_bolts() -> None:
     weight = 25.0 * 2.0 * (4.0 - 2.0 * w)
 
     def roof(*bolts: tuple[str, float, float]) -> Result:
-        hung = [{"force": force, "toward": "000/-90", "block": name, "head": [x, 0.0, 1.0]} for name, force, x in bolts]
+        hung = [
+            {"force": force, "toward": "000/-90", "block": name, "head": [x, 0.0, 1.0]}
+            for name, force, x in bolts
+        ]
         given = design({}, hung, phi=30.0, analysis={"mechanisms": 2})
         given["blocks"] = {
             name: {"polygon": outline} | ({"fixed": True} if name.islower() else {})
@@ -257,14 +303,18 @@ def test_blocks_that_hang_on_bolts() -> None:
         return sk.run(given)
 
     both = roof(("A", 200.0, 2.0), ("B", 300.0, 10.0))
-    assert [one.fos for one in both.mechanisms] == pytest.approx([200.0 / weight, 300.0 / weight], rel=1e-12)
-    assert roof(("A", 100.0, 1.5), ("A", 100.0, 2.5), ("B", 300.0, 10.0)).fos.limit == pytest.approx(200.0 / weight)
+    assert [one.fos for one in both.mechanisms] == pytest.approx(
+        [200.0 / weight, 300.0 / weight], rel=1e-12
+    )
+    assert roof(
+        ("A", 100.0, 1.5), ("A", 100.0, 2.5), ("B", 300.0, 10.0)
+    ).fos.limit == pytest.approx(200.0 / weight)
     one = roof(("A", 200.0, 2.0))
     assert one.status == "falls"
     assert [found.blocks for found in one.mechanisms] == [("B",), ("A",)]
     # at full strength the bolt is drawn out by a millimetre times its share, and the joints open
     assert both.displacements.at_factor_one is not None
-    down = both.displacements.at_factor_one.every[[1, 3], 2]
+    down = both.displacements.at_factor_one.block_movements[[1, 3], 2]
     assert down == pytest.approx([-1e-3 * weight / 200.0, -1e-3 * weight / 300.0], rel=1e-9)
 
 
@@ -272,17 +322,26 @@ def test_blocks_that_hang_on_bolts() -> None:
 ASSEMBLIES: dict[str, dict[str, Any]] = {
     "row": design(
         {"A": box(0.0, 2.0, 3.0), "B": box(2.0, 3.0, 2.0), "C": box(5.0, 2.0, 4.0)},
-        [bolt(30.0, "A", 20.0), bolt(60.0, "C", 40.0, head=middle(6.0, 3.0)), bolt(20.0, "B", 170.0)],
+        [
+            bolt(30.0, "A", 20.0),
+            bolt(60.0, "C", 40.0, head=middle(6.0, 3.0)),
+            bolt(20.0, "B", 170.0),
+        ],
     ),
     "bond": design(
         {"A": box(0.0), "B": box(4.0), "C": box(0.0, 2.0, above=2.0), "D": box(2.0, above=2.0)},
-        [bolt(30.0, "D", 30.0, head=middle(4.0, 3.0), length=3.0), bolt(50.0, "A", 10.0), bolt(40.0, "C")],
+        [
+            bolt(30.0, "D", 30.0, head=middle(4.0, 3.0), length=3.0),
+            bolt(50.0, "A", 10.0),
+            bolt(40.0, "C"),
+        ],
     ),
     "thin": design(
         {"A": box(0.0, 1.0, 4.0), "B": box(1.0, 1.0, 5.0), "C": box(2.0, 1.0, 3.0)},
-        [bolt(60.0, "A", 10.0, head=middle(0.5, 3.5)), bolt(6.0, "B", 0.0, head=middle(1.5, 4.5))], phi=35.0,
+        [bolt(60.0, "A", 10.0, head=middle(0.5, 3.5)), bolt(6.0, "B", 0.0, head=middle(1.5, 4.5))],
+        phi=35.0,
     ),
-}  # fmt: skip
+}
 
 
 @pytest.fixture(scope="module", params=ASSEMBLIES)
@@ -315,7 +374,9 @@ def test_the_strength_divided_by_k(assembly) -> None:
     _, model, found = assembly
     for k in (0.4, found.factor, 3.0):
         weaker = replace(model, tan_friction=model.tan_friction / k, cohesion=model.cohesion / k)
-        assert limit_of_blocks(weaker, ranged=False).factor * k == pytest.approx(found.factor, rel=1e-10)
+        assert limit_of_blocks(weaker, ranged=False).factor * k == pytest.approx(
+            found.factor, rel=1e-10
+        )
 
 
 def test_one_bolt_or_two_of_half_its_capacity(assembly) -> None:
@@ -327,9 +388,10 @@ def test_one_bolt_or_two_of_half_its_capacity(assembly) -> None:
 def test_other_orders_of_blocks_and_bolts(assembly) -> None:
     given, _, found = assembly
     turned = {
-        **given, "blocks": dict(reversed(given["blocks"].items())),
+        **given,
+        "blocks": dict(reversed(given["blocks"].items())),
         "support": {"bolts": given["support"]["bolts"][::-1]},
-    }  # fmt: skip
+    }
     assert limit_of(turned).factor == pytest.approx(found.factor, rel=1e-9)
 
 
@@ -342,8 +404,13 @@ def test_in_the_mirror(assembly) -> None:
             one["head"] = [-one["head"][0], *one["head"][1:]]
         return [one]
 
-    blocks = {name: one | {"polygon": [[-x, z] for x, z in one["polygon"]]} for name, one in given["blocks"].items()}
-    assert limit_of(with_bolts({**given, "blocks": blocks}, seen)).factor == pytest.approx(found.factor, rel=1e-9)
+    blocks = {
+        name: one | {"polygon": [[-x, z] for x, z in one["polygon"]]}
+        for name, one in given["blocks"].items()
+    }
+    assert limit_of(with_bolts({**given, "blocks": blocks}, seen)).factor == pytest.approx(
+        found.factor, rel=1e-9
+    )
 
 
 def test_weak_bolts_are_none(assembly) -> None:
@@ -377,7 +444,9 @@ def test_the_static_bound_against_a_linear_program(assembly) -> None:
     pairs, groups = len(model.control_area), len(model.group_contact)
     bolts = len(model.bolts)
     statics = model.statics.toarray()
-    statics = np.delete(statics, np.s_[pairs - bolts : pairs], axis=1)  # node pairs that stand for bolts carry nothing
+    statics = np.delete(
+        statics, np.s_[pairs - bolts : pairs], axis=1
+    )  # node pairs that stand for bolts carry nothing
     pairs -= bolts
     sums = np.zeros((groups, pairs))
     sums[model.group_of_pair[:pairs], np.arange(pairs)] = 1.0
@@ -388,8 +457,14 @@ def test_the_static_bound_against_a_linear_program(assembly) -> None:
         joints = groups - bolts
         pick = np.eye(groups)
         cone = np.block([[-pressed[:joints], sign * pick[:joints]] for sign in (1.0, -1.0)])
-        ends = [(0.0, None)] * pairs + [(None, None)] * joints + [(0.0, reduction * most) for most in capacity]
-        found = linprog(np.zeros(pairs + groups), cone, np.zeros(len(cone)), statics, -model.load.ravel(), ends)
+        ends = (
+            [(0.0, None)] * pairs
+            + [(None, None)] * joints
+            + [(0.0, reduction * most) for most in capacity]
+        )
+        found = linprog(
+            np.zeros(pairs + groups), cone, np.zeros(len(cone)), statics, -model.load.ravel(), ends
+        )
         return found.status == 0
 
     low, high = 0.1 / found.static_bound, 3.0 / found.static_bound
@@ -417,8 +492,8 @@ def test_the_slope_of_the_range(assembly) -> None:
     _, model, found = assembly
     away = Distance(model, found.velocity.ravel(), found.bond, 1.0 / found.factor)
     for at in (1.2 / found.lowest, 0.8 / found.highest):
-        ahead, behind = (away.at(at * (1.0 + step)).distance for step in (1e-4, -1e-4))
-        there = away.at(at)
+        ahead, behind = (away.evaluate(at * (1.0 + step)).distance for step in (1e-4, -1e-4))
+        there = away.evaluate(at)
         assert there.distance > 1e-4
         assert there.slope == pytest.approx((ahead - behind) / (2e-4 * at), rel=1e-3)
 
@@ -447,10 +522,11 @@ def test_the_papers_criterion_by_hand(ways: list[float]) -> None:
     """The joint slips at F = N μ / (its part of D); springs side by side: k_t A, and T / 1 mm if drawn out. 1e-4."""
     capacity, shear = 150.0, 1e5
     given = design(
-        {"A": box(0.0)}, [bolt(capacity, steeper=way, head=middle(2.0)) for way in ways],
+        {"A": box(0.0)},
+        [bolt(capacity, steeper=way, head=middle(2.0)) for way in ways],
         strength={"j": {"c": 0, "phi": 20, "stiffness": {"normal": 1e7, "shear": shear}}},
         analysis={"criterion": "all-pairs"},
-    )  # fmt: skip
+    )
     joint, pull = shear * 4.0, capacity / 1e-3 if 0.0 in ways else 0.0
     exact = ACROSS * math.tan(math.radians(20.0)) / ALONG * (joint + pull) / joint
     assert sk.run(given).fos.all_pairs_failed == pytest.approx(exact, rel=2e-4)
@@ -483,7 +559,10 @@ def test_bolts_alone_hold_smooth_blocks() -> None:
 
 def test_bolts_that_hold_nothing_are_refused() -> None:
     """All faults at once: too short for its block, on bedrock, in no block."""
-    given = design({"A": box(0.0), "B": box(5.0)}, [bolt(50.0, head=middle(2.0, 1.0), length=1.0), bolt(9.0, "C")])
+    given = design(
+        {"A": box(0.0), "B": box(5.0)},
+        [bolt(50.0, head=middle(2.0, 1.0), length=1.0), bolt(9.0, "C")],
+    )
     with pytest.raises(DesignError) as caught:
         sk.run(given)
     assert caught.value.codes == ("E250",)
@@ -512,7 +591,10 @@ def test_many_bolts_of_one_direction_are_one_of_all_their_capacity(each) -> None
     one = {"force": 60.0, "toward": (0.0, 0.0), "acts": "passive"}
     strong = [one | {"toward": (float(trend % 360), 0.0)} for trend in range(-9, 9)]
     weak = [bolt | {"force": 60.0 / each} for bolt in strong for _ in range(each)]
-    whole, parted = (forces_factor(cut(wedge_design(given | {"bolts": bolts})).scene_at(0)) for bolts in (strong, weak))
+    whole, parted = (
+        forces_factor(cut(wedge_design(given | {"bolts": bolts})).scene_at(0))
+        for bolts in (strong, weak)
+    )
     assert whole == pytest.approx(parted, rel=1e-9)
 
 
@@ -526,16 +608,21 @@ def test_pieces_leave_the_least_of_the_load_at_every_strength(contacts, bolts) -
     sides = rng.normal(size=(count, contacts + bolts, 3))
     sides[:, :contacts, 2] = np.abs(sides[:, :contacts, 2])
     sides /= np.linalg.norm(sides, axis=2)[:, :, None]
-    load, capacity = 0.3 * rng.normal(size=(count, 3)) - [0.0, 0.0, 1.0], rng.uniform(0.1, 1.0, (count, bolts)) ** 2
+    load, capacity = (
+        0.3 * rng.normal(size=(count, 3)) - [0.0, 0.0, 1.0],
+        rng.uniform(0.1, 1.0, (count, bolts)) ** 2,
+    )
     on_contacts = [nnls(sides[row, :contacts].T, -load[row])[0] for row in range(count)]
     full = np.concatenate([np.zeros((count, contacts)), capacity], axis=1)
-    pieces, ends = _pieces(sides, load, np.array(on_contacts), full)
+    pieces, ends = _linear_pieces(sides, load, np.array(on_contacts), full)
     for row in range(count):
         for reduction in (1.0 - 1e-6) * np.unique(ends[row][ends[row] < 5.0]):
             piece = pieces[row, int((reduction > ends[row]).sum())]
             forces, left = np.split(piece[:, 0] + reduction * piece[:, 1], [contacts + bolts])
             most = np.concatenate([np.full(contacts, np.inf), reduction * capacity[row]])
-            exact = lsq_linear(sides[row].T, -load[row], (np.zeros(len(most)), most), method="bvls", tol=1e-14).x
+            exact = lsq_linear(
+                sides[row].T, -load[row], (np.zeros(len(most)), most), method="bvls", tol=1e-14
+            ).x
             left_over = load[row] + exact @ sides[row]
             if np.linalg.norm(left_over) < 1e-9:
                 break  # more strength balances the load as well: the block stands without friction

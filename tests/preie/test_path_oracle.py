@@ -23,11 +23,13 @@ def tangent(degrees: float) -> float:
 
 def one_block(c: float = 0.0, phi: float = 35.0, dip: float = 30.0) -> tuple[AssemblyModel, float]:
     """A block 4 m by 1 m on an incline, and (c A + W cos β tan φ) / (W sin β)."""
-    design = populations.turned_section([[(0.0, 0.0), (4.0, 0.0), (4.0, 1.0), (0.0, 1.0)]], dip, phi)
-    design["strength"]["joint"]["c"] = c
-    return model_of(design), (c * 4.0 / 100.0 + math.cos(math.radians(dip)) * tangent(phi)) / math.sin(
-        math.radians(dip)
+    design = populations.turned_section(
+        [[(0.0, 0.0), (4.0, 0.0), (4.0, 1.0), (0.0, 1.0)]], dip, phi
     )
+    design["strength"]["joint"]["c"] = c
+    return model_of(design), (
+        c * 4.0 / 100.0 + math.cos(math.radians(dip)) * tangent(phi)
+    ) / math.sin(math.radians(dip))
 
 
 def uniquely_limited() -> dict[str, tuple[AssemblyModel, float]]:
@@ -72,7 +74,7 @@ def test_the_static_bound_of_an_arch_is_what_its_least_friction_says() -> None:
 
 
 def test_the_static_bound_in_space() -> None:
-    """A box on an incline with and without cohesion, by hand; a bench of METHOD-3 §13."""
+    """A box on an incline with and without cohesion, by hand; a bench of the prototype of the path."""
     box = boxes_in_space((1, 1, 1), (4.0, 4.0, 1.0), 30.0)
     slides = tangent(35.0) / tangent(30.0)
     assert static_bound(box.model(35.0)) == pytest.approx(slides, rel=2e-5)
@@ -97,11 +99,17 @@ def test_a_history_ends_at_the_only_limit_state(name, stiffness) -> None:
     assert found.peak == pytest.approx(factor, rel=5e-3)  # the bracket of the descent
 
 
-@pytest.mark.parametrize(("design", "factor", "parts"), [
-    (known.SHARDS, 3.749624, 5e-3), (known.BONDED_ROW, 1.535061, 5e-3), (known.TWO_BLOCKS, 0.529555, 0.015),
-], ids=["shards", "bonded row", "two blocks"])  # fmt: skip
+@pytest.mark.parametrize(
+    ("design", "factor", "parts"),
+    [
+        (known.SHARDS, 3.749624, 5e-3),
+        (known.BONDED_ROW, 1.535061, 5e-3),
+        (known.TWO_BLOCKS, 0.529555, 0.015),
+    ],
+    ids=["shards", "bonded row", "two blocks"],
+)
 def test_a_history_ends_near_the_limit_of_the_elastic_path(design, factor, parts) -> None:
-    """METHOD-3 §13, Simpson's points; the path knows no history, so that forces locked in by slip differ.
+    """The prototype of the path, Simpson's points; the path knows no history, so that forces locked in by slip differ.
 
     Two blocks end 1.0 % lower: where blocks slide together what is locked in between
     them is not defined by the motion.
@@ -117,13 +125,24 @@ def with_ends_alone(model: AssemblyModel) -> AssemblyModel:
     """A section's model with two pairs a contact, half of its area each, instead of Simpson's three."""
     pairs = len(model.control_area)
     kept = np.arange(pairs) % 3 != 1
-    rows = model.kinematics[np.append(np.flatnonzero(kept), np.arange(pairs, model.kinematics.shape[0]))]
-    sums = np.repeat(model.by_group(model.control_area), 2) / 2.0, np.repeat(model.by_group(model.cohesion), 2) / 2.0
+    rows = model.kinematics[
+        np.append(np.flatnonzero(kept), np.arange(pairs, model.kinematics.shape[0]))
+    ]
+    sums = (
+        np.repeat(model.by_group(model.control_area), 2) / 2.0,
+        np.repeat(model.by_group(model.cohesion), 2) / 2.0,
+    )
     return replace(
-        model, pair_contact=model.pair_contact[kept], normal_rows=model.normal_rows[kept], control_area=sums[0],
-        cohesion=sums[1], group_first=model.group_first // 3 * 2, points=model.points[kept], kinematics=rows,
+        model,
+        pair_contact=model.pair_contact[kept],
+        normal_rows=model.normal_rows[kept],
+        control_area=sums[0],
+        cohesion=sums[1],
+        group_first=model.group_first // 3 * 2,
+        points=model.points[kept],
+        kinematics=rows,
         statics=rows.T.tocsr(),
-    )  # fmt: skip
+    )
 
 
 def test_a_history_of_columns_ends_at_their_closed_form() -> None:
@@ -140,30 +159,49 @@ def test_a_history_in_space_of_a_block_in_torsion() -> None:
     """μ W a 0.3826 / M = 2.2956: friction about the middle of a square; the sixteenths of its base leave 0.11 %."""
     scene = boxes_in_space((1, 1, 1), (2.0, 2.0, 2.0), 0.0)
     weight = -scene.forces[0, 2]
-    twist = tangent(35.0) * weight * 2.0 * (math.sqrt(2.0) + math.log(1.0 + math.sqrt(2.0))) / 6.0 / 2.2956
+    twist = (
+        tangent(35.0)
+        * weight
+        * 2.0
+        * (math.sqrt(2.0) + math.log(1.0 + math.sqrt(2.0)))
+        / 6.0
+        / 2.2956
+    )
     twisted = replace(scene, moments=np.array([[0.0, 0.0, twist]]))
     assert history(twisted.model(35.0, refine=2), 1.0).factor == pytest.approx(2.2956, rel=2e-3)
-    assert history(twisted.model(35.0), 1.0).factor == pytest.approx(math.sqrt(2.0), rel=1e-4)  # five pairs
+    assert history(twisted.model(35.0), 1.0).factor == pytest.approx(
+        math.sqrt(2.0), rel=1e-4
+    )  # five pairs
 
 
-@pytest.mark.parametrize(("width", "strength", "tips"), [(1.0, 1.0, True), (1.0, 9.0, True), (4.0, 1.0, False)])
+@pytest.mark.parametrize(
+    ("width", "strength", "tips"), [(1.0, 1.0, True), (1.0, 9.0, True), (4.0, 1.0, False)]
+)
 def test_what_comes_on_of_a_push_on_a_block_on_level_ground(width, strength, tips) -> None:
     """2 m high, φ = 40°, pushed by 0.9 of its weight: it tips at b / h, or slides at tan 40°.
 
     Tipping about its toe is a limit state whatever the strength; sliding is none.
     """
-    design = populations.turned_section([[(0.0, 0.0), (width, 0.0), (width, 2.0), (0.0, 2.0)]], 0.0, 40.0)
+    design = populations.turned_section(
+        [[(0.0, 0.0), (width, 0.0), (width, 2.0), (0.0, 2.0)]], 0.0, 40.0
+    )
     model = model_of(design | {"loads": {"seismic": {"k": 0.9, "toward": 270.0}}})
     exact = (width / 2.0 if tips else tangent(40.0)) / 0.9
     assert comes_on(model, strength) == pytest.approx(exact - 1e-3, abs=1e-3)
-    motions = [np.array([[-1.0, width / 2.0, turn]]) for turn in (1.0, 0.0, -1.0)]  # of its middle, about its toe
+    motions = [
+        np.array([[-1.0, width / 2.0, turn]]) for turn in (1.0, 0.0, -1.0)
+    ]  # of its middle, about its toe
     holds = [tips_whatever_the_strength(model, motion, exact, strength) for motion in motions]
     assert sum(holds) == tips
-    assert not any(tips_whatever_the_strength(model, motion, 0.99 * exact, strength) for motion in motions)
+    assert not any(
+        tips_whatever_the_strength(model, motion, 0.99 * exact, strength) for motion in motions
+    )
 
 
 def test_what_no_friction_holds_has_no_history() -> None:
-    found = history(model_of(populations.turned_section([[(0, 0), (1, 0), (1, 3), (0, 3)]], 30.0, 35.0)), 1.0)
+    found = history(
+        model_of(populations.turned_section([[(0, 0), (1, 0), (1, 3), (0, 3)]], 30.0, 35.0)), 1.0
+    )
     assert (found.factor, found.end) == (None, "no rest at the start")
 
 
@@ -176,23 +214,31 @@ def test_the_certified_range_of_one_limit_is_a_point(name) -> None:
     found = certified_range(model, factor)
     assert found is not None
     assert found.lowest <= factor <= found.highest
-    assert (found.lowest, found.highest) == (pytest.approx(factor, rel=3e-4), pytest.approx(factor, rel=3e-4))
+    assert (found.lowest, found.highest) == (
+        pytest.approx(factor, rel=3e-4),
+        pytest.approx(factor, rel=3e-4),
+    )
 
 
 @pytest.mark.slow
 def test_two_blocks_have_a_continuum_of_limits() -> None:
-    """METHOD-3 §12: a global solver proves [0.52049, 0.52955]. The history and slopekit end inside."""
+    """A global solver (docs/method.md) proves [0.52049, 0.52955]. The history and slopekit end inside."""
     model = model_of(known.TWO_BLOCKS)
     bound = static_bound(model)
     assert bound is not None
     found = certified_range(model, bound)
     assert found is not None
-    assert (found.lowest, found.highest) == (pytest.approx(0.52049, rel=2e-4), pytest.approx(0.52955, rel=2e-4))
+    assert (found.lowest, found.highest) == (
+        pytest.approx(0.52049, rel=2e-4),
+        pytest.approx(0.52955, rel=2e-4),
+    )
     ours, slack = changes.run(known.TWO_BLOCKS).fos, 1e-4  # the certificate is that wide
     for factor in (history(model, 2.0 / bound).factor, ours.limit):
         assert factor is not None
         assert found.lowest <= factor <= found.highest
-    assert found.lowest * (1.0 - slack) <= ours.lowest <= ours.highest <= found.highest * (1.0 + slack)
+    assert (
+        found.lowest * (1.0 - slack) <= ours.lowest <= ours.highest <= found.highest * (1.0 + slack)
+    )
 
 
 # -- slopekit before them ---------------------------------------------------------------------------------------------
@@ -202,7 +248,7 @@ SECTIONS = [2, 7, 16]  # without cohesion; the same numbers, whatever solves the
 
 @pytest.mark.parametrize("number", SECTIONS)
 def test_random_sections_end_where_a_history_does(number) -> None:
-    """0.5 %, as nine in ten do (38 of 42 with the prototype of the path, 65 of 72 in METHOD-3).
+    """0.5 %, as nine in ten do (38 of 42 with the prototype of the path, 65 of 72 in its first comparison).
 
     Of the first dozen without cohesion 5 and 9 are left out: their limit states are far apart (0.586 and 0.504 by
     passes, 0.635 and 0.517 by a history, 0.644 and 0.517 by the path).

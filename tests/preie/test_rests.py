@@ -4,17 +4,21 @@ import numpy as np
 import pytest
 
 from slopekit.preie.elastic_path import rests
-from slopekit.preie.elastic_path.bed import Bed
-from slopekit.preie.elastic_path.bed_states import Drive
-from slopekit.preie.elastic_path.rests import JUST, rest_at, rests_before
+from slopekit.preie.elastic_path.contact_model import ElasticContactModel
+from slopekit.preie.elastic_path.contact_states import Drive
+from slopekit.preie.elastic_path.rests import (
+    CONFIRMATION_GAP,
+    equilibrium_at_strength,
+    equilibrium_below,
+)
 from slopekit.preie.system.assembly import AssemblyModel
 from tests.preie.test_flow import model_of_bench
 
 LIMIT = 0.70020754  # of the benches of `benchmarks.benches` without cohesion, those of every size
 
 
-def bed_of(model: AssemblyModel) -> Bed:
-    return Bed(model, Drive(model.load.ravel()))
+def bed_of(model: AssemblyModel) -> ElasticContactModel:
+    return ElasticContactModel(model, Drive(model.load.ravel()))
 
 
 def admissible(model: AssemblyModel, factor: float, normal, friction, strength) -> None:
@@ -31,28 +35,30 @@ def test_a_hair_before_the_limit_all_blocks_rest(monkeypatch, spacing) -> None:
     """
     model = model_of_bench(monkeypatch, spacing)
     bed = bed_of(model)
-    flow, gap = rests_before(bed, LIMIT)
+    flow, gap = equilibrium_below(bed, LIMIT)
     assert flow.ended == "rest"
-    assert gap <= JUST
+    assert gap <= CONFIRMATION_GAP
     factor = (1.0 - gap) * LIMIT
-    forces = bed.forces(flow.at, 1.0 / factor)
+    forces = bed.forces(flow.displacement, 1.0 / factor)
     admissible(model, factor, forces.normal, forces.friction, forces.strength)
-    assert rest_at(bed, flow.at, 1.0 / (1.01 * LIMIT)) is None
+    assert equilibrium_at_strength(bed, flow.displacement, 1.0 / (1.01 * LIMIT)) is None
 
 
 def test_a_rest_is_found_from_one_at_more_strength(monkeypatch) -> None:
     """Of few blocks the one with sharp joints; where many begin, a rounded one. Both balance each block."""
     bed, factor = bed_of(model_of_bench(monkeypatch, 1.2)), 0.99 * LIMIT
-    first = rest_at(bed, bed.elastic_displacement, 1.0 / (0.8 * LIMIT))
+    first = equilibrium_at_strength(bed, bed.elastic_displacement, 1.0 / (0.8 * LIMIT))
     assert first is not None
-    for many, is_rounded in ((rests._LAGGED, False), (0, True)):
-        monkeypatch.setattr(rests, "_LAGGED", many)
-        rest = rest_at(bed, first.at, 1.0 / factor)
+    for many, is_rounded in ((rests._INTERIOR_FROM, False), (0, True)):
+        monkeypatch.setattr(rests, "_INTERIOR_FROM", many)
+        rest = equilibrium_at_strength(bed, first.displacement, 1.0 / factor)
         assert rest is not None
         assert bool(rest.rounding) is is_rounded
-        admissible(bed.model, factor, rest.forces.normal, rest.forces.friction, rest.forces.strength)
+        admissible(
+            bed.model, factor, rest.forces.normal, rest.forces.friction, rest.forces.strength
+        )
 
 
 def test_where_nothing_balances_the_loads_there_is_no_rest(monkeypatch) -> None:
     bed = bed_of(model_of_bench(monkeypatch, 1.9))
-    assert rest_at(bed, bed.elastic_displacement, 1.0 / 3.0) is None
+    assert equilibrium_at_strength(bed, bed.elastic_displacement, 1.0 / 3.0) is None

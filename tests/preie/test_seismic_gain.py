@@ -31,13 +31,18 @@ def _column(dip: float, phi: float, cohesion: float) -> dict:
     base = [[0, 0], (40 * along).tolist(), [40 * along[0], -5], [0, -5]]
     slab = [point.tolist() for point in (10 * along, 30 * along, 30 * along + up, 10 * along + up)]
     return {
-        "slopekit": 1, "kind": "blocks", "rock": {"unit_weight": 25},
+        "slopekit": 1,
+        "kind": "blocks",
+        "rock": {"unit_weight": 25},
         "blocks": {"base": {"polygon": base, "fixed": True}, "B1": {"polygon": slab}},
-        "strength": {"joint": {"c": cohesion, "phi": phi}}, "loads": {"seismic": {"k": 0, "toward": 270}},
-    }  # fmt: skip
+        "strength": {"joint": {"c": cohesion, "phi": phi}},
+        "loads": {"seismic": {"k": 0, "toward": 270}},
+    }
 
 
-@pytest.mark.parametrize(("dip", "phi", "cohesion"), [(20.0, 35.0, 0.0), (35.0, 30.0, 20.0), (5.0, 60.0, 0.0)])
+@pytest.mark.parametrize(
+    ("dip", "phi", "cohesion"), [(20.0, 35.0, 0.0), (35.0, 30.0, 20.0), (5.0, 60.0, 0.0)]
+)
 def test_one_block_on_a_plane_gains_by_cos_of_dip_less_phi_over_cos_phi(dip, phi, cohesion) -> None:
     b, f = math.radians(dip), math.radians(phi)
     _, gain, _ = _both(sk.load(_column(dip, phi, cohesion)))
@@ -48,12 +53,16 @@ def test_one_block_on_a_plane_gains_by_cos_of_dip_less_phi_over_cos_phi(dip, phi
 def test_a_column_that_tips_by_hand() -> None:
     """1 m by 2 m about its corner: I = 5/3 m, driven by k at 1 m, the centroid at √5/2 m. θ'' = 3/5 k g."""
     column = {
-        "slopekit": 1, "kind": "blocks",
-        "blocks": {"base": {"polygon": [[-1, -1], [3, -1], [3, 0], [-1, 0]], "fixed": True},
-                   "B1": {"polygon": [[0, 0], [1, 0], [1, 2], [0, 2]]}},
-        "strength": {"joint": {"c": 0, "phi": 60}}, "rock": {"unit_weight": 25},
+        "slopekit": 1,
+        "kind": "blocks",
+        "blocks": {
+            "base": {"polygon": [[-1, -1], [3, -1], [3, 0], [-1, 0]], "fixed": True},
+            "B1": {"polygon": [[0, 0], [1, 0], [1, 2], [0, 2]]},
+        },
+        "strength": {"joint": {"c": 0, "phi": 60}},
+        "rock": {"unit_weight": 25},
         "loads": {"seismic": {"k": 0, "toward": "090"}},
-    }  # fmt: skip
+    }
     at, gain, _ = _both(sk.load(column))
     assert at == pytest.approx(0.5, rel=1e-9)
     assert gain.factor == pytest.approx(0.6 * math.sqrt(5.0) / 2.0, rel=1e-9)
@@ -84,12 +93,23 @@ def _columns(seed: int) -> dict:
     rng = np.random.default_rng(seed)
     heights = rng.uniform(2.5, 9.0, int(rng.integers(3, 8))).round(2).tolist()
     return {
-        "slopekit": 1, "kind": "topple", "rock": {"unit_weight": 25}, "loads": {"seismic": {"k": 0, "toward": 270}},
-        "columns": {"dip": float(rng.uniform(70, 85)), "width": float(rng.uniform(2, 3)), "heights": heights,
-                    "base_step": float(rng.uniform(0, 0.4)), "base": "base", "sides": "side"},
-        "strength": {"base": {"c": 0, "phi": float(rng.uniform(32, 45))},
-                     "side": {"c": 0, "phi": float(rng.uniform(20, 45))}},
-    }  # fmt: skip
+        "slopekit": 1,
+        "kind": "topple",
+        "rock": {"unit_weight": 25},
+        "loads": {"seismic": {"k": 0, "toward": 270}},
+        "columns": {
+            "dip": float(rng.uniform(70, 85)),
+            "width": float(rng.uniform(2, 3)),
+            "heights": heights,
+            "base_step": float(rng.uniform(0, 0.4)),
+            "base": "base",
+            "sides": "side",
+        },
+        "strength": {
+            "base": {"c": 0, "phi": float(rng.uniform(32, 45))},
+            "side": {"c": 0, "phi": float(rng.uniform(20, 45))},
+        },
+    }
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2, 3, 4, 6, 7])
@@ -114,23 +134,47 @@ def test_inertia_of_blocks_in_space_and_in_a_section() -> None:
     quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
     triangles = np.array([half for a, b, c, d in quads for half in ((a, b, c), (a, c, d))])
     none = np.zeros((0, 3))
-    box = Assembly(np.array([6.0]), np.array([[0.5, 1.0, 1.5]]), np.array([False]), None, False, corners, triangles,
-                   np.zeros(12, dtype=int))  # fmt: skip
-    assert gyration(SimpleNamespace(assembly=box))[0] == pytest.approx(np.diag([13.0, 10.0, 5.0]) / 12.0, abs=1e-12)
-    flat = Assembly(np.array([9.0]), np.array([[1.0, 0.0, 2.0]]), np.array([False]), None, True, none, none, none)
+    box = Assembly(
+        np.array([6.0]),
+        np.array([[0.5, 1.0, 1.5]]),
+        np.array([False]),
+        None,
+        False,
+        corners,
+        triangles,
+        np.zeros(12, dtype=int),
+    )
+    assert gyration(SimpleNamespace(assembly=box))[0] == pytest.approx(
+        np.diag([13.0, 10.0, 5.0]) / 12.0, abs=1e-12
+    )
+    flat = Assembly(
+        np.array([9.0]),
+        np.array([[1.0, 0.0, 2.0]]),
+        np.array([False]),
+        None,
+        True,
+        none,
+        none,
+        none,
+    )
     outline = np.array([[0.0, 0.0], [3.0, 0.0], [0.0, 6.0]])
     scene = SimpleNamespace(assembly=flat, polygons=(outline,))
     assert gyration(scene)[0, 1, 1] == pytest.approx(45.0 / 18.0, rel=1e-12)
 
 
 BENCH = {
-    "slopekit": 1, "kind": "bench", "slope": {"face": "70/180", "height": 5, "upper": "0/180", "length": 6, "depth": 4},
-    "sets": {"S1": {"plane": "30/175", "spacing": 2, "strength": "bedding"},
-             "S2": {"plane": "85/265", "spacing": 2, "offset": 0.5, "strength": "joint"},
-             "S3": {"plane": "75/350", "spacing": 2.5, "strength": "joint"}},
+    "slopekit": 1,
+    "kind": "bench",
+    "slope": {"face": "70/180", "height": 5, "upper": "0/180", "length": 6, "depth": 4},
+    "sets": {
+        "S1": {"plane": "30/175", "spacing": 2, "strength": "bedding"},
+        "S2": {"plane": "85/265", "spacing": 2, "offset": 0.5, "strength": "joint"},
+        "S3": {"plane": "75/350", "spacing": 2.5, "strength": "joint"},
+    },
     "strength": {"bedding": {"c": 0, "phi": 42}, "joint": {"c": 0, "phi": 40}},
-    "rock": {"density": 2600}, "loads": {"seismic": {"k": 0, "toward": 180}},
-}  # fmt: skip
+    "rock": {"density": 2600},
+    "loads": {"seismic": {"k": 0, "toward": 180}},
+}
 
 
 def _bench(**changes) -> dict:

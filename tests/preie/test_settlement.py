@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from slopekit.preie.elastic_path.bed import Bed
-from slopekit.preie.elastic_path.bed_states import Drive
+from slopekit.preie.elastic_path.contact_model import ElasticContactModel
+from slopekit.preie.elastic_path.contact_states import Drive
 from slopekit.preie.motion.equilibrium import equilibrium
 from slopekit.preie.motion.settlement import Settlement, settlement
 from slopekit.preie.system.assembly import AssemblyModel
@@ -25,7 +25,9 @@ def in_model_units(model: AssemblyModel, found: Settlement) -> np.ndarray:
 
 @pytest.mark.parametrize("stiffness", [EVEN, PAPER], ids=["constant", "clough-duncan"])
 @pytest.mark.parametrize(
-    "model", [stack(1, 25.0, 35.0), block_in_space(25.0, 35.0), wall(4, 3)], ids=["2d", "3d", "wall"]
+    "model",
+    [stack(1, 25.0, 35.0), block_in_space(25.0, 35.0), wall(4, 3)],
+    ids=["2d", "3d", "wall"],
 )
 def test_a_block_below_its_friction_angle_does_not_creep(model: AssemblyModel, stiffness) -> None:
     """Issue 4. The law knows total displacements only: asking again moves by no more than the secants still do."""
@@ -49,24 +51,35 @@ def test_the_way_there_does_not_matter_to_one_block() -> None:
 @pytest.mark.parametrize(
     ("model", "area"), [(stack(1, 25.0, 35.0), 2.0), (block_in_space(25.0, 35.0, height=0.2), 4.0)]
 )
-def test_a_block_settles_by_its_weight_over_its_stiffness(model: AssemblyModel, area: float) -> None:
+def test_a_block_settles_by_its_weight_over_its_stiffness(
+    model: AssemblyModel, area: float
+) -> None:
     """At the middle of the base: W cos β / (k_n A) into it and W sin β / (k_t A) down it, whatever the moments do."""
     found = settlement(model, EVEN)
     beta, weight = math.radians(25.0), model.force_scale
     opening, slip = model.opening_and_slip(in_model_units(model, found))
-    assert opening @ model.control_area / model.control_area.sum() * model.length_scale == pytest.approx(
-        -weight * math.cos(beta) / (1e7 * area), rel=1e-9
+    assert (
+        opening @ model.control_area / model.control_area.sum() * model.length_scale
+        == pytest.approx(-weight * math.cos(beta) / (1e7 * area), rel=1e-9)
     )
-    down = np.sqrt((np.average(slip, axis=0, weights=model.by_group(model.control_area)) ** 2).sum())
-    assert down * model.length_scale == pytest.approx(weight * math.sin(beta) / (1e6 * area), rel=1e-9)
+    down = np.sqrt(
+        (np.average(slip, axis=0, weights=model.by_group(model.control_area)) ** 2).sum()
+    )
+    assert down * model.length_scale == pytest.approx(
+        weight * math.sin(beta) / (1e6 * area), rel=1e-9
+    )
     assert found.failed_pairs == 0
 
 
 @pytest.mark.parametrize("factor", [1.0, 1.5])
 @pytest.mark.parametrize(
-    ("stiffness", "within"), [(JointStiffness(tangential=4e6), 1e-9), (PAPER, 2e-3)], ids=["constant", "clough-duncan"]
+    ("stiffness", "within"),
+    [(JointStiffness(tangential=4e6), 1e-9), (PAPER, 2e-3)],
+    ids=["constant", "clough-duncan"],
 )
-def test_the_wedge_rests_where_the_solver_of_one_block_puts_it(stiffness, within: float, factor: float) -> None:
+def test_the_wedge_rests_where_the_solver_of_one_block_puts_it(
+    stiffness, within: float, factor: float
+) -> None:
     """`motion.equilibrium`, another iteration and no assembly; secants end within 1e-3 of the last."""
     assembly, model = paper_wedge()
     ours, theirs = settlement(assembly, stiffness, factor), equilibrium(model, factor, stiffness)
@@ -75,7 +88,9 @@ def test_the_wedge_rests_where_the_solver_of_one_block_puts_it(stiffness, within
     assert ours.failed_pairs == theirs.failed_pairs
 
 
-def relaxed(model: AssemblyModel, factor: float, k_t: float, steps: int) -> tuple[np.ndarray, float]:
+def relaxed(
+    model: AssemblyModel, factor: float, k_t: float, steps: int
+) -> tuple[np.ndarray, float]:
     """Viscous flow down the unbalanced forces of a section, dense, with a law of its own: displacement and residual."""
     dense = model.kinematics.toarray()
     pairs, groups = len(model.control_area), len(model.group_first)
@@ -99,8 +114,8 @@ def relaxed(model: AssemblyModel, factor: float, k_t: float, steps: int) -> tupl
 def test_toppling_columns_rest_where_relaxation_leaves_them() -> None:
     """Goodman & Bray's columns on an even bed, k_t = 1e6: near their end, which relaxation puts at 1.015 to 1.03.
 
-    It lies above their limit of 0.99996: elastic columns lean on each other before they run (METHOD-3.md §13: a peak
-    of 1.01 to 1.03).
+    It lies above their limit of 0.99996: elastic columns lean on each other before they run (the prototype of
+    the path has a peak of 1.01 to 1.03).
     """
     model = columns()
     still, left = relaxed(model, 1.01, 1e6, 12000)
@@ -117,7 +132,7 @@ def test_columns_that_lean_open_behind_themselves() -> None:
     model = columns()
     found = settlement(model, EVEN, 0.9)
     assert found.residual < 1e-10
-    opening, _ = model.opening_and_slip(found.at)
+    opening, _ = model.opening_and_slip(found.scaled)
     assert (opening > 0.0).any()
     assert found.slips.any()
     assert not found.slips.all()
@@ -129,9 +144,11 @@ def test_columns_that_lean_open_behind_themselves() -> None:
 def test_a_pair_that_opens_loses_its_cohesion(model: AssemblyModel) -> None:
     """The weight of a block acts outside the middle third, so the upper side of its base opens."""
     found = settlement(model, EVEN)
-    opening, _ = model.opening_and_slip(found.at)
+    opening, _ = model.opening_and_slip(found.scaled)
     assert (opening > 0.0).any()
-    forces = Bed(model, Drive(model.load.ravel()), ratio=found.ratio).forces(found.at, 1.0)
+    forces = ElasticContactModel(model, Drive(model.load.ravel()), ratio=found.ratio).forces(
+        found.scaled, 1.0
+    )
     whole = model.by_group(model.cohesion) + model.tan_friction * model.by_group(forces.normal)
     assert forces.residual < 1e-9
     assert (forces.strength < whole).all()
@@ -140,7 +157,9 @@ def test_a_pair_that_opens_loses_its_cohesion(model: AssemblyModel) -> None:
 def test_what_slides_and_what_is_lifted_off_come_to_no_rest() -> None:
     assert settlement(stack(3, 30.0, 35.0, width=20.0), EVEN, 1.22) is None
     base = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]])
-    lifted = polygons([(base, (0.0, 0.0, 1.0))], (0.5, 0.5, 0.5), (0.0, 0.0, 5.0), (0.0, 0.0, 0.0), 30.0)
+    lifted = polygons(
+        [(base, (0.0, 0.0, 1.0))], (0.5, 0.5, 0.5), (0.0, 0.0, 5.0), (0.0, 0.0, 0.0), 30.0
+    )
     assert settlement(lifted, EVEN) is None
 
 

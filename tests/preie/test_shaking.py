@@ -19,21 +19,30 @@ from slopekit.studies.quake.six import slide
 
 G = 9.81
 STEP = 0.005
-WEDGE = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
+WEDGE = {
+    "slopekit": 1,
+    "kind": "wedge",
+    "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
+}
 PLANE = {
-    "slopekit": 1, "kind": "plane", "slope": {"face": "60/180", "height": 12, "upper": "0/180"},
-    "joints": {"J1": {"plane": "35/180", "strength": "bedding"}}, "strength": {"bedding": {"c": 20, "phi": 30}},
+    "slopekit": 1,
+    "kind": "plane",
+    "slope": {"face": "60/180", "height": 12, "upper": "0/180"},
+    "joints": {"J1": {"plane": "35/180", "strength": "bedding"}},
+    "strength": {"bedding": {"c": 20, "phi": 30}},
     "rock": {"density": 2600},
-}  # fmt: skip
+}
 
 
 def _block(design, normal=1e7, shear=4e6, residual=None):
     made = cut(sk.load(design))
     model = made.scene_at(made.refine).model
-    mass = -made.loads.parts["weight"][2] / G
+    mass = -made.loads.components["weight"][2] / G
     volume, inertia = inertia_of(list(made.block.faces.values()), made.block.centroid)
     assert volume == pytest.approx(made.block.volume, rel=1e-12)
-    return shaken_block(model, mass, inertia * mass / volume, JointStiffness(normal, 0.0, shear), residual)
+    return shaken_block(
+        model, mass, inertia * mass / volume, JointStiffness(normal, 0.0, shear), residual
+    )
 
 
 def _sine(peak, cycles=1, seconds=1.6):
@@ -57,7 +66,9 @@ def test_a_wedge_on_hard_springs_slides_as_the_exact_slide_has_it(peak) -> None:
     assert _slid(out, 3) == pytest.approx(exact, rel=2e-3)
     line = cut(sk.load(WEDGE)).block.corners
     line = line[line[:, 1].argmin()] - line[line[:, 1].argmax()]  # toe less the far end of the line
-    assert out.motion[-1][:3] / _slid(out, 3) == pytest.approx(line / np.sqrt(line @ line), abs=1e-4)
+    assert out.motion[-1][:3] / _slid(out, 3) == pytest.approx(
+        line / np.sqrt(line @ line), abs=1e-4
+    )
     assert np.abs(out.motion[-1][3:]).max() < 1e-6
     assert (out.slipped, out.opened, out.debonded) == (1.0, 0.0, 0.0)
 
@@ -67,7 +78,8 @@ def test_what_springs_add_falls_with_their_stiffness() -> None:
     t, a, push = _sine(0.5)
     exact = 1.1056884868 * slide(t, a, 0.19624347916 * G).displacement_m
     more = [
-        _slid(shake(_block(WEDGE, k, 0.5 * k), STEP, push[:, None] * np.array([0.0, -1.0, 0.0])), 3) - exact
+        _slid(shake(_block(WEDGE, k, 0.5 * k), STEP, push[:, None] * np.array([0.0, -1.0, 0.0])), 3)
+        - exact
         for k in (1e7, 1e8)
     ]
     assert 0.002 < more[0] < 0.004
@@ -78,7 +90,9 @@ def test_a_plane_and_its_work() -> None:
     t, a, push = _sine(0.5)
     out = shake(_block(PLANE), STEP, push[:, None] * np.array([1.0, 0.0]))
     factor = math.cos(math.radians(5.0)) / math.cos(math.radians(30.0))
-    assert _slid(out, 2) == pytest.approx(factor * slide(t, a, 0.14532323258 * G).displacement_m, rel=2e-3)
+    assert _slid(out, 2) == pytest.approx(
+        factor * slide(t, a, 0.14532323258 * G).displacement_m, rel=2e-3
+    )
     work = out.work
     assert abs(work.unbalanced) < 1e-9 * work.put_in
     assert work.friction == pytest.approx(work.put_in, rel=0.01)
@@ -115,13 +129,18 @@ def _rigid(pushes, net, step, parts=20):
 def test_a_plane_slides_both_ways(dip, phi, peak, sign) -> None:
     """A flat plane that strong shaking drives up the dip as well: against a rigid block in fine steps."""
     design = PLANE | {
-        "joints": {"J1": {"plane": f"{dip}/180", "strength": "bedding"}}, "strength": {"bedding": {"c": 0, "phi": phi}},
-    }  # fmt: skip
+        "joints": {"J1": {"plane": f"{dip}/180", "strength": "bedding"}},
+        "strength": {"bedding": {"c": 0, "phi": phi}},
+    }
     step = 0.5 * STEP  # where it turns round half a step is lost: 0.4 % with the whole one
     a = sign * peak * G * np.sin(2.0 * np.pi * step * np.arange(round(2.0 / step) + 1))
     pushes = 0.5 * (a[1:] + a[:-1])[:, None] * np.array([1.0, 0.0])
     out = shake(_block(design, 1e9, 4e8), step, pushes)
-    cos, sin, tan = math.cos(math.radians(dip)), math.sin(math.radians(dip)), math.tan(math.radians(phi))
+    cos, sin, tan = (
+        math.cos(math.radians(dip)),
+        math.sin(math.radians(dip)),
+        math.tan(math.radians(phi)),
+    )
 
     def net(push, way):
         return G * sin + push[0] * cos - way * tan * (G * cos - push[0] * sin)
@@ -134,8 +153,10 @@ def test_a_plane_slides_both_ways(dip, phi, peak, sign) -> None:
 @pytest.mark.parametrize("way", [(0.0, -1.0, 0.4), (-0.15, -1.0, 0.2)])
 def test_a_wedge_in_three_components_slides_as_two_planes_in_balance_say(way) -> None:
     """Normal forces from balance across the line of two planes, friction along it: no joint opens in one cycle."""
-    given = WEDGE | {"joints": {"J1": {"plane": "52/129"}, "J2": {"plane": "48/234"}},
-                     "strength": {"joint": {"c": 41, "phi": 29}}}  # fmt: skip
+    given = WEDGE | {
+        "joints": {"J1": {"plane": "52/129"}, "J2": {"plane": "48/234"}},
+        "strength": {"joint": {"c": 41, "phi": 29}},
+    }
     _, _, push = _sine(0.45, seconds=1.2)
     pushes = push[:, None] * np.array(way)
     out = shake(_block(given, 1e9, 5e8), STEP, pushes)
@@ -149,7 +170,7 @@ def test_a_wedge_in_three_components_slides_as_two_planes_in_balance_say(way) ->
         normals.append(vector / areas[-1] * np.sign((made.block.centroid - face[0]) @ vector))
     line = np.cross(*normals)
     line *= -np.sign(line[2]) / np.sqrt(line @ line)
-    mass, tan = -made.loads.parts["weight"][2] / G, math.tan(math.radians(29.0))
+    mass, tan = -made.loads.components["weight"][2] / G, math.tan(math.radians(29.0))
     split = np.linalg.inv(np.stack([*normals, line], axis=1))
 
     def net(push, way):
@@ -160,15 +181,19 @@ def test_a_wedge_in_three_components_slides_as_two_planes_in_balance_say(way) ->
     assert out.motion[-1, :3] @ line == pytest.approx(_rigid(pushes, net, STEP), rel=2e-3)
 
 
-@pytest.mark.parametrize(("way", "metres"), [
-    ((0.0, -1.0, 2.0 / 3.0), 0.5661870), ((0.0, -1.0, -2.0 / 3.0), 0.4987371),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("way", "metres"),
+    [
+        ((0.0, -1.0, 2.0 / 3.0), 0.5661870),
+        ((0.0, -1.0, -2.0 / 3.0), 0.4987371),
+    ],
+)
 def test_a_second_program_says_the_same(way, metres) -> None:
-    """The prototype of METHOD-2 §11, written apart (1e7, 5e6 kN/m³, 0.5 g, two cycles); a rise helps, a fall holds."""
+    """The prototype of shaking, written separately (1e7, 5e6 kN/m³, 0.5 g, two cycles); a rise helps, a fall holds."""
     _, _, push = _sine(0.5, cycles=2, seconds=2.0)
-    assert _slid(shake(_block(WEDGE, 1e7, 5e6), STEP, push[:, None] * np.array(way)), 3) == pytest.approx(
-        metres, rel=1e-5
-    )
+    assert _slid(
+        shake(_block(WEDGE, 1e7, 5e6), STEP, push[:, None] * np.array(way)), 3
+    ) == pytest.approx(metres, rel=1e-5)
 
 
 @pytest.mark.slow
@@ -178,7 +203,11 @@ def test_shaking_across_pulls_joints_open_and_does_not_depend_on_the_step() -> N
     for step in (STEP, 0.5 * STEP):
         t = np.arange(round(2.0 / step) + 1) * step
         a = 0.5 * G * np.sin(2.0 * np.pi * t)
-        out = shake(_block(WEDGE, 1e7, 5e6), step, 0.5 * (a[1:] + a[:-1])[:, None] * np.array([-1.0, -1.0, 0.0]))
+        out = shake(
+            _block(WEDGE, 1e7, 5e6),
+            step,
+            0.5 * (a[1:] + a[:-1])[:, None] * np.array([-1.0, -1.0, 0.0]),
+        )
         assert out.ended == "rest"
         assert out.opened > 0.3
         assert out.debonded > out.opened
@@ -213,7 +242,9 @@ def _box(width=1.0, height=3.0, phi=60.0, weight=78.0):
     force = frozen([0.0, 0.0, -weight])
     none = frozen(np.zeros((0, 3)))
     loads = Loads(force, frozen(np.zeros(3)), {"weight": force}, none, none)
-    law = JointStrength(*(np.array([value]) for value in (0.0, math.tan(math.radians(phi)), 0.0, 0.0)))
+    law = JointStrength(
+        *(np.array([value]) for value in (0.0, math.tan(math.radians(phi)), 0.0, 0.0))
+    )
     model = build_model(pairs, loads, np.array([width / 2.0, 0.5, height / 2.0]), law)
     mass = weight / G
     inertia = mass / 12.0 * np.diag([1.0 + height**2, width**2 + height**2, 1.0 + width**2])
@@ -225,7 +256,9 @@ def _box(width=1.0, height=3.0, phi=60.0, weight=78.0):
 @pytest.mark.parametrize(("push", "rocks"), [(0.31, False), (0.36, True)])
 def test_a_box_rocks_where_the_push_passes_width_over_height(push, rocks) -> None:
     """Housner 1963: a slender block begins to rock at g b/h = 1/3; a push of 0.15 s, then it comes back."""
-    out = shake(_box(), STEP, np.vstack([np.tile([push * G, 0.0, 0.0], (30, 1)), np.zeros((40, 3))]))
+    out = shake(
+        _box(), STEP, np.vstack([np.tile([push * G, 0.0, 0.0], (30, 1)), np.zeros((40, 3))])
+    )
     turned = float(np.abs(out.motion[:, 4]).max())
     assert (turned > 1e-3) is rocks
     assert out.opened < 1.0
@@ -244,8 +277,16 @@ def test_a_box_that_rocks_knocks_as_housner_has_it() -> None:
     first = 0.5 * up * 0.15**2 * (1.0 + up / back)
     found = []
     for step in (4.0 * 5e-4, 5e-4):
-        out = shake(_box(), step, np.vstack([np.tile([0.45 * G, 0.0, 0.0], (round(0.15 / step), 1)),
-                                             np.zeros((round(0.55 / step), 3))]))  # fmt: skip
+        out = shake(
+            _box(),
+            step,
+            np.vstack(
+                [
+                    np.tile([0.45 * G, 0.0, 0.0], (round(0.15 / step), 1)),
+                    np.zeros((round(0.55 / step), 3)),
+                ]
+            ),
+        )
         angle = out.motion[: round(0.7 / step), 4]
         peaks = abs(angle.max()), abs(angle.min())
         assert max(peaks) == pytest.approx(first, rel=0.02)
@@ -261,7 +302,9 @@ def test_a_box_that_is_thrown_flies_as_bodies_do() -> None:
     out = shake(box, STEP, np.tile([0.0, 0.0, 2.0 * G], (20, 1)))
     assert (out.opened, out.debonded) == (1.0, 1.0)
     height = out.motion[:, 2].max()
-    assert height == pytest.approx(0.5 * G * 0.1**2 + (G * 0.1) ** 2 / (2.0 * G), rel=0.06)  # Euler: h of the steps
+    assert height == pytest.approx(
+        0.5 * G * 0.1**2 + (G * 0.1) ** 2 / (2.0 * G), rel=0.06
+    )  # Euler: h of the steps
 
 
 # -- steps that do not settle ---------------------------------------------------------------------------------------

@@ -21,7 +21,12 @@ def patch(points, normals) -> NodePairs:
     count = len(points)
     whole = np.zeros(count, dtype=np.int64)
     return NodePairs(
-        frozen(points), frozen(normals), frozen(np.full(count, 1.0 / count)), whole, whole, np.full(count, BEDROCK)
+        frozen(points),
+        frozen(normals),
+        frozen(np.full(count, 1.0 / count)),
+        whole,
+        whole,
+        np.full(count, BEDROCK),
     )
 
 
@@ -29,7 +34,9 @@ def bowl(curvature_x: float, curvature_y: float, twist: float = 0.0, seed: int =
     """z = (kx x² + ky y²) / 2 + t x³ / 6, its normals upward into the mass."""
     x, y = np.random.default_rng(seed).uniform(-5.0, 5.0, (2, 400))
     z = (curvature_x * x * x + curvature_y * y * y) / 2.0 + twist * x**3 / 6.0
-    normals = np.stack([-curvature_x * x - twist * x * x / 2.0, -curvature_y * y, np.ones_like(x)], axis=1)
+    normals = np.stack(
+        [-curvature_x * x - twist * x * x / 2.0, -curvature_y * y, np.ones_like(x)], axis=1
+    )
     return patch(np.stack([x, y, z], axis=1), normals / np.linalg.norm(normals, axis=1)[:, None])
 
 
@@ -39,11 +46,15 @@ LOAD = np.array([0.3, 0.1, -1.0, 0.2, 0.4, 0.1])
 @pytest.mark.parametrize(
     ("slip", "motions"),
     [
-        (SPHERE, 3), (CYLINDER, 2), (PAPER, 1), ({**CYLINDER, "length": 1}, 2), ({**CYLINDER, "length": 0.1}, 2),
+        (SPHERE, 3),
+        (CYLINDER, 2),
+        (PAPER, 1),
+        ({**CYLINDER, "length": 1}, 2),
+        ({**CYLINDER, "length": 0.1}, 2),
         ({"shape": "ellipsoid", "centre": [40, 0, 40], "radii": [40, 30, 36]}, 0),
     ],
     ids=["sphere", "cylinder", "revolution", "slice", "thin slice", "three axes"],
-)  # fmt: skip
+)
 def test_motions_of_the_shapes(slip, motions) -> None:
     """Gelfand & Guibas (2004), table 1: sphere 3 rotations, cylinder 2, revolution 1, nothing else any."""
     _, slippage = model_of(slip)
@@ -65,7 +76,9 @@ def test_a_plane_lets_three_motions_through() -> None:
 def test_a_line_of_pairs_does_not_break_it() -> None:
     """All on one line: the motion that turns about it is let through too."""
     pairs = line_pairs(plane_section(35, 60, 0, 12.0), 4)
-    pairs = replace(pairs, points=frozen(pairs.points + np.arange(9)[:, None] % 2 * np.array([0.0, 1.0, 0.0])))
+    pairs = replace(
+        pairs, points=frozen(pairs.points + np.arange(9)[:, None] % 2 * np.array([0.0, 1.0, 0.0]))
+    )
     assert slippable(pairs, np.array([-6.0, 0.5, 8.0]), LOAD).motions == 3
 
 
@@ -100,7 +113,9 @@ def test_motions_that_the_load_does_not_drive_are_not_taken() -> None:
 def test_what_nothing_follows_is_left_as_it_was() -> None:
     """A bowl that bends 25° to each side, differently: no motion within 10°."""
     pairs = bowl(0.08, 0.2, 0.08)
-    slippage = slippable(pairs, np.array([0.0, 0.0, 2.0]), np.array([0.0, 0.0, -1.0, 0.0, 0.0, 0.0]))
+    slippage = slippable(
+        pairs, np.array([0.0, 0.0, 2.0]), np.array([0.0, 0.0, -1.0, 0.0, 0.0, 0.0])
+    )
     assert slippage.misfit_deg > 10.0
     assert slippage.pairs is pairs
 
@@ -118,7 +133,10 @@ def test_turning_moving_and_scaling_the_surface(turn) -> None:
         normals=frozen(pairs.normals @ matrix.T),
     )
     load = np.concatenate([matrix @ LOAD[:3], 1e3 * (matrix @ LOAD[3:])])
-    one, two = slippable(pairs, centroid, LOAD), slippable(moved, 1e3 * matrix @ centroid + [5e5, 4e6, 100.0], load)
+    one, two = (
+        slippable(pairs, centroid, LOAD),
+        slippable(moved, 1e3 * matrix @ centroid + [5e5, 4e6, 100.0], load),
+    )
     assert two.motions == one.motions
     assert two.misfit_deg == pytest.approx(one.misfit_deg, rel=1e-5)
     assert two.pairs.normals == pytest.approx(one.pairs.normals @ matrix.T, abs=1e-6)

@@ -9,7 +9,15 @@ from slopekit.preie.kernels import compiled
 from slopekit.preie.programs.bounds import static_bound
 from slopekit.preie.programs.cone_steps import ConeEquations, Residuals, Shortfall
 from tests.preie import assembly_oracle
-from tests.preie.block_scenes import GOODMAN_BRAY, active_passive, bench, boxes_in_space, columns, stack, wall
+from tests.preie.block_scenes import (
+    GOODMAN_BRAY,
+    active_passive,
+    bench,
+    boxes_in_space,
+    columns,
+    stack,
+    wall,
+)
 
 MODELS = {
     "stack": lambda: stack(4, width=9.0).model(35.0),
@@ -58,23 +66,26 @@ def test_newtons_step_solves_the_linearised_equations(name) -> None:
     """A millionth of a step takes off a millionth of everything that is off (to its square), by definition."""
     program, size = Shortfall(MODELS[name]()), 1e-6
     program.set_reduction(0.8)
-    rng, start = np.random.default_rng(1), program.begun()
+    rng, start = np.random.default_rng(1), program.start()
     at = replace(
-        start, normal=start.normal * rng.uniform(0.9, 1.1, start.normal.shape),
+        start,
+        normal=start.normal * rng.uniform(0.9, 1.1, start.normal.shape),
         velocity=1e-3 * rng.normal(size=start.velocity.shape),
-    )  # fmt: skip
-    off = Residuals.of(program, at)
+    )
+    off = Residuals.evaluate(program, at)
     newton = ConeEquations(program, at, off)
     to_normal = rng.normal(size=at.normal.shape) * at.normal * at.gap
     to_shed = 0.1 * at.shed * at.shed_slack
     step, _ = newton.direction(to_normal, np.zeros_like(at.strength), to_shed)
-    after = Residuals.of(program, step.taken(at, size))
+    after = Residuals.evaluate(program, step.advanced(at, size))
     for key in ("normal", "slip", "strength", "factor", "balance", "shed"):
         left = np.asarray(getattr(after, key)) - (1.0 - size) * np.asarray(getattr(off, key))
         # blocks that hardly anything holds move far, and rounding of their stiffness with them
         size_of = {"normal": step.velocity, "slip": step.velocity, "strength": step.strength}
         size_of["balance"] = 1e-3 * step.velocity
-        scale = max(float(np.abs(part).max()) for part in (getattr(off, key), size_of.get(key, 0.0), 1.0))
+        scale = max(
+            float(np.abs(part).max()) for part in (getattr(off, key), size_of.get(key, 0.0), 1.0)
+        )
         assert np.abs(left).max() / size == pytest.approx(0.0, abs=1e-4 * scale), key
     products = at.gap * step.normal + at.normal * step.gap
     assert products == pytest.approx(to_normal, abs=1e-6 * max(np.abs(to_normal).max(), 1.0))

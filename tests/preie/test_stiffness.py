@@ -56,7 +56,9 @@ def assembled(model: AssemblyModel, stiffness: np.ndarray) -> sparse.csc_matrix:
 
 def stiffness_of(model: AssemblyModel, symmetric: bool, seed: int) -> np.ndarray:
     """Random contact stiffnesses, (k, u, u), with a positive definite symmetric part."""
-    half = np.random.default_rng(seed).normal(size=(len(model.plus), model.unknowns, model.unknowns))
+    half = np.random.default_rng(seed).normal(
+        size=(len(model.plus), model.unknowns, model.unknowns)
+    )
     found = np.matmul(half, half.transpose(0, 2, 1)) + 0.1 * np.eye(model.unknowns)
     return found if symmetric else found + 0.5 * (half - half.transpose(0, 2, 1))
 
@@ -67,13 +69,21 @@ def small_pieces(monkeypatch, kernels, request) -> None:
 
     Fronts are compiled ones: without kernels the band is what there is.
     """
-    if kernels == "numpy" and any(word in request.node.name for word in ("Fronts", "pivots", "factors_go")):
+    if kernels == "numpy" and any(
+        word in request.node.name for word in ("Fronts", "pivots", "factors_go")
+    ):
         pytest.skip("fronts are compiled")
-    monkeypatch.setattr(fronts, "_LEAF", 12)
+    monkeypatch.setattr(fronts, "_LEAF_UNKNOWNS", 12)
 
 
 @pytest.mark.parametrize("way", [*WAYS, None])
-@given(st.sampled_from(list(SCENES)), st.booleans(), st.booleans(), st.booleans(), st.integers(0, 10**6))
+@given(
+    st.sampled_from(list(SCENES)),
+    st.booleans(),
+    st.booleans(),
+    st.booleans(),
+    st.integers(0, 10**6),
+)
 @settings(max_examples=5, deadline=None)
 def test_each_way_against_a_sparse_solve(way, name, untouched, symmetric, heavy, seed) -> None:
     """Same matrix, same shift; both solutions may be off by their rounding, 1e-16 times the condition, below 1e6."""
@@ -81,7 +91,9 @@ def test_each_way_against_a_sparse_solve(way, name, untouched, symmetric, heavy,
     rng, shift, size = np.random.default_rng(seed), 1e-3, model.load.size
     stiffness = stiffness_of(model, symmetric, seed)
     inertia = rng.uniform(0.5, 2.0, size) if heavy else None
-    full = assembled(model, stiffness) + sparse.diags(np.zeros(size) if inertia is None else inertia)
+    full = assembled(model, stiffness) + sparse.diags(
+        np.zeros(size) if inertia is None else inertia
+    )
     diagonal = full.diagonal()
     full = (full + sparse.diags(shift * (diagonal + diagonal.mean()))).tocsc()
     solve = SparseStiffness(model, way).factored(stiffness, shift, symmetric, inertia)
@@ -108,7 +120,10 @@ def test_solvers_of_one_model_do_not_share_their_numbers(way) -> None:
 @pytest.mark.parametrize("way", WAYS)
 def test_a_symmetric_stiffness_may_go_the_general_way(way) -> None:
     solver = SparseStiffness(model_of("wall"), way)
-    stiffness, right = stiffness_of(solver.model, True, 7), np.random.default_rng(8).normal(size=solver.model.load.size)
+    stiffness, right = (
+        stiffness_of(solver.model, True, 7),
+        np.random.default_rng(8).normal(size=solver.model.load.size),
+    )
     one, other = (solver.factored(stiffness, 1e-6, symmetric)(right) for symmetric in (True, False))
     assert one == pytest.approx(other, rel=1e-7, abs=1e-7 * np.abs(one).max())
 
@@ -141,7 +156,7 @@ def test_what_cannot_be_solved(way) -> None:
 
 @pytest.mark.parametrize("way", WAYS)
 def test_too_large_for_memory(way, monkeypatch) -> None:
-    monkeypatch.setattr(stiffness, "_MOST_BYTES", 1000)
+    monkeypatch.setattr(stiffness, "_MAX_BYTES", 1000)
     with pytest.raises(SolverError, match="E504"):
         SparseStiffness(model_of("wall"), way)
     with pytest.raises(SolverError, match="E504"):
@@ -150,19 +165,26 @@ def test_too_large_for_memory(way, monkeypatch) -> None:
 
 def test_pivots_that_a_front_does_not_have_are_found_in_the_band(monkeypatch) -> None:
     """No growth allowed, as if rows of a front had next to nothing among its own unknowns."""
-    monkeypatch.setattr(SparseStiffness, "_chosen", lambda self, symmetric: Fronts(self.model, symmetric))
+    monkeypatch.setattr(
+        SparseStiffness, "_fastest_storage", lambda self, symmetric: Fronts(self.model, symmetric)
+    )
     monkeypatch.setattr(fronts, "PIVOT_GROWTH", 0.0)
     model = model_of("wall")
-    stiffness, right = stiffness_of(model, False, 4), np.random.default_rng(4).normal(size=model.load.size)
+    stiffness, right = (
+        stiffness_of(model, False, 4),
+        np.random.default_rng(4).normal(size=model.load.size),
+    )
     found = SparseStiffness(model).factored(stiffness, 0.0, False)(right)
     assert found == pytest.approx(spsolve(assembled(model, stiffness), right), rel=1e-8)
     with pytest.raises(SolverError, match="E599"):
         SparseStiffness(model, Fronts).factored(stiffness, 0.0, False)
 
 
-def test_long_models_take_the_band_small_ones_are_dense_and_broad_ones_are_dissected(kernels) -> None:
+def test_long_models_take_the_band_small_ones_are_dense_and_broad_ones_are_dissected(
+    kernels,
+) -> None:
     def chosen(scene: Scene) -> type:
-        return type(SparseStiffness(scene.model(30.0)).plans[True].way)
+        return type(SparseStiffness(scene.model(30.0)).plans[True].storage)
 
     assert chosen(columns()) is Dense
     assert chosen(stack(200)) is Band
@@ -172,7 +194,7 @@ def test_long_models_take_the_band_small_ones_are_dense_and_broad_ones_are_disse
 
 def test_a_band_does_not_grow_with_the_length_of_a_wall() -> None:
     """10 courses need a band of some courses, however long the wall is and however its blocks are numbered."""
-    reach = [Band(wall(10, long).model(30.0), True).reach for long in (10, 40)]
+    reach = [Band(wall(10, long).model(30.0), True).half_bandwidth for long in (10, 40)]
     assert max(reach) < 3 * 2 * 11
 
 
@@ -180,8 +202,8 @@ def test_what_separates_a_cube_is_a_plane() -> None:
     """Of 9 x 9 x 9 boxes a plane of 81 separates the halves; fronts take less than half of the band's work."""
     model = boxes_in_space((9, 9, 9), (1.0, 1.0, 1.0), 0.0, 0.1).model(30.0)
     fronts, band = Fronts(model, True), Band(model, True)
-    assert fronts.own.max() <= 6 * 81
-    assert fronts.flops < band.unknowns * band.reach**2 / 2.0
+    assert fronts.own_sizes.max() <= 6 * 81
+    assert fronts.flops < band.unknowns * band.half_bandwidth**2 / 2.0
     assert sorted(fronts.place) == list(range(len(model.load)))
 
 

@@ -15,7 +15,13 @@ from slopekit.design.templates import path_of
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
 from slopekit.preie.outcome import Outcome
 from slopekit.preie.programs import bound
-from slopekit.preie.solvers.work_limit import WorkSpentError, allowed, factorisation, part, spend
+from slopekit.preie.solvers.work_limit import (
+    WorkSpentError,
+    budget_fraction,
+    factorisation,
+    spend,
+    work_budget,
+)
 from tests.preie.path_oracle import model_of
 
 FACTOR, BOUND = populations.goodman_bray_factor(16), 1.19089
@@ -26,11 +32,15 @@ def test_a_factorisation_counts_by_its_size() -> None:
 
 
 def test_what_is_spent_within_counts_outside_and_a_part_is_of_what_is_left() -> None:
-    with allowed(10.0), allowed(100.0), pytest.raises(WorkSpentError):  # no more than is left outside
+    with (
+        work_budget(10.0),
+        work_budget(100.0),
+        pytest.raises(WorkSpentError),
+    ):  # no more than is left outside
         spend(11.0)
-    with allowed(10.0):
+    with work_budget(10.0):
         spend(6.0)
-        with part(0.5):
+        with budget_fraction(0.5):
             spend(1.5)
             with pytest.raises(WorkSpentError):
                 spend(1.0)
@@ -45,14 +55,17 @@ def test_without_enough_work_there_is_no_number_but_what_is_known(units: float) 
     model = model_of(populations.goodman_bray(16))
     found = []
     for _ in range(2):
-        with allowed(units):
+        with work_budget(units):
             found.append(limit_of_blocks(model))
     one, again = found
     assert one.outcome is Outcome.NOT_CONVERGED
     assert one.spent
     assert (one.factor, one.lowest, one.highest) == (None, None, None)
     assert one.static_bound is None or one.static_bound == pytest.approx(BOUND, rel=1e-4)
-    assert (one.rested, one.static_bound) == (again.rested, again.static_bound)  # counted, not timed
+    assert (one.rested, one.static_bound) == (
+        again.rested,
+        again.static_bound,
+    )  # counted, not timed
     if one.rested is not None:
         assert FACTOR is not None
         assert 0.4 < one.rested < BOUND
@@ -61,9 +74,9 @@ def test_without_enough_work_there_is_no_number_but_what_is_known(units: float) 
 def test_where_blocks_rested_is_in_the_strength_that_they_have() -> None:
     """With twice the friction they were last at rest at twice the factor, after the same work."""
     model = model_of(populations.goodman_bray(16))
-    with allowed(6e6):
+    with work_budget(6e6):
         one = limit_of_blocks(model)
-    with allowed(6e6):
+    with work_budget(6e6):
         other = limit_of_blocks(replace(model, tan_friction=2.0 * model.tan_friction))
     assert one.rested is not None
     assert other.rested == pytest.approx(2.0 * one.rested, rel=1e-9)
@@ -73,30 +86,48 @@ def test_where_blocks_rested_is_in_the_strength_that_they_have() -> None:
 
 def test_with_enough_work_nothing_changes() -> None:
     model = model_of(populations.goodman_bray(16))
-    with allowed(1e9):
+    with work_budget(1e9):
         found = limit_of_blocks(model)
     assert found.factor == pytest.approx(FACTOR, rel=1e-9)
     assert not found.spent
     assert found.rested is None
 
 
-@pytest.mark.parametrize(("units", "static_bound", "known"), [
-    (4e6, 0.965924, ["were last at rest with their strength divided by 0.5682", "beyond 0.9659, the upper bound"]),
-    (1e6, None, ["no rest of all blocks that would say anything was seen", "no upper bound was found"]),
-])  # fmt: skip
-def test_the_sheet_says_what_is_known(units: float, static_bound: float | None, known: list[str]) -> None:
-    with allowed(units):
+@pytest.mark.parametrize(
+    ("units", "static_bound", "known"),
+    [
+        (
+            4e6,
+            0.965924,
+            [
+                "were last at rest with their strength divided by 0.5682",
+                "beyond 0.9659, the upper bound",
+            ],
+        ),
+        (
+            1e6,
+            None,
+            ["no rest of all blocks that would say anything was seen", "no upper bound was found"],
+        ),
+    ],
+)
+def test_the_sheet_says_what_is_known(
+    units: float, static_bound: float | None, known: list[str]
+) -> None:
+    with work_budget(units):
         result = sk.run(bench(1.9))
     said = {notice.code: notice.message for notice in result.warnings}
     assert result.status == "not_converged"
     assert result.fos.limit is None
-    assert result.fos.static_bound == (None if static_bound is None else pytest.approx(static_bound, rel=1e-5))
+    assert result.fos.static_bound == (
+        None if static_bound is None else pytest.approx(static_bound, rel=1e-5)
+    )
     assert all(one in said["W360"] for one in known)
 
 
 def test_nothing_is_said_of_a_rest_of_cohesive_blocks() -> None:
     """All blocks rest at 1.23 of this bench, and one alone fails by forces at 0.88."""
-    with allowed(8e6):
+    with work_budget(8e6):
         result = sk.run(bench(1.9, 5.0))
     said = {notice.code: notice.message for notice in result.warnings}
     assert result.status == "not_converged"
@@ -130,6 +161,6 @@ def test_the_bound_of_one_block_has_its_work_too(monkeypatch) -> None:
 def test_without_work_for_one_factorisation_nothing_is_said_of_blocks_without_strength() -> None:
     """Their joints were factorised before anyone looked at what is left of the work."""
     model = model_of(populations.goodman_bray(16))
-    with allowed(1.0):
+    with work_budget(1.0):
         found = limit_of_blocks(replace(model, tan_friction=np.zeros_like(model.tan_friction)))
     assert (found.outcome, found.spent) == (Outcome.NOT_CONVERGED, True)

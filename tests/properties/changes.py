@@ -25,7 +25,9 @@ def reduced(design: Design, factor: float, only: str | None = None) -> Design:
     for name, strength in out["strength"].items():
         if only is None or name == only:
             strength["c"] /= factor
-            strength["phi"] = math.degrees(math.atan(math.tan(math.radians(strength["phi"])) / factor))
+            strength["phi"] = math.degrees(
+                math.atan(math.tan(math.radians(strength["phi"])) / factor)
+            )
     for bolt in out.get("support", {}).get("bolts", ()):
         if bolt.get("acts") == "passive" and only is None:
             bolt["force"] /= factor
@@ -92,7 +94,12 @@ def moved(design: Design, to: tuple[float, float, float] = UTM) -> Design:
     out = copy.deepcopy(design)
     if out["kind"] == "bench":
         out["slope"]["origin"] = list(to)
-    _placed(out, lambda point: [a + b for a, b in zip(point, to if len(point) == 3 else (to[0], to[2]), strict=True)])
+    _placed(
+        out,
+        lambda point: [
+            a + b for a, b in zip(point, to if len(point) == 3 else (to[0], to[2]), strict=True)
+        ],
+    )
     return out
 
 
@@ -133,7 +140,9 @@ def _placed(design: Design, place: Callable[[list[float]], list[float]]) -> None
         design["solids"][name] = [place(point) for point in corners]
 
 
-def _directed(design: Design, azimuth: Callable[[float], float], vector: Callable[[list[float]], list[float]]) -> None:
+def _directed(
+    design: Design, azimuth: Callable[[float], float], vector: Callable[[list[float]], list[float]]
+) -> None:
     for key in ("face", "upper"):
         if key in design.get("slope", {}):
             dip, direction = design["slope"][key]

@@ -32,18 +32,26 @@ def _section(draw, outlines: list[list[tuple[float, float]]], dip: float) -> Map
     a = math.radians(dip)
 
     def turned(outline) -> list[list[float]]:
-        return [[x * math.cos(a) - z * math.sin(a), x * math.sin(a) + z * math.cos(a)] for x, z in outline]
+        return [
+            [x * math.cos(a) - z * math.sin(a), x * math.sin(a) + z * math.cos(a)]
+            for x, z in outline
+        ]
 
     x = [point[0] for outline in outlines for point in outline]
     base = [(min(x) - 2.0, -2.0), (max(x) + 2.0, -2.0), (max(x) + 2.0, 0.0), (min(x) - 2.0, 0.0)]
     blocks: Mapping = {"base": {"polygon": turned(base), "fixed": True}}
     blocks |= {f"B{k}": {"polygon": turned(outline)} for k, outline in enumerate(outlines, 1)}
     design = {
-        "slopekit": 1, "kind": "blocks", "blocks": blocks, "interfaces": {"default": "joint", "base/B1": "base"},
-        "strength": {"joint": {"c": draw(cohesions), "phi": draw(frictions)},
-                     "base": {"c": draw(cohesions), "phi": draw(frictions)}},
+        "slopekit": 1,
+        "kind": "blocks",
+        "blocks": blocks,
+        "interfaces": {"default": "joint", "base/B1": "base"},
+        "strength": {
+            "joint": {"c": draw(cohesions), "phi": draw(frictions)},
+            "base": {"c": draw(cohesions), "phi": draw(frictions)},
+        },
         "rock": {"unit_weight": 25.0},
-    }  # fmt: skip
+    }
     return design | draw(_section_loads())
 
 
@@ -57,11 +65,22 @@ def _section_loads(draw) -> Mapping:
     elif what == "water":
         found["water"] = {"pressures": {"base/B1": draw(rounded(0.5, 3.0))}}
     elif what == "push":
-        found["loads"] = {"forces": [{"force": [draw(rounded(-4.0, 4.0)), 0.0, draw(rounded(-6.0, 0.0))],
-                                      "block": "B1"}]}  # fmt: skip
+        found["loads"] = {
+            "forces": [
+                {"force": [draw(rounded(-4.0, 4.0)), 0.0, draw(rounded(-6.0, 0.0))], "block": "B1"}
+            ]
+        }
     elif what == "bolt":
-        found["support"] = {"bolts": [{"force": draw(rounded(0.5, 4.0)), "toward": [90.0, -10.0], "block": "B1",
-                                       "acts": "active"}]}  # fmt: skip
+        found["support"] = {
+            "bolts": [
+                {
+                    "force": draw(rounded(0.5, 4.0)),
+                    "toward": [90.0, -10.0],
+                    "block": "B1",
+                    "acts": "active",
+                }
+            ]
+        }
     return found
 
 
@@ -98,7 +117,10 @@ def shards(draw) -> Mapping:
     wide, high = draw(rounded(3.0, 8.0)), draw(rounded(1.0, 4.0))
     pieces = [_box(0.0, 0.0, wide, high)]
     for _ in range(draw(st.integers(1, 3))):
-        angle, at = math.radians(draw(rounded(0.0, 180.0, 0))), (draw(rounded(0.2, 0.8)), draw(rounded(0.3, 0.7)))
+        angle, at = (
+            math.radians(draw(rounded(0.0, 180.0, 0))),
+            (draw(rounded(0.2, 0.8)), draw(rounded(0.3, 0.7))),
+        )
         normal = np.array([math.sin(angle), math.cos(angle)])
         offset = float(normal @ [at[0] * wide, at[1] * high])
         pieces = [part for piece in pieces for part in _halves(piece, normal, offset)]
@@ -118,7 +140,12 @@ def bonds(draw) -> Mapping:
         if course % 2:
             joints = [0.0, *(round(wide * (k + shift), 6) for k in range(count)), wide * count]
         outlines += [
-            [(a, course * high), (b, course * high), (b, (course + 1) * high), (a, (course + 1) * high)]
+            [
+                (a, course * high),
+                (b, course * high),
+                (b, (course + 1) * high),
+                (a, (course + 1) * high),
+            ]
             for a, b in pairwise(joints)
         ]
     return _section(draw, outlines, draw(rounded(8.0, 30.0, 1)))
@@ -136,7 +163,9 @@ def _halves(piece, normal: np.ndarray, offset: float) -> list[list[tuple[float, 
             if here >= 0.0:
                 part.append((float(points[k, 0]), float(points[k, 1])))
             if here * there < 0.0:
-                low, high = sorted((k, (k + 1) % len(points)))  # the same point for both pieces, bit for bit
+                low, high = sorted(
+                    (k, (k + 1) % len(points))
+                )  # the same point for both pieces, bit for bit
                 share = height[low] / (height[low] - height[high])
                 cut = points[low] + share * (points[high] - points[low])
                 part.append((float(cut[0]), float(cut[1])))
@@ -153,17 +182,29 @@ def _area(piece) -> float:
 @st.composite
 def columns(draw) -> Mapping:
     """A row of three to six columns on a stepped base that topple, slide or stand."""
-    count, width, dip = draw(st.integers(3, 6)), draw(rounded(1.0, 4.0)), draw(rounded(55.0, 80.0, 1))
+    count, width, dip = (
+        draw(st.integers(3, 6)),
+        draw(rounded(1.0, 4.0)),
+        draw(rounded(55.0, 80.0, 1)),
+    )
     step = round(width * draw(rounded(0.05, 0.3)), 3)
     heights = [round(step + width * draw(rounded(0.4, 3.0)), 3) for _ in range(count)]
     base = {"c": draw(cohesions), "phi": draw(rounded(25.0, 48.0, 1))}
     side = {"c": 0.0, "phi": draw(rounded(15.0, 45.0, 1))}
     design = {
-        "slopekit": 1, "kind": "topple",
-        "columns": {"dip": dip, "width": width, "heights": heights, "base_step": step, "base": "base",
-                    "sides": "side"},
-        "strength": {"base": base, "side": side}, "rock": {"unit_weight": 25.0},
-    }  # fmt: skip
+        "slopekit": 1,
+        "kind": "topple",
+        "columns": {
+            "dip": dip,
+            "width": width,
+            "heights": heights,
+            "base_step": step,
+            "base": "base",
+            "sides": "side",
+        },
+        "strength": {"base": base, "side": side},
+        "rock": {"unit_weight": 25.0},
+    }
     if draw(st.booleans()):
         design["loads"] = {"seismic": {"k": 0.05, "toward": 270.0}}
     return design
@@ -175,10 +216,14 @@ def bolted(draw, families: st.SearchStrategy[Mapping]) -> Mapping:
     design = dict(draw(families))
     names = [name for name in (design.get("solids") or design["blocks"]) if name != "base"]
     bolts = [
-        {"force": draw(rounded(1.0, 150.0)), "toward": [draw(st.sampled_from([90.0, 90.0, 270.0])),
-         draw(rounded(-60.0, 80.0, 1))], "acts": "passive", "block": draw(st.sampled_from(names))}
+        {
+            "force": draw(rounded(1.0, 150.0)),
+            "toward": [draw(st.sampled_from([90.0, 90.0, 270.0])), draw(rounded(-60.0, 80.0, 1))],
+            "acts": "passive",
+            "block": draw(st.sampled_from(names)),
+        }
         for _ in range(draw(st.integers(1, 3)))
-    ]  # fmt: skip
+    ]
     return design | {"support": {"bolts": bolts}}
 
 
@@ -189,7 +234,9 @@ def bricks(draw) -> Mapping:
     Three families of planes, each plane tilted by up to 6 degrees from its family: where three of them meet is a
     corner, and neighbours share their faces.
     """
-    counts = draw(st.sampled_from([(1, 1, 2), (2, 1, 1), (1, 2, 1), (1, 1, 3), (2, 1, 2), (2, 2, 1)]))
+    counts = draw(
+        st.sampled_from([(1, 1, 2), (2, 1, 1), (1, 2, 1), (1, 1, 3), (2, 1, 2), (2, 2, 1)])
+    )
     size = [draw(rounded(2.0, 4.0)), draw(rounded(2.0, 4.0)), draw(rounded(1.0, 2.0))]
     planes: list[list[tuple[np.ndarray, float]]] = []
     for axis, count in enumerate(counts):
@@ -204,23 +251,37 @@ def bricks(draw) -> Mapping:
             family.append((normal, float(normal @ middle)))
         planes.append(family)
     a = math.radians(draw(rounded(10.0, 32.0, 1)))
-    slope = np.array([[math.cos(a), 0.0, -math.sin(a)], [0.0, 1.0, 0.0], [math.sin(a), 0.0, math.cos(a)]])
+    slope = np.array(
+        [[math.cos(a), 0.0, -math.sin(a)], [0.0, 1.0, 0.0], [math.sin(a), 0.0, math.cos(a)]]
+    )
 
     def corner(*index: int) -> list[float]:
         faces = [planes[axis][k] for axis, k in enumerate(index)]
-        found = np.linalg.solve(np.array([normal for normal, _ in faces]), [offset for _, offset in faces])
+        found = np.linalg.solve(
+            np.array([normal for normal, _ in faces]), [offset for _, offset in faces]
+        )
         return (slope @ found).tolist()
 
-    solids: Mapping = {"base": [
-        (slope @ [x, y, z]).tolist() for x in (-30.0, 30.0) for y in (-30.0, 30.0) for z in (-2.0, 0.0)
-    ]}  # fmt: skip
+    solids: Mapping = {
+        "base": [
+            (slope @ [x, y, z]).tolist()
+            for x in (-30.0, 30.0)
+            for y in (-30.0, 30.0)
+            for z in (-2.0, 0.0)
+        ]
+    }
     for number, (i, j, k) in enumerate(np.ndindex(*counts), 1):
-        solids[f"B{number}"] = [corner(i + x, j + y, k + z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+        solids[f"B{number}"] = [
+            corner(i + x, j + y, k + z) for x in (0, 1) for y in (0, 1) for z in (0, 1)
+        ]
     return {
-        "slopekit": 1, "kind": "blocks", "solids": solids,
-        "strength": {"joint": {"c": draw(cohesions), "phi": draw(frictions)}}, "rock": {"unit_weight": 25.0},
+        "slopekit": 1,
+        "kind": "blocks",
+        "solids": solids,
+        "strength": {"joint": {"c": draw(cohesions), "phi": draw(frictions)}},
+        "rock": {"unit_weight": 25.0},
         "loads": {"seismic": {"k": draw(st.sampled_from([0.0, 0.0, 0.05])), "toward": 270.0}},
-    }  # fmt: skip
+    }
 
 
 @st.composite
@@ -229,14 +290,23 @@ def benches(draw, most: int = 60) -> Mapping:
     face, height = draw(rounded(50.0, 85.0, 1)), draw(rounded(8.0, 20.0, 1))
     planes = [(draw(rounded(15.0, 88.0, 1)), draw(rounded(0.0, 359.9, 1))) for _ in range(3)]
     design: Mapping = {
-        "slopekit": 1, "kind": "bench",
-        "slope": {"face": [face, 180.0], "upper": [0.0, 180.0], "height": height, "length": 2.0 * height,
-                  "depth": height},
-        "sets": {f"S{k}": {"plane": list(plane), "offset": 0.3, "strength": "joint"}
-                 for k, plane in enumerate(planes, 1)},
-        "strength": {"joint": {"c": draw(cohesions), "phi": draw(frictions)}}, "rock": {"unit_weight": 26.0},
+        "slopekit": 1,
+        "kind": "bench",
+        "slope": {
+            "face": [face, 180.0],
+            "upper": [0.0, 180.0],
+            "height": height,
+            "length": 2.0 * height,
+            "depth": height,
+        },
+        "sets": {
+            f"S{k}": {"plane": list(plane), "offset": 0.3, "strength": "joint"}
+            for k, plane in enumerate(planes, 1)
+        },
+        "strength": {"joint": {"c": draw(cohesions), "phi": draw(frictions)}},
+        "rock": {"unit_weight": 26.0},
         "loads": {"seismic": {"k": draw(st.sampled_from([0.0, 0.0, 0.05])), "toward": 180.0}},
-    }  # fmt: skip
+    }
     spacing, wanted = height, draw(st.integers(15, most - 10))
     for _ in range(8):
         for joint_set in design["sets"].values():

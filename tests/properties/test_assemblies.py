@@ -11,7 +11,16 @@ from slopekit.kinds import cut
 from slopekit.kinds.assemblies import many_blocks as room
 from slopekit.preie.system.components import whole_model
 from tests.properties import changes
-from tests.properties.strategies import benches, bolted, bonds, bricks, columns, rows, shards, stacks
+from tests.properties.strategies import (
+    benches,
+    bolted,
+    bonds,
+    bricks,
+    columns,
+    rows,
+    shards,
+    stacks,
+)
 
 SECTIONS = {"stacks and rows": stacks() | rows(), "shards and bonds": shards() | bonds()}
 #: A limit state of a section is exact, one in space settles to this: the same arithmetic in another order, other units
@@ -21,16 +30,22 @@ EXACTLY = 1e-6
 BOUND = 1e-4
 
 quick = settings(
-    max_examples=3, deadline=None, derandomize=True, phases=(Phase.explicit, Phase.generate),
+    max_examples=3,
+    deadline=None,
+    derandomize=True,
+    phases=(Phase.explicit, Phase.generate),
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
-)  # fmt: skip
+)
 few = settings(quick, max_examples=2)
 
 #: What leaves the factor as it is, several changes at a time: each is one analysis, and what any of them did to the
 #: factor would show. With them the size of the scene.
 SMALL, LARGE = 7.3e-3, 1e3
 small, large = (partial(changes.scaled, by=by) for by in (SMALL, LARGE))
-on_the_map = (changes.in_turn(changes.mirrored, changes.moved, changes.heavier, changes.reordered), 1.0)
+on_the_map = (
+    changes.in_turn(changes.mirrored, changes.moved, changes.heavier, changes.reordered),
+    1.0,
+)
 IN_SECTION = (on_the_map, (changes.in_turn(changes.with_rests, large), LARGE))
 AS_COLUMNS = ((changes.in_turn(small, changes.heavier), SMALL),)
 IN_SPACE = (on_the_map, (changes.in_turn(small, partial(changes.turned, by=123.4)), SMALL))
@@ -45,7 +60,9 @@ def at_its_limit(design, rel: float = EXACTLY) -> None:
     """With its strength divided by F it is just stable: F = 1, the same status, the same gap to the bound."""
     one = changes.run(design)
     assume(one.fos.limit is not None and 0.1 < one.fos.limit < 20.0)
-    changes.same(one, changes.run(changes.reduced(design, one.fos.limit)), rel, times=1.0 / one.fos.limit)
+    changes.same(
+        one, changes.run(changes.reduced(design, one.fos.limit)), rel, times=1.0 / one.fos.limit
+    )
 
 
 def keeps_its_evidence(design) -> None:
@@ -54,7 +71,9 @@ def keeps_its_evidence(design) -> None:
     if result.status == "not_converged":
         return
     assert result.limit_state.node_pairs.normal_kn.min(initial=0.0) >= 0.0
-    assert result.findings.checks["largest_unbalanced_force"] < 1e-6  # `EACH_BALANCED` of the program
+    assert (
+        result.findings.checks["largest_unbalanced_force"] < 1e-6
+    )  # `EACH_BALANCED` of the program
     if result.fos.limit and result.fos.static_bound:
         assert result.fos.limit <= result.fos.static_bound * (1.0 + 1e-9)
     if "solids" in design:
@@ -70,7 +89,9 @@ def keeps_its_evidence(design) -> None:
     assert (area > 0.0).all()
     assert np.bincount(contact, area) == pytest.approx(whole, rel=1e-9)
     size = float(np.ptp(patches.corners, axis=0).max())
-    for axis in range(3):  # exact for linear traction: the middle of the pairs is that of the interface
+    for axis in range(
+        3
+    ):  # exact for linear traction: the middle of the pairs is that of the interface
         middle = np.bincount(contact, area * model.points[real, axis]) / whole
         assert middle == pytest.approx(patches.centroids[model.patch, axis], abs=1e-9 * size)
 

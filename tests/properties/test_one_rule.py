@@ -17,42 +17,79 @@ from benchmarks.ordinary_cuts import (
     with_strength_divided,
 )
 
-CASES = json.loads((Path(__file__).parents[1] / "preie" / "moments.json").read_text(encoding="utf-8"))["cases"]
+CASES = json.loads(
+    (Path(__file__).parents[1] / "preie" / "moments.json").read_text(encoding="utf-8")
+)["cases"]
 
 #: Wedges whose factor jumped, or fell with more strength, while the lower of three cohesion rules was printed.
 RISING_WATER: dict[str, Any] = {
-    "dips": ("38.7/185.8", "46.9/106.4"), "face": "58.9/180", "upper": "12.2/180", "height": 63.4, "c": (56.4, 22.4),
-    "phi": (17.6, 29.7), "unit_weight": 26.5,
-}  # fmt: skip
+    "dips": ("38.7/185.8", "46.9/106.4"),
+    "face": "58.9/180",
+    "upper": "12.2/180",
+    "height": 63.4,
+    "c": (56.4, 22.4),
+    "phi": (17.6, 29.7),
+    "unit_weight": 26.5,
+}
 WATER_AND_CRACK: dict[str, Any] = {
-    "dips": ("55.0/148.5", "53.9/233.0"), "face": "70/180", "upper": "5.3/180", "height": 14.3, "c": (53.9, 46.0),
-    "phi": (41.0, 39.0), "unit_weight": 26.0, "crack": "80/180@2.5m",
-}  # fmt: skip
+    "dips": ("55.0/148.5", "53.9/233.0"),
+    "face": "70/180",
+    "upper": "5.3/180",
+    "height": 14.3,
+    "c": (53.9, 46.0),
+    "phi": (41.0, 39.0),
+    "unit_weight": 26.0,
+    "crack": "80/180@2.5m",
+}
 MORE_COHESION: dict[str, Any] = {
-    "dips": ("34.79/131.07", "49.36/212.91"), "face": "60.38/180", "upper": "10.6/180", "height": 21.42,
-    "phi": (28.02, 31.77), "unit_weight": 24.61, "water": "34.4%", "seismic": "0.242@180",
+    "dips": ("34.79/131.07", "49.36/212.91"),
+    "face": "60.38/180",
+    "upper": "10.6/180",
+    "height": 21.42,
+    "phi": (28.02, 31.77),
+    "unit_weight": 24.61,
+    "water": "34.4%",
+    "seismic": "0.242@180",
     "crack": "66.3/156.6@4.07m",
-}  # fmt: skip
+}
 SNAP: dict[str, Any] = {
-    "dips": ("69.854/231.907", "27.591/206.146"), "face": "69.113/214.09", "upper": "16.7/214.09", "height": 97.07,
-    "phi": (5.588, 36.775), "unit_weight": 25.446,
-}  # fmt: skip
+    "dips": ("69.854/231.907", "27.591/206.146"),
+    "face": "69.113/214.09",
+    "upper": "16.7/214.09",
+    "height": 97.07,
+    "phi": (5.588, 36.775),
+    "unit_weight": 25.446,
+}
 TWO_RESTS: dict[str, Any] = {
-    "dips": ("64.1665/162.3389", "70.6841/235.7764"), "face": "71.1272/180", "upper": "14.9323/180", "height": 19.0663,
-    "c": (40.0728, 56.2273), "unit_weight": 26.7532, "water": "32.75%",
-}  # fmt: skip
+    "dips": ("64.1665/162.3389", "70.6841/235.7764"),
+    "face": "71.1272/180",
+    "upper": "14.9323/180",
+    "height": 19.0663,
+    "c": (40.0728, 56.2273),
+    "unit_weight": 26.7532,
+    "water": "32.75%",
+}
 #: Flowing while it sticks the first comes to a rest, the second to none; Newton's method found one of the first by
 #: chance, and of the second one that it does not come back to.
 STICKS: dict[str, Any] = {
-    "dips": ("62.6766/175.4116", "56.0103/200.3259"), "face": "70.2125/180", "upper": "7.4847/180", "height": 25.9183,
-    "c": (29.2414, 6.3515), "phi": (21.3384, 27.8679), "unit_weight": 24.3566,
-}  # fmt: skip
+    "dips": ("62.6766/175.4116", "56.0103/200.3259"),
+    "face": "70.2125/180",
+    "upper": "7.4847/180",
+    "height": 25.9183,
+    "c": (29.2414, 6.3515),
+    "phi": (21.3384, 27.8679),
+    "unit_weight": 24.3566,
+}
 TIPS: dict[str, Any] = {
     "dips": ((47.45159093165458, 173.9519811788936), (45.718311607193456, 189.28036230709355)),
-    "face": (76.9317182875105, 180.0), "upper": (6.229757068392599, 180.0), "height": 21.67288849579461,
-    "c": (19.229410426052, 37.34170949393074), "phi": (38.17735468117479, 44.442750970693055),
-    "unit_weight": 23.214370193902155, "crack": "89.33/180@4.13m",
-}  # fmt: skip
+    "face": (76.9317182875105, 180.0),
+    "upper": (6.229757068392599, 180.0),
+    "height": 21.67288849579461,
+    "c": (19.229410426052, 37.34170949393074),
+    "phi": (38.17735468117479, 44.442750970693055),
+    "unit_weight": 23.214370193902155,
+    "crack": "89.33/180@4.13m",
+}
 
 
 def limits(inputs: dict[str, Any], key: str, values: list[Any]) -> list[float]:
@@ -62,7 +99,10 @@ def limits(inputs: dict[str, Any], key: str, values: list[Any]) -> list[float]:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("inputs", "percents"),
-    [(RISING_WATER, [82.0, 83.0, 83.5, 84.0, 84.5, 86.0]), (WATER_AND_CRACK, [45.0, 47.0, 48.0, 50.0, 55.0])],
+    [
+        (RISING_WATER, [82.0, 83.0, 83.5, 84.0, 84.5, 86.0]),
+        (WATER_AND_CRACK, [45.0, 47.0, 48.0, 50.0, 55.0]),
+    ],
 )
 def test_more_water_lowers_the_limit_without_a_jump(inputs, percents) -> None:
     """Once 0.783 at 83.5 % and 0.246 at 84 %; 1.559 at 47 %, 0.3725 at 48 % and 0.4647 at 55 %."""
@@ -129,7 +169,10 @@ def test_no_limit_lies_above_its_upper_bound() -> None:
 
 def test_a_block_that_does_not_stick_starts_from_the_rest_that_it_flows_to() -> None:
     """Newton's method found one of two states of rest, as it happened: 0.5763, 0.9745, 0.9757, 0.5804."""
-    found = [sk.wedge(**TWO_RESTS, phi=(38.363 + more, 23.0541 + more)).fos.limit for more in (-1.0, -0.1, 0.5, 2.0)]
+    found = [
+        sk.wedge(**TWO_RESTS, phi=(38.363 + more, 23.0541 + more)).fos.limit
+        for more in (-1.0, -0.1, 0.5, 2.0)
+    ]
     assert found == sorted(found)
     assert found[0] == pytest.approx(0.9727, abs=2e-3)
 

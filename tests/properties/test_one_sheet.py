@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 
 import slopekit as sk
+from slopekit.core.report import Report
 from slopekit.core.sheet import Column, Section, Sheet, Table
-from slopekit.core.shown import Shown
 from slopekit.design.templates import names, path_of
 from slopekit.views.pages.report import report_of
 from tests.support import result_of
@@ -25,28 +25,48 @@ SWEEP = "sweep of a wedge"
 
 
 @cache
-def shown(name: str) -> Shown:
+def shown(name: str) -> Report:
     if name == SWEEP:
         return sk.sweep(sk.load(path_of("wedge")), {"strength.weak.phi": "18:30:4"})
     return result_of(name)
 
 
 BOLTED: dict[str, Any] = {
-    "slopekit": 1, "kind": "wedge", "slope": {"face": "65/180", "upper": "10/180", "height": 18},
-    "joints": {"J1": {"plane": "45/120", "strength": "clay"}, "J2": {"plane": "60/245", "strength": "rough"}},
-    "strength": {"clay": {"c": 10, "phi": 28}, "rough": {"c": 5, "phi": 32}}, "rock": {"unit_weight": 26},
-    "water": {"fill": "50 %"}, "loads": {"seismic": 0.05}, "acceptance": {"rules": ["fos >= 1.5"]},
-    "support": {"bolts": [
-        {"force": 200, "head": [x, y, z], "toward": "000/-10", "length": 26, "acts": acts}
-        for x, y, z, acts in ((0, -2, 5, "active"), (2, -3, 7, "active"), (-1, -4, 9, "passive"))
-    ]},
-}  # fmt: skip
+    "slopekit": 1,
+    "kind": "wedge",
+    "slope": {"face": "65/180", "upper": "10/180", "height": 18},
+    "joints": {
+        "J1": {"plane": "45/120", "strength": "clay"},
+        "J2": {"plane": "60/245", "strength": "rough"},
+    },
+    "strength": {"clay": {"c": 10, "phi": 28}, "rough": {"c": 5, "phi": 32}},
+    "rock": {"unit_weight": 26},
+    "water": {"fill": "50 %"},
+    "loads": {"seismic": 0.05},
+    "acceptance": {"rules": ["fos >= 1.5"]},
+    "support": {
+        "bolts": [
+            {"force": 200, "head": [x, y, z], "toward": "000/-10", "length": 26, "acts": acts}
+            for x, y, z, acts in (
+                (0, -2, 5, "active"),
+                (2, -3, 7, "active"),
+                (-1, -4, 9, "passive"),
+            )
+        ]
+    },
+}
 
 
-@pytest.mark.parametrize(("study", "most"), [
-    (lambda: result_of("topple"), 407), (lambda: result_of("bench"), 455), (lambda: sk.run(BOLTED), 282),
-    (lambda: sk.prob(path_of("wedge-scatter"), n=500), 270),
-], ids=["topple", "bench", "bolted", "prob"])  # fmt: skip
+@pytest.mark.parametrize(
+    ("study", "most"),
+    [
+        (lambda: result_of("topple"), 407),
+        (lambda: result_of("bench"), 455),
+        (lambda: sk.run(BOLTED), 282),
+        (lambda: sk.prob(path_of("wedge-scatter"), n=500), 270),
+    ],
+    ids=["topple", "bench", "bolted", "prob"],
+)
 def test_a_sheet_has_half_the_words_that_it_had(study, most) -> None:
     """815, 911, 564 and 541 words once; a wedge's 120 are counted with the command (`tests/test_cli.py`)."""
     assert 100 < len(str(study().sheet).split()) <= most
@@ -121,7 +141,9 @@ def test_text_has_the_cells_of_the_table_or_numbers_of_its_section(name) -> None
 def numbers(table: Table) -> set[float]:
     """Every number of a table, those in its words and heads too."""
     record = table.to_dict()
-    cells = [cell for row in record["rows"] for cell in row] + [one["title"] for one in record["columns"]]
+    cells = [cell for row in record["rows"] for cell in row] + [
+        one["title"] for one in record["columns"]
+    ]
     found = {float(one) for text in cells if isinstance(text, str) for one in NUMBER.findall(text)}
     return found | {float(one) for one in cells if isinstance(one, float | int)}
 
@@ -129,8 +151,10 @@ def numbers(table: Table) -> set[float]:
 def cells_stand_in_lines(table: Table) -> None:
     """Each line of text has the cells of its row, in their order, and there are no other lines."""
     in_text = [one.width != 0 for one in table.columns if one.width or one.title]
-    cells = [[cell for cell, here in zip(row, in_text, strict=True) if here and cell]
-             for row in table.to_dict()["shown"]]  # fmt: skip
+    cells = [
+        [cell for cell, here in zip(row, in_text, strict=True) if here and cell]
+        for row in table.to_dict()["shown"]
+    ]
     lines = table.lines()[0 if table.headless else 1 :]
     if table.ends and table.left_out:
         cells[table.ends[0] : -table.ends[1]] = []
@@ -143,18 +167,28 @@ def cells_stand_in_lines(table: Table) -> None:
 
 def head_of(column: dict[str, Any]) -> str:
     """A number in a notebook has its unit above it."""
-    return f"{column['title']} / {column['unit']}" if column["unit"] not in column["title"] else column["title"]
+    return (
+        f"{column['title']} / {column['unit']}"
+        if column["unit"] not in column["title"]
+        else column["title"]
+    )
 
 
 @pytest.mark.parametrize("name", [*names(), SWEEP])
 def test_html_has_the_cells_of_the_table(name) -> None:
     one = shown(name)
     rows = Cells(one.sheet._repr_html_()).rows
-    wanted = [row for table in tables(name) for row in ([head_of(c) for c in table.to_dict()["columns"]],
-                                                        *table.to_dict()["shown"])]  # fmt: skip
+    wanted = [
+        row
+        for table in tables(name)
+        for row in ([head_of(c) for c in table.to_dict()["columns"]], *table.to_dict()["shown"])
+    ]
     assert rows == wanted
     pytest.importorskip("jinja2")
-    page = [[cell for cell in row if cell] for row in Cells(report_of(one.to_dict(), with_pictures=False).html).rows]
+    page = [
+        [cell for cell in row if cell]
+        for row in Cells(report_of(one.to_dict(), with_pictures=False).html).rows
+    ]
     for row in (row for table in tables(name) for row in table.to_dict()["shown"]):
         assert [cell for cell in row if cell] in page
 
@@ -177,14 +211,16 @@ def test_csv_and_records_have_every_row(name) -> None:
 
 def test_a_result_shows_itself() -> None:
     result = shown("wedge")
-    assert repr(result) == f"<Result: {result.line}>" == "<Result: slides_on_both  1.557  agree  met>"
+    assert (
+        repr(result) == f"<Result: {result.line}>" == "<Result: slides_on_both  1.557  agree  met>"
+    )
     assert str(result) == str(result.sheet)
     assert list(result.to_dict())[-1] == "sheet"
     assert [name for name in dir(sk) if name.startswith("_")] == ["__version__"]
     assert isinstance(result, sk.Result)
 
 
-class Bare(Shown):
+class Bare(Report):
     """Something that is shown and has no table."""
 
     sheet = Sheet("bare", (Section("WORD", ["nothing but a word"]),))
@@ -220,7 +256,10 @@ def test_data_frames(monkeypatch) -> None:
 
 
 def test_ends_and_what_stands_about_a_cell() -> None:
-    columns = (Column("n", int, "n", width=3), Column("square", lambda n: n * n, width=1, about=" = {}"))
+    columns = (
+        Column("n", int, "n", width=3),
+        Column("square", lambda n: n * n, width=1, about=" = {}"),
+    )
     table = Table(columns, range(1, 8), ends=(2, 1), rest="... 4 more")
     assert table.lines() == ["  n = square", "  1 = 1", "  2 = 4", "... 4 more", "  7 = 49"]
     assert table.to_dict()["rows"] == [[n, n * n] for n in range(1, 8)]

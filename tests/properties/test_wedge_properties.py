@@ -16,7 +16,9 @@ from tests.support import random_wedge
 #: Random wedges of every kind: they slide on both joints or on one, turn, topple; with water, bolts of both sorts, an
 #: earthquake; moments govern half of them.
 seeds = st.sampled_from((0, 1, 4, 5, 7, 8, 10, 11, 12, 13, 15, 16, 20, 22, 23, 25))
-quick = settings(max_examples=6, deadline=None, derandomize=True, phases=(Phase.explicit, Phase.generate))
+quick = settings(
+    max_examples=6, deadline=None, derandomize=True, phases=(Phase.explicit, Phase.generate)
+)
 
 
 def wedge_of(seed: int) -> dict:
@@ -67,9 +69,12 @@ def test_forces_balance_across_the_slide(seed) -> None:
         return
     joints = [np.asarray(plane) for plane in wedge["dips"]]
     normals = [
-        np.array([math.sin(d) * math.sin(a), math.sin(d) * math.cos(a), math.cos(d)]) for d, a in np.radians(joints)
+        np.array([math.sin(d) * math.sin(a), math.sin(d) * math.cos(a), math.cos(d)])
+        for d, a in np.radians(joints)
     ]
-    pushes = sum(result.forces.normal[name] * n for name, n in zip(("J1", "J2"), normals, strict=True))
+    pushes = sum(
+        result.forces.normal[name] * n for name, n in zip(("J1", "J2"), normals, strict=True)
+    )
     left = pushes - np.array([0.0, 0.0, result.forces.weight])
     along = result.limit_state.mechanism.displacement
     assert left @ along == pytest.approx(result.forces.driving, rel=1e-8)
@@ -80,7 +85,8 @@ def strong(wedge: dict, by: float) -> dict:
     """c, tan φ and the pull of passive bolts multiplied."""
     phi = [math.degrees(math.atan(by * math.tan(math.radians(angle)))) for angle in wedge["phi"]]
     bolts = [
-        {**bolt, "force": bolt["force"] * (by if bolt["acts"] == "passive" else 1.0)} for bolt in wedge.get("bolts", [])
+        {**bolt, "force": bolt["force"] * (by if bolt["acts"] == "passive" else 1.0)}
+        for bolt in wedge.get("bolts", [])
     ]
     return {**wedge, "c": [by * c for c in wedge["c"]], "phi": phi, "bolts": bolts}
 
@@ -101,7 +107,9 @@ def test_strength_divided_by_the_limit_is_just_enough(seed) -> None:
     assert other.fos.limit == pytest.approx(1.0, rel=rel)
     if one.fos.static_bound is not None and other.fos.static_bound is not None:
         bound = other.fos.static_bound * one.fos.limit
-        assert bound == pytest.approx(one.fos.static_bound, rel=1e-6)  # the bracket of λ is 1e-7 of it wide
+        assert bound == pytest.approx(
+            one.fos.static_bound, rel=1e-6
+        )  # the bracket of λ is 1e-7 of it wide
     if one.fos.closed_form and not one.moments_govern:
         assert other.fos.closed_form * one.fos.limit == pytest.approx(one.fos.closed_form, rel=1e-7)
 
@@ -135,7 +143,11 @@ def test_in_the_mirror_turned_of_any_size_and_twice_as_heavy_with_cohesion_press
     if "water" in wedge:
         other["water"] = [times * pressure for pressure in wedge["water"]]
     other["bolts"] = [
-        {**bolt, "force": 2.0 * by**3 * bolt["force"], "toward": ((to - bolt["toward"][0]) % 360.0, bolt["toward"][1])}
+        {
+            **bolt,
+            "force": 2.0 * by**3 * bolt["force"],
+            "toward": ((to - bolt["toward"][0]) % 360.0, bolt["toward"][1]),
+        }
         for bolt in wedge.get("bolts", [])
     ]
     one, two = analysed(seed), sk.wedge(**other)
@@ -149,8 +161,13 @@ def test_the_joints_the_other_way_round(seed) -> None:
     """The height is that of the crest above the trace of the first joint."""
     wedge, one = wedge_of(seed), analysed(seed)
     corners = one.geometry.corners_m
-    other = {**wedge, "dips": wedge["dips"][::-1], "c": wedge["c"][::-1], "phi": wedge["phi"][::-1],
-             "height": float(corners["crest_J2"][2] - corners["toe"][2])}  # fmt: skip
+    other = {
+        **wedge,
+        "dips": wedge["dips"][::-1],
+        "c": wedge["c"][::-1],
+        "phi": wedge["phi"][::-1],
+        "height": float(corners["crest_J2"][2] - corners["toe"][2]),
+    }
     if "water" in wedge:
         other["water"] = wedge["water"][::-1]
     two = sk.wedge(**other)
@@ -169,7 +186,11 @@ def test_a_passive_bolt_never_lowers_the_factor(seed, pull) -> None:
     wedge = wedge_of(seed)
     wedge.pop("bolts", None)
     one = sk.wedge(**wedge)
-    if one.fos.limit is None or one.moments_govern or one.status not in ("slides_on_both", "slides_on_J1"):
+    if (
+        one.fos.limit is None
+        or one.moments_govern
+        or one.status not in ("slides_on_both", "slides_on_J1")
+    ):
         return
     along = one.limit_state.mechanism.displacement
     trend = math.degrees(math.atan2(-along[0], -along[1])) % 360.0

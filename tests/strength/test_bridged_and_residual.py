@@ -10,15 +10,24 @@ from slopekit.core.errors import DesignError
 from slopekit.strength.bridged import Bridged
 from tests.strength.test_keys import KINDS, WEDGE
 
-BRIDGED = {"law": "bridged", "c": "10 kPa", "phi": 30, "c_rock": "2 MPa", "phi_rock": 45, "persistence": "97 %"}
+BRIDGED = {
+    "law": "bridged",
+    "c": "10 kPa",
+    "phi": 30,
+    "c_rock": "2 MPa",
+    "phi_rock": 45,
+    "persistence": "97 %",
+}
 #: Jennings by hand: 0.97 * 10 + 0.03 * 2000, and 0.97 tan 30° + 0.03 tan 45°.
 COHESION, TANGENT = 69.7, 0.97 / math.sqrt(3.0) + 0.03
 LINE = {"c": COHESION, "phi": math.degrees(math.atan(TANGENT))}
 INCLINED = {
     **KINDS["blocks"],
-    "blocks": {"base": {"polygon": [[0, 0], [2, 1], [2, -1], [0, -1]], "fixed": True},
-               "B1": {"polygon": [[0, 0], [2, 1], [1.8, 1.4], [-0.2, 0.4]]}},
-}  # fmt: skip
+    "blocks": {
+        "base": {"polygon": [[0, 0], [2, 1], [2, -1], [0, -1]], "fixed": True},
+        "B1": {"polygon": [[0, 0], [2, 1], [1.8, 1.4], [-0.2, 0.4]]},
+    },
+}
 SCENES = {**KINDS, "blocks": INCLINED}
 PLANE = {**KINDS["plane"], "crack": {"distance": "2 m"}, "water": {"fill": "50 %"}}
 
@@ -32,7 +41,9 @@ def test_jennings_by_hand() -> None:
     """Jennings (1970): both parts of the strength weighted by their areas."""
     found = Bridged(10.0, 30.0, 2000.0, 45.0, 0.97).resistance(np.array([-1.0, 0.0, 100.0]))
     assert found == pytest.approx([COHESION, COHESION, COHESION + 100.0 * TANGENT], rel=1e-14)
-    assert Bridged(10.0, 30.0, 2000.0, 45.0, 1.0).straight.friction_angle_deg == pytest.approx(30.0, rel=1e-14)
+    assert Bridged(10.0, 30.0, 2000.0, 45.0, 1.0).straight.friction_angle_deg == pytest.approx(
+        30.0, rel=1e-14
+    )
     assert Bridged(10.0, 30.0, 2000.0, 45.0, 0.0).straight.cohesion_kpa == 2000.0
 
 
@@ -54,7 +65,9 @@ def test_waves_on_a_bridged_joint() -> None:
     assert one.fos.limit == pytest.approx(other.fos.limit, rel=1e-8)
 
 
-@pytest.mark.parametrize("design", [WEDGE, PLANE, KINDS["footing"], INCLINED], ids=lambda one: one["kind"])
+@pytest.mark.parametrize(
+    "design", [WEDGE, PLANE, KINDS["footing"], INCLINED], ids=lambda one: one["kind"]
+)
 @pytest.mark.parametrize("peak", [{"c": 60, "phi": 40}, BRIDGED], ids=["line", "bridged"])
 def test_both_factors_are_those_of_two_runs(design, peak) -> None:
     """The residual factors of both methods are those of the design with the residual strength as its only one."""
@@ -108,7 +121,7 @@ def test_a_residual_factor_above_the_peak_is_said() -> None:
         ({"law": "bridged", "c": 1, "phi": 30, "persistence": 0.9}, "E143"),
         ({"c": 10, "phi": 30, "persistence": 0.9}, "E142"),
     ],
-)  # fmt: skip
+)
 def test_faults(strength, code) -> None:
     """What is wrong is said by its code."""
     with pytest.raises(DesignError) as found:

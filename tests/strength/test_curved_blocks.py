@@ -15,7 +15,7 @@ from slopekit.kinds.assemblies.many_blocks_scene import scene_loads
 from slopekit.kinds.solver_inputs import joint_strength
 from slopekit.preie.many_blocks import blocks
 from slopekit.preie.many_blocks.blocks_limit import Basis
-from slopekit.preie.many_blocks.ravelling import Part, critical_load, ravel
+from slopekit.preie.many_blocks.ravelling import SolvedComponent, critical_load, ravel
 from slopekit.preie.outcome import Outcome
 from slopekit.preie.system import strength_lines
 from slopekit.preie.tolerances import BOUND_ACCURACY
@@ -37,10 +37,14 @@ def with_law(design, law):
     return {**design, "strength": strengths}
 
 
-def first_part(design) -> Part:
+def first_part(design) -> SolvedComponent:
     """The first component that fails, with its model and limit."""
     scene = cut(sk.load(design))
-    return ravel(scene.assembly, scene_loads(scene), joint_strength(scene.strengths), ranged=False).failures[0].parts[0]
+    return (
+        ravel(scene.assembly, scene_loads(scene), joint_strength(scene.strengths), ranged=False)
+        .failures[0]
+        .parts[0]
+    )
 
 
 def in_units(model):
@@ -50,9 +54,19 @@ def in_units(model):
 
 #: Sections and laws that take every branch of five sections with each law.
 SECTIONS = [
-    (0, "power"), (0, "power with d"), (3, "barton-bandis"), (3, "power"), (3, "waves"), (8, "bilinear"),
-    (8, "power with d"), (13, "bilinear"), (13, "steep"), (16, "barton-bandis"), (16, "steep"), (16, "waves"),
-]  # fmt: skip
+    (0, "power"),
+    (0, "power with d"),
+    (3, "barton-bandis"),
+    (3, "power"),
+    (3, "waves"),
+    (8, "bilinear"),
+    (8, "power with d"),
+    (13, "bilinear"),
+    (13, "steep"),
+    (16, "barton-bandis"),
+    (16, "steep"),
+    (16, "waves"),
+]
 
 
 @pytest.mark.parametrize(("number", "law"), SECTIONS)
@@ -74,7 +88,9 @@ def test_the_limit_is_a_limit_state_of_the_law(law, number) -> None:
     if limit.basis is Basis.LIMIT:
         _, slip = model.opening_and_slip(limit.velocity)
         size = np.abs(slip[:, 0])
-        assert float(model.load.ravel() @ limit.velocity.ravel()) == pytest.approx(float(most @ size), rel=1e-6)
+        assert float(model.load.ravel() @ limit.velocity.ravel()) == pytest.approx(
+            float(most @ size), rel=1e-6
+        )
         assert limit.change == 0.0
 
 
@@ -121,7 +137,9 @@ def test_where_the_path_starts_says_hardly_anything(times, monkeypatch) -> None:
 def test_one_path_is_enough(monkeypatch) -> None:
     """A bench of Barton-Bandis: its limit is looked for once."""
     asked, found = [], blocks._on_path
-    monkeypatch.setattr(blocks, "_on_path", lambda *given, **more: asked.append(1) or found(*given, **more))
+    monkeypatch.setattr(
+        blocks, "_on_path", lambda *given, **more: asked.append(1) or found(*given, **more)
+    )
     part = first_part(with_law(populations.bench(0, 40), "barton-bandis"))
     assert part.limit.basis is Basis.LIMIT
     assert len(asked) == 1
@@ -149,7 +167,7 @@ def test_a_ladder_looks_for_the_limit_of_the_law(number, apart) -> None:
 def test_the_bound_is_one_of_all_tangents(law) -> None:
     """That of the tangents at the limit's tractions, by linear programs, or of others that lie lower."""
     part = first_part(with_law(populations.section(3), law))
-    bound = path_oracle.static_bound(strength_lines.outer(part.model))
+    bound = path_oracle.static_bound(strength_lines.with_tangents(part.model))
     assert part.limit.factor < part.limit.static_bound < bound * (1.0 + BOUND_ACCURACY)
 
 
@@ -159,7 +177,10 @@ def test_a_factor_above_a_bound_of_tangents_is_none() -> None:
     limit = strength_lines._with_bound(part.model, part.limit, None)
     assert limit.factor == part.limit.factor
     bound = limit.static_bound
-    for times, outcome in ((1.0 + 0.5 * BOUND_ACCURACY, Outcome.SLIDES), (1.001, Outcome.NOT_CONVERGED)):
+    for times, outcome in (
+        (1.0 + 0.5 * BOUND_ACCURACY, Outcome.SLIDES),
+        (1.001, Outcome.NOT_CONVERGED),
+    ):
         far = strength_lines._with_bound(part.model, replace(limit, factor=times * bound), None)
         assert far.outcome is outcome
         assert (far.factor is None) == (outcome is Outcome.NOT_CONVERGED)
@@ -171,17 +192,25 @@ def test_the_load_at_the_limit_by_hand() -> None:
     25 kPa in the middle, 6 M / L² more and less at the edges with M = T / 2, by Simpson's rule; the law bends at 20.
     """
     design = {
-        "slopekit": 1, "kind": "blocks", "rock": {"unit_weight": 25.0}, "section": {"thickness": 1.0},
+        "slopekit": 1,
+        "kind": "blocks",
+        "rock": {"unit_weight": 25.0},
+        "section": {"thickness": 1.0},
         "blocks": {
-            "base": {"polygon": [[-5.0, -1.0], [5.0, -1.0], [5.0, 0.0], [-5.0, 0.0]], "fixed": True},
+            "base": {
+                "polygon": [[-5.0, -1.0], [5.0, -1.0], [5.0, 0.0], [-5.0, 0.0]],
+                "fixed": True,
+            },
             "B1": {"polygon": [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]]},
         },
         "strength": {"joint": {"law": "bilinear", "phi": 20, "i": 10, "sigma_t": "20 kPa"}},
         "loads": {"seismic": {"k": 0.1, "toward": 90}},
-    }  # fmt: skip
+    }
     scene = cut(sk.load(design))
     loads = scene_loads(scene)
-    without = replace(loads, forces=loads.forces - loads.live[0], moments=loads.moments - loads.live[1])
+    without = replace(
+        loads, forces=loads.forces - loads.live[0], moments=loads.moments - loads.live[1]
+    )
     found = critical_load(scene.assembly, without, loads.live, joint_strength(scene.strengths), 1.0)
     steep, flat = (math.tan(math.radians(angle)) for angle in (30.0, 20.0))
     push = 0.0
@@ -207,23 +236,33 @@ def test_joints_that_dilate_follow_the_law_up_to_their_friction_angle() -> None:
     assert found[1] > 2
 
 
-def law_strength(part: Part) -> np.ndarray:
+def law_strength(part: SolvedComponent) -> np.ndarray:
     """Σ A τ(N / A) / F (g,) of a part, by the law alone."""
     model, kpa = part.model, in_units(part.model)
     shear = model.lines.laws[0].resistance(part.limit.normal_force / kpa)
     return model.by_group(kpa * shear) / part.limit.factor
 
 
-@pytest.mark.parametrize(("strength", "counted"), [
-    ({"c": 24, "phi": 28}, True), ({"law": "barton-bandis", "jrc": 8, "jcs": "80 MPa", "phi_r": 26}, False),
-], ids=["line", "law"])  # fmt: skip
+@pytest.mark.parametrize(
+    ("strength", "counted"),
+    [
+        ({"c": 24, "phi": 28}, True),
+        ({"law": "barton-bandis", "jrc": 8, "jcs": "80 MPa", "phi_r": 26}, False),
+    ],
+    ids=["line", "law"],
+)
 def test_dilation_of_one_block_counts_on_lines_alone(strength, counted) -> None:
     """A law says nothing of how far its joint dilates: the limit is that without dilation, and W310 says so."""
     wedge = {
-        "slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
+        "slopekit": 1,
+        "kind": "wedge",
+        "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
         "slope": {"face": "65/180", "upper": "12/180", "height": 30},
-    }  # fmt: skip
-    plain, dilating = (sk.run(sk.load(wedge | {"strength": {"s": strength | {"dilation": given}}})) for given in (0, 6))
+    }
+    plain, dilating = (
+        sk.run(sk.load(wedge | {"strength": {"s": strength | {"dilation": given}}}))
+        for given in (0, 6)
+    )
     assert (dilating.fos.limit > plain.fos.limit * 1.001) == counted
     assert counted or dilating.fos.limit == plain.fos.limit
     (said,) = [notice.message for notice in dilating.warnings if notice.code == "W310"]

@@ -22,7 +22,12 @@ from slopekit.strength.waviness import Wavy
 from slopekit.studies.support.search import site_of
 
 ROUGH = BartonBandis(8.0, 50e3, 25.0)
-CURVED = [ROUGH, BartonBandis(16.0, 100e3, 28.0), PowerCurve(2.0, 0.75), Bilinear(25.0, 15.0, 300.0)]
+CURVED = [
+    ROUGH,
+    BartonBandis(16.0, 100e3, 28.0),
+    PowerCurve(2.0, 0.75),
+    Bilinear(25.0, 15.0, 300.0),
+]
 
 
 def template(name):
@@ -60,7 +65,7 @@ def paper_wedge(law, **more):
     ],
 )
 def test_the_papers_wedge(law, mean, varying) -> None:
-    """Prototypes on another path (METHOD-2 §9): one traction a plane to 6 digits, that of the node pairs to 4.
+    """Prototypes of curved strength (docs/method.md): one traction a plane to 6 digits, that of the node pairs to 4.
 
     The mean again by hand: both joints carry the same N, so F = Σ A τ(N/A) / S.
     """
@@ -79,11 +84,18 @@ def test_the_papers_wedge(law, mean, varying) -> None:
 
 @pytest.mark.parametrize(
     ("curved", "straight"),
-    [(PowerCurve(math.tan(math.radians(20.0)), 1.0, 50.0), MohrCoulomb(50.0, 20.0)),
-     (Bilinear(20.0, 0.0, 300.0), MohrCoulomb(0.0, 20.0)),
-     (Wavy(MohrCoulomb(50.0, 20.0), 5.0),
-      MohrCoulomb(50.0, math.degrees(math.atan(math.tan(math.radians(20.0)) + math.tan(math.radians(5.0))))))],
-)  # fmt: skip
+    [
+        (PowerCurve(math.tan(math.radians(20.0)), 1.0, 50.0), MohrCoulomb(50.0, 20.0)),
+        (Bilinear(20.0, 0.0, 300.0), MohrCoulomb(0.0, 20.0)),
+        (
+            Wavy(MohrCoulomb(50.0, 20.0), 5.0),
+            MohrCoulomb(
+                50.0,
+                math.degrees(math.atan(math.tan(math.radians(20.0)) + math.tan(math.radians(5.0)))),
+            ),
+        ),
+    ],
+)
 @pytest.mark.parametrize("name", ["wedge", "footing", "blocks"])
 def test_a_straight_curve_is_mohr_coulomb(name, curved, straight) -> None:
     """Power curves with b = 1, bilinear laws of equal slopes, waves on a line: both factors to 1e-12.
@@ -101,9 +113,16 @@ def test_a_straight_curve_is_mohr_coulomb(name, curved, straight) -> None:
             assert one.closed_form == pytest.approx(other.closed_form, rel=1e-12)
 
 
-@pytest.mark.parametrize("curved", [PowerCurve(math.tan(math.radians(40.0)), 1.0), Bilinear(40.0, 0.0, 300.0),
-                                    BartonBandis(0.0, 50e3, 40.0), Wavy(Bilinear(30.0, 0.0, 9.0), 5.0)],
-                         ids=lambda law: law.in_words())  # fmt: skip
+@pytest.mark.parametrize(
+    "curved",
+    [
+        PowerCurve(math.tan(math.radians(40.0)), 1.0),
+        Bilinear(40.0, 0.0, 300.0),
+        BartonBandis(0.0, 50e3, 40.0),
+        Wavy(Bilinear(30.0, 0.0, 9.0), 5.0),
+    ],
+    ids=lambda law: law.in_words(),
+)
 def test_a_law_that_is_a_line_is_solved_as_one(curved) -> None:
     """On every kind: a bench on the lines of its tractions ended in a peak 3e-4 off, with W317."""
     strength = Strength.by_law(curved)
@@ -118,9 +137,14 @@ def test_a_law_that_is_a_line_is_solved_as_one(curved) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "law"),
-    [*(("paper-wedge", law) for law in CURVED), ("plane", ROUGH), ("plane", CURVED[3]), ("wall", ROUGH),
-     ("wall", CURVED[2])],
-)  # fmt: skip
+    [
+        *(("paper-wedge", law) for law in CURVED),
+        ("plane", ROUGH),
+        ("plane", CURVED[3]),
+        ("wall", ROUGH),
+        ("wall", CURVED[2]),
+    ],
+)
 def test_reduced_strength_has_the_reduced_factor(name, law) -> None:
     """F(τ / k) k = F: the factor divides the strength, not the parameters of the law."""
     design = template(name)
@@ -166,24 +190,29 @@ def test_what_governs_a_rough_joint(name, signs) -> None:
     assert all(any(change.startswith(sign) for change in told) for sign in signs.split())
     larger = {change: one.law for change, one in changed_laws(Strength.by_law(ROUGH))}
     assert larger == {
-        "JRC +1": replace(ROUGH, jrc=9.0), "JCS +10 %": replace(ROUGH, jcs_kpa=1.1 * 50e3),
+        "JRC +1": replace(ROUGH, jrc=9.0),
+        "JCS +10 %": replace(ROUGH, jcs_kpa=1.1 * 50e3),
         "φ_r +1°": replace(ROUGH, phi_r_deg=26.0),
-    }  # fmt: skip
+    }
     (changed,) = [change for change in told if change.startswith("JRC")]
-    rougher = next(one.law for change, one in changed_laws(Strength.by_law(ROUGH)) if change == changed)
+    rougher = next(
+        one.law for change, one in changed_laws(Strength.by_law(ROUGH)) if change == changed
+    )
     assert rougher.jrc > ROUGH.jrc
-    assert told[changed] == pytest.approx(factors_of(with_law(design, rougher), pre_ie=False).closed_form, rel=1e-12)
+    assert told[changed] == pytest.approx(
+        factors_of(with_law(design, rougher), pre_ie=False).closed_form, rel=1e-12
+    )
 
 
 def test_the_bound_is_that_of_tangents(monkeypatch) -> None:
     """Lines that touch the law at the traction of each pair, with its slope there: nowhere below it."""
-    touching, seen = strength_lines.outer, []
+    touching, seen = strength_lines.with_tangents, []
 
     def watched(model):
         seen.append((model, touching(model)))
         return seen[-1][1]
 
-    monkeypatch.setattr(strength_lines, "outer", watched)
+    monkeypatch.setattr(strength_lines, "with_tangents", watched)
     law = PowerCurve(2.0, 0.75, 5.0)
     analyse(paper_wedge(law))
     ((model, lines),) = seen
@@ -206,13 +235,20 @@ def test_two_laws_on_one_wedge() -> None:
     design = replace(paper_wedge(ROUGH), strengths=(Strength.by_law(one), Strength.by_law(two)))
     result = analyse(design)
     area, normal = result.geometry.areas_m2["J1"], np.array([result.forces.normal["J1"]])
-    by_hand = float(area * (one.resistance(normal / area) + two.resistance(normal / area))[0]) / result.forces.driving
+    by_hand = (
+        float(area * (one.resistance(normal / area) + two.resistance(normal / area))[0])
+        / result.forces.driving
+    )
     assert result.fos.closed_form == pytest.approx(by_hand, rel=1e-9)
     assert list(result.limit_state.curved_strength) == ["J1", "J2"]
-    assert result.limit_state.curved_strength["J1"]["friction_angle_deg"] == pytest.approx(42.20, abs=0.01)
+    assert result.limit_state.curved_strength["J1"]["friction_angle_deg"] == pytest.approx(
+        42.20, abs=0.01
+    )
 
 
-@pytest.mark.parametrize("law", [ROUGH, PowerCurve(2.0, 0.75), Bilinear(25.0, 15.0, 30.0)], ids=lambda law: law.name)
+@pytest.mark.parametrize(
+    "law", [ROUGH, PowerCurve(2.0, 0.75), Bilinear(25.0, 15.0, 30.0)], ids=lambda law: law.name
+)
 def test_one_block_of_many_is_the_block_on_a_plane(law, tmp_path) -> None:
     """The same block as a kind of one block and as blocks: a parallelogram 2 m long on 30°, by hand too.
 
@@ -236,22 +272,30 @@ strength: {{joint: {{c: 0, phi: 30}}}}
     normal, driving = weight * cos, weight * sin
     exact = 2.0 * float(law.resistance(np.array([normal / 2.0]))[0]) / driving
     assert result.fos.limit == pytest.approx(exact, rel=1e-9)
-    assert result.limit_state.curved_strength["joint"]["traction_kpa"] == pytest.approx(normal / 2.0, rel=1e-9)
+    assert result.limit_state.curved_strength["joint"]["traction_kpa"] == pytest.approx(
+        normal / 2.0, rel=1e-9
+    )
 
 
 @pytest.mark.slow
 def test_where_the_lines_begin_says_nothing(monkeypatch) -> None:
     """From a tenth and from ten times the mean traction: columns that follow their law, and those that have lines."""
-    first = strength_lines.first_lines
-    for dilation_deg in (3.0, 18.0):  # on its lines a joint that would dilate by more than its friction angle
+    first = strength_lines.with_initial_lines
+    for dilation_deg in (
+        3.0,
+        18.0,
+    ):  # on its lines a joint that would dilate by more than its friction angle
         columns = replace(template("topple"), heights_m=(6.0, 8.0))
         design = with_strength(columns, replace(Strength.by_law(ROUGH), dilation_deg=dilation_deg))
         found = []
         for times in (0.1, 10.0):
             monkeypatch.setattr(
-                strength_lines, "first_lines",
-                lambda laws, joint, model, mean, times=times: first(laws, joint, model, mean * times),
-            )  # fmt: skip
+                strength_lines,
+                "with_initial_lines",
+                lambda laws, joint, model, mean, times=times: first(
+                    laws, joint, model, mean * times
+                ),
+            )
             found.append(factors_of(design).limit)
         assert found[1] == pytest.approx(found[0], rel=1e-9)
 
@@ -261,10 +305,12 @@ def test_what_the_sheet_and_the_json_say() -> None:
     result = analyse(paper_wedge(ROUGH))
     words = " ".join(result.sheet.full.split())
     for said in (
-        "Barton-Bandis JRC 8 JCS 50 MPa φ_r 25°", "strength of each node pair at its own normal traction",
-        "moments lower the FoS to 2.784 (forces only 2.795)", "secant at the mean normal traction of each plane",
+        "Barton-Bandis JRC 8 JCS 50 MPa φ_r 25°",
+        "strength of each node pair at its own normal traction",
+        "moments lower the FoS to 2.784 (forces only 2.795)",
+        "secant at the mean normal traction of each plane",
         "not given: it is read from the closed form, which does not govern here",
-    ):  # fmt: skip
+    ):
         assert said in words
     document = result.to_dict()
     assert document["inputs"]["laws"][0] == {
@@ -279,7 +325,9 @@ def test_what_the_sheet_and_the_json_say() -> None:
     plain = analyse(wedge_design({"dips": ["45/115", "45/245"]})).to_dict()
     assert "laws" not in plain["inputs"]
     assert "curved_strength" not in plain
-    assert wedge_design({"dips": ["45/115", "45/245"]}).input_hash() != paper_wedge(ROUGH).input_hash()
+    assert (
+        wedge_design({"dips": ["45/115", "45/245"]}).input_hash() != paper_wedge(ROUGH).input_hash()
+    )
 
 
 def test_moments_that_open_a_rough_joint() -> None:
@@ -307,15 +355,18 @@ class Lines:
 def test_rounds_on_limits_by_passes_are_few(factors, most, monkeypatch) -> None:
     """Limits that passes know to a part alone never leave lines that stay: a wedge took 137 s to say so."""
     calls = []
-    drawn = lambda model, normal: replace(model, tan_friction=model.tan_friction * (1 + 0.1 * 0.98 ** len(calls)))  # noqa: E731
-    monkeypatch.setattr(strength_lines, "drawn", drawn)
+
+    def drawn(model, normal):
+        return replace(model, tan_friction=model.tan_friction * (1 + 0.1 * 0.98 ** len(calls)))
+
+    monkeypatch.setattr(strength_lines, "with_secants", drawn)
 
     def solve(model):
         calls.append(model)
         return factors[len(calls) % len(factors)]
 
     forces = lambda factor: (np.ones(2), factor, 1e-9)  # noqa: E731
-    _, found, swing = strength_lines._rounds(Lines(np.ones(2), np.zeros(2)), solve, forces)
+    _, found, swing = strength_lines._rounds_of_lines(Lines(np.ones(2), np.zeros(2)), solve, forces)
     assert len(calls) <= most
     assert found == min(factors)
     assert swing == pytest.approx(max(factors) / min(factors) - 1.0)

@@ -5,7 +5,18 @@ from typing import Any
 import slopekit as sk
 
 PLANES = ("40/180", "40/181")
-JOINTS = ("52/140", "58/150", "47/128", "61/222", "55/232", "66/215", "44/178", "52/186", "78/004", "18/175")
+JOINTS = (
+    "52/140",
+    "58/150",
+    "47/128",
+    "61/222",
+    "55/232",
+    "66/215",
+    "44/178",
+    "52/186",
+    "78/004",
+    "18/175",
+)
 SMALL: dict[str, Any] = {"height": 12, "face": 70, "dip_direction": 180, "n": 2000}
 
 
@@ -18,7 +29,9 @@ def test_without_cohesion_is_a_run_with_c_0() -> None:
     without = sk.bench_design(list(JOINTS), c=0, phi=32, spacing=1.5, **SMALL)
     bare, own = with_c.benches[0].bare, without.benches[0]
     assert bare["fails"] == {name: mode["fails"].share for name, mode in own.modes.items()}
-    assert bare["fails_if_formed"] == {name: mode["fails_if_formed"].share for name, mode in own.modes.items()}
+    assert bare["fails_if_formed"] == {
+        name: mode["fails_if_formed"].share for name, mode in own.modes.items()
+    }
     assert bare["berm_needed_m"] == own.berm_needed_m
     assert own.bare is None
     assert with_c.to_dict()["benches"][0]["without_cohesion"]["decides"] is True

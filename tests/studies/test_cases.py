@@ -13,10 +13,15 @@ from tests.commands import slopekit
 ROOT = Path(__file__).parents[2]
 FILE = ROOT / "examples/load-cases.yaml"
 DESIGN = {
-    "slopekit": 1, "kind": "plane", "slope": {"face": "60/180", "height": 12, "upper": "0/180"},
-    "joints": {"J1": {"plane": "35/180"}}, "strength": {"bedding": {"c": 20, "phi": 37}}, "rock": {"unit_weight": 26},
-    "water": {"fill": "50 %"}, "acceptance": {"rules": ["fos >= 1.3"]},
-}  # fmt: skip
+    "slopekit": 1,
+    "kind": "plane",
+    "slope": {"face": "60/180", "height": 12, "upper": "0/180"},
+    "joints": {"J1": {"plane": "35/180"}},
+    "strength": {"bedding": {"c": 20, "phi": 37}},
+    "rock": {"unit_weight": 26},
+    "water": {"fill": "50 %"},
+    "acceptance": {"rules": ["fos >= 1.3"]},
+}
 CASES = {
     "static": {"accept": "fos >= 1.5"},
     "quake": {"set": {"loads.seismic.k": 0.1}, "accept": "fos >= 1.1"},
@@ -41,11 +46,17 @@ def found():
 
 def test_each_case_is_the_design_with_its_values(found) -> None:
     """Against the formula of a plane failure, and against `set` by hand."""
-    expected = {"static": plane_factor(), "quake": plane_factor(k=0.1), "drained": plane_factor(fill=0.0)}
+    expected = {
+        "static": plane_factor(),
+        "quake": plane_factor(k=0.1),
+        "drained": plane_factor(fill=0.0),
+    }
     for name, factor in expected.items():
         assert found.cases[name].fos.closed_form == pytest.approx(factor, rel=1e-9)
         assert found.cases[name].fos.limit == pytest.approx(factor, rel=1e-6)
-    alone = sk.run(FILE, set={"cases": None, "loads.seismic.k": 0.1, "acceptance.rules": "fos >= 1.1"})
+    alone = sk.run(
+        FILE, set={"cases": None, "loads.seismic.k": 0.1, "acceptance.rules": "fos >= 1.1"}
+    )
     own, other = found.cases["quake"].to_dict(), alone.to_dict()
     assert own["input_sha256"] == other["input_sha256"]
     assert own.keys() == other.keys()
@@ -85,14 +96,20 @@ def test_the_command_line_writes_every_case(tmp_path) -> None:
     ran = slopekit("run", str(FILE), "-o", "out", "--no-pictures", "--json", cwd=tmp_path)
     assert ran.returncode == 1
     assert json.loads(ran.stdout)["governing"] == "static"
-    written = {str(path.relative_to(tmp_path / "out")) for path in (tmp_path / "out").rglob("*") if path.is_file()}
+    written = {
+        str(path.relative_to(tmp_path / "out"))
+        for path in (tmp_path / "out").rglob("*")
+        if path.is_file()
+    }
     each = {f"{case}/{file}" for case in CASES for file in ("result.json", "sheet.txt")}
     assert written == each | {"result.json", "sheet.txt", "cases.csv"}
     assert (
         json.loads((tmp_path / "out/quake/result.json").read_text())["fos"]
         == json.loads(ran.stdout)["cases"]["quake"]["fos"]
     )
-    page = sk.report(tmp_path / "out", tmp_path / "page.html", pictures=False).read_text(encoding="utf-8")
+    page = sk.report(tmp_path / "out", tmp_path / "page.html", pictures=False).read_text(
+        encoding="utf-8"
+    )
     assert page.index("Load cases") < page.index("Result, static") < page.index("Result, drained")
     listed = slopekit("plot", "out", "--case", "quak", cwd=tmp_path)
     assert listed.returncode == 2
@@ -110,7 +127,9 @@ def test_every_study_of_a_design_takes_cases() -> None:
     }
     swept = sk.sweep(sk.load(FILE), {"loads.seismic.k": [0, 0.1]}, closed_form=True)
     assert [notice.code for notice in swept.warnings] == ["W427"]
-    assert swept.cases["static"].points[1].factors.closed_form == pytest.approx(plane_factor(k=0.1), rel=1e-9)
+    assert swept.cases["static"].points[1].factors.closed_form == pytest.approx(
+        plane_factor(k=0.1), rel=1e-9
+    )
 
 
 def test_the_bolts_of_the_case_that_governs_satisfy_every_case() -> None:
@@ -124,9 +143,14 @@ def test_the_bolts_of_the_case_that_governs_satisfy_every_case() -> None:
     assert rows["active_kn"].dropna().tolist() == needed
     assert needed[0] > needed[1]
     bolts = [
-        {"force": bolt.force_kn, "toward": f"{bolt.toward.trend_deg}/{bolt.toward.plunge_deg}", "head": bolt.head_m,
-         "length": bolt.length_m} for bolt in found.cases["static"].cases[0].bolts
-    ]  # fmt: skip
+        {
+            "force": bolt.force_kn,
+            "toward": f"{bolt.toward.trend_deg}/{bolt.toward.plunge_deg}",
+            "head": bolt.head_m,
+            "length": bolt.length_m,
+        }
+        for bolt in found.cases["static"].cases[0].bolts
+    ]
     again = sk.run(FILE, set={"support.bolts": bolts})
     assert again.accepted
     tried = found.to_dict()["cases"]["static"]["bolts"][0]["other_cases"]
@@ -146,31 +170,49 @@ def test_bolts_that_do_not_hold_another_case_are_not_reached(tmp_path) -> None:
     Against the formula of an active bolt on a dry plane, its force and direction as they are written.
     """
     dry = {key: value for key, value in DESIGN.items() if key != "water"}
-    design = dry | {"strength": {"bedding": {"c": 20, "phi": 45}}, "cases": {
-        "rock": {"accept": "fos >= 2.2"},
-        "soaked": {"set": {"strength.bedding.phi": 5, "strength.bedding.c": 55}, "accept": "fos >= 1.6"},
-    }}  # fmt: skip
+    design = dry | {
+        "strength": {"bedding": {"c": 20, "phi": 45}},
+        "cases": {
+            "rock": {"accept": "fos >= 2.2"},
+            "soaked": {
+                "set": {"strength.bedding.phi": 5, "strength.bedding.c": 55},
+                "accept": "fos >= 1.6",
+            },
+        },
+    }
     found = sk.support(sk.load(design), plunge=(-45, 30), acts="active")
     case = found.cases["soaked"].cases[0]
     height, dip, force = 12.0, math.radians(35.0), sum(bolt.force_kn for bolt in case.bolts)
     weight = 26.0 * height**2 / 2.0 * (1.0 / math.tan(dip) - 1.0 / math.tan(math.radians(60.0)))
     off = dip + math.radians(case.toward.plunge_deg)  # between the bolts and the plane
     normal = weight * math.cos(dip) + force * math.sin(off)
-    factor = (20.0 * height / math.sin(dip) + normal) / (weight * math.sin(dip) - force * math.cos(off))
+    factor = (20.0 * height / math.sin(dip) + normal) / (
+        weight * math.sin(dip) - force * math.cos(off)
+    )
     assert factor < 2.2
     trial = case.other_cases["rock"]
-    assert (trial["met"], trial["fos"]) == (False, pytest.approx({"limit": factor, "closed_form": factor}, rel=1e-6))
+    assert (trial["met"], trial["fos"]) == (
+        False,
+        pytest.approx({"limit": factor, "closed_form": factor}, rel=1e-6),
+    )
     assert (case.reached, found.governing, found.exit_code) == (True, "soaked", 1)
     assert "NOT REACHED in rock" in found.line
-    assert f"rock NOT REACHED, FoS 2.2: solved again with these bolts FoS {factor:.4f}" in " ".join(str(found).split())
+    assert f"rock NOT REACHED, FoS 2.2: solved again with these bolts FoS {factor:.4f}" in " ".join(
+        str(found).split()
+    )
     assert case.yaml.startswith("# in rock NOT REACHED, FoS 2.2")
-    lower = sk.support(sk.load(design, set={"cases.rock.accept": "fos >= 2.19"}), plunge=(-45, 30), acts="active")
+    lower = sk.support(
+        sk.load(design, set={"cases.rock.accept": "fos >= 2.19"}), plunge=(-45, 30), acts="active"
+    )
     assert (lower.governing, lower.exit_code) == ("soaked", 0)
 
 
 def test_bolts_that_have_no_place_in_another_case_are_not_reached() -> None:
     """The highest bolt of a cut 12 m high has its head above one of 10 m: E211 there, as `run` says."""
-    cases = {"high": {"accept": "fos >= 2"}, "low": {"set": {"slope.height": 10}, "accept": "fos >= 1.2"}}
+    cases = {
+        "high": {"accept": "fos >= 2"},
+        "low": {"set": {"slope.height": 10}, "accept": "fos >= 1.2"},
+    }
     found = sk.support(sk.load(DESIGN | {"cases": cases}), acts="passive")
     assert found.exit_code == 1
     assert "low NOT REACHED, FoS 1.2: E211 bolt" in " ".join(str(found).split())
@@ -186,18 +228,31 @@ def test_solve_gives_the_value_of_each_case() -> None:
 
     own = {"static": needed(1.5), "quake": needed(1.1, k=0.1), "drained": needed(1.3, fill=0.0)}
     found = sk.solve(sk.load(FILE), "strength.bedding.c")
-    assert {name: one.answer.value for name, one in found.cases.items()} == pytest.approx(own, rel=1e-6)
+    assert {name: one.answer.value for name, one in found.cases.items()} == pytest.approx(
+        own, rel=1e-6
+    )
     assert (found.governing, found.exit_code) == ("static", 0)
     rows = found.to_frame()
     assert dict(zip(rows["case"], rows["value"], strict=True)) == pytest.approx(own, rel=1e-6)
     assert set(rows["bound"]) == {"at least"}
-    wet = sk.solve(sk.load({**DESIGN, "cases": {name: CASES[name] for name in ("static", "quake")}}), "water.fill")
-    assert wet.cases[wet.governing].answer.value == min(one.answer.value for one in wet.cases.values())
+    wet = sk.solve(
+        sk.load({**DESIGN, "cases": {name: CASES[name] for name in ("static", "quake")}}),
+        "water.fill",
+    )
+    assert wet.cases[wet.governing].answer.value == min(
+        one.answer.value for one in wet.cases.values()
+    )
 
 
 def test_prob_answers_case_by_case() -> None:
-    scatter = {**DESIGN, "strength": {"bedding": {"c": 20, "phi": {"dist": "normal", "mean": 37, "sd": 4}}}}
-    cases = {"dry": {"set": {"water.fill": 0}}, "fixed": {"set": {"strength.bedding.phi": 30, "strength.bedding.c": 1}}}
+    scatter = {
+        **DESIGN,
+        "strength": {"bedding": {"c": 20, "phi": {"dist": "normal", "mean": 37, "sd": 4}}},
+    }
+    cases = {
+        "dry": {"set": {"water.fill": 0}},
+        "fixed": {"set": {"strength.bedding.phi": 30, "strength.bedding.c": 1}},
+    }
     found = sk.prob(sk.load({**scatter, "cases": {"dry": cases["dry"]}}), n=200, by="closed-form")
     alone = sk.prob(sk.load(scatter, {"water.fill": 0}), n=200, by="closed-form")
     assert found.cases["dry"].all_samples == alone.all_samples
@@ -226,7 +281,11 @@ def test_prob_answers_case_by_case() -> None:
         ({"a": {"set": {"support.bolts.0.force": 1}}}, "E144", "a list is needed"),
         ({"a": {"accept": "fs >= 1"}}, "E169", "fs is nothing that a rule can judge"),
         ({"a": {"accept": {"fos": 1}}}, "E144", "cases.a.accept"),
-        ({"a": {"accept": "fos >= 1", "set": {"acceptance.rules": "fos >= 2"}}}, "E151", "set twice"),
+        (
+            {"a": {"accept": "fos >= 1", "set": {"acceptance.rules": "fos >= 2"}}},
+            "E151",
+            "set twice",
+        ),
     ],
 )
 def test_bad_cases_are_refused(cases, code, said) -> None:
@@ -238,20 +297,31 @@ def test_bad_cases_are_refused(cases, code, said) -> None:
 
 def test_all_faults_of_all_cases_come_at_once_with_their_places(tmp_path) -> None:
     text = FILE.read_text(encoding="utf-8")
-    text = text.replace("k: 0.1", "k: 9").replace("water.fill: 0}", "water.fill: 7}").replace("phi: 37", "phi: 97")
+    text = (
+        text.replace("k: 0.1", "k: 9")
+        .replace("water.fill: 0}", "water.fill: 7}")
+        .replace("phi: 37", "phi: 97")
+    )
     path = tmp_path / "cut.yaml"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(sk.DesignError) as error:
         sk.load(path)
     assert [(fault.code, fault.where.split(":")[1]) for fault in error.value.faults] == [
-        ("E115", "7"), ("E122", "13"), ("E118", "14")
-    ]  # fmt: skip
+        ("E115", "7"),
+        ("E122", "13"),
+        ("E118", "14"),
+    ]
 
 
 def test_a_fault_that_only_a_case_has_says_whose_it_is() -> None:
     """A face that is flatter than the joint in one case alone."""
     with pytest.raises(sk.GeometryError, match=r"\(load case flat\)"):
-        sk.run({**DESIGN, "cases": {"flat": {"set": {"slope.face": "30/180"}}, "quake": CASES["quake"]}})
+        sk.run(
+            {
+                **DESIGN,
+                "cases": {"flat": {"set": {"slope.face": "30/180"}}, "quake": CASES["quake"]},
+            }
+        )
 
 
 @pytest.mark.parametrize(("name", "code"), [("quak", "E197"), ("Static", "E197"), ("", "E197")])

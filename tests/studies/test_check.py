@@ -14,16 +14,19 @@ from slopekit.design.templates import path_of
 from slopekit.kinds.assemblies import many_blocks, many_blocks_ladder
 from slopekit.kinds.single_block import ladders
 from slopekit.kinds.single_block.ladders import Rung, timed
-from slopekit.preie.elastic_path.rests import JUST
+from slopekit.preie.elastic_path.rests import CONFIRMATION_GAP
 from slopekit.studies.check import Check, Finding, check
 from tests.closed_form.scalar_wedge import hoek_bray_wedge
 from tests.properties.test_not_unique import BONDED_ROW, ROUGH_COLUMNS, TWO_BLOCKS, two_paths
 
 ONE_PLANE = {
-    "slopekit": 1, "kind": "wedge", "slope": {"face": "65/180", "upper": "0/180", "height": 10},
-    "joints": {"J1": {"plane": "45/160"}, "J2": {"plane": "80/240"}}, "strength": {"s": {"c": 20, "phi": 30}},
+    "slopekit": 1,
+    "kind": "wedge",
+    "slope": {"face": "65/180", "upper": "0/180", "height": 10},
+    "joints": {"J1": {"plane": "45/160"}, "J2": {"plane": "80/240"}},
+    "strength": {"s": {"c": 20, "phi": 30}},
     "rock": {"unit_weight": 26},
-}  # fmt: skip
+}
 
 
 def checked(name: str, **values) -> Check:
@@ -46,7 +49,11 @@ def finding(found: Check, name: str) -> Finding:
 
 
 def rungs(found: Check, method: str) -> list[tuple[Rung, float | None]]:
-    return [(rung, error) for rung, error in zip(found.ladder, found.errors, strict=True) if rung.method == method]
+    return [
+        (rung, error)
+        for rung, error in zip(found.ladder, found.errors, strict=True)
+        if rung.method == method
+    ]
 
 
 @pytest.mark.parametrize(("phi", "consistent"), [(20.6, False), (20.7, False), (21.2, True)])
@@ -90,7 +97,9 @@ def test_kinds_with_a_closed_form_agree(name) -> None:
     assert min(error for error in found.errors if error is not None) < 1e-4
 
 
-@pytest.mark.parametrize(("name", "values"), [("paper-ellipsoid", {"slip.edge": 20}), ("blocks", {}), ("wall", {})])
+@pytest.mark.parametrize(
+    ("name", "values"), [("paper-ellipsoid", {"slip.edge": 20}), ("blocks", {}), ("wall", {})]
+)
 def test_kinds_without_a_closed_form_say_so(name, values) -> None:
     """They are judged by finer node pairs where there are any, and by the bound."""
     found = checked(name, **values) if values else plain(name)
@@ -130,9 +139,14 @@ def test_moments_govern_is_judged_by_the_mesh() -> None:
 def hoek_bray_of(found: Check) -> float:
     design = found.result.design
     factor = hoek_bray_wedge(
-        design.joints, design.face, design.upper, design.height_m, design.cohesion_kpa, design.friction_angle_deg,
+        design.joints,
+        design.face,
+        design.upper,
+        design.height_m,
+        design.cohesion_kpa,
+        design.friction_angle_deg,
         design.rock.unit_weight_kn_m3,
-    ).factor  # fmt: skip
+    ).factor
     assert factor is not None
     return factor
 
@@ -165,20 +179,26 @@ def test_blocks_of_a_section_are_not_refined(cohesion) -> None:
 
 @pytest.mark.parametrize(
     ("design", "stiff", "soft"),
-    [(ROUGH_COLUMNS, 0.905, 0.670), (TWO_BLOCKS, 0.529555, 0.529555), (BONDED_ROW, 1.532417, 1.532347)],
+    [
+        (ROUGH_COLUMNS, 0.905, 0.670),
+        (TWO_BLOCKS, 0.529555, 0.529555),
+        (BONDED_ROW, 1.532417, 1.532347),
+    ],
     ids=["rough columns", "two blocks", "bonded row"],
 )
 def test_the_shear_stiffness_of_the_elastic_joints_has_its_rungs(design, stiff, soft) -> None:
-    """METHOD-3.md §13, column "F_path (ρ 1 / 0.1)", to the digits that it prints; of the bonded row on finer pairs."""
+    """The prototype of the path with k_t/k_n 1 and 0.1, to its digits; of the bonded row on finer pairs."""
     found = rough_columns() if design is ROUGH_COLUMNS else check(sk.load(design))
     by_ratio = {rung.setting_value: rung.factor for rung, _ in rungs(found, "stiffness")}
     assert by_ratio.keys() == {0.1, 1.0}
     for ratio, wanted in ((1.0, stiff), (0.1, soft)):
-        assert by_ratio[ratio] == pytest.approx(wanted, abs=10.0 ** -len(str(wanted).partition(".")[2]))
+        assert by_ratio[ratio] == pytest.approx(
+            wanted, abs=10.0 ** -len(str(wanted).partition(".")[2])
+        )
 
 
 def test_a_limit_that_hangs_on_the_stiffness_of_the_joints_is_not_consistent() -> None:
-    """Rough columns: 0.905 with k_t/k_n 1 and 0.670 with 0.1, the limit 0.8175 (METHOD-3.md §13)."""
+    """Rough columns: 0.905 with k_t/k_n 1 and 0.670 with 0.1, the limit 0.8175 (the prototype of the path)."""
     found = check(sk.load(ROUGH_COLUMNS))
     one = finding(found, "stiffness ratio")
     assert one.value == pytest.approx(1.0 - 0.670 / 0.8175, abs=2e-3)
@@ -199,17 +219,19 @@ def test_a_limit_that_is_the_same_on_all_joints_is_consistent() -> None:
     assert found.consistent
 
 
-def test_forces_of_a_group_s_limit_are_held_against_the_strength_at_which_all_blocks_rest(monkeypatch) -> None:
+def test_forces_of_a_group_s_limit_are_held_against_the_strength_at_which_all_blocks_rest(
+    monkeypatch,
+) -> None:
     """The bench's limit is that of five blocks, its forces are those of all just before it: admissible there only."""
     monkeypatch.setattr(many_blocks.SolvedAssembly, "with_all_pairs", lambda solution: solution)
-    for name, nothing in (("_rungs", ()), ("_others", ())):
+    for name, nothing in (("_rungs", ()), ("_factors_at_other_strengths", ())):
         monkeypatch.setattr(many_blocks_ladder, name, lambda *_, nothing=nothing: nothing)
     found = checked("bench")
     beyond = found.result.limit_state.balance.friction_excess
     assert beyond > 1e-4  # against the strength at the limit itself
     assert finding(found, "admissible").value < 1e-9
     holds = finding(found, "holds at limit")
-    assert 1e-4 < holds.value <= (1.0 + 1e-9) * JUST
+    assert 1e-4 < holds.value <= (1.0 + 1e-9) * CONFIRMATION_GAP
     assert holds.met
     assert f"F = {found.result.fos.limit * (1.0 - holds.value):.6g}" in holds.words
     assert found.consistent
@@ -221,7 +243,10 @@ def test_without_a_limit_at_another_stiffness_it_is_not_judged(monkeypatch) -> N
 
     def ladder(solved):
         limit = solved.result.fos.limit
-        return (Rung("stiffness", "", 1, 0.1, None, 0.0), Rung("stiffness", "", 1, 1.0, limit * lost["factor"], 0.0))
+        return (
+            Rung("stiffness", "", 1, 0.1, None, 0.0),
+            Rung("stiffness", "", 1, 1.0, limit * lost["factor"], 0.0),
+        )
 
     monkeypatch.setattr(many_blocks_ladder, "_rungs", ladder)
     one = finding(check(sk.load(BONDED_ROW)), "stiffness ratio")
@@ -244,7 +269,9 @@ def test_a_limit_that_its_forces_do_not_carry_is_not_consistent(by, seen, monkey
 
     def off(*given):
         result = honest(*given)
-        return replace(result, fos=replace(result.fos, limit=result.fos.limit * by), difference=abs(by - 1.0))
+        return replace(
+            result, fos=replace(result.fos, limit=result.fos.limit * by), difference=abs(by - 1.0)
+        )
 
     monkeypatch.setattr(SingleBlock, "analyse", off)
     found = checked("paper-wedge", **{"analysis.agree_within": 0.1})
@@ -261,12 +288,21 @@ def test_a_limit_that_its_forces_do_not_carry_is_not_consistent(by, seen, monkey
 
 def test_nothing_independent_is_not_judged() -> None:
     """A block at rest on a base: a status, and nothing to hold it against."""
-    resting = check(sk.load({
-        "slopekit": 1, "kind": "blocks", "section": {"thickness": 1},
-        "blocks": {"base": {"polygon": [[-5, -1], [5, -1], [5, 0], [-5, 0]], "fixed": True},
-                   "B": {"polygon": [[0, 0], [1, 0], [1, 1], [0, 1]]}},
-        "strength": {"joint": {"c": 0, "phi": 30}}, "rock": {"unit_weight": 25},
-    }))  # fmt: skip
+    resting = check(
+        sk.load(
+            {
+                "slopekit": 1,
+                "kind": "blocks",
+                "section": {"thickness": 1},
+                "blocks": {
+                    "base": {"polygon": [[-5, -1], [5, -1], [5, 0], [-5, 0]], "fixed": True},
+                    "B": {"polygon": [[0, 0], [1, 0], [1, 1], [0, 1]]},
+                },
+                "strength": {"joint": {"c": 0, "phi": 30}},
+                "rock": {"unit_weight": 25},
+            }
+        )
+    )
     assert resting.result.status == "no_driving_force"
     assert resting.consistent is None
     assert resting.exit_code == 0
@@ -281,7 +317,11 @@ def test_another_strength_leads_to_the_same_limit_state() -> None:
 
 def test_a_limit_that_is_not_the_only_one_is_found_out(monkeypatch) -> None:
     """Half the strength with less than half the factor: the number hangs on the way there."""
-    monkeypatch.setattr(many_blocks_ladder, "_others", lambda solved: (0.9 * solved.result.fos.limit,) * 2)
+    monkeypatch.setattr(
+        many_blocks_ladder,
+        "_factors_at_other_strengths",
+        lambda solved: (0.9 * solved.result.fos.limit,) * 2,
+    )
     found = check(sk.load(ROUGH_COLUMNS))
     assert finding(found, "other strengths").value > 0.05
     assert "not unique" in finding(found, "other strengths").words

@@ -27,7 +27,9 @@ def test_the_sheet(name) -> None:
     labels = [line[:10].strip() for line in lines[1:] if not line.startswith(" ")]
     assert labels[:4] == ["STATUS", "FoS", "LOOKED AT", "LADDER"]
     assert "VERDICT   CONSISTENT" in sheet
-    what = "PRE-IE" if checked.result.findings is None else "limit of the elastic path (k_t/k_n 0.4)"
+    what = (
+        "PRE-IE" if checked.result.findings is None else "limit of the elastic path (k_t/k_n 0.4)"
+    )
     digits = 5 if name == "goodman-bray" else 3  # 0.99996 is no 1.000
     assert f"{checked.result.fos.limit:.{digits}f}  {what}" in sheet
     for finding in checked.findings:
@@ -35,7 +37,9 @@ def test_the_sheet(name) -> None:
     if checked.result.findings is None:
         assert sum("parts split" in line or "edges of" in line for line in lines) >= 3
     else:  # two ratios of the joints' stiffness, and the node pairs
-        assert [sum(rung in line for line in lines) for rung in ("k_t / k_n 0.1", "k_t / k_n 1 ")] == [1, 1]
+        assert [
+            sum(rung in line for line in lines) for rung in ("k_t / k_n 0.1", "k_t / k_n 1 ")
+        ] == [1, 1]
         assert any("as analysed" in line for line in lines)
     assert checked.line.startswith(checked.result.status)
 
@@ -47,20 +51,32 @@ def test_what_is_measured_in_time_stands_in_the_text_alone() -> None:
     shown = checked.to_dict()["sheet"]
     assert shown.keys().isdisjoint({"TIME"})
     (ladder,) = (entry for entry in shown["LADDER"] if not isinstance(entry, str))
-    assert [column["title"] for column in ladder["columns"]] == ["method", "setting", "pairs", "F", "error"]
+    assert [column["title"] for column in ladder["columns"]] == [
+        "method",
+        "setting",
+        "pairs",
+        "F",
+        "error",
+    ]
     rows = checked.tables()["ladder"].records()
-    assert [(row["fos"], row["seconds"]) for row in rows] == [(rung.factor, rung.seconds) for rung in checked.ladder]
+    assert [(row["fos"], row["seconds"]) for row in rows] == [
+        (rung.factor, rung.seconds) for rung in checked.ladder
+    ]
 
 
 def test_without_a_factor_the_sheet_says_why() -> None:
-    lifted = check(sk.load(path_of("wedge"), set={"water": {"pressures": {"J1": 2000, "J2": 2000}}}))
+    lifted = check(
+        sk.load(path_of("wedge"), set={"water": {"pressures": {"J1": 2000, "J2": 2000}}})
+    )
     sheet = str(lifted)
     assert "none: there is no factor of safety to come near to" in sheet
     assert "the same status from both" in sheet
 
 
 def test_without_a_factor_there_is_no_picture(tmp_path) -> None:
-    lifted = check(sk.load(path_of("wedge"), set={"water": {"pressures": {"J1": 2000, "J2": 2000}}}))
+    lifted = check(
+        sk.load(path_of("wedge"), set={"water": {"pressures": {"J1": 2000, "J2": 2000}}})
+    )
     with pytest.raises(sk.DesignError) as caught:
         sk.plot(lifted, "speed-error", tmp_path / "none.png")
     assert caught.value.codes == ("E273",)
@@ -94,7 +110,12 @@ def test_the_command(tmp_path) -> None:
 
 def test_disagreement_is_exit_code_4() -> None:
     """A dispute of the methods is one: agreement is asked for beyond what the solver settles to."""
-    settings = ("--set", "analysis.agree_within=1e-9", "--set", "slip.edge=16")  # a coarse mesh is quick
+    settings = (
+        "--set",
+        "analysis.agree_within=1e-9",
+        "--set",
+        "slip.edge=16",
+    )  # a coarse mesh is quick
     run = slopekit("check", str(path_of("sphere")), *settings, "--quiet")
     assert run.returncode == 4
     assert "NOT CONSISTENT: closed form" in run.stdout

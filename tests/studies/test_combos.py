@@ -25,7 +25,14 @@ from tests.geometry.manifold_wedge import wedge_rock_mass
 
 LIST = str(Path(__file__).parents[2] / "examples" / "joints.csv")
 #: Moments govern: the limit is 1.578, the closed form 1.677.
-ONE_PLANE = {"joints": ["45/160", "80/240"], "face": "65/180", "height": 10, "c": 20, "phi": 30, "unit_weight": 26}
+ONE_PLANE = {
+    "joints": ["45/160", "80/240"],
+    "face": "65/180",
+    "height": 10,
+    "c": 20,
+    "phi": 30,
+    "unit_weight": 26,
+}
 
 #: Some joints of examples/joints.csv.
 TURNS = {"N06": "40/128", "N08": "53/213", "N15": "48/142", "N39": "73/204", "N48": "58/138"}
@@ -38,7 +45,9 @@ def survey(seed: int, n: int) -> list[tuple[float, float]]:
 
 def refused(**inputs) -> DesignError:
     with pytest.raises(DesignError) as caught:
-        sk.combos(**({"joints": ["45/115", "45/245"], "face": "65/180", "c": 5, "phi": 30} | inputs))
+        sk.combos(
+            **({"joints": ["45/115", "45/245"], "face": "65/180", "c": 5, "phi": 30} | inputs)
+        )
     return caught.value
 
 
@@ -49,8 +58,12 @@ def outcomes(found: Combos) -> list[str]:
 def corners_of(found: Combos, k: int) -> dict[str, np.ndarray]:
     """Toe, back and crests of a pair by the rock mass that PRE-IE cuts, m."""
     shapes, slope = found.pairs, found.given.slope
-    planes = np.array([found.joints.joints[j].plane.normal() for j in (shapes.first[k], shapes.second[k])])
-    rock = wedge_rock_mass(planes, slope.face.normal(), slope.upper.normal(), float(shapes.height_m[k]))
+    planes = np.array(
+        [found.joints.joints[j].plane.normal() for j in (shapes.first[k], shapes.second[k])]
+    )
+    rock = wedge_rock_mass(
+        planes, slope.face.normal(), slope.upper.normal(), float(shapes.height_m[k])
+    )
     return {
         "toe": rock.toe,
         "back": rock.back,
@@ -64,10 +77,22 @@ def corners_of(found: Combos, k: int) -> dict[str, np.ndarray]:
 
 SLOPES = [
     {"face": "65/180"},
-    {"face": "70/200", "upper": "15/230", "water": "40%", "seismic": "0.1"},  # a crest that is not level
+    {
+        "face": "70/200",
+        "upper": "15/230",
+        "water": "40%",
+        "seismic": "0.1",
+    },  # a crest that is not level
     {"face": "85/010", "upper": "25/350", "water": "u=6kPa", "seismic": "0.1@015", "density": 2400},
-    {"face": "60/090", "upper": "20/270", "water": "full", "persistence": 9, "bench_width": 4, "max_volume": 30},
-]  # fmt: skip
+    {
+        "face": "60/090",
+        "upper": "20/270",
+        "water": "full",
+        "persistence": 9,
+        "bench_width": 4,
+        "max_volume": 30,
+    },
+]
 
 
 @pytest.mark.parametrize("slope", SLOPES, ids=lambda slope: slope["face"])
@@ -93,13 +118,22 @@ def test_every_pair_is_what_one_wedge_says(slope) -> None:
             continue
         corners = corners_of(found, k)
         answer = hoek_bray_wedge(
-            (one, two), base.face, base.upper, height, (8, 8), (31, 31), base.rock.unit_weight_kn_m3, water=water,
+            (one, two),
+            base.face,
+            base.upper,
+            height,
+            (8, 8),
+            (31, 31),
+            base.rock.unit_weight_kn_m3,
+            water=water,
             seismic=(base.seismic.coefficient, base.seismic.trend_deg),
-        )  # fmt: skip
+        )
         assert outcome == answer.status
         assert pairs.volume_m3[k] == pytest.approx(answer.volume, rel=1e-9)
         line = line_of(corners["line"])
-        assert math.cos(math.radians(pairs.trend_deg[k] - line.trend_deg)) == pytest.approx(1.0, abs=1e-9)
+        assert math.cos(math.radians(pairs.trend_deg[k] - line.trend_deg)) == pytest.approx(
+            1.0, abs=1e-9
+        )
         assert pairs.plunge_deg[k] == pytest.approx(line.plunge_deg, abs=1e-6)
         if answer.factor is None:
             assert math.isnan(pairs.factor[k])
@@ -109,7 +143,9 @@ def test_every_pair_is_what_one_wedge_says(slope) -> None:
         way, dip = math.radians(base.face.dip_direction_deg), math.radians(base.face.dip_deg)
         crest = np.array([-math.sin(way) / math.tan(dip), -math.cos(way) / math.tan(dip), 1.0])
         crest *= 12.0 * pairs.scale[k]
-        assert base.upper.normal() @ crest == pytest.approx(base.upper.normal() @ corners["crest1"], rel=1e-9)
+        assert base.upper.normal() @ crest == pytest.approx(
+            base.upper.normal() @ corners["crest1"], rel=1e-9
+        )
         checked += 1
     assert checked == found.removable > 100
 
@@ -117,7 +153,14 @@ def test_every_pair_is_what_one_wedge_says(slope) -> None:
 def test_the_order_of_the_list_does_not_matter() -> None:
     """On a crest that is not level the heights of the two traces differ; the wedge of a pair stays the same."""
     joints = {f"J{k}": plane for k, plane in enumerate(survey(9, 30))}
-    slope = {"face": "70/200", "upper": "15/240", "height": 9, "c": 5, "phi": 28, "closed_form": True}
+    slope = {
+        "face": "70/200",
+        "upper": "15/240",
+        "height": 9,
+        "c": 5,
+        "phi": 28,
+        "closed_form": True,
+    }
     forth, back = sk.combos(joints, **slope), sk.combos(dict(reversed(joints.items())), **slope)
 
     def by_names(found: Combos) -> dict:
@@ -125,7 +168,12 @@ def test_the_order_of_the_list_does_not_matter() -> None:
         return {
             frozenset((names[a], names[b])): (outcome in NOT_REMOVABLE.values(), factor, volume)
             for a, b, outcome, factor, volume in zip(
-                shapes.first, shapes.second, outcomes(found), found.pairs.factor, found.pairs.volume_m3, strict=True
+                shapes.first,
+                shapes.second,
+                outcomes(found),
+                found.pairs.factor,
+                found.pairs.volume_m3,
+                strict=True,
             )
         }
 
@@ -144,7 +192,10 @@ def test_a_joint_whose_trace_is_level_still_meets_a_crest_that_falls() -> None:
         assert found.removable == 1
         assert found.worst[0].agree
         assert set(found.worst[0].planes) == {Plane(40, 180), Plane(80, 250)}
-    assert sk.combos(["40/180", "80/250"], **(slope | {"upper": "0/180"})).counts["along_the_face"] == 1
+    assert (
+        sk.combos(["40/180", "80/250"], **(slope | {"upper": "0/180"})).counts["along_the_face"]
+        == 1
+    )
 
 
 @pytest.mark.parametrize(
@@ -162,18 +213,26 @@ def test_a_joint_whose_trace_is_level_still_meets_a_crest_that_falls() -> None:
         ("along_the_face", ["40/180", "80/250"], {}),
         ("below_min_volume", ["45/115", "45/245"], {"min_volume": "1e6"}),
     ],
-)  # fmt: skip
+)
 def test_outcomes(outcome, joints, inputs) -> None:
     found = sk.combos(joints, face="65/180", height=10, c=5, phi=30, closed_form=True, **inputs)
     assert {name: count for name, count in found.counts.items() if count} == {outcome: 1}
-    assert found.removable == (outcome in found.counts and outcome not in (*NOT_REMOVABLE.values(), "below_min_volume"))
+    assert found.removable == (
+        outcome in found.counts and outcome not in (*NOT_REMOVABLE.values(), "below_min_volume")
+    )
 
 
 # -- limits of size ----------------------------------------------------------------------------------------------------
 
 
 def longest_edge(corners: dict[str, np.ndarray]) -> float:
-    edges = (("toe", "back"), ("toe", "crest1"), ("toe", "crest2"), ("back", "crest1"), ("back", "crest2"))
+    edges = (
+        ("toe", "back"),
+        ("toe", "crest1"),
+        ("toe", "crest2"),
+        ("back", "crest1"),
+        ("back", "crest2"),
+    )
     return max(float(np.linalg.norm(corners[a] - corners[b])) for a, b in edges)
 
 
@@ -196,10 +255,14 @@ def longest_trace(corners: dict[str, np.ndarray]) -> float:
         ("persistence", 30.0, lambda corners, volume: longest_edge(corners)),
         ("bench_width", 3.0, lambda corners, volume: behind_the_crest(corners)),
         ("max_volume", 20.0, lambda corners, volume: volume),
-        ("slope_length", 5.0, lambda corners, volume: np.linalg.norm(corners["crest2"] - corners["crest1"])),
+        (
+            "slope_length",
+            5.0,
+            lambda corners, volume: np.linalg.norm(corners["crest2"] - corners["crest1"]),
+        ),
         ("trace_length", 15.0, lambda corners, volume: longest_trace(corners)),
     ],
-)  # fmt: skip
+)
 def test_limits_scale_wedges_down_to_them(limit, value, size, upper) -> None:
     """Sizes from the corners of the rock mass; similar wedges, so volumes go with the cube of the scale."""
     joints, slope = (
@@ -211,7 +274,9 @@ def test_limits_scale_wedges_down_to_them(limit, value, size, upper) -> None:
     assert (less.pairs.is_removable == full.pairs.is_removable).all()
     scale = less.pairs.scale[removable]
     assert 0 < (scale < 1.0).sum() < len(scale)
-    assert less.pairs.volume_m3[removable] == pytest.approx(full.pairs.volume_m3[removable] * scale**3, rel=1e-9)
+    assert less.pairs.volume_m3[removable] == pytest.approx(
+        full.pairs.volume_m3[removable] * scale**3, rel=1e-9
+    )
     for k in removable:
         found = size(corners_of(less, k), less.pairs.volume_m3[k])
         if less.pairs.scale[k] < 1.0:
@@ -219,13 +284,18 @@ def test_limits_scale_wedges_down_to_them(limit, value, size, upper) -> None:
         else:
             assert found <= value * (1 + 1e-9)
     slides = ~np.isnan(full.pairs.factor[removable])
-    assert (less.pairs.factor[removable][slides] >= full.pairs.factor[removable][slides] * (1 - 1e-9)).all()
+    assert (
+        less.pairs.factor[removable][slides] >= full.pairs.factor[removable][slides] * (1 - 1e-9)
+    ).all()
     assert less.to_dict()["scaled_down"][limit] == (scale < 1.0).sum()
 
 
 def test_larger_wedges_are_left_out_where_limits_filter() -> None:
     """Those that scaling makes smaller form no wedge then; the others are as they were. E126 another word."""
-    joints, slope = survey(5, 30), {"face": "65/180", "height": 12, "c": 6, "phi": 30, "top": 0, "bench_width": 3}
+    joints, slope = (
+        survey(5, 30),
+        {"face": "65/180", "height": 12, "c": 6, "phi": 30, "top": 0, "bench_width": 3},
+    )
     scaled, left = sk.combos(joints, **slope), sk.combos(joints, **slope, limit_by="filter")
     larger = scaled.pairs.is_removable & (scaled.pairs.scale < 1.0)
     assert left.counts["beyond_limits"] == larger.sum() > 0
@@ -242,15 +312,22 @@ def test_larger_wedges_are_left_out_where_limits_filter() -> None:
 
 def test_sizes_in_the_table_are_those_of_the_wedge_alone() -> None:
     """Setback and width of the worst pairs, from `slopekit wedge` of the same planes."""
-    found = sk.combos(survey(5, 30), face="65/180", upper="12/225", c=6, phi=30, top=4, trace_length=9)
+    found = sk.combos(
+        survey(5, 30), face="65/180", upper="12/225", c=6, phi=30, top=4, trace_length=9
+    )
     for pair in found.worst:
-        alone = sk.wedge(dips=pair.planes, face="65/180", upper="12/225", height=pair.height_m, c=6, phi=30)
+        alone = sk.wedge(
+            dips=pair.planes, face="65/180", upper="12/225", height=pair.height_m, c=6, phi=30
+        )
         assert pair.extent_m["setback_m"] == pytest.approx(alone.geometry.setback_m, rel=1e-7)
         assert pair.extent_m["face_width_m"] == pytest.approx(alone.geometry.face_width_m, rel=1e-7)
 
 
 def test_without_cohesion_size_does_not_matter() -> None:
-    joints, slope = survey(5, 30), {"face": "65/180", "c": 0, "phi": 30, "water": "30%", "closed_form": True}
+    joints, slope = (
+        survey(5, 30),
+        {"face": "65/180", "c": 0, "phi": 30, "water": "30%", "closed_form": True},
+    )
     full = sk.combos(joints, **slope).pairs
     less = sk.combos(joints, **slope, persistence=2, bench_width=0.5, max_volume="1 m3").pairs
     assert less.factor == pytest.approx(full.factor, rel=1e-9, nan_ok=True)
@@ -258,7 +335,10 @@ def test_without_cohesion_size_does_not_matter() -> None:
 
 
 def test_wedges_below_the_least_volume_are_counted_apart() -> None:
-    joints, slope = survey(5, 30), {"face": "65/180", "height": 6, "c": 5, "phi": 30, "closed_form": True}
+    joints, slope = (
+        survey(5, 30),
+        {"face": "65/180", "height": 6, "c": 5, "phi": 30, "closed_form": True},
+    )
     all_, large = sk.combos(joints, **slope), sk.combos(joints, **slope, min_volume=10)
     small = all_.pairs.is_removable & (all_.pairs.volume_m3 < 10)
     assert large.counts["below_min_volume"] == small.sum() > 0
@@ -266,7 +346,9 @@ def test_wedges_below_the_least_volume_are_counted_apart() -> None:
     assert sum(large.counts.values()) == 435
     least = float(np.sort(all_.pairs.volume_m3[all_.pairs.is_removable])[20])
     for part, below in ((0.999, 20), (1.001, 21)):
-        assert sk.combos(joints, **slope, min_volume=part * least).counts["below_min_volume"] == below
+        assert (
+            sk.combos(joints, **slope, min_volume=part * least).counts["below_min_volume"] == below
+        )
 
 
 # -- ranking, the target, PRE-IE ---------------------------------------------------------------------------------------
@@ -274,11 +356,23 @@ def test_wedges_below_the_least_volume_are_counted_apart() -> None:
 
 def test_ranking_and_the_target() -> None:
     joints = survey(21, 40)
-    slope = {"face": "75/180", "height": 10, "c": 5, "phi": 30, "water": "50%", "fos": 1.3, "top": 5}
+    slope = {
+        "face": "75/180",
+        "height": 10,
+        "c": 5,
+        "phi": 30,
+        "water": "50%",
+        "fos": 1.3,
+        "top": 5,
+    }
     found, bare = sk.combos(joints, **slope), sk.combos(joints, **slope, closed_form=True)
     for study, factor, outcome in (
         (bare, bare.pairs.factor[bare.ranked], [outcomes(bare)[k] for k in bare.ranked]),
-        (found, found.outcomes.limit.factor, [found.outcomes.limit.names[k] for k in found.outcomes.limit.outcome]),
+        (
+            found,
+            found.outcomes.limit.factor,
+            [found.outcomes.limit.names[k] for k in found.outcomes.limit.outcome],
+        ),
     ):
         order, pairs = study.ranked, study.pairs
         assert sorted(order) == np.flatnonzero(pairs.is_removable).tolist()
@@ -288,7 +382,10 @@ def test_ranking_and_the_target() -> None:
         assert (np.diff(factors) >= 0.0).all()
         assert (np.diff(pairs.volume_m3[order][: sum(free)]) <= 0.0).all()
         assert study.target["below"] == sum(free) + (factors < 1.3).sum()
-        assert study.target["largest_volume_m3"] == pairs.volume_m3[order][: study.target["below"]].max()
+        assert (
+            study.target["largest_volume_m3"]
+            == pairs.volume_m3[order][: study.target["below"]].max()
+        )
         assert [pair.index for pair in study.worst] == order[:5].tolist()
         assert study.exit_code == 1
     assert found.target["by_pre_ie_only"] == found.target["below"] - bare.target["below"] > 0
@@ -298,7 +395,11 @@ def test_ranking_and_the_target() -> None:
 
 def test_pre_ie_on_the_worst() -> None:
     """Forces alone agree with the closed form to 1e-6; moments may only lower the limit."""
-    joints = np.random.default_rng(4).normal([[50.0, 130.0], [50.0, 230.0]], [5.0, 10.0], (8, 2, 2)).reshape(-1, 2)
+    joints = (
+        np.random.default_rng(4)
+        .normal([[50.0, 130.0], [50.0, 230.0]], [5.0, 10.0], (8, 2, 2))
+        .reshape(-1, 2)
+    )
     found = sk.combos(joints, face="70/180", height=8, c=10, phi=33, top=5)
     assert len(found.worst) == 5
     assert all(pair.agree for pair in found.worst)
@@ -306,7 +407,15 @@ def test_pre_ie_on_the_worst() -> None:
         assert pair.limit is None or pair.limit <= pair.closed_form * (1 + 1e-6)
         assert pair.difference is None or pair.difference < 1e-6
         assert pair.closed_form == pytest.approx(found.pairs.factor[pair.index], rel=1e-9)
-        one = sk.wedge(dips=pair.planes, face="70/180", upper="0/180", height=pair.height_m, c=10, phi=33, density=2600)
+        one = sk.wedge(
+            dips=pair.planes,
+            face="70/180",
+            upper="0/180",
+            height=pair.height_m,
+            c=10,
+            phi=33,
+            density=2600,
+        )
         assert (one.status, one.fos.limit) == (pair.status, pytest.approx(pair.limit, rel=1e-7))
         assert one.geometry.volume_m3 == pytest.approx(pair.volume_m3, rel=1e-9)
     assert sk.combos(joints, face="70/180", c=10, phi=33, top=0).worst == ()
@@ -317,14 +426,26 @@ def test_moments_may_bring_a_pair_below_the_target() -> None:
     assert found.worst[0].moments_govern
     assert found.worst[0].limit == pytest.approx(1.578, abs=5e-4)
     assert found.to_dict()["target"] | {"largest_volume_m3": 0, "median_volume_m3": 0} == {
-        "fos": 1.6, "below": 1, "by_pre_ie_only": 1, "largest_volume_m3": 0, "median_volume_m3": 0,
-    }  # fmt: skip
+        "fos": 1.6,
+        "below": 1,
+        "by_pre_ie_only": 1,
+        "largest_volume_m3": 0,
+        "median_volume_m3": 0,
+    }
     assert found.exit_code == 1
-    assert sk.combos(**ONE_PLANE, fos=1.6, closed_form=True).exit_code == 0  # the closed form alone does not see it
+    assert (
+        sk.combos(**ONE_PLANE, fos=1.6, closed_form=True).exit_code == 0
+    )  # the closed form alone does not see it
     said = {notice.code: notice.message for notice in found.warnings}
-    assert said["W353"] == "1 of 1 removable pairs fail by PRE-IE alone: the closed form balances no moments"
+    assert (
+        said["W353"]
+        == "1 of 1 removable pairs fail by PRE-IE alone: the closed form balances no moments"
+    )
     sheet = " ".join(str(found).split())
-    assert "NOT MET, 1 of 1 removable pairs lie below (100.0 %; 100.0 % of all, 1 by PRE-IE only)" in sheet
+    assert (
+        "NOT MET, 1 of 1 removable pairs lie below (100.0 %; 100.0 % of all, 1 by PRE-IE only)"
+        in sheet
+    )
     assert " M " in sheet
 
 
@@ -341,14 +462,24 @@ def test_all_pairs_are_judged_by_both_methods(tmp_path) -> None:
     every = combos(TURNS, **slope, top="all", desk=Workplace(tmp_path, bar))
     assert every.removable == len(every.worst) > 3
     assert bars == [("pieces of 2048 pairs", 1, [0, 1])]
-    assert [path.suffix for path in tmp_path.iterdir()] == [".journal"]  # until the results are written
+    assert [path.suffix for path in tmp_path.iterdir()] == [
+        ".journal"
+    ]  # until the results are written
     limits = [pair.limit for pair in every.worst]
     assert limits == sorted(limits)
     turns = every.worst[4]
     assert turns.names == ("N06", "N39")
     assert turns.closed_form > 1.34 > 1.3 > 1.22 > turns.limit
     for pair in every.worst:
-        one = sk.wedge(dips=pair.planes, face="65/180", upper="0/180", height=pair.height_m, c=10, phi=30, density=2600)
+        one = sk.wedge(
+            dips=pair.planes,
+            face="65/180",
+            upper="0/180",
+            height=pair.height_m,
+            c=10,
+            phi=30,
+            density=2600,
+        )
         assert (one.status, one.moments_govern) == (pair.status, pair.moments_govern)
         assert one.fos.limit == pytest.approx(pair.limit, rel=1e-6)
     rows = list(csv.DictReader(io.StringIO(every.sheet.tables["pairs.csv"].csv())))
@@ -360,7 +491,9 @@ def test_all_pairs_are_judged_by_both_methods(tmp_path) -> None:
     assert every.target["by_pre_ie_only"] == every.target["below"] - none.target["below"] == 1
     assert "counted by PRE-IE\n" in str(every)
     assert f"{every.target['below']} below 1.3 by PRE-IE  agree on {len(limits)}" in every.line
-    assert "counted by the closed form alone, which balances no moments" in " ".join(str(none).split())
+    assert "counted by the closed form alone, which balances no moments" in " ".join(
+        str(none).split()
+    )
     assert none.line.endswith("below 1.3 by the closed form")
     assert (every.to_dict()["inputs"]["top"], every.charts) == ("all", ("stereonet",))
 
@@ -368,7 +501,9 @@ def test_all_pairs_are_judged_by_both_methods(tmp_path) -> None:
 def test_what_is_in_doubt_counts_by_either_method() -> None:
     found = combos(TURNS, face="65/180", c=10, phi=30, fos=1.3, top="all")
     high = replace(found.outcomes.limit, factor=np.full(found.removable, 9.9))
-    disputed = replace(found, outcomes=replace(found.outcomes, limit=high, agree=0 * found.outcomes.agree))
+    disputed = replace(
+        found, outcomes=replace(found.outcomes, limit=high, agree=0 * found.outcomes.agree)
+    )
     assert disputed.target["below"] == (found.pairs.factor < 1.3).sum()
     assert disputed.exit_code == 4
     assert "DISAGREE" in str(disputed)
@@ -380,18 +515,22 @@ def test_what_is_in_doubt_counts_by_either_method() -> None:
 def test_other_workers_and_smaller_parts_give_the_same_numbers(monkeypatch) -> None:
     slope = {"face": "70/180", "c": 5, "phi": 30}
     alone = sk.combos(survey(3, 20), **slope, top=4).to_dict()
-    monkeypatch.setattr(room, "_AT_ONCE", 37)
+    monkeypatch.setattr(room, "_PAIRS_PER_PIECE", 37)
     together = sk.combos(survey(3, 20), **slope, top=4, jobs=2).to_dict()
     assert {**alone, "timing_s": 0} == {**together, "timing_s": 0}
 
 
 def test_strengths_of_their_own(tmp_path) -> None:
     """Columns count before what is given for all; what is missing in both is named."""
-    (tmp_path / "joints.csv").write_text("name,dip,dd,c,phi\nA,45,115,12,\nB,45,245,,25\nC,50,240,7 kPa,40\n")
+    (tmp_path / "joints.csv").write_text(
+        "name,dip,dd,c,phi\nA,45,115,12,\nB,45,245,,25\nC,50,240,7 kPa,40\n"
+    )
     found = sk.combos(tmp_path / "joints.csv", face="65/180", c=3, phi=30)
     assert found.given.cohesion_kpa.tolist() == [12, 3, 7]
     assert found.given.friction_deg.tolist() == [30, 25, 40]
-    wedge = sk.wedge(dips=("45/115", "45/245"), face="65/180", upper="0/180", height=15, c=(12, 3), phi=(30, 25))
+    wedge = sk.wedge(
+        dips=("45/115", "45/245"), face="65/180", upper="0/180", height=15, c=(12, 3), phi=(30, 25)
+    )
     assert found.pairs.factor[0] == pytest.approx(wedge.fos.closed_form, rel=1e-9)
     error = refused(joints=tmp_path / "joints.csv", c=None, phi=None)
     assert [(fault.code, fault.message) for fault in error.faults] == [
@@ -399,7 +538,9 @@ def test_strengths_of_their_own(tmp_path) -> None:
         ("E143", "phi is missing for 1 of 3 joints: A (line 2)"),
     ]
     many = tmp_path / "many.csv"
-    many.write_text("name,dip,dd,c\n" + "".join(f"N{k},45,{k},{5 if k == 3 else ''}\n" for k in range(20)))
+    many.write_text(
+        "name,dip,dd,c\n" + "".join(f"N{k},45,{k},{5 if k == 3 else ''}\n" for k in range(20))
+    )
     assert refused(joints=many, c=None).faults[0].message.endswith("N8 (line 10) and 11 more")
 
 
@@ -419,7 +560,11 @@ def test_strengths_of_their_own(tmp_path) -> None:
         ("E143", {"phi": None}, "phi is missing: joints has none"),
         ("E116", {"persistence": 0}, "persistence is 0, it must be more than 0"),
         ("E107", {"bench_width": "3 m3"}, "bench width has the unit m3"),
-        ("E116", {"min_volume": 5, "max_volume": 1}, "min volume 5 m³ is more than max volume 1 m³"),
+        (
+            "E116",
+            {"min_volume": 5, "max_volume": 1},
+            "min volume 5 m³ is more than max volume 1 m³",
+        ),
         ("E126", {"top": 2.5}, "top is 2.5, a whole number is needed"),
         ("E126", {"top": -1}, "top is -1"),
         ("E106", {"top": "every"}, "top is 'every'"),
@@ -428,7 +573,7 @@ def test_strengths_of_their_own(tmp_path) -> None:
         ("E109", {"water": "u=5kPa,6kPa"}, "water has two values"),
         ("E313", {"jobs": 0}, "--jobs is 0"),
     ],
-)  # fmt: skip
+)
 def test_faults(code, inputs, says) -> None:
     error = refused(**inputs)
     assert error.codes == (code,)
@@ -437,12 +582,22 @@ def test_faults(code, inputs, says) -> None:
 
 def test_all_faults_at_once(tmp_path) -> None:
     (tmp_path / "joints.csv").write_text("dip,dd\n45,115\n195,300\n")
-    error = refused(joints=tmp_path / "joints.csv", face=None, height=-1, c=(1, 2), phi=0.5, persistence=-2, fos="x")
+    error = refused(
+        joints=tmp_path / "joints.csv",
+        face=None,
+        height=-1,
+        c=(1, 2),
+        phi=0.5,
+        persistence=-2,
+        fos="x",
+    )
     assert error.codes == ("E101", "E143", "E109", "E116", "E113", "E116", "E106")
     assert sk.combos(["45/115", "45/245"], face="65/180", c=(5, 5), phi=30).removable == 1
 
 
-@pytest.mark.parametrize(("face", "upper"), [("65/180", "65/180"), ("40/180", "60/180"), ("0/180", "0/180")])
+@pytest.mark.parametrize(
+    ("face", "upper"), [("65/180", "65/180"), ("40/180", "60/180"), ("0/180", "0/180")]
+)
 def test_a_slope_without_a_crest(face, upper) -> None:
     with pytest.raises(GeometryError) as caught:
         sk.combos(["45/115", "45/245"], face=face, upper=upper, c=5, phi=30)
@@ -456,7 +611,11 @@ def test_bad_rows_stop_the_run_or_are_left_out_and_listed(tmp_path) -> None:
     )
     assert refused(joints=tmp_path / "joints.csv").codes == ("E101", "E104")
     found = sk.combos(tmp_path / "joints.csv", face="65/180", c=5, phi=30, skip_bad=True)
-    assert [joint.name for joint in found.joints.joints] == ["A", "C", *(f"E{k}" for k in range(17))]
+    assert [joint.name for joint in found.joints.joints] == [
+        "A",
+        "C",
+        *(f"E{k}" for k in range(17)),
+    ]
     said = {notice.code: notice.message for notice in found.warnings}["W366"]
     assert "column photo" in said
     assert "line 3 (E101 dip of B is 195" in said
@@ -464,20 +623,55 @@ def test_bad_rows_stop_the_run_or_are_left_out_and_listed(tmp_path) -> None:
     assert "line 6 (E104 " in said
     (tmp_path / "strikes.csv").write_text("name,strike,dip\nA,25,45\nC,155,45\n")
     assert refused(joints=tmp_path / "strikes.csv").codes == ("E192",)
-    right = sk.combos(tmp_path / "strikes.csv", face="65/180", c=5, phi=30, convention="right-hand-rule")
+    right = sk.combos(
+        tmp_path / "strikes.csv", face="65/180", c=5, phi=30, convention="right-hand-rule"
+    )
     assert right.pairs.factor[0] == found.pairs.factor[0]
 
 
 def test_json_sheet_and_table() -> None:
-    found = sk.combos(survey(12, 40), face="65/180", c=5, phi=30, water="20%", fos=1.5, persistence=10, min_volume=0.2)
+    found = sk.combos(
+        survey(12, 40),
+        face="65/180",
+        c=5,
+        phi=30,
+        water="20%",
+        fos=1.5,
+        persistence=10,
+        min_volume=0.2,
+    )
     document = json.loads(json.dumps(found.to_dict(), allow_nan=False))
     assert document.keys() == {
-        "slopekit", "format", "study", "kind", "survey", "input_sha256", "inputs", "defaults", "pairs", "counts",
-        "removable", "scaled_down", "target", "worst", "methods", "warnings", "timing_s",
-        "line", "sheet",
-    }  # fmt: skip
+        "slopekit",
+        "format",
+        "study",
+        "kind",
+        "survey",
+        "input_sha256",
+        "inputs",
+        "defaults",
+        "pairs",
+        "counts",
+        "removable",
+        "scaled_down",
+        "target",
+        "worst",
+        "methods",
+        "warnings",
+        "timing_s",
+        "line",
+        "sheet",
+    }
     assert document["defaults"] == ["upper", "height", "density"]
-    assert document["worst"][0].keys() >= {"joints", "planes", "status", "fos", "moments_govern", "volume_m3", "scale"}
+    assert document["worst"][0].keys() >= {
+        "joints",
+        "planes",
+        "status",
+        "fos",
+        "moments_govern",
+        "volume_m3",
+        "scale",
+    }
     sheet = str(found)
     assert max(map(len, sheet.splitlines())) <= 100
     shown = [line.split() for line in sheet.splitlines() if line.endswith(" %")]
@@ -511,27 +705,70 @@ def test_three_hundred_joints() -> None:
 def test_the_command(tmp_path) -> None:
     folder = tmp_path / "out"
     run = slopekit(
-        "combos", LIST, "--face", "65/180", "--c", "5", "--phi", "30", "--fos", "1.3", "--top", "1",
-        "--upper", "12/215", "--water", "2%", "--min-volume", "20", "--seismic", "0.05@170", "-o", str(folder),
-    )  # fmt: skip
+        "combos",
+        LIST,
+        "--face",
+        "65/180",
+        "--c",
+        "5",
+        "--phi",
+        "30",
+        "--fos",
+        "1.3",
+        "--top",
+        "1",
+        "--upper",
+        "12/215",
+        "--water",
+        "2%",
+        "--min-volume",
+        "20",
+        "--seismic",
+        "0.05@170",
+        "-o",
+        str(folder),
+    )
     assert (run.returncode, run.stderr) == (1, "")
-    assert {path.name for path in folder.iterdir()} == {"combos.json", "combos.txt", "pairs.csv", "stereonet.png"}
+    assert {path.name for path in folder.iterdir()} == {
+        "combos.json",
+        "combos.txt",
+        "pairs.csv",
+        "stereonet.png",
+    }
     full = (folder / "combos.txt").read_text().splitlines()
     sheet = [line.partition("   sha ")[0] for line in full if not line.startswith("TIME ")]
     assert sheet == run.stdout.splitlines()
     assert any(line.startswith("TIME ") for line in full)
     again = " ".join(run.stdout.split()).partition("AGAIN slopekit ")[2].partition(" NOTE")[0]
     worst = json.loads((folder / "combos.json").read_text())["worst"][0]
-    assert slopekit(*again.split(), "--quiet").stdout.split()[:2] == [worst["status"], f"{worst['fos']['limit']:.3f}"]
+    assert slopekit(*again.split(), "--quiet").stdout.split()[:2] == [
+        worst["status"],
+        f"{worst['fos']['limit']:.3f}",
+    ]
     picture = folder / "x.png"
     undrawn = slopekit(
-        "combos", LIST, "--face", "65/180", "--c", "5", "--phi", "30", "--top", "0", "--picture", str(picture)
-    )  # fmt: skip
+        "combos",
+        LIST,
+        "--face",
+        "65/180",
+        "--c",
+        "5",
+        "--phi",
+        "30",
+        "--top",
+        "0",
+        "--picture",
+        str(picture),
+    )
     assert (undrawn.returncode, picture.exists()) == (0, False)
     assert undrawn.stderr.startswith("E273 this combos has nothing to draw")
     wrong = slopekit("combos", LIST, "--c", "5", "--persistence", "-3", "--json")
     assert wrong.returncode == 2
-    assert [fault["code"] for fault in json.loads(wrong.stdout)["errors"]] == ["E143", "E116", "E143"]
+    assert [fault["code"] for fault in json.loads(wrong.stdout)["errors"]] == [
+        "E143",
+        "E116",
+        "E143",
+    ]
 
 
 def test_the_sheet_says_what_a_part_of_full_pressure_is() -> None:

@@ -9,18 +9,26 @@ import pytest
 import slopekit as sk
 
 WEDGE: dict[str, Any] = {
-    "slopekit": 1, "kind": "wedge", "slope": {"face": "65/185", "upper": "12/195", "height": 20},
-    "joints": {"J1": {"plane": "45/105", "strength": "a"}, "J2": {"plane": "70/235", "strength": "b"}},
-    "strength": {"a": {"c": 12, "phi": 33}, "b": {"c": 5, "phi": 30}}, "water": {"fill": 0.2},
-}  # fmt: skip
+    "slopekit": 1,
+    "kind": "wedge",
+    "slope": {"face": "65/185", "upper": "12/195", "height": 20},
+    "joints": {
+        "J1": {"plane": "45/105", "strength": "a"},
+        "J2": {"plane": "70/235", "strength": "b"},
+    },
+    "strength": {"a": {"c": 12, "phi": 33}, "b": {"c": 5, "phi": 30}},
+    "water": {"fill": 0.2},
+}
 FALLING = {"law": "power", "a": 1.5, "b": 0.8}
 #: Few rows, each a design of its own, and many on arrays: they are the same either way.
 DESIGNS = {
     "wedge": WEDGE,
     "curved": WEDGE | {"strength": {"a": FALLING, "b": {"c": 5, "phi": 30}}},
-    "dilation": WEDGE | {"strength": {"a": {"c": 12, "phi": 33, "dilation": 3}, "b": {"c": 5, "phi": 30}}},
+    "dilation": WEDGE
+    | {"strength": {"a": {"c": 12, "phi": 33, "dilation": 3}, "b": {"c": 5, "phi": 30}}},
     "worst crack": WEDGE | {"crack": {"plane": "80/185", "distance": "worst"}},
-    "passive": WEDGE | {"support": {"bolts": [{"force": 500, "toward": "005/10", "acts": "passive"}]}},
+    "passive": WEDGE
+    | {"support": {"bolts": [{"force": 500, "toward": "005/10", "acts": "passive"}]}},
 }
 
 
@@ -28,13 +36,15 @@ def rows_of(count: int, seed: int) -> dict[str, list[float]]:
     rng = np.random.default_rng(seed)
     return {
         "joints.J1.plane.dip_direction": rng.uniform(80, 190, count).tolist(),
-        "slope.face.dip": rng.uniform(50, 80, count).tolist(), "water.fill": rng.uniform(0, 1, count).tolist(),
+        "slope.face.dip": rng.uniform(50, 80, count).tolist(),
+        "water.fill": rng.uniform(0, 1, count).tolist(),
         "strength.b.phi": rng.uniform(0.5, 40, count).tolist(),
-    }  # fmt: skip
+    }
 
 
 @pytest.mark.parametrize(
-    ("name", "count"), [("wedge", 60), ("curved", 4), ("dilation", 4), ("passive", 6), ("worst crack", 40)]
+    ("name", "count"),
+    [("wedge", 60), ("curved", 4), ("dilation", 4), ("passive", 6), ("worst crack", 40)],
 )
 def test_rows_are_runs(name: str, count: int) -> None:
     design, columns = DESIGNS[name], rows_of(count, 3)
@@ -52,8 +62,12 @@ def test_rows_are_runs(name: str, count: int) -> None:
             continue
         run = sk.run(design, set=values)
         assert words[row] == run.status
-        assert found.limit.factor[row] == pytest.approx(run.fos.limit or np.nan, rel=1e-8, nan_ok=True)
-        assert found.closed_form.factor[row] == pytest.approx(run.fos.closed_form or np.nan, rel=1e-10, nan_ok=True)
+        assert found.limit.factor[row] == pytest.approx(
+            run.fos.limit or np.nan, rel=1e-8, nan_ok=True
+        )
+        assert found.closed_form.factor[row] == pytest.approx(
+            run.fos.closed_form or np.nan, rel=1e-10, nan_ok=True
+        )
         assert found.agree[row] == (-1 if run.agree is None else run.agree)
         assert found.moments_govern[row] == run.moments_govern
     assert len(codes) > 1 if name == "wedge" else True
@@ -65,7 +79,7 @@ def test_columns_are_numbers_texts_frames_or_one_for_all() -> None:
         {"slope.height": ["10 m", "2000 cm"], "water.fill": "50%"},
         {"slope.height": np.array([10, 20]), "water.fill": [0.5]},
         pd.DataFrame({"slope.height": [10, 20], "water.fill": [0.5, 0.5]}),
-    ]  # fmt: skip
+    ]
     for columns in same:
         assert sk.evaluate(WEDGE, columns).limit.factor.tolist() == plain.limit.factor.tolist()
     two = sk.evaluate(WEDGE, rows_of(30, 5), jobs=2)
@@ -80,18 +94,29 @@ def test_the_closed_form_alone_and_blocks_that_have_none() -> None:
     assert all(point.factors is None or point.factors.limit is None for point in alone.points)
     blocks = sk.load("templates/blocks.yaml")
     found = sk.evaluate(blocks, {"loads.seismic.k": [0.0, 0.05]})
-    assert [point.factors.limit for point in found.points if point.factors] == found.limit.factor.tolist()
+    assert [
+        point.factors.limit for point in found.points if point.factors
+    ] == found.limit.factor.tolist()
     assert found.limit.factor[0] > found.limit.factor[1]
     with pytest.raises(sk.DesignError, match="E313"):
         sk.evaluate(blocks, {"loads.seismic.k": [0.0]}, closed_form=True)
 
 
-@pytest.mark.parametrize(("columns", "code"), [
-    ({}, "E312"), ({"water.fill": [0, 1], "slope.height": [1, 2, 3]}, "E312"), ({"water.fil": [0]}, "E310"),
-    ({"water": [0]}, "E311"), ({"water.fill": [0, np.nan]}, "E105"), ({"water.fill": ["full"]}, "E106"), (5, "E405"),
-    ("water.fill", "E405"), ({"loads.seismic": [0.1], "loads.seismic.k": [0.2]}, "E313"),
-    ({"water.fill": [None]}, "E106"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("columns", "code"),
+    [
+        ({}, "E312"),
+        ({"water.fill": [0, 1], "slope.height": [1, 2, 3]}, "E312"),
+        ({"water.fil": [0]}, "E310"),
+        ({"water": [0]}, "E311"),
+        ({"water.fill": [0, np.nan]}, "E105"),
+        ({"water.fill": ["full"]}, "E106"),
+        (5, "E405"),
+        ("water.fill", "E405"),
+        ({"loads.seismic": [0.1], "loads.seismic.k": [0.2]}, "E313"),
+        ({"water.fill": [None]}, "E106"),
+    ],
+)
 def test_what_is_refused(columns: Any, code: str) -> None:
     with pytest.raises(sk.DesignError, match=code):
         sk.evaluate(WEDGE, columns)

@@ -13,11 +13,11 @@ from slopekit.core.orientation import Plane
 from slopekit.studies.kinematic import Kinematic, kinematic
 from slopekit.studies.kinematic.criteria import (
     DIRECT,
+    JOINT_MODES,
+    LINE_MODES,
     NO_WEDGE,
     OBLIQUE,
     OBLIQUE_RELEASE,
-    OF_JOINTS,
-    OF_LINES,
     PRIMARY_BOTH,
     PRIMARY_ONE,
     RELEASE,
@@ -58,7 +58,9 @@ def apparent(dip: float, off: float) -> float:
 
 def line(one: tuple[float, float], two: tuple[float, float]) -> tuple[float, float]:
     """Trend and plunge of the line of intersection (Wyllie & Mah 2004, eq. 7.1 and 7.2)."""
-    (dip_a, way_a), (dip_b, way_b) = ([math.radians(angle) for angle in plane] for plane in (one, two))
+    (dip_a, way_a), (dip_b, way_b) = (
+        [math.radians(angle) for angle in plane] for plane in (one, two)
+    )
     up = math.tan(dip_a) * math.cos(way_a) - math.tan(dip_b) * math.cos(way_b)
     down = math.tan(dip_b) * math.sin(way_b) - math.tan(dip_a) * math.sin(way_a)
     trend = math.atan2(up, down)
@@ -68,7 +70,9 @@ def line(one: tuple[float, float], two: tuple[float, float]) -> tuple[float, flo
     return math.degrees(trend) % 360.0, math.degrees(plunge)
 
 
-@pytest.mark.parametrize("face", [Plane(65, 180), Plane(80, 10), Plane(40, 287), Plane(90, 359)], ids=str)
+@pytest.mark.parametrize(
+    "face", [Plane(65, 180), Plane(80, 10), Plane(40, 287), Plane(90, 359)], ids=str
+)
 def test_joints_and_lines_as_a_stereonet_has_them(face) -> None:
     """Poles, dip vectors and lines against great circles and small circles, by trigonometry alone."""
     joints, phi, lateral, toppling = survey(3), 32.0, 25.0, 35.0
@@ -93,8 +97,12 @@ def test_joints_and_lines_as_a_stereonet_has_them(face) -> None:
         assert plunge == pytest.approx(found.lines.plunge_deg[k], abs=1e-7)
         off = apart(trend, face.dip_direction_deg)
         daylights = off < 90.0 and plunge < apparent(face.dip_deg, off)
-        assert (found.modes.wedge[k] in (PRIMARY_BOTH, PRIMARY_ONE)) == (daylights and plunge >= phi)
-        assert found.modes.secondary_of_dips[k] == (daylights and plunge < phi and plunge > apparent(phi, off))
+        assert (found.modes.wedge[k] in (PRIMARY_BOTH, PRIMARY_ONE)) == (
+            daylights and plunge >= phi
+        )
+        assert found.modes.secondary_of_dips[k] == (
+            daylights and plunge < phi and plunge > apparent(phi, off)
+        )
         into = 180.0 - off
         column = DIRECT if into <= toppling and plunge >= 90.0 - face.dip_deg else 0
         column = OBLIQUE if toppling < into <= 90.0 and plunge >= 90.0 - phi else column
@@ -110,8 +118,17 @@ def test_by_hand() -> None:
     50° into the slope topple, at 49° they do not. Lines: the joints 60/240 and 60/120 meet at tan ψ = tan 60 cos 60,
     40.89° toward 180; 80/290 and 80/070 dip back at tan ψ = tan 80 cos 70, 62.7° toward 000, steeper than 90 - 70.
     """
-    names = {"slides": "50/180", "flat": "25/180", "steep": "75/180", "layers": "50/000", "flatter": "49/000",
-             "left": "60/240", "right": "60/120", "edge1": "80/290", "edge2": "80/070"}  # fmt: skip
+    names = {
+        "slides": "50/180",
+        "flat": "25/180",
+        "steep": "75/180",
+        "layers": "50/000",
+        "flatter": "49/000",
+        "left": "60/240",
+        "right": "60/120",
+        "edge1": "80/290",
+        "edge2": "80/070",
+    }
     found = sk.kinematic(names, face="70/180", phi=30)
     assert found.joint_names("planar") == ("slides",)
     assert found.joint_names("flexural") == ("layers",)
@@ -200,7 +217,9 @@ def measured(joints, phi, face) -> Kinematic:
     return kinematic(listed, face=face)
 
 
-@pytest.mark.parametrize("joints", [("45/115", "45/245"), ("60/130", "50/215"), ("55/150", "70/220")])
+@pytest.mark.parametrize(
+    "joints", [("45/115", "45/245"), ("60/130", "50/215"), ("55/150", "70/220")]
+)
 def test_friction_fails_where_the_factor_of_safety_falls_below_one(joints) -> None:
     """Both joints of one friction angle: F is proportional to tan φ, so that F = 1 at a φ known from any other."""
     one, two = (Plane(*map(float, joint.split("/"))) for joint in joints)
@@ -213,7 +232,11 @@ def test_friction_fails_where_the_factor_of_safety_falls_below_one(joints) -> No
 def test_a_joint_that_strikes_with_the_face_releases_a_block_that_has_no_end() -> None:
     """The rock mass refuses it (E206: no corner), the test of the stereonet does not: it slides as its plane would."""
     found = sk.kinematic(["45/180", "80/250", "25/180"], face="65/180", phi=30)
-    assert found.modes.wedge.tolist() == [PRIMARY_ONE, NO_WEDGE, NO_WEDGE]  # 45/180 and 25/180 meet in a level line
+    assert found.modes.wedge.tolist() == [
+        PRIMARY_ONE,
+        NO_WEDGE,
+        NO_WEDGE,
+    ]  # 45/180 and 25/180 meet in a level line
     assert found.modes.by_friction.tolist() == [True, False, False]
 
 
@@ -225,9 +248,13 @@ def test_limits_are_met_where_they_are_reached(way) -> None:
     """A joint at the friction angle or at the lateral limit counts; one parallel to the face does not daylight."""
     off = (way + 20.0) % 360.0
     planes = {
-        "friction": (30.0, way), "limit": (45.0, off), "face": (65.0, way), "layers": (55.0, (way + 180.0) % 360.0),
-        "vertical": (90.0, way), "level": (0.0, (way + 130.0) % 360.0),
-    }  # fmt: skip
+        "friction": (30.0, way),
+        "limit": (45.0, off),
+        "face": (65.0, way),
+        "layers": (55.0, (way + 180.0) % 360.0),
+        "vertical": (90.0, way),
+        "level": (0.0, (way + 130.0) % 360.0),
+    }
     found = sk.kinematic(planes, face=(65, way), phi=30)
     assert found.joint_names("planar") == ("friction", "limit")
     assert found.joint_names("flexural") == ("layers", "vertical")
@@ -239,27 +266,41 @@ def test_limits_are_met_where_they_are_reached(way) -> None:
 
 
 def test_vertical_edges_and_parallel_joints() -> None:
-    found = sk.kinematic({"a": "90/030", "b": "90/140", "b again": "90/320", "c": "15/200"}, face="65/180")
+    found = sk.kinematic(
+        {"a": "90/030", "b": "90/140", "b again": "90/320", "c": "15/200"}, face="65/180"
+    )
     assert len(found.lines.first) == 5  # b and b again are one plane
-    columns = dict(zip(zip(found.lines.first, found.lines.second, strict=True), found.modes.column, strict=True))
+    columns = dict(
+        zip(
+            zip(found.lines.first, found.lines.second, strict=True), found.modes.column, strict=True
+        )
+    )
     assert columns[0, 1] == DIRECT
     assert found.to_dict()["pairs"] - found.to_dict()["intersections"] == 1
 
 
 def test_counts_by_set_add_up(tmp_path) -> None:
-    rows = [f"N{k},{'AB'[k % 2] if k % 5 else ''},{dip:.1f},{way:.1f}" for k, (dip, way) in enumerate(survey(6, 30))]
+    rows = [
+        f"N{k},{'AB'[k % 2] if k % 5 else ''},{dip:.1f},{way:.1f}"
+        for k, (dip, way) in enumerate(survey(6, 30))
+    ]
     (tmp_path / "joints.csv").write_text("name,set,dip,dip_direction\n" + "\n".join(rows))
     found = sk.kinematic(tmp_path / "joints.csv", face="70/180")
     assert set(found.by_set()) == {"A", "B", ""}
     assert sum(counts["joints"] for counts in found.by_set().values()) == 30
-    for kind in OF_JOINTS:
+    for kind in JOINT_MODES:
         assert sum(counts[kind] for counts in found.by_set().values()) == found.counts[kind]
-    for kind in OF_LINES:
+    for kind in LINE_MODES:
         assert sum(counts[kind] for counts in found.by_set_pair().values()) == found.counts[kind]
     assert sum(counts["lines"] for counts in found.by_set_pair().values()) == 435
     assert "A x single" in str(found)
     rows = {name: len(table.rows) for name, table in found.tables().items()}
-    assert rows == {"joints": 30, "intersections": 435, "sets": 3, "sets_2": len(found.by_set_pair())}
+    assert rows == {
+        "joints": 30,
+        "intersections": 435,
+        "sets": 3,
+        "sets_2": len(found.by_set_pair()),
+    }
     assert sk.kinematic(survey(6), face="70/180").by_set() == {}
 
 
@@ -275,13 +316,17 @@ def test_counts_by_set_add_up(tmp_path) -> None:
         ("E113", {"phi": 0.5}, "phi is 0.5°, that looks like radians"),
         ("E115", {"phi": 95}, "phi is 95°"),
         ("E107", {"lateral": "20 m"}, "lateral has the unit m"),
-        ("E125", {"joints": np.full((100_001, 2), 45.0)}, "joints holds 100001 joints: more than 100000 joints"),
+        (
+            "E125",
+            {"joints": np.full((100_001, 2), 45.0)},
+            "joints holds 100001 joints: more than 100000 joints",
+        ),
         ("E307", {"lateral": 95}, "lateral is 95°, it lies between 0 and 90"),
         ("E307", {"lateral_toppling": -5}, "lateral toppling is -5°, it lies between 0 and 90"),
         ("E405", {"joints": 5}, "joints are int"),
         ("E405", {"joints": []}, "there are no joints"),
     ],
-)  # fmt: skip
+)
 def test_faults(code, inputs, says) -> None:
     error = refused(**inputs)
     assert error.codes == (code,)
@@ -295,7 +340,9 @@ def test_all_faults_at_once(tmp_path) -> None:
     with pytest.raises(DesignError) as caught:
         kinematic([Plane(45, 115), "x", (45, 500)], face="65/180")
     assert caught.value.codes == ("E104", "E102")
-    (swapped,) = refused(joints=[f"{190 + k % 7}/76" for k in range(1500)]).faults  # 1,500 were said
+    (swapped,) = refused(
+        joints=[f"{190 + k % 7}/76" for k in range(1500)]
+    ).faults  # 1,500 were said
     assert swapped.code == "E103"
     assert swapped.message.endswith("look swapped, and 1499 rows more like it")
 
@@ -323,9 +370,13 @@ def test_json_sheet_and_tables() -> None:
     assert document["defaults"] == ["lateral", "lateral_toppling", "phi"]
     sheet = str(found)
     assert max(map(len, sheet.splitlines())) <= 100
-    assert f"friction alone does not hold {found.counts['wedge_by_friction']}" in " ".join(sheet.split())
+    assert f"friction alone does not hold {found.counts['wedge_by_friction']}" in " ".join(
+        sheet.split()
+    )
     assert found.line.startswith(f"planar {found.counts['planar']}  wedge ")
-    joints, lines = (found.sheet.tables[f"{name}.csv"].csv().splitlines() for name in ("joints", "intersections"))
+    joints, lines = (
+        found.sheet.tables[f"{name}.csv"].csv().splitlines() for name in ("joints", "intersections")
+    )
     assert (len(joints), len(lines)) == (61, 1771)
     assert sum(row.split(",")[4] != "" for row in lines[1:]) == found.counts["wedge"]
     assert sum(int(row.split(",")[5]) for row in joints[1:]) == found.counts["planar"]
@@ -340,8 +391,12 @@ def test_the_command(tmp_path) -> None:
     run = slopekit("kinematic", LIST, "--face", "65/180", "-o", str(folder))
     assert (run.returncode, run.stderr) == (0, "")
     assert {path.name for path in folder.iterdir()} == {
-        "kinematic.json", "kinematic.txt", "joints.csv", "intersections.csv", "stereonet.png",
-    }  # fmt: skip
+        "kinematic.json",
+        "kinematic.txt",
+        "joints.csv",
+        "intersections.csv",
+        "stereonet.png",
+    }
     full = (folder / "kinematic.txt").read_text().splitlines()
     sheet = [line.partition("   sha ")[0] for line in full if not line.startswith("TIME ")]
     assert sheet == run.stdout.splitlines()
@@ -360,11 +415,14 @@ def test_of_many_joints_pairs_are_drawn_and_said(monkeypatch) -> None:
     from slopekit.studies.kinematic import criteria
 
     every = sk.kinematic(survey(1, 400), face="70/180", phi=30)
-    monkeypatch.setattr(criteria, "MOST_PAIRS", 1000)
+    monkeypatch.setattr(criteria, "MAX_PAIRS", 1000)
     monkeypatch.setattr(criteria, "DRAWN_PAIRS", 20_000)
     found, again = (sk.kinematic(survey(1, 400), face="70/180", phi=30) for _ in range(2))
     assert (found.pairs, len(found.lines.first), every.is_sample) == (20_000, 20_000, False)
-    assert len(set(zip(found.lines.first.tolist(), found.lines.second.tolist(), strict=True))) == 20_000
+    assert (
+        len(set(zip(found.lines.first.tolist(), found.lines.second.tolist(), strict=True)))
+        == 20_000
+    )
     for kind in ("wedge_primary", "wedge_by_friction", "direct", "oblique"):
         share = every.percent[kind] / 100.0
         error = 4.0 * math.sqrt(share * (1.0 - share) / found.pairs)
@@ -373,7 +431,11 @@ def test_of_many_joints_pairs_are_drawn_and_said(monkeypatch) -> None:
     assert again.input_hash() == found.input_hash()
     assert again.counts == found.counts
     document = found.to_dict()
-    assert (document["pairs"], document["drawn_pairs"], document["inputs"]["seed"]) == (79_800, 20_000, 1)
+    assert (document["pairs"], document["drawn_pairs"], document["inputs"]["seed"]) == (
+        79_800,
+        20_000,
+        1,
+    )
     assert "79800 pairs, 20000 of them drawn at random (seed 1)" in " ".join(str(found).split())
     assert "drawn_pairs" not in every.to_dict()
 

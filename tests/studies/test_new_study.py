@@ -27,17 +27,28 @@ def test_a_script_calls_it() -> None:
     assert [one.dip_deg for one in found.turned] == [43.0, 47.0, 43.0, 47.0]
     turned = sk.run(WEDGE, set={"joints.J1.plane.dip": 47})
     assert found.turned[1].point.factors.limit == turned.fos.limit
-    least = [f"<Flip: least {turned.fos.limit:.3f} at joints.{joint}.plane.dip 47°>" for joint in ("J1", "J2")]
-    assert repr(found) in least  # the joints mirror each other: rounding says which of the two is lower
+    least = [
+        f"<Flip: least {turned.fos.limit:.3f} at joints.{joint}.plane.dip 47°>"
+        for joint in ("J1", "J2")
+    ]
+    assert (
+        repr(found) in least
+    )  # the joints mirror each other: rounding says which of the two is lower
     assert f"{turned.fos.limit:.3f}" in str(found).splitlines()[3]
     assert f"<td>{turned.fos.limit:.3f}</td>" in found._repr_html_()
     assert found.tables()["flip"].records()[1]["pre_ie"] == turned.fos.limit
     assert "by : How far each joint is turned" in inspect.getdoc(sk.flip)
 
 
-@pytest.mark.parametrize(("values", "named", "code"), [
-    (("wedge.yaml",), {}, "E147"), ((3, 2), {}, "E405"), ((3,), {"bye": 2}, "E405"), ((), {}, "E405"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("values", "named", "code"),
+    [
+        (("wedge.yaml",), {}, "E147"),
+        ((3, 2), {}, "E405"),
+        ((3,), {"bye": 2}, "E405"),
+        ((), {}, "E405"),
+    ],
+)
 def test_it_says_what_it_takes(values, named, code) -> None:
     with pytest.raises(sk.DesignError, match=code):
         sk.flip(*values, **named)
@@ -46,7 +57,9 @@ def test_it_says_what_it_takes(values, named, code) -> None:
 def test_it_is_a_command(tmp_path) -> None:
     assert "flip" in slopekit("--help").stdout
     assert "--by" in slopekit("flip", "--help").stdout
-    done = slopekit("flip", WEDGE, "--set", "slope.height=20", "--by", "3", "-o", str(tmp_path / "out"))
+    done = slopekit(
+        "flip", WEDGE, "--set", "slope.height=20", "--by", "3", "-o", str(tmp_path / "out")
+    )
     assert done.returncode == 0
     document = json.loads((tmp_path / "out/flip.json").read_text(encoding="utf-8"))
     assert (document["study"], document["by_deg"]) == ("flip", 3.0)
@@ -60,10 +73,15 @@ def test_it_is_a_command(tmp_path) -> None:
     assert again == sk.flip(sk.load(WEDGE)).to_dict()
 
 
-@pytest.mark.parametrize(("arguments", "code", "said"), [
-    (("no.yaml",), 2, "E147"), ((WEDGE, "--by", "far"), 2, "E106"), ((WEDGE, "--picture", "x.png"), 2, "E100"),
-    ((WEDGE, "--set", "analysis.agree_within=1e-16"), 4, ""),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("arguments", "code", "said"),
+    [
+        (("no.yaml",), 2, "E147"),
+        ((WEDGE, "--by", "far"), 2, "E106"),
+        ((WEDGE, "--picture", "x.png"), 2, "E100"),
+        ((WEDGE, "--set", "analysis.agree_within=1e-16"), 4, ""),
+    ],
+)
 def test_its_exit_codes(arguments, code, said) -> None:
     done = slopekit("flip", *arguments)
     assert done.returncode == code

@@ -29,13 +29,17 @@ from tests.studies.test_solve_load import _slab
 PHI = "strength.joint.phi"  # of the slab: F = tan φ / tan 20°, 1 at 20
 
 
-def without_a_number(monkeypatch, low: float, high: float, code: str = "not_converged", message: str = "") -> None:
+def without_a_number(
+    monkeypatch, low: float, high: float, code: str = "not_converged", message: str = ""
+) -> None:
     """PRE-IE does not converge, or the input is refused, between two values of a key."""
     own = factor_request.FactorRequest.samples
 
     def samples(self, method, values):
         return [
-            replace(one, level=None, label=code, found=Point(None, code, message)) if low < one.at < high else one
+            replace(one, level=None, label=code, evaluation=Point(None, code, message))
+            if low < one.place < high
+            else one
             for one in own(self, method, values)
         ]
 
@@ -69,16 +73,21 @@ def test_an_input_that_is_refused_is_no_lack_of_convergence(monkeypatch) -> None
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("low", "target", "code", "said"), [
-    (50.0, 90.0, "E315", "; from 5"),  # what is known ends there
-    (-1.0, 9.0, "E318", "gives a block with a factor: PRE-IE did not converge"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("low", "target", "code", "said"),
+    [
+        (50.0, 90.0, "E315", "; from 5"),  # what is known ends there
+        (-1.0, 9.0, "E318", "gives a block with a factor: PRE-IE did not converge"),
+    ],
+)
 def test_what_was_not_computed_is_no_proof(monkeypatch, low, target, code, said) -> None:
     without_a_number(monkeypatch, low, 91.0)
     found = sk.solve(_slab(), f"{PHI}=10:80", fos=target)
     assert found.reason.code == code
     assert said in found.reason.message
-    assert (" PRE-IE did not converge: it may lie there" in found.reason.message) == (code == "E315")
+    assert (" PRE-IE did not converge: it may lie there" in found.reason.message) == (
+        code == "E315"
+    )
     assert found.exit_code == 4
 
 
@@ -101,22 +110,29 @@ def test_a_motion_that_did_not_settle_has_no_factor(monkeypatch) -> None:
 def test_a_search_that_leads_nowhere_finds_no_coefficient() -> None:
     """Where the level is the same everywhere there is no root, nor where it lies beyond what a coefficient may be."""
     for level, root in ((lambda k: 0.5 - k, 0.5), (lambda _: 0.3, None), (lambda k: 5.0 - k, None)):
-        request = SimpleNamespace(samples=lambda _, ks, level=level: [Sample(k, level(k), "", None) for k in ks])
+        request = SimpleNamespace(
+            samples=lambda _, ks, level=level: [Sample(k, level(k), "", None) for k in ks]
+        )
         found = yielding._root(request, "pre_ie", 0.2)
         assert found == (None if root is None else pytest.approx(root, rel=1e-12))
 
 
 def test_an_earthquake_on_a_slope_without_a_factor(monkeypatch) -> None:
-    monkeypatch.setattr(points, "factors_of", lambda *_: Factors("not_converged", None, None, None, None, False,
-                                                                 False))  # fmt: skip
-    with pytest.raises(DesignError, match="without an earthquake: PRE-IE did not converge") as error:
+    monkeypatch.setattr(
+        points,
+        "factors_of",
+        lambda *_: Factors("not_converged", None, None, None, None, False, False),
+    )
+    with pytest.raises(
+        DesignError, match="without an earthquake: PRE-IE did not converge"
+    ) as error:
         yielding.check_stands(_slab())
     assert (error.value.codes, error.value.exit_code) == (("E520",), 4)
 
 
 def test_no_k_is_found_where_pre_ie_does_not_converge(monkeypatch) -> None:
     """It is not said that no earthquake moves the blocks; a sound input is not refused."""
-    monkeypatch.setattr(solving, "end_of_path", lambda _: None)
+    monkeypatch.setattr(solving, "load_path_end", lambda _: None)
     without_a_number(monkeypatch, 0.01, 10.0)
     with pytest.raises(DesignError) as error:
         yielding.yields_of(_slab(), ALONE, lambda _: None)
@@ -143,8 +159,10 @@ def test_a_block_that_slides_without_a_factor_fails() -> None:
 
 def test_a_pair_without_convergence_is_not_among_those_that_stand() -> None:
     """The worst come first: what has no factor before what slides at 3, and that before what stands."""
-    limit = ByMethod.of(("no_driving_force", "not_converged", "slides_on_both"), [None, None, 3.0])
-    assert combos._order(limit, np.ones(3)).tolist() == [1, 2, 0]
+    limit = ByMethod.from_words(
+        ("no_driving_force", "not_converged", "slides_on_both"), [None, None, 3.0]
+    )
+    assert combos._rank_order(limit, np.ones(3)).tolist() == [1, 2, 0]
 
 
 def test_a_mesh_without_a_factor_is_no_convergence() -> None:

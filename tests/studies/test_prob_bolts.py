@@ -21,31 +21,66 @@ def scatter(mean: float, sd: float) -> dict:
     return {"dist": "normal", "mean": mean, "sd": sd}
 
 
-def bolt(east: float, up: float, length: float | None, before: float = 0.0, acts: str = "active") -> dict:
+def bolt(
+    east: float, up: float, length: float | None, before: float = 0.0, acts: str = "active"
+) -> dict:
     """A bolt into a face that dips 65 toward 180, its head so far before it."""
     north = up / np.tan(np.radians(65.0))
-    given = {"force": 150, "toward": "000/5", "acts": acts, "head": [east, float(north) - before, up - before * -0.087]}
+    given = {
+        "force": 150,
+        "toward": "000/5",
+        "acts": acts,
+        "head": [east, float(north) - before, up - before * -0.087],
+    }
     return given if length is None else given | {"length": length}
 
 
 WEDGE = {
-    "slopekit": 1, "kind": "wedge",
-    "slope": {"face": {"dip": scatter(65, 4), "dip_direction": 180}, "upper": "10/180", "height": 14},
-    "joints": {"J1": {"plane": {"dist": "fisher", "mean": "50/120", "k": 150}},
-               "J2": {"plane": {"dip": scatter(48, 4), "dip_direction": 240}}},
-    "strength": {"rock": {"c": 5, "phi": scatter(30, 2)}}, "rock": {"unit_weight": 26},
-    "support": {"bolts": [bolt(0.0, 5.0, 9.0), bolt(-1.0, 8.0, None, 0.5), bolt(3.0, 10.0, 6.0), bolt(-4.5, 12.0, 5.0),
-                          {"force": 50, "toward": "010/10"}]},
-}  # fmt: skip
+    "slopekit": 1,
+    "kind": "wedge",
+    "slope": {
+        "face": {"dip": scatter(65, 4), "dip_direction": 180},
+        "upper": "10/180",
+        "height": 14,
+    },
+    "joints": {
+        "J1": {"plane": {"dist": "fisher", "mean": "50/120", "k": 150}},
+        "J2": {"plane": {"dip": scatter(48, 4), "dip_direction": 240}},
+    },
+    "strength": {"rock": {"c": 5, "phi": scatter(30, 2)}},
+    "rock": {"unit_weight": 26},
+    "support": {
+        "bolts": [
+            bolt(0.0, 5.0, 9.0),
+            bolt(-1.0, 8.0, None, 0.5),
+            bolt(3.0, 10.0, 6.0),
+            bolt(-4.5, 12.0, 5.0),
+            {"force": 50, "toward": "010/10"},
+        ]
+    },
+}
 CRACKED = WEDGE | {"crack": {"plane": "80/180", "distance": 2}}
 PLANE = {
-    "slopekit": 1, "kind": "plane", "slope": {"face": {"dip": scatter(65, 4), "dip_direction": scatter(180, 5)},
-                                              "upper": "5/180", "height": 14},
+    "slopekit": 1,
+    "kind": "plane",
+    "slope": {
+        "face": {"dip": scatter(65, 4), "dip_direction": scatter(180, 5)},
+        "upper": "5/180",
+        "height": 14,
+    },
     "joints": {"J1": {"plane": {"dip": scatter(38, 4), "dip_direction": 185}}},
-    "strength": {"rock": {"c": 5, "phi": scatter(33, 2)}}, "rock": {"unit_weight": 26},
+    "strength": {"rock": {"c": 5, "phi": scatter(33, 2)}},
+    "rock": {"unit_weight": 26},
     "crack": {"depth": scatter(3, 0.5)},
-    "support": {"bolts": [bolt(0.0, 4.0, 4.0), bolt(2.0, 9.0, 9.0), bolt(0.0, 12.5, None), bolt(0.0, 8.0, 6.5)]},
-}  # fmt: skip
+    "support": {
+        "bolts": [
+            bolt(0.0, 4.0, 4.0),
+            bolt(2.0, 9.0, 9.0),
+            bolt(0.0, 12.5, None),
+            bolt(0.0, 8.0, 6.5),
+        ]
+    },
+}
 
 
 def faces_met(block, head: np.ndarray, way: np.ndarray) -> list[tuple[float, int]]:
@@ -77,7 +112,9 @@ def test_bolts_hold_whose_line_goes_in_by_a_free_face_and_out_by_a_joint(name, v
             made = cut(replace(sample, bolts=()))
         except GeometryError:
             continue
-        onward = cut(replace(sample, bolts=(), crack=None, water=replace(sample.water, mode="dry"))).block
+        onward = cut(
+            replace(sample, bolts=(), crack=None, water=replace(sample.water, mode="dry"))
+        ).block
         holds, _ = holding_bolts(kind.on_arrays.bounds(sample), sample.bolts, before)
         for k, one in enumerate(sample.bolts):
             if one.head_m is None:
@@ -98,9 +135,10 @@ def test_bolts_hold_whose_line_goes_in_by_a_free_face_and_out_by_a_joint(name, v
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("values", "acts"), [(WEDGE, "passive"), (PLANE | {"slope": PLANE["slope"] | {"face": "65/180"}}, "active")],
+    ("values", "acts"),
+    [(WEDGE, "passive"), (PLANE | {"slope": PLANE["slope"] | {"face": "65/180"}}, "active")],
     ids=["wedge", "plane"],
-)  # fmt: skip
+)
 def test_both_methods_judge_the_same_bolts(values, acts) -> None:
     """PRE-IE cuts, loads and asks each sample by itself; its heads lie on that sample's face."""
     values = copy.deepcopy(values)
@@ -111,24 +149,38 @@ def test_both_methods_judge_the_same_bolts(values, acts) -> None:
     assert (study.both.disagree, study.both.not_compared, study.both.without_answer) == (0, 0, 0)
     assert study.both.agree == study.forming.of == int(study.judged.forms.sum())
     (lost,) = (notice.message for notice in study.warnings if notice.code == "W311")
-    holds = holding(study.design, [study.samples.settings(row) for row in range(count)], as_laid_out(study.design))
+    holds = holding(
+        study.design,
+        [study.samples.settings(row) for row in range(count)],
+        as_laid_out(study.design),
+    )
     forms = study.judged.forms
     said = f"bolts give no force in {int((~holds.all(axis=0) & forms).sum())} of {int(forms.sum())} samples"
     assert lost.startswith(said)
     bare = prob(load(values | {"support": {"bolts": []}}), count, seed=2, fos=target)
-    fixed = [{key: value for key, value in one.items() if key not in ("head", "length")}
-             for one in values["support"]["bolts"]]  # fmt: skip
+    fixed = [
+        {key: value for key, value in one.items() if key not in ("head", "length")}
+        for one in values["support"]["bolts"]
+    ]
     in_full = prob(load(values | {"support": {"bolts": fixed}}), count, seed=2, fos=target)
-    assert np.nanmean(bare.judged.factor) < np.nanmean(study.judged.factor) < np.nanmean(in_full.judged.factor)
+    assert (
+        np.nanmean(bare.judged.factor)
+        < np.nanmean(study.judged.factor)
+        < np.nanmean(in_full.judged.factor)
+    )
     assert in_full.all_samples.share <= study.all_samples.share <= bare.all_samples.share
 
 
 def test_where_no_plane_scatters_heads_stay_and_all_bolts_hold() -> None:
-    values = WEDGE | {"slope": WEDGE["slope"] | {"face": "65/180"},
-                      "joints": {"J1": {"plane": "50/120"}, "J2": {"plane": "48/240"}}}  # fmt: skip
+    values = WEDGE | {
+        "slope": WEDGE["slope"] | {"face": "65/180"},
+        "joints": {"J1": {"plane": "50/120"}, "J2": {"plane": "48/240"}},
+    }
     values["support"] = {"bolts": [bolt(0.0, 5.0, 12.0), bolt(-1.0, 8.0, None)]}
     design = load(values)
-    assert standing(design, as_laid_out(design)).bolts[0].head_m == pytest.approx(design.bolts[0].head_m, abs=1e-12)
+    assert standing(design, as_laid_out(design)).bolts[0].head_m == pytest.approx(
+        design.bolts[0].head_m, abs=1e-12
+    )
     study = prob(design, 50)
     assert "W311" not in [notice.code for notice in study.warnings]
     assert study.by_closed_form == study.all_samples
@@ -154,11 +206,14 @@ def test_a_bolt_that_holds_no_sample_counts_in_neither_method() -> None:
 
 #: A bolt from the face of a wedge, which sound rock begins 15.14 m behind.
 SHORT_OR_LONG = {
-    "slopekit": 1, "kind": "wedge", "slope": {"face": "65/185", "upper": "12/195", "height": 30},
+    "slopekit": 1,
+    "kind": "wedge",
+    "slope": {"face": "65/185", "upper": "12/195", "height": 30},
     "joints": {"J1": {"plane": "45/105"}, "J2": {"plane": "70/235"}},
-    "strength": {"weak": {"c": 24, "phi": 30}}, "rock": {"unit_weight": 25},
+    "strength": {"weak": {"c": 24, "phi": 30}},
+    "rock": {"unit_weight": 25},
     "support": {"bolts": [{"force": 500, "toward": "005/-10", "head": [-1, -6, 12], "length": 17}]},
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("by", ["pre-ie", "closed-form"])
@@ -167,18 +222,26 @@ def test_samples_that_are_read_one_by_one_say_which_bolts_give_no_force(by, tmp_
     (tmp_path / "joints.csv").write_text("name,dip,dip_direction,phi\nJ1,45,105,30\nJ2,70,235,30\n")
     length = {"dist": "uniform", "min": 10, "max": 20}
     joints = {"csv": str(tmp_path / "joints.csv"), "pick": ["J1", "J2"], "strength": "weak"}
-    design = load(SHORT_OR_LONG | {
-        "joints": joints, "strength": {"weak": {"c": 24, "phi": scatter(30, 3)}},
-        "support": {"bolts": [SHORT_OR_LONG["support"]["bolts"][0] | {"length": length}]},
-    })  # fmt: skip
+    design = load(
+        SHORT_OR_LONG
+        | {
+            "joints": joints,
+            "strength": {"weak": {"c": 24, "phi": scatter(30, 3)}},
+            "support": {"bolts": [SHORT_OR_LONG["support"]["bolts"][0] | {"length": length}]},
+        }
+    )
     study = prob(design, 12, by=by)
     assert not study.rows.is_on_arrays
     lengths = study.samples.rows(0, 12)[:, [*study.samples.names].index("support.bolts.0.length")]
-    bolted, bare = (sk.run(SHORT_OR_LONG | {"support": {"bolts": bolts}}).fos.closed_form
-                    for bolts in (SHORT_OR_LONG["support"]["bolts"], []))  # fmt: skip
+    bolted, bare = (
+        sk.run(SHORT_OR_LONG | {"support": {"bolts": bolts}}).fos.closed_form
+        for bolts in (SHORT_OR_LONG["support"]["bolts"], [])
+    )
     assert study.judged.factor == pytest.approx(np.where(lengths > 15.14, bolted, bare), rel=1e-9)
     (said,) = (notice.message for notice in study.warnings if notice.code == "W311")
-    assert said.startswith(f"bolts give no force in {int((lengths < 15.14).sum())} of 12 samples that form a block:")
+    assert said.startswith(
+        f"bolts give no force in {int((lengths < 15.14).sum())} of 12 samples that form a block:"
+    )
 
 
 def test_the_closed_form_alone_counts_no_bolt_that_a_run_refuses() -> None:

@@ -15,17 +15,26 @@ from tests.studies.test_prob_cracks import CASES as WORST
 from tests.studies.test_probability import SHELF, WILD
 
 BOLT = {"force": 800, "toward": "000/10", "head": [1, -1.0, 4.0], "length": 30}
-SHAKEN = {"seismic": {"k": 0.1, "toward": 200}, "forces": [{"force": 500, "toward": "180/40", "at": [0, 2, 9]}]}
+SHAKEN = {
+    "seismic": {"k": 0.1, "toward": 200},
+    "forces": [{"force": 500, "toward": "180/40", "at": [0, 2, 9]}],
+}
 PRESSED = WILD | {
-    "water": {"pressures": {"J1": 20, "J2": {"dist": "uniform", "min": 0, "max": 30}}}, "support": {"bolts": [BOLT]},
+    "water": {"pressures": {"J1": 20, "J2": {"dist": "uniform", "min": 0, "max": 30}}},
+    "support": {"bolts": [BOLT]},
     "loads": SHAKEN,
-}  # fmt: skip
-CRACKED = WILD | {"crack": {"plane": "80/180", "distance": {"dist": "uniform", "min": 0.2, "max": 6}}}
-CUT = WILD | {"basal": {"plane": "15/175", "height": "3 m", "strength": "b"}, "slope": WILD["slope"] | {"height": 20}}
+}
+CRACKED = WILD | {
+    "crack": {"plane": "80/180", "distance": {"dist": "uniform", "min": 0.2, "max": 6}}
+}
+CUT = WILD | {
+    "basal": {"plane": "15/175", "height": "3 m", "strength": "b"},
+    "slope": WILD["slope"] | {"height": 20},
+}
 DRY = WILD | {"water": {"fill": 0}, "loads": {}, "support": {}}
 SLAB = {key: part for key, part in SHELF.items() if key != "crack"} | {
     "support": {"bolts": [{"force": 100, "toward": "010/05", "acts": "active"}]},
-}  # fmt: skip
+}
 FILLED = {"distance": {"dist": "uniform", "min": 1, "max": 3}, "water": "2 m"}
 STANDING = {key: part for key, part in SLAB.items() if key != "water"} | {"crack": FILLED}
 
@@ -56,9 +65,13 @@ def checked(study: Probability, settings: Any, rows: int, step: int) -> set[str]
         assert outcome == point.factors.status
         assert (point.factors.limit is None) == np.isnan(factor)
         assert point.factors.limit is None or factor == pytest.approx(point.factors.limit, rel=1e-6)
-        assert closed[row] == pytest.approx(point.factors.closed_form or np.nan, rel=1e-9, nan_ok=True)
+        assert closed[row] == pytest.approx(
+            point.factors.closed_form or np.nan, rel=1e-9, nan_ok=True
+        )
         assert bool(study.outcomes.moments_govern[row]) == point.factors.moments_govern
-        assert study.outcomes.agree[row] == (-1 if point.factors.agree is None else point.factors.agree)
+        assert study.outcomes.agree[row] == (
+            -1 if point.factors.agree is None else point.factors.agree
+        )
     return met
 
 
@@ -68,15 +81,28 @@ def checked(study: Probability, settings: Any, rows: int, step: int) -> set[str]
         (DRY, {"slides_on_both", "rotates"}),
         (SLAB, {"slides_on_J1", "E213"}),
         (SHELF, {"slides_on_J1", "E207"}),
-        pytest.param(WILD, {"slides_on_both", "rotates", "lifted", "topples", "E205"}, marks=pytest.mark.slow),
+        pytest.param(
+            WILD, {"slides_on_both", "rotates", "lifted", "topples", "E205"}, marks=pytest.mark.slow
+        ),
         pytest.param(CRACKED, {"slides_on_both", "rotates", "E208"}, marks=pytest.mark.slow),
         pytest.param(
-            CUT, {"slides_on_basal", "slides_on_J2_and_basal", "slides_on_J1_and_J2", "rotates"}, marks=pytest.mark.slow
+            CUT,
+            {"slides_on_basal", "slides_on_J2_and_basal", "slides_on_J1_and_J2", "rotates"},
+            marks=pytest.mark.slow,
         ),
         pytest.param(PRESSED, {"slides_on_both", "rotates"}, marks=pytest.mark.slow),
         pytest.param(STANDING, {"slides_on_J1", "E207"}, marks=pytest.mark.slow),
     ],
-    ids=["dry", "plane", "cracked plane", "wet", "crack", "basal", "pressures", "water in the crack"],
+    ids=[
+        "dry",
+        "plane",
+        "cracked plane",
+        "wet",
+        "crack",
+        "basal",
+        "pressures",
+        "water in the crack",
+    ],
 )
 def test_all_at_once_is_one_by_one(values: dict[str, Any], met: set[str]) -> None:
     """Outcome, factor, whether moments govern and whether the methods agree, of fifty samples of three hundred."""
@@ -88,10 +114,12 @@ def test_all_at_once_is_one_by_one(values: dict[str, Any], met: set[str]) -> Non
 @pytest.mark.parametrize(
     ("name", "met"),
     [
-        ("wet wedge", {"topples"}), ("bolted wedge", {"slides_on_both"}), ("plane", {"slides_on_J1", "E203"}),
+        ("wet wedge", {"topples"}),
+        ("bolted wedge", {"slides_on_both"}),
+        ("plane", {"slides_on_J1", "E203"}),
         ("dry plane", {"slides_on_J1", "E203"}),
     ],
-)  # fmt: skip
+)
 def test_worst_cracks_all_at_once_are_cracks_at_those_places(name: str, met: set[str]) -> None:
     """Forty samples, each cut by a crack at the place that was found."""
     design = sk.load(WORST[name])

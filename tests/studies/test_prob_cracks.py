@@ -12,40 +12,67 @@ from slopekit.design.reading.files import with_values
 from slopekit.kinds import factors_of, kind_of
 from slopekit.studies.points import point_of, status_of
 from slopekit.studies.prob.rows import SampleRows
-from slopekit.studies.prob.run import _asked
+from slopekit.studies.prob.run import _checked_options
 from slopekit.studies.prob.sampling import Samples, samples
 from tests.bolted import as_laid_out, standing
 
-SCATTER = {"c": {"dist": "uniform", "min": 20, "max": 60}, "phi": {"dist": "normal", "mean": 25, "sd": 3}}
+SCATTER = {
+    "c": {"dist": "uniform", "min": 20, "max": 60},
+    "phi": {"dist": "normal", "mean": 25, "sd": 3},
+}
 WEDGE = {
-    "slopekit": 1, "kind": "wedge", "slope": {"face": "60/180", "upper": "10/180", "height": 30},
-    "joints": {"J1": {"plane": {"dip": {"dist": "normal", "mean": 45, "sd": 6}, "dip_direction": 115}},
-               "J2": {"plane": "45/245"}},
-    "strength": {"s": SCATTER}, "rock": {"density": 2600}, "crack": {"plane": "80/180", "distance": "worst"},
-}  # fmt: skip
+    "slopekit": 1,
+    "kind": "wedge",
+    "slope": {"face": "60/180", "upper": "10/180", "height": 30},
+    "joints": {
+        "J1": {"plane": {"dip": {"dist": "normal", "mean": 45, "sd": 6}, "dip_direction": 115}},
+        "J2": {"plane": "45/245"},
+    },
+    "strength": {"s": SCATTER},
+    "rock": {"density": 2600},
+    "crack": {"plane": "80/180", "distance": "worst"},
+}
 PLANE = {
-    "slopekit": 1, "kind": "plane", "slope": {"face": "60/180", "height": 12, "upper": "5/180"},
-    "joints": {"J1": {"plane": {"dip": {"dist": "uniform", "min": 30, "max": 62}, "dip_direction": 180}}},
-    "strength": {"s": SCATTER}, "rock": {"density": 2600}, "crack": {"distance": "worst", "water": "30 %"},
-}  # fmt: skip
+    "slopekit": 1,
+    "kind": "plane",
+    "slope": {"face": "60/180", "height": 12, "upper": "5/180"},
+    "joints": {
+        "J1": {"plane": {"dip": {"dist": "uniform", "min": 30, "max": 62}, "dip_direction": 180}}
+    },
+    "strength": {"s": SCATTER},
+    "rock": {"density": 2600},
+    "crack": {"distance": "worst", "water": "30 %"},
+}
 BOLT = {"force": 200, "head": [0, -3, 8], "toward": "000/-05", "length": 9, "acts": "active"}
 CASES = {
-    "wedge": WEDGE, "plane": PLANE, "wet wedge": {**WEDGE, "water": "full"},
+    "wedge": WEDGE,
+    "plane": PLANE,
+    "wet wedge": {**WEDGE, "water": "full"},
     "bolted wedge": {**WEDGE, "support": {"bolts": [BOLT]}},
-    "above a basal joint": {**WEDGE, "basal": {"plane": "15/180", "height": 3}, "water": {"fill": 0.3}},
+    "above a basal joint": {
+        **WEDGE,
+        "basal": {"plane": "15/180", "height": 3},
+        "water": {"fill": 0.3},
+    },
     "no block": {**WEDGE, "slope": {"face": "30/180", "upper": "10/180", "height": 30}},
     "basal joint": {
-        **WEDGE, "slope": {"face": "70/180", "upper": "5/180", "height": 20},
-        "basal": {"plane": {"dip": {"dist": "uniform", "min": 20, "max": 40}, "dip_direction": 180}, "height": 3,
-                  "strength": "s"},
+        **WEDGE,
+        "slope": {"face": "70/180", "upper": "5/180", "height": 20},
+        "basal": {
+            "plane": {"dip": {"dist": "uniform", "min": 20, "max": 40}, "dip_direction": 180},
+            "height": 3,
+            "strength": "s",
+        },
         "joints": {"J1": {"plane": "80/100"}, "J2": {"plane": "75/262"}},
     },
     "table above the ground behind": {
-        **PLANE, "crack": {"distance": "worst"}, "joints": {"J1": {"plane": "35/180"}},
+        **PLANE,
+        "crack": {"distance": "worst"},
+        "joints": {"J1": {"plane": "35/180"}},
         "water": {"mode": "table", "points": [[0, 0], [6, 6], [9, 8], [14, 14], [40, 30]]},
     },
     "dry plane": {**PLANE, "crack": {"distance": "worst"}, "loads": {"seismic": {"k": 0.1}}},
-}  # fmt: skip
+}
 
 
 def places_of(design: Design, count: int, seed: int) -> tuple[Samples, np.ndarray]:
@@ -71,9 +98,9 @@ def test_as_each_sample_read_by_itself(name) -> None:
         outcome = found.judged.names[found.judged.outcome[row]]
         if outcome.startswith("E"):
             with pytest.raises(GeometryError, match=outcome):
-                own.of(sample)
+                own.closed_form(sample)
             continue
-        single = own.of(sample)
+        single = own.closed_form(sample)
         assert outcome == single.status
         if single.factor is None:
             assert math.isnan(found.judged.factor[row])
@@ -88,7 +115,11 @@ def test_as_each_sample_read_by_itself(name) -> None:
 def test_dry_planes_have_hoek_and_brays_crack() -> None:
     """b_c / H = sqrt(cot ψ_f cot ψ_p) - cot ψ_f below level ground (Hoek & Bray 1981, ch. 7), at every dip drawn."""
     design = sk.load(
-        {**PLANE, "slope": {"face": "60/180", "height": 12, "upper": "0/180"}, "crack": {"distance": "worst"}}
+        {
+            **PLANE,
+            "slope": {"face": "60/180", "height": 12, "upper": "0/180"},
+            "crack": {"distance": "worst"},
+        }
     )
     drawn, places = places_of(design, 50, 2)
     dips = np.radians(drawn.values[:, drawn.names.index("joints.J1.plane.dip")])
@@ -117,7 +148,9 @@ def test_a_plane_flatter_than_the_ground_forms_no_block_whatever_the_crack() -> 
     found = sk.prob(design, n=40, seed=2)
     words, drawn = found.judged.words, found.samples
     assert 1 <= words.count("E205") < 40
-    assert words == [status_of(point_of(design, drawn.settings(row)), "pre_ie") for row in range(40)]
+    assert words == [
+        status_of(point_of(design, drawn.settings(row)), "pre_ie") for row in range(40)
+    ]
 
 
 def test_a_crack_with_a_place_is_not_looked_for() -> None:
@@ -138,7 +171,10 @@ def test_with_passive_bolts_it_is_looked_for_in_all_at_once() -> None:
 
 
 IN_METRES = {"plane": "80/180", "distance": "worst", "water": "1 m"}
-CUT = {"crack water in metres": {"crack": IN_METRES}, "surcharge": {"loads": {"surcharge": "20 kPa"}}}
+CUT = {
+    "crack water in metres": {"crack": IN_METRES},
+    "surcharge": {"loads": {"surcharge": "20 kPa"}},
+}
 CURVED = {"law": "barton-bandis", "jrc": 8, "jcs": "50 MPa", "phi_r": SCATTER["phi"]}
 ALONE = CUT | {"curved strength": {"strength": {"s": CURVED}}}
 
@@ -148,7 +184,7 @@ ALONE = CUT | {"curved strength": {"strength": {"s": CURVED}}}
 def test_few_samples_are_drawn_where_the_crack_is_looked_for_in_each(why) -> None:
     """None are refused; where no number is given as many are drawn as a minute or two takes."""
     design = sk.load(WEDGE | ALONE[why])
-    assert _asked(design, None, 1, "monte-carlo", "pre-ie", 1.0, 0.95, None, str).n == 200
+    assert _checked_options(design, None, 1, "monte-carlo", "pre-ie", 1.0, 0.95, None, str).n == 200
     found = sk.prob(design, n=2, by="closed-form")
     assert found.judged.evaluator == "closed form of every sample, all at once"
     for row, factor in enumerate(found.judged.factor):

@@ -12,12 +12,21 @@ from slopekit.kinds.wedge import cut
 from slopekit.studies.prob.run import Probability
 
 WEDGE: dict[str, Any] = {
-    "slopekit": 1, "kind": "wedge", "slope": {"face": "65/185", "upper": "12/195", "height": 20},
-    "joints": {"A": {"plane": {"dist": "fisher", "mean": "45/115", "k": 80}},
-               "B": {"plane": {"dist": "fisher", "mean": "68/235", "k": 80}}},
-    "strength": {"joint": {"c": 5, "phi": {"dist": "normal", "mean": 32, "sd": 3}}}, "rock": {"unit_weight": 25},
-}  # fmt: skip
-LIMITS = {"bench_width": 4, "trace_length": {"A": {"dist": "lognormal", "mean": 12, "sd": 4}}, "max_volume": 60}
+    "slopekit": 1,
+    "kind": "wedge",
+    "slope": {"face": "65/185", "upper": "12/195", "height": 20},
+    "joints": {
+        "A": {"plane": {"dist": "fisher", "mean": "45/115", "k": 80}},
+        "B": {"plane": {"dist": "fisher", "mean": "68/235", "k": 80}},
+    },
+    "strength": {"joint": {"c": 5, "phi": {"dist": "normal", "mean": 32, "sd": 3}}},
+    "rock": {"unit_weight": 25},
+}
+LIMITS = {
+    "bench_width": 4,
+    "trace_length": {"A": {"dist": "lognormal", "mean": 12, "sd": 4}},
+    "max_volume": 60,
+}
 
 
 def drawn(limits: Any = None, **more: Any) -> Probability:
@@ -40,7 +49,9 @@ def test_sizes_of_samples_are_those_of_the_wedges_read_one_by_one() -> None:
         assert columns["scale"][row] == pytest.approx(found.scaled["factor"], rel=1e-9)
     scaled = study.scaled_down
     assert scaled == np.count_nonzero(columns["scale"] < 1.0) > 0
-    assert f"{scaled} samples made smaller" in " ".join(str(study).split())  # nothing is changed silently
+    assert f"{scaled} samples made smaller" in " ".join(
+        str(study).split()
+    )  # nothing is changed silently
     assert np.nanmax(columns["setback_m"]) <= 4.0 * (1 + 1e-12)
     assert study.to_dict()["scaled_down"] == scaled
 
@@ -62,10 +73,15 @@ def test_filtered_samples_form_no_wedge() -> None:
 def test_planes_have_sizes_per_metre() -> None:
     """Setback of a plane whose dip scatters, sample by sample; the CSV has it."""
     design = {
-        "slopekit": 1, "kind": "plane", "slope": {"face": "65/180", "upper": "5/180", "height": 14},
-        "joints": {"J1": {"plane": {"dip": {"dist": "normal", "mean": 38, "sd": 4}, "dip_direction": 185}}},
-        "strength": {"joint": {"c": 10, "phi": 30}}, "rock": {"unit_weight": 26},
-    }  # fmt: skip
+        "slopekit": 1,
+        "kind": "plane",
+        "slope": {"face": "65/180", "upper": "5/180", "height": 14},
+        "joints": {
+            "J1": {"plane": {"dip": {"dist": "normal", "mean": 38, "sd": 4}, "dip_direction": 185}}
+        },
+        "strength": {"joint": {"c": 10, "phi": 30}},
+        "rock": {"unit_weight": 26},
+    }
     study = sk.prob(sk.load(design), 100, by="closed-form")
     for row in range(5):
         alone = sk.run(with_values(study.design, study.samples.settings(row)))

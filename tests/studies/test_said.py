@@ -24,8 +24,18 @@ DESIGNS = {
         "strength.bedding.phi",
         None,
     ),
-    "typed in Pa": (str(path_of("plane")), {"strength.bedding.c": 50000}, "strength.bedding.phi", None),
-    "dilates": (WEDGE, {"strength.weak.dilation": 10, "strength.weak.tension": 50}, "strength.weak.phi", 1.5),
+    "typed in Pa": (
+        str(path_of("plane")),
+        {"strength.bedding.c": 50000},
+        "strength.bedding.phi",
+        None,
+    ),
+    "dilates": (
+        WEDGE,
+        {"strength.weak.dilation": 10, "strength.weak.tension": 50},
+        "strength.weak.phi",
+        1.5,
+    ),
     "bolts": (WEDGE, {"support.bolts": ["100 MN@000/10,passive"]}, "strength.weak.phi", 1.6),
     "dry crack": (
         WEDGE,
@@ -70,14 +80,18 @@ def test_a_point_of_many_names_its_place() -> None:
     """W302 where a swept cohesion is that of intact rock, at how many points, and at which first."""
     swept = sk.sweep(sk.load(str(path_of("plane"))), {"strength.bedding.c": [25, 4000, 6000, 8000]})
     (notice,) = swept.warnings
-    assert str(notice).startswith("W302 2 of 4 points, at strength.bedding.c = 6000 kPa: a cohesion of 6000 kPa")
+    assert str(notice).startswith(
+        "W302 2 of 4 points, at strength.bedding.c = 6000 kPa: a cohesion of 6000 kPa"
+    )
 
 
 def test_a_probability_says_what_the_run_says_of_the_means() -> None:
     scattered = {"strength.bedding.phi": {"dist": "normal", "mean": 24, "sd": 2}}
     found = sk.prob(sk.load(BASAL, set=scattered), n=200)
     (of_whole,) = (notice for notice in found.warnings if notice.code == "W410")
-    assert of_whole.message.startswith("of the design at its means: the basal joint cuts the toe off")
+    assert of_whole.message.startswith(
+        "of the design at its means: the basal joint cuts the toe off"
+    )
 
 
 @pytest.mark.parametrize(
@@ -107,7 +121,10 @@ def test_check_judges_the_residual_strength() -> None:
     """A rule on it was not met for want of the number; W417 is said as `run` says it."""
     design = sk.load(
         WEDGE,
-        set={"strength.weak.residual": {"c": 0, "phi": 18}, "acceptance.rules": ["fos >= 1.1", "fos.residual >= 1"]},
+        set={
+            "strength.weak.residual": {"c": 0, "phi": 18},
+            "acceptance.rules": ["fos >= 1.1", "fos.residual >= 1"],
+        },
     )
     found, run = sk.check(design), sk.run(design)
     assert found.exit_code == run.exit_code == 0
@@ -136,8 +153,13 @@ def test_a_value_that_the_whole_wedge_does_not_bear_is_not_enough() -> None:
     """W507: the block above the basal joint has 3.5 with 61.6° on that joint, the wedge that it is cut from 3.171."""
     short = solved_for_both().cases["high"]
     (notice,) = (notice for notice in short.warnings if notice.code == "W507")
-    run = sk.run(BASAL, set={"strength.bedding.phi": short.answer.value, "acceptance.rules": "fos >= 3.4999"})
-    assert f"falls short of 3.5: slides on both, FoS {run.comparisons.without_basal.closed_form:.4g}" in notice.message
+    run = sk.run(
+        BASAL, set={"strength.bedding.phi": short.answer.value, "acceptance.rules": "fos >= 3.4999"}
+    )
+    assert (
+        f"falls short of 3.5: slides on both, FoS {run.comparisons.without_basal.closed_form:.4g}"
+        in notice.message
+    )
     assert (short.exit_code, run.exit_code) == (1, 1)
     enough = solved_for_both().cases["low"]
     assert "W507" not in codes(enough)
@@ -148,14 +170,20 @@ def test_a_value_that_the_whole_wedge_does_not_bear_is_not_enough() -> None:
 def test_bolts_that_hold_a_part_of_a_wedge_alone_are_said() -> None:
     found = sk.support(sk.load(BASAL, set={"strength.joint.phi": 10}), 1.5, acts="passive")
     (lacks,) = (case.lacks for case in found.cases)
-    assert lacks.startswith("NOT REACHED, FoS 1.5: W507 with these bolts the whole wedge without the basal joint falls")
+    assert lacks.startswith(
+        "NOT REACHED, FoS 1.5: W507 with these bolts the whole wedge without the basal joint falls"
+    )
     assert lacks in " ".join(str(found).split())
     assert (found.exit_code, found.reached) == (1, False)
     assert found.cases[0].yaml.startswith("# NOT REACHED, FoS 1.5: W507")
-    assert found.cases[0].factors.limit == pytest.approx(1.5032, abs=1e-3)  # each bolt is rounded up to 10 kN
+    assert found.cases[0].factors.limit == pytest.approx(
+        1.5032, abs=1e-3
+    )  # each bolt is rounded up to 10 kN
     none = sk.support(sk.load(BASAL, set={"strength.bedding.phi": 70}), 3.5, acts="active")
     assert none.stands
-    assert "as it stands the whole wedge" in next(one.message for one in none.warnings if one.code == "W507")
+    assert "as it stands the whole wedge" in next(
+        one.message for one in none.warnings if one.code == "W507"
+    )
     assert none.exit_code == 1
 
 
@@ -174,23 +202,44 @@ def test_rules_that_a_study_does_not_judge_are_named() -> None:
     columns = sk.load(str(path_of("topple")), set=rules)
     found = sk.solve(columns, "strength.bedding.phi")
     (notice,) = (one for one in found.warnings if one.code == "W332")
-    assert notice.message == "acceptance also asks for fos.lowest >= 1.2: not looked at here, run judges it"
+    assert (
+        notice.message
+        == "acceptance also asks for fos.lowest >= 1.2: not looked at here, run judges it"
+    )
     run = sk.run(str(path_of("topple")), set=rules | {"strength.bedding.phi": found.answer.value})
     assert run.fos.lowest < 1.2
     assert "W332" in codes(sk.sweep(columns, {"strength.bedding.phi": [20]}))
     assert "W332" not in codes(sk.solve(columns, "strength.bedding.phi", fos=1.2))
 
 
-@pytest.mark.parametrize(("study", "names"), [
-    (lambda design: sk.sweep(design, {"strength.joints.phi": [20]}), "face, upper, height, c, density"),
-    (lambda design: sk.tornado(design, closed_form=True), "face, upper, height, c, phi, density"),
-    (lambda design: sk.solve(design, "slope.height", fos=1.3), "face, upper, c, phi, density"),
-    (lambda design: sk.quake(design, "sine:0.5g,1Hz"), "face, upper, height, c, phi, density"),
-    (lambda design: sk.support(design, 1.6, acts="active"), "face, upper, height, c, phi, density"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("study", "names"),
+    [
+        (
+            lambda design: sk.sweep(design, {"strength.joints.phi": [20]}),
+            "face, upper, height, c, density",
+        ),
+        (
+            lambda design: sk.tornado(design, closed_form=True),
+            "face, upper, height, c, phi, density",
+        ),
+        (lambda design: sk.solve(design, "slope.height", fos=1.3), "face, upper, c, phi, density"),
+        (lambda design: sk.quake(design, "sine:0.5g,1Hz"), "face, upper, height, c, phi, density"),
+        (
+            lambda design: sk.support(design, 1.6, acts="active"),
+            "face, upper, height, c, phi, density",
+        ),
+    ],
+)
 def test_what_was_not_given_is_said(study, names) -> None:
     """W379, DEFAULTS of a run: what was taken from the paper's wedge, but for what a study varies itself."""
-    design = sk.load({"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}})
+    design = sk.load(
+        {
+            "slopekit": 1,
+            "kind": "wedge",
+            "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
+        }
+    )
     found = study(design)
     (notice,) = (one for one in found.warnings if one.code == "W379")
     assert notice.message == f"not given, taken from the paper's wedge: {names}"

@@ -58,7 +58,7 @@ MARGINALS = [
     (dist("triangular", min=10, mode=15, max=30), stats.triang(0.25, 10, 20)),
     (dist("triangular", min=10, mode=10, max=30), stats.triang(0, 10, 20)),
     (dist("triangular", min=10, mode=30, max=30), stats.triang(1, 10, 20)),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -81,9 +81,14 @@ def test_marginals(method) -> None:
 
 def test_a_standard_deviation_of_0_is_a_constant() -> None:
     for name in ("normal", "lognormal"):
-        variables = [Variable("x", dist(name, mean=20, sd=0, min=20)), Variable("y", dist("normal", mean=1, sd=1))]
+        variables = [
+            Variable("x", dist(name, mean=20, sd=0, min=20)),
+            Variable("y", dist("normal", mean=1, sd=1)),
+        ]
         for method in METHODS:
-            assert (samples(variables, [("x", "y", 0.5)], 100, 1, method).values[:, 0] == 20.0).all()
+            assert (
+                samples(variables, [("x", "y", 0.5)], 100, 1, method).values[:, 0] == 20.0
+            ).all()
 
 
 def _quantile(own, p):
@@ -108,11 +113,16 @@ def _quantile(own, p):
 
 @pytest.mark.parametrize(
     "own",
-    [dist("normal", mean=0, sd=1, min=-9, max=3), dist("normal", mean=0, sd=1, min=-4), dist("normal", mean=0, sd=1),
-     dist("normal", mean=20, sd=2, min=19.9, max=22), dist("lognormal", mean=50, sd=100, min=45),
-     dist("lognormal", mean=5, sd=2, min=0.1, max=30)],
+    [
+        dist("normal", mean=0, sd=1, min=-9, max=3),
+        dist("normal", mean=0, sd=1, min=-4),
+        dist("normal", mean=0, sd=1),
+        dist("normal", mean=20, sd=2, min=19.9, max=22),
+        dist("lognormal", mean=50, sd=100, min=45),
+        dist("lognormal", mean=5, sd=2, min=0.1, max=30),
+    ],
     ids=str,
-)  # fmt: skip
+)
 def test_exact_in_both_tails(own) -> None:
     """Quantiles against 40 digits, at 1e-14 of the width they are drawn from; in the tails ndtri has 1e-15 itself."""
     functions, width = marginal(own), own.parameters["sd"]
@@ -125,24 +135,30 @@ def test_exact_in_both_tails(own) -> None:
             array = functions.of_tail(np.array([p]), np.array([side]))[0]
             assert array == found
             normal = side * stats.norm.isf(p)
-            assert functions.of_normal(np.array([normal]))[0] == pytest.approx(value, abs=3e-14 * width, rel=3e-14)
+            assert functions.of_normal(np.array([normal]))[0] == pytest.approx(
+                value, abs=3e-14 * width, rel=3e-14
+            )
 
 
 @pytest.mark.parametrize(("own", "exact"), MARGINALS, ids=lambda value: str(value)[:40])
 def test_shares_of_tails(own, exact) -> None:
     for value in (-5.0, 15.0, 20.0, 25.0, 52.0):
         below, above = tails(own, value, value)
-        assert below == pytest.approx(exact.cdf(value), abs=1e-6 if own.parameters.get("sd") == 1000 else 1e-12)
+        assert below == pytest.approx(
+            exact.cdf(value), abs=1e-6 if own.parameters.get("sd") == 1000 else 1e-12
+        )
         assert below + above == pytest.approx(1.0, abs=1e-12)
 
 
 # -- correlation ------------------------------------------------------------------------------------------------------
 
 KINDS = {
-    "normal": dist("normal", mean=20, sd=2), "log": dist("lognormal", mean=5, sd=4),
-    "cut": dist("normal", mean=20, sd=4, min=18), "uniform": dist("uniform", min=0, max=1),
+    "normal": dist("normal", mean=20, sd=2),
+    "log": dist("lognormal", mean=5, sd=4),
+    "cut": dist("normal", mean=20, sd=4, min=18),
+    "uniform": dist("uniform", min=0, max=1),
     "triangle": dist("triangular", min=0, mode=1, max=5),
-}  # fmt: skip
+}
 
 
 def _all(**more):
@@ -153,7 +169,9 @@ def _all(**more):
 @pytest.mark.parametrize("wanted", [0.0, 0.8, -0.5])
 def test_rank_correlation_is_the_one_asked_for(method, wanted) -> None:
     """Spearman's coefficient of 2¹⁵ samples by scipy: its standard error is about 1/√n = 0.0055."""
-    drawn = samples(_all(), [("cut", "log", wanted), ("triangle", "uniform", -wanted)], 2**15, 7, method)
+    drawn = samples(
+        _all(), [("cut", "log", wanted), ("triangle", "uniform", -wanted)], 2**15, 7, method
+    )
     found = stats.spearmanr(drawn.values).statistic
     expected = np.eye(5)
     expected[1, 2] = expected[2, 1] = wanted
@@ -164,14 +182,22 @@ def test_rank_correlation_is_the_one_asked_for(method, wanted) -> None:
 @pytest.mark.parametrize("method", METHODS)
 def test_full_correlation_gives_the_same_ranks(method) -> None:
     """Of any two kinds of distributions; also where the matrix of all is singular in other ways."""
-    pairs = [("normal", "log", 1.0), ("normal", "cut", -1.0), ("log", "cut", -1.0), ("normal", "uniform", 0.6),
-             ("log", "uniform", 0.6), ("cut", "uniform", -0.6)]  # fmt: skip
+    pairs = [
+        ("normal", "log", 1.0),
+        ("normal", "cut", -1.0),
+        ("log", "cut", -1.0),
+        ("normal", "uniform", 0.6),
+        ("log", "uniform", 0.6),
+        ("cut", "uniform", -0.6),
+    ]
     drawn = samples(_all(), pairs, 5000, 1, method)
     order = np.argsort(drawn.values[:, 0])
     assert (np.diff(drawn.values[order, 1]) >= 0.0).all()
     assert (np.diff(drawn.values[order, 2]) <= 0.0).all()
     assert len(np.unique(drawn.values[:, 1])) == len(drawn.values)
-    assert stats.spearmanr(drawn.values[:, 0], drawn.values[:, 3]).statistic == pytest.approx(0.6, abs=0.05)
+    assert stats.spearmanr(drawn.values[:, 0], drawn.values[:, 3]).statistic == pytest.approx(
+        0.6, abs=0.05
+    )
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -179,8 +205,15 @@ def test_full_correlation_gives_the_same_numbers(method) -> None:
     """To the last digit, whatever else the two are correlated with."""
     own = KINDS["normal"]
     variables = [Variable(name, own) for name in "abcde"]
-    pairs = [("a", "d", 0.3), ("b", "d", -0.45), ("a", "e", 0.3), ("b", "e", -0.45), ("d", "e", 1.0), ("c", "d", 0.1),
-             ("c", "e", 0.1)]  # fmt: skip
+    pairs = [
+        ("a", "d", 0.3),
+        ("b", "d", -0.45),
+        ("a", "e", 0.3),
+        ("b", "e", -0.45),
+        ("d", "e", 1.0),
+        ("c", "d", 0.1),
+        ("c", "e", 0.1),
+    ]
     drawn = samples(variables, pairs, 3000, 2, method)
     assert (drawn.values[:, 3] == drawn.values[:, 4]).all()
 
@@ -192,7 +225,9 @@ def _vectors(drawn, of="plane"):
     if of == "plane":
         return normals(drawn.values[:, 0], drawn.values[:, 1])
     trend, plunge = np.radians(drawn.values.T)
-    return np.stack([np.sin(trend) * np.cos(plunge), np.cos(trend) * np.cos(plunge), -np.sin(plunge)], axis=1)
+    return np.stack(
+        [np.sin(trend) * np.cos(plunge), np.cos(trend) * np.cos(plunge), -np.sin(plunge)], axis=1
+    )
 
 
 @pytest.mark.parametrize("concentration", [0.5, 5.0, 60.0, 99.0, 100.0, 500.0])
@@ -224,7 +259,10 @@ def test_angle_and_azimuth_of_a_fisher_sample(mean, concentration) -> None:
     for r in (1e-6, 0.01, 0.5, 0.999, 1.001, 2.0, 4.0, 6.0):
         turn = 0.4 + r
         with mpmath.workdps(40):
-            share, none = mpmath.exp(-(mpmath.mpf(r) ** 2) / 2), mpmath.exp(-2 * mpmath.mpf(concentration))
+            share, none = (
+                mpmath.exp(-(mpmath.mpf(r) ** 2) / 2),
+                mpmath.exp(-2 * mpmath.mpf(concentration)),
+            )
             angle = float(mpmath.acos(1 + mpmath.log(share + (1 - share) * none) / concentration))
         normal = np.array([r * math.cos(turn)]), np.array([r * math.sin(turn)])
         steep, direction = fisher(mean, concentration, *normal)
@@ -236,7 +274,9 @@ def test_angle_and_azimuth_of_a_fisher_sample(mean, concentration) -> None:
             centre, up = mean.vector(), Line(mean.trend_deg, mean.plunge_deg + 90.0).vector()
             side = Line(mean.trend_deg + 90.0, 0.0).vector()
             found = Line(float(direction[0]), float(steep[0])).vector()
-        expected = centre * math.cos(angle) + (up * math.cos(turn) + side * math.sin(turn)) * math.sin(angle)
+        expected = centre * math.cos(angle) + (
+            up * math.cos(turn) + side * math.sin(turn)
+        ) * math.sin(angle)
         if isinstance(mean, Plane) and expected[2] < 0.0:
             expected = -expected  # the upward one of the two
         assert found == pytest.approx(expected, abs=1e-11)
@@ -246,10 +286,14 @@ def test_fisher_against_another_sampler() -> None:
     """Means of a few functions of the pole against scipy's von Mises-Fisher of three dimensions (its own algorithm)."""
     mean, concentration, count = Plane(40.0, 250.0), 50.0, 40000
     found = _vectors(samples([Variable("J1.plane", Fisher(mean, concentration))], (), count, 2))
-    other = stats.vonmises_fisher(mean.normal(), concentration).rvs(count, random_state=np.random.default_rng(1))
+    other = stats.vonmises_fisher(mean.normal(), concentration).rvs(
+        count, random_state=np.random.default_rng(1)
+    )
     for power in (1, 2, 3):
         error = np.sqrt(((found**power).var(axis=0) + (other**power).var(axis=0)) / count)
-        assert (np.abs((found**power).mean(axis=0) - (other**power).mean(axis=0)) < 4.5 * error).all()
+        assert (
+            np.abs((found**power).mean(axis=0) - (other**power).mean(axis=0)) < 4.5 * error
+        ).all()
 
 
 def test_poles_that_pass_the_horizontal() -> None:
@@ -279,7 +323,9 @@ def test_components_of_fisher_orientations_can_be_correlated() -> None:
     expected[1, 4] = expected[4, 1] = -0.5
     assert found == pytest.approx(expected, abs=0.015)
     assert drawn.values[:, 0].std() == pytest.approx(math.degrees(0.05), rel=0.02)
-    assert drawn.values[:, 1].std() * math.sin(math.radians(50)) == pytest.approx(math.degrees(0.05), rel=0.02)
+    assert drawn.values[:, 1].std() * math.sin(math.radians(50)) == pytest.approx(
+        math.degrees(0.05), rel=0.02
+    )
 
 
 @given(st.floats(-400, 400), st.floats(-800, 800))
@@ -297,7 +343,9 @@ def test_folded_lines_are_the_same_lines(plunge, trend) -> None:
     folded, turned = folded_lines(np.array([plunge]), np.array([trend]))
     assert -90.0 <= folded[0] <= 90.0
     assert 0.0 <= turned[0] <= 360.0
-    product = float(Line(trend, plunge).vector() @ Line(float(turned[0]), float(folded[0])).vector())
+    product = float(
+        Line(trend, plunge).vector() @ Line(float(turned[0]), float(folded[0])).vector()
+    )
     assert product == pytest.approx(1.0, abs=1e-12)
 
 
@@ -320,7 +368,9 @@ def test_angles_as_numbers() -> None:
     drawn = samples([turned], (), 2000, 1)
     assert (drawn.values[:, 0] == 60.0).all()
     assert 0.2 < (drawn.values[:, 1] < 90.0).mean() < 0.4
-    line = samples([Variable("toward", Angles("line", dist("normal", mean=85, sd=9), 0.0))], (), 2000, 1)
+    line = samples(
+        [Variable("toward", Angles("line", dist("normal", mean=85, sd=9), 0.0))], (), 2000, 1
+    )
     assert line.names == ("toward.trend", "toward.plunge")
     assert set(np.unique(line.values[:, 0])) == {0.0, 180.0}
 
@@ -335,8 +385,9 @@ def test_no_scatter_at_all_of_a_steep_angle() -> None:
 
 MIXED = [
     Variable("J1.plane", Fisher(Plane(45, 115), 200)),
-    Variable("face", Angles("plane", dist("normal", mean=60, sd=9), 9.0)), *_all(),
-]  # fmt: skip
+    Variable("face", Angles("plane", dist("normal", mean=60, sd=9), 9.0)),
+    *_all(),
+]
 PAIRS = [("normal", "log", 0.5), ("J1.plane.dip", "cut", -0.4)]
 
 
@@ -377,14 +428,16 @@ def test_some_rows_are_those_of_all(method, monkeypatch) -> None:
     for start, stop in ((0, 300), (0, 1), (63, 65), (64, 128), (130, 299)):
         assert (drawn.rows(start, stop) == drawn.values[start:stop]).all()
     some = np.array([0, 3, 64, 65, 299])
-    assert (drawn.at(some) == drawn.values[some]).all()
+    assert (drawn.select(some) == drawn.values[some]).all()
     for found, name, values in zip(
         sample_statistics(drawn.names, drawn.pieces), drawn.names, drawn.values.T, strict=True
     ):
         own = unwrapped(name, values)
         around = 360.0 if name.endswith("dip_direction") else math.inf
         expected = [own.mean() % around, own.std(ddof=1), own.min() % around, own.max() % around]
-        assert [found[key] for key in ("mean", "sd", "min", "max")] == pytest.approx(expected, rel=1e-12, abs=1e-9)
+        assert [found[key] for key in ("mean", "sd", "min", "max")] == pytest.approx(
+            expected, rel=1e-12, abs=1e-9
+        )
 
 
 @pytest.mark.parametrize("n", [1, 2, 7, 10, 127, 128, 129, 1000, 2**14, 20000, 600_000])
@@ -405,22 +458,34 @@ def test_replicates(n) -> None:
 def test_latin_hypercube_has_one_sample_in_each_stratum(n) -> None:
     """In every replicate and every input, correlated ones too; odd numbers of strata have a middle one."""
     variables = [Variable(f"x{k}", own) for k, (own, _) in enumerate(MARGINALS)]
-    drawn = samples(variables, [("x0", "x1", 0.8), ("x6", "x7", -1.0), ("x0", "x10", 0.3)], n, 3, "latin-hypercube")
+    drawn = samples(
+        variables,
+        [("x0", "x1", 0.8), ("x6", "x7", -1.0), ("x0", "x10", 0.3)],
+        n,
+        3,
+        "latin-hypercube",
+    )
     for k, (own, exact) in enumerate(MARGINALS):
         if own.parameters.get("sd") == 1000:
             continue  # scipy's stands in for a truncated one, it is not quite the same
         for replicate in range(16):
             values = drawn.values[drawn.replicate == replicate, k]
-            stratum = np.floor(exact.cdf(values) * (n // 16) + 1e-9 * np.sign(values - np.median(values)))
+            stratum = np.floor(
+                exact.cdf(values) * (n // 16) + 1e-9 * np.sign(values - np.median(values))
+            )
             assert sorted(stratum) == list(range(n // 16))
 
 
 def test_latin_hypercube_fills_each_stratum_evenly() -> None:
     """Where in its stratum a sample lies is uniform; the middle stratum of an odd number included."""
-    drawn = samples([Variable("x", dist("uniform", min=0, max=7))], (), 16 * 1000, 3, "latin-hypercube")
+    drawn = samples(
+        [Variable("x", dist("uniform", min=0, max=7))], (), 16 * 1000, 3, "latin-hypercube"
+    )
     assert ends_of_blocks(7, "latin-hypercube") == [0, 7]
     one = [Variable("x", dist("uniform", min=0, max=7))]
-    values = np.array([samples(one, (), 7, seed, "latin-hypercube").values for seed in range(800)]).ravel()
+    values = np.array(
+        [samples(one, (), 7, seed, "latin-hypercube").values for seed in range(800)]
+    ).ravel()
     for stratum in range(7):
         inside = values[np.floor(values) == stratum] - stratum
         assert len(inside) == 800
@@ -451,7 +516,10 @@ def test_fewer_samples_for_the_same_error() -> None:
     exact = 20.0 + 0.5 + 2.0
 
     def error(how):
-        found = [samples(variables, (), 2048, seed, how).values.sum(axis=1).mean() - exact for seed in range(10)]
+        found = [
+            samples(variables, (), 2048, seed, how).values.sum(axis=1).mean() - exact
+            for seed in range(10)
+        ]
         return math.sqrt(np.mean(np.square(found)))
 
     assert error("latin-hypercube") < 0.1 * error("monte-carlo")
@@ -460,8 +528,12 @@ def test_fewer_samples_for_the_same_error() -> None:
 # -- with a design ----------------------------------------------------------------------------------------------------
 
 DESIGN = {
-    "slopekit": 1, "kind": "wedge",
-    "slope": {"face": {"dip": {"dist": "normal", "mean": 65, "sd": 2}, "dip_direction": 185}, "height": 30},
+    "slopekit": 1,
+    "kind": "wedge",
+    "slope": {
+        "face": {"dip": {"dist": "normal", "mean": 65, "sd": 2}, "dip_direction": 185},
+        "height": 30,
+    },
     "joints": {
         "J1": {"plane": {"dist": "fisher", "mean": "45/105", "k": 200}, "strength": "rough"},
         "J2": {"plane": "70/235", "strength": "clay"},
@@ -472,7 +544,7 @@ DESIGN = {
     },
     "correlation": {"rough.c/clay.phi": 0.5},
     "support": {"bolts": [{"force": 5, "toward": {"dist": "fisher", "mean": "005/10", "k": 100}}]},
-}  # fmt: skip
+}
 
 
 def test_samples_of_a_design_and_back() -> None:
@@ -480,15 +552,23 @@ def test_samples_of_a_design_and_back() -> None:
     design = sk.load(DESIGN)
     drawn = samples(design.variables, design.correlation, 64, 3)
     assert set(drawn.names) == {
-        "slope.face.dip", "slope.face.dip_direction", "joints.J1.plane.dip", "joints.J1.plane.dip_direction",
-        "strength.rough.c", "strength.clay.phi", "support.bolts.0.toward.trend", "support.bolts.0.toward.plunge",
-    }  # fmt: skip
+        "slope.face.dip",
+        "slope.face.dip_direction",
+        "joints.J1.plane.dip",
+        "joints.J1.plane.dip_direction",
+        "strength.rough.c",
+        "strength.clay.phi",
+        "support.bolts.0.toward.trend",
+        "support.bolts.0.toward.plunge",
+    }
     for row in (0, 17, 63):
         value = dict(zip(drawn.names, drawn.values[row].tolist(), strict=True))
         changed = with_values(design, drawn.settings(row))
         assert changed.variables == ()
         assert changed.face == Plane(value["slope.face.dip"], 185.0)
-        assert changed.joints[0] == Plane(value["joints.J1.plane.dip"], value["joints.J1.plane.dip_direction"])
+        assert changed.joints[0] == Plane(
+            value["joints.J1.plane.dip"], value["joints.J1.plane.dip_direction"]
+        )
         assert changed.cohesion_kpa == (value["strength.rough.c"], 48.0)
         assert changed.friction_angle_deg == (30.0, value["strength.clay.phi"])
         toward = Line(value["support.bolts.0.toward.trend"], value["support.bolts.0.toward.plunge"])
@@ -498,19 +578,42 @@ def test_samples_of_a_design_and_back() -> None:
 def _wedge(**strength):
     joints = {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}
     return sk.load(
-        {"slopekit": 1, "kind": "wedge", "joints": joints, "strength": {"a": {"c": 9, "phi": 30} | strength}}
+        {
+            "slopekit": 1,
+            "kind": "wedge",
+            "joints": joints,
+            "strength": {"a": {"c": 9, "phi": 30} | strength},
+        }
     )
 
 
 BEYOND = [
-    ({"c": {"dist": "normal", "mean": 10, "sd": 8}}, "10.6 % of strength.a.c lies below 0", "Add min: 0 to"),
-    ({"c": {"dist": "uniform", "min": -5, "max": 15}}, "25 % of strength.a.c lies below 0", "Give it min: 0"),
-    ({"phi": {"dist": "normal", "mean": 45, "sd": 40}}, "13 % of strength.a.phi lies below 0, 13 % of strength.a.phi",
-     "Add min: 0 and max: 90 to"),
-    ({"phi": {"dist": "lognormal", "mean": 60, "sd": 40}}, "% of strength.a.phi lies above 90", "Add max: 90 to"),
-    ({"tension": {"dist": "triangular", "min": -1, "mode": 0, "max": 4}}, "20 % of strength.a.tension lies below 0",
-     "Give it min: 0"),
-]  # fmt: skip
+    (
+        {"c": {"dist": "normal", "mean": 10, "sd": 8}},
+        "10.6 % of strength.a.c lies below 0",
+        "Add min: 0 to",
+    ),
+    (
+        {"c": {"dist": "uniform", "min": -5, "max": 15}},
+        "25 % of strength.a.c lies below 0",
+        "Give it min: 0",
+    ),
+    (
+        {"phi": {"dist": "normal", "mean": 45, "sd": 40}},
+        "13 % of strength.a.phi lies below 0, 13 % of strength.a.phi",
+        "Add min: 0 and max: 90 to",
+    ),
+    (
+        {"phi": {"dist": "lognormal", "mean": 60, "sd": 40}},
+        "% of strength.a.phi lies above 90",
+        "Add max: 90 to",
+    ),
+    (
+        {"tension": {"dist": "triangular", "min": -1, "mode": 0, "max": 4}},
+        "20 % of strength.a.tension lies below 0",
+        "Give it min: 0",
+    ),
+]
 
 
 @pytest.mark.parametrize(("strength", "says", "advice"), BEYOND, ids=lambda value: str(value)[:30])
@@ -526,17 +629,29 @@ def test_too_much_beyond_what_a_design_takes(strength, says, advice) -> None:
 
 
 def test_little_beyond_is_left_to_the_study() -> None:
-    design = _wedge(c={"dist": "normal", "mean": 10, "sd": 4}, phi={"dist": "normal", "mean": 30, "sd": 2, "min": 0})
+    design = _wedge(
+        c={"dist": "normal", "mean": 10, "sd": 4},
+        phi={"dist": "normal", "mean": 30, "sd": 2, "min": 0},
+    )
     checked_limits(design)
     by_path = {variable.path: variable.distribution for variable in design.variables}
-    assert tails(by_path["strength.a.c"], 0.0, math.inf)[0] == pytest.approx(stats.norm.cdf(-2.5), rel=1e-12)
-    assert tails(by_path["strength.a.phi"], 0.0, 90.0)[1] == pytest.approx(stats.norm.sf(30.0), rel=1e-9)
+    assert tails(by_path["strength.a.c"], 0.0, math.inf)[0] == pytest.approx(
+        stats.norm.cdf(-2.5), rel=1e-12
+    )
+    assert tails(by_path["strength.a.phi"], 0.0, 90.0)[1] == pytest.approx(
+        stats.norm.sf(30.0), rel=1e-9
+    )
     drawn = samples(design.variables, (), 20000, 1)
-    assert (drawn.values.T[list(drawn.names).index("strength.a.c")] < 0.0).mean() == pytest.approx(0.0062, abs=0.003)
+    assert (drawn.values.T[list(drawn.names).index("strength.a.c")] < 0.0).mean() == pytest.approx(
+        0.0062, abs=0.003
+    )
 
 
 def test_nothing_of_an_orientation_is_beyond() -> None:
-    steep = Variable("joints.J1.plane", Angles("plane", dist("normal", mean=85, sd=10), dist("normal", mean=0, sd=90)))
+    steep = Variable(
+        "joints.J1.plane",
+        Angles("plane", dist("normal", mean=85, sd=10), dist("normal", mean=0, sd=90)),
+    )
     scatters = steep, Variable("slope.face", Fisher(Plane(80, 5), 2))
     design = replace(_wedge(c=10, phi=30), variables=scatters)
     checked_limits(design)  # refuses none

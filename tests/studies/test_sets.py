@@ -15,7 +15,7 @@ from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Line, normals
 from slopekit.design.reading.files import load
 from slopekit.studies.axes import axes_of, cone_of, terzaghi_weights
-from slopekit.studies.sets.clustering import best, clusters_of
+from slopekit.studies.sets.clustering import clusters_of, least_bic
 from slopekit.studies.sets.density import density
 from tests.commands import slopekit
 
@@ -28,7 +28,8 @@ THREE = ((45, 120, 40, 40), (80, 20, 40, 30), (60, 270, 25, 25))
 def drawn(rng: np.random.Generator, sets=THREE, anywhere: int = 0) -> tuple[np.ndarray, np.ndarray]:
     """Poles of drawn sets, and the set that each is of (-1: anywhere)."""
     parts = [
-        vonmises_fisher(normals(np.array(dip), np.array(way)), k).rvs(n, random_state=rng) for dip, way, k, n in sets
+        vonmises_fisher(normals(np.array(dip), np.array(way)), k).rvs(n, random_state=rng)
+        for dip, way, k, n in sets
     ]
     loose = rng.normal(size=(anywhere, 3))
     parts.append(loose / np.linalg.norm(loose, axis=1)[:, None])
@@ -81,7 +82,9 @@ def test_fisher_against_mplstereonet_and_scipy() -> None:
         _, (resultant, cone, kappa) = stereonet.find_fisher_stats(
             angles[:, 1] - 90.0, angles[:, 0], measurement="poles", conf=95
         )
-        assert (own.k, own.resultant, own.cone_deg) == pytest.approx((kappa, resultant, cone), rel=1e-9)
+        assert (own.k, own.resultant, own.cone_deg) == pytest.approx(
+            (kappa, resultant, cone), rel=1e-9
+        )
         mean, likeliest = vonmises_fisher.fit(poles)
         assert own.k * n / (n - 1) == pytest.approx(likeliest, rel=1e-6)
         assert abs(own.mean @ mean) > math.cos(math.radians(0.6))  # eigenvector against vector sum
@@ -92,13 +95,23 @@ def test_fisher_against_mplstereonet_and_scipy() -> None:
 def test_limits_hold_the_truth_as_often_as_they_say() -> None:
     """1,000 surveys of 15 joints, K 40: 95 % of the limits of K and of the cones hold it, within 3 standard errors."""
     truth = normals(np.array(50.0), np.array(200.0))
-    all_poles = vonmises_fisher(truth, 40.0).rvs(15_000, random_state=np.random.default_rng(8)).reshape(1000, 15, 3)
+    all_poles = (
+        vonmises_fisher(truth, 40.0)
+        .rvs(15_000, random_state=np.random.default_rng(8))
+        .reshape(1000, 15, 3)
+    )
     found = [axes_of(poles, np.ones(15)) for poles in all_poles]
     near = 3.0 * math.sqrt(0.05 * 0.95 / 1000)
-    assert np.mean([one.k_low < 40.0 < one.k_high for one in found]) == pytest.approx(0.95, abs=near)
-    inside = [math.degrees(math.acos(min(1.0, abs(one.mean @ truth)))) < one.cone_deg for one in found]
+    assert np.mean([one.k_low < 40.0 < one.k_high for one in found]) == pytest.approx(
+        0.95, abs=near
+    )
+    inside = [
+        math.degrees(math.acos(min(1.0, abs(one.mean @ truth)))) < one.cone_deg for one in found
+    ]
     assert np.mean(inside) == pytest.approx(0.95, abs=near)
-    assert np.mean([one.k for one in found]) == pytest.approx(40.0 * 14 / 13, rel=0.03)  # mean of 1 / χ²
+    assert np.mean([one.k for one in found]) == pytest.approx(
+        40.0 * 14 / 13, rel=0.03
+    )  # mean of 1 / χ²
     assert np.mean([one.is_elongated for one in found]) == pytest.approx(0.01, abs=0.01)
 
 
@@ -114,8 +127,13 @@ def test_cones_of_variability(k) -> None:
 def test_quantities_are_repeated_joints_and_weights_are_not() -> None:
     poles, _ = drawn(np.random.default_rng(4), ((50, 30, 30, 12),))
     times = np.array([1, 2, 3] * 4)
-    once, many = axes_of(poles, np.ones(12), times.astype(float)), axes_of(poles.repeat(times, axis=0), np.ones(24))
-    assert (once.joints, once.k, once.k_low, once.cone_deg) == pytest.approx((24, many.k, many.k_low, many.cone_deg))
+    once, many = (
+        axes_of(poles, np.ones(12), times.astype(float)),
+        axes_of(poles.repeat(times, axis=0), np.ones(24)),
+    )
+    assert (once.joints, once.k, once.k_low, once.cone_deg) == pytest.approx(
+        (24, many.k, many.k_low, many.cone_deg)
+    )
     weighted = axes_of(poles, 7.0 * times)
     assert weighted.joints == pytest.approx(24**2 / 56)  # Kish
     assert weighted.resultant == pytest.approx(once.resultant)
@@ -125,11 +143,22 @@ def test_quantities_are_repeated_joints_and_weights_are_not() -> None:
 def test_axes_of_one_two_and_alike() -> None:
     one = axes_of(np.array([[0.0, 0.6, 0.8]]), np.ones(1))
     assert one.mean.tolist() == pytest.approx([0.0, -0.6, -0.8])
-    assert all(math.isnan(value) for value in (one.k, one.k_low, one.cone_deg, one.scatter_deg, one.cone_of(0.5)))
+    assert all(
+        math.isnan(value)
+        for value in (one.k, one.k_low, one.cone_deg, one.scatter_deg, one.cone_of(0.5))
+    )
     alike = axes_of(np.array([[0.0, 0.6, 0.8], [0.0, -0.6, -0.8]]), np.ones(2))
-    assert (alike.k, alike.cone_deg, alike.cone_of(0.95), alike.scatter_deg) == (math.inf, 0.0, 0.0, 0.0)
+    assert (alike.k, alike.cone_deg, alike.cone_of(0.95), alike.scatter_deg) == (
+        math.inf,
+        0.0,
+        0.0,
+        0.0,
+    )
     half = math.radians(3.0)
-    two = axes_of(np.array([[math.sin(half), 0.0, math.cos(half)], [-math.sin(half), 0.0, math.cos(half)]]), np.ones(2))
+    two = axes_of(
+        np.array([[math.sin(half), 0.0, math.cos(half)], [-math.sin(half), 0.0, math.cos(half)]]),
+        np.ones(2),
+    )
     assert two.k == pytest.approx(1.0 / (2.0 - 2.0 * math.cos(half)))  # (N - 1) / (N - R)
 
 
@@ -140,7 +169,11 @@ def test_density_against_mplstereonet() -> None:
     weights = rng.uniform(0.5, 2.0, len(poles))
     angles = np.array(planes(poles))
     lon, lat, theirs = stereonet.density_grid(
-        angles[:, 1] - 90.0, angles[:, 0], method="exponential_kamb", gridsize=25, weights=weights.copy()
+        angles[:, 1] - 90.0,
+        angles[:, 0],
+        method="exponential_kamb",
+        gridsize=25,
+        weights=weights.copy(),
     )
     down, east, north = stereonet.stereonet_math.sph2cart(lon.ravel(), lat.ravel())
     ours = density(np.column_stack([east, north, -down]), poles, weights, float(len(poles)))
@@ -151,7 +184,9 @@ def test_terzaghi() -> None:
     """A joint at 30° to the line counts twice one square to it; at 5° it counts as at 15°."""
     line = Line(90.0, 0.0).vector()
     poles = np.array([Line(90.0 - off, 0.0).vector() for off in (0.0, 60.0, 85.0)])
-    assert terzaghi_weights(poles, line, 15.0) == pytest.approx([1.0, 2.0, 1.0 / math.sin(math.radians(15.0))])
+    assert terzaghi_weights(poles, line, 15.0) == pytest.approx(
+        [1.0, 2.0, 1.0 / math.sin(math.radians(15.0))]
+    )
     found = sk.sets({"a": "90/090", "b": "90/030", "c": "90/005"}, n=1, scanline="090/0")
     assert found.weights == pytest.approx([1.0, 2.0, 3.8637033])
     assert found.capped == 1
@@ -164,15 +199,16 @@ def test_terzaghi() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("sets", "anywhere"), [((), 50), (THREE[:1], 6), (THREE[:2], 6), (THREE, 10), ((*THREE, (85, 300, 40, 25)), 8)]
+    ("sets", "anywhere"),
+    [((), 50), (THREE[:1], 6), (THREE[:2], 6), (THREE, 10), ((*THREE, (85, 300, 40, 25)), 8)],
 )
 def test_the_number_of_drawn_sets_is_found(sets, anywhere) -> None:
     poles, of = drawn(np.random.default_rng(11), sets, anywhere)
     found = clusters_of(poles, np.ones(len(poles)), None, np.random.default_rng(1))
-    assert best(found) == len(sets)
+    assert least_bic(found) == len(sets)
     chosen = found[len(sets)]
     for k in range(len(sets)):
-        own = chosen.of[of == k]
+        own = chosen.labels[of == k]
         assert np.bincount(own + 1).max() >= 0.9 * len(own)  # one set, and few left alone
 
 
@@ -184,8 +220,8 @@ def test_joints_far_from_every_set_are_of_none() -> None:
     far = (of == -1) & (np.abs(poles @ means.T).max(axis=1) < math.cos(math.radians(40.0)))
     assert far.sum() >= 5
     found = clusters_of(poles, np.ones(len(poles)), 3, np.random.default_rng(1))[0]
-    assert (found.of[far] == -1).all()
-    assert np.mean(found.of[of >= 0] == -1) < 0.05
+    assert (found.labels[far] == -1).all()
+    assert np.mean(found.labels[of >= 0] == -1) < 0.05
 
 
 def test_turned_and_flipped_poles_are_in_the_same_sets() -> None:
@@ -193,22 +229,27 @@ def test_turned_and_flipped_poles_are_in_the_same_sets() -> None:
     ones, rotation = np.ones(len(poles)), turn(1.1, (1.0, 2.0, -0.5))
     sides = np.where(np.random.default_rng(0).random(len(poles)) < 0.5, -1.0, 1.0)[:, None]
     first, turned, flipped = (
-        clusters_of(some, ones, 3, np.random.default_rng(1))[0] for some in (poles, poles @ rotation.T, poles * sides)
+        clusters_of(some, ones, 3, np.random.default_rng(1))[0]
+        for some in (poles, poles @ rotation.T, poles * sides)
     )
-    assert (first.of == turned.of).all()
-    assert (first.of == flipped.of).all()
-    assert np.abs(np.einsum("ij,ij->i", turned.means, first.means @ rotation.T)) == pytest.approx(np.ones(3), abs=1e-12)
+    assert (first.labels == turned.labels).all()
+    assert (first.labels == flipped.labels).all()
+    assert np.abs(np.einsum("ij,ij->i", turned.means, first.means @ rotation.T)) == pytest.approx(
+        np.ones(3), abs=1e-12
+    )
     assert (turned.bic, flipped.bic) == pytest.approx((first.bic, first.bic))
 
 
 def test_a_fixed_point_of_fuzzy_k_means() -> None:
     """Without outliers each mean is the first eigenvector of its own Σ u² x xᵀ (Hammah & Curran 1998)."""
-    poles, _ = drawn(np.random.default_rng(13), ((45, 120, 200, 30), (80, 20, 200, 30), (60, 270, 200, 30)))
+    poles, _ = drawn(
+        np.random.default_rng(13), ((45, 120, 200, 30), (80, 20, 200, 30), (60, 270, 200, 30))
+    )
     found = clusters_of(poles, np.ones(90), 3, np.random.default_rng(1))[0]
-    assert (found.of >= 0).all()
+    assert (found.labels >= 0).all()
     square = 1.0 - (poles @ found.means.T) ** 2
     share = 1.0 / (square[:, :, None] / square[:, None, :]).sum(axis=2)
-    assert (found.of == share.argmax(axis=1)).all()
+    assert (found.labels == share.argmax(axis=1)).all()
     for k, mean in enumerate(found.means):
         tensor = np.einsum("n,ni,nj->ij", share[:, k] ** 2, poles, poles)
         assert abs(np.linalg.eigh(tensor)[1][:, -1] @ mean) == pytest.approx(1.0, abs=1e-8)
@@ -226,7 +267,11 @@ def test_the_column_set_wins() -> None:
     assert not anew.are_given
     assert "W404" in codes(anew)
     # the list was drawn from three sets and six flat joints: all found again, but for four joints at the edges
-    both = {(joint.set_name, int(k)) for joint, k in zip(anew.joints.joints, anew.of, strict=True) if k >= 0}
+    both = {
+        (joint.set_name, int(k))
+        for joint, k in zip(anew.joints.joints, anew.of, strict=True)
+        if k >= 0
+    }
     assert sorted(name for name, _ in both) == ["S1", "S2", "S3"]
     assert sorted(k for _, k in both) == [0, 1, 2]
     assert set(own.without_set) < set(anew.without_set)
@@ -240,7 +285,10 @@ def test_few_joints_and_joints_alike() -> None:
     assert sorted(len(one.members) for one in two.sets) == [1, 1]
     alike = sk.sets({f"J{k}": "45/120" for k in range(20)})
     assert [str(one.rounded) for one in alike.sets] == ["45/120"]
-    assert alike.block == "sets:\n  S1: {plane: 45/120}  # 20 joints; add a spacing: the survey has none\n"
+    assert (
+        alike.block
+        == "sets:\n  S1: {plane: 45/120}  # 20 joints; add a spacing: the survey has none\n"
+    )
     for found in (two, alike):
         assert json.loads(json.dumps(found.to_dict(), allow_nan=False))["sets"][0]["k"] is None
         assert max(map(len, str(found).splitlines())) <= 100
@@ -249,11 +297,15 @@ def test_few_joints_and_joints_alike() -> None:
 def test_a_set_that_scatters_one_way_is_said(tmp_path) -> None:
     """Dip 60 ± 2, dip direction 120 ± 15: K is neither, and the block takes both angles."""
     rng = np.random.default_rng(15)
-    joints = list(zip(rng.normal(60, 2, 80).tolist(), rng.normal(120, 15, 80).tolist(), strict=True))
+    joints = list(
+        zip(rng.normal(60, 2, 80).tolist(), rng.normal(120, 15, 80).tolist(), strict=True)
+    )
     found = sk.sets(joints, n=1)
     assert "W401" in codes(found)
     angles = found.sets[0].angles
-    assert (angles["dip_sd_deg"], angles["dip_direction_sd_deg"]) == pytest.approx((2, 15), rel=0.25)
+    assert (angles["dip_sd_deg"], angles["dip_direction_sd_deg"]) == pytest.approx(
+        (2, 15), rel=0.25
+    )
     assert "dip_direction: {dist: normal, mean: 1" in found.scatter_block
 
 
@@ -263,7 +315,9 @@ def test_a_set_that_scatters_one_way_is_said(tmp_path) -> None:
 def test_spacing_along_a_scanline_and_traces(tmp_path) -> None:
     """Joints at 60° to the line every 2, 3, 4 m: 0.5 × 3 m. Traces 2, 4, 6, 8 m, two whole: Σ l / n = 10 m."""
     rows = [("90/030", 0, 2, 2), ("90/030", 2, 4, 2), ("90/030", 5, 6, 1), ("90/030", 9, 8, 0)]
-    text = "plane,Position (m),trace length [m],ends\n" + "\n".join(",".join(map(str, row)) for row in rows)
+    text = "plane,Position (m),trace length [m],ends\n" + "\n".join(
+        ",".join(map(str, row)) for row in rows
+    )
     path = survey(tmp_path, text)
     found = sk.sets(path, n=1, scanline="090/0")
     (one,) = found.sets
@@ -271,11 +325,17 @@ def test_spacing_along_a_scanline_and_traces(tmp_path) -> None:
     assert (one.spacing.count, one.spacing.mean_m, one.spacing.sd_m) == pytest.approx((3, 1.5, 0.5))
     assert one.trace is not None
     assert (one.trace.mean_m, one.ended, one.whole_mean_m) == (5.0, 2, 10.0)
-    assert found.block == "sets:\n  S1: {plane: 90/030, spacing: 1.5 m, spacing_scatter: 33 %}  # 4 joints\n"
+    assert (
+        found.block
+        == "sets:\n  S1: {plane: 90/030, spacing: 1.5 m, spacing_scatter: 33 %}  # 4 joints\n"
+    )
     without = sk.sets(path, n=1)
     assert without.sets[0].spacing is None
     assert "W402" in codes(without)
-    given = survey(tmp_path, "plane,spacing (cm),n,quantity\n" + "\n".join(f"45/12{k},{50 + k},x,2" for k in range(4)))
+    given = survey(
+        tmp_path,
+        "plane,spacing (cm),n,quantity\n" + "\n".join(f"45/12{k},{50 + k},x,2" for k in range(4)),
+    )
     own = sk.sets(given, n=1, scanline="120/45")
     assert own.sets[0].spacing is not None
     assert own.sets[0].spacing.mean_m == pytest.approx(0.515)
@@ -290,12 +350,19 @@ def test_the_blocks_are_designs(tmp_path) -> None:
     head, _, rest = template.partition("\nsets:\n")
     bench = tmp_path / "bench.yaml"
     bench.write_text(
-        head + "\n" + found.block + rest[rest.index("\nstrength:") :].replace("bedding: {c: 0, phi: 42}", "")
+        head
+        + "\n"
+        + found.block
+        + rest[rest.index("\nstrength:") :].replace("bedding: {c: 0, phi: 42}", "")
     )
     design = load(bench)
     for read, one in zip(design.sets, found.sets, strict=True):
-        assert (read.spacing_m, read.plane.dip_deg) == pytest.approx((1.25, one.plane.dip_deg), abs=0.05)
-        assert read.scatter_deg == pytest.approx(math.degrees(math.sqrt(2.0 / one.axes.k)), abs=0.05)
+        assert (read.spacing_m, read.plane.dip_deg) == pytest.approx(
+            (1.25, one.plane.dip_deg), abs=0.05
+        )
+        assert read.scatter_deg == pytest.approx(
+            math.degrees(math.sqrt(2.0 / one.axes.k)), abs=0.05
+        )
     wedge = tmp_path / "wedge.yaml"
     joints = "\n".join(found.scatter_block.splitlines()[:3])
     wedge.write_text(
@@ -315,8 +382,13 @@ def test_json_sheet_and_files(tmp_path) -> None:
     run = slopekit("sets", LIST, "--scanline", "045/10", "-o", str(folder))
     assert (run.returncode, run.stderr) == (0, "")
     assert {path.name for path in folder.iterdir()} == {
-        "sets.json", "sets.txt", "sets.yaml", "joints.csv", "sets.csv", "stereonet.png",
-    }  # fmt: skip
+        "sets.json",
+        "sets.txt",
+        "sets.yaml",
+        "joints.csv",
+        "sets.csv",
+        "stereonet.png",
+    }
     full = (folder / "sets.txt").read_text().splitlines()
     sheet = [line.partition("   sha ")[0] for line in full if not line.startswith("TIME ")]
     assert sheet == run.stdout.splitlines()
@@ -355,9 +427,15 @@ def test_bad_input_is_refused(tmp_path) -> None:
     assert refused(bias_angle=0).codes == refused(bias_angle="91").codes == ("E307",)
     path = survey(tmp_path, "dip,dd,spacing,trace,ends\n45,120,-1,2,2\n46,121,1 kg,0,3\n")
     assert refused(joints=path, n=7, bias_angle=0).codes == ("E193", "E108", "E193", "E193", "E307")
-    assert sk.combos(path, face="65/180", c=0, phi=30).joints.joints[0].spacing_m is None  # not read there
+    assert (
+        sk.combos(path, face="65/180", c=0, phi=30).joints.joints[0].spacing_m is None
+    )  # not read there
     wrong = slopekit("sets", LIST, "--sets", "many", "--scanline", "x", "--json")
     assert wrong.returncode == 2
     assert "--sets many" in wrong.stderr
     wrong = slopekit("sets", LIST, "--sets", "12", "--scanline", "x", "--bias-angle", "100")
-    assert [line[:4] for line in wrong.stderr.splitlines() if line[:1] == "E"] == ["E104", "E307", "E137"]
+    assert [line[:4] for line in wrong.stderr.splitlines() if line[:1] == "E"] == [
+        "E104",
+        "E307",
+        "E137",
+    ]

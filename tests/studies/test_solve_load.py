@@ -22,12 +22,16 @@ from slopekit.studies.running import ALONE, RowArrays
 from slopekit.studies.solve import factor_request
 
 COLUMN = {
-    "slopekit": 1, "kind": "blocks",
-    "blocks": {"base": {"polygon": [[-1, -1], [3, -1], [3, 0], [-1, 0]], "fixed": True},
-               "B1": {"polygon": [[0, 0], [1, 0], [1, 2], [0, 2]]}},
-    "strength": {"joint": {"c": 0, "phi": 60}}, "rock": {"unit_weight": 25},
+    "slopekit": 1,
+    "kind": "blocks",
+    "blocks": {
+        "base": {"polygon": [[-1, -1], [3, -1], [3, 0], [-1, 0]], "fixed": True},
+        "B1": {"polygon": [[0, 0], [1, 0], [1, 2], [0, 2]]},
+    },
+    "strength": {"joint": {"c": 0, "phi": 60}},
+    "rock": {"unit_weight": 25},
     "loads": {"seismic": {"k": 0.1, "toward": "090"}},
-}  # fmt: skip
+}
 
 
 KEY = "loads.seismic.k"
@@ -38,13 +42,21 @@ YIELD = math.tan(PHI - DIP)  # of a slab on a plane
 def _slab():
     """A slab 20 m long and 1 m high on a plane that dips west by 20°."""
     along, up = (math.cos(DIP), math.sin(DIP)), (-math.sin(DIP), math.cos(DIP))
-    at = [[t * along[0] + n * up[0], t * along[1] + n * up[1]] for t, n in ((10, 0), (30, 0), (30, 1), (10, 1))]
+    at = [
+        [t * along[0] + n * up[0], t * along[1] + n * up[1]]
+        for t, n in ((10, 0), (30, 0), (30, 1), (10, 1))
+    ]
     base = [[0, 0], [40 * along[0], 40 * along[1]], [40 * along[0], -5], [0, -5]]
-    return sk.load({
-        "slopekit": 1, "kind": "blocks", "rock": {"unit_weight": 25},
-        "blocks": {"base": {"polygon": base, "fixed": True}, "B1": {"polygon": at}},
-        "strength": {"joint": {"c": 0, "phi": 35}}, "loads": {"seismic": {"k": 0, "toward": 270}},
-    })  # fmt: skip
+    return sk.load(
+        {
+            "slopekit": 1,
+            "kind": "blocks",
+            "rock": {"unit_weight": 25},
+            "blocks": {"base": {"polygon": base, "fixed": True}, "B1": {"polygon": at}},
+            "strength": {"joint": {"c": 0, "phi": 35}},
+            "loads": {"seismic": {"k": 0, "toward": 270}},
+        }
+    )
 
 
 def test_a_column_tips_at_its_slenderness_and_what_it_holds_there_is_said() -> None:
@@ -86,7 +98,9 @@ def test_where_the_ways_differ_the_value_is_that_of_the_strength(monkeypatch, pa
 @pytest.mark.parametrize("part", [0.8, 1.3])
 def test_a_force_is_looked_for_from_none_upwards(monkeypatch, part) -> None:
     """W (sin β + k cos β) with k W the force, which could also be negative and a million times as large."""
-    pushed = with_values(_slab(), {"loads.forces": [{"force": "10 kN", "block": "B1", "toward": "270/0"}]})
+    pushed = with_values(
+        _slab(), {"loads.forces": [{"force": "10 kN", "block": "B1", "toward": "270/0"}]}
+    )
     weight = 20.0 * 25.0
     path_ends(monkeypatch, part * YIELD * weight)
     found = sk.solve(pushed, "loads.forces.0.force", fos=1.0)
@@ -100,7 +114,10 @@ def test_the_end_of_the_path_stands_where_no_factor_is_found_beyond_it(monkeypat
 
     def samples(self, method, values):
         lost = {"level": None, "label": "not_converged"}
-        return [replace(one, **lost) if 0.5 < one.at < 0.55 else one for one in own(self, method, values)]
+        return [
+            replace(one, **lost) if 0.5 < one.place < 0.55 else one
+            for one in own(self, method, values)
+        ]
 
     monkeypatch.setattr(factor_request.FactorRequest, "samples", samples)
     found = sk.solve(sk.load(COLUMN), KEY, fos=1.0)
@@ -159,8 +176,13 @@ def test_a_snap_on_the_way_is_no_limit() -> None:
 
 
 @pytest.mark.parametrize("target", [1.0, 1.3])
-@pytest.mark.parametrize("law", [{"law": "power", "a": 2.0, "b": 0.8},
-                                 {"law": "barton-bandis", "jrc": 8, "jcs": "50 MPa", "phi_r": 28}])  # fmt: skip
+@pytest.mark.parametrize(
+    "law",
+    [
+        {"law": "power", "a": 2.0, "b": 0.8},
+        {"law": "barton-bandis", "jrc": 8, "jcs": "50 MPa", "phi_r": 28},
+    ],
+)
 def test_curved_strength_is_that_of_the_tractions_under_the_load(law, target) -> None:
     """Two blocks of other heights on a plane: put back, the factor is the target; a power of 1 is a friction angle."""
     assert _yield_of(law, target) == pytest.approx(target, rel=1e-9)
@@ -178,11 +200,20 @@ def _two(law: dict):
     boxes = [[(a, 0), (b, 0), (b, high), (a, high)] for a, b, high in ((10, 14, 1), (14, 20, 3))]
     at = [[[t * along[0] + n * up[0], t * along[1] + n * up[1]] for t, n in box] for box in boxes]
     base = [[0, 0], [40 * along[0], 40 * along[1]], [40 * along[0], -5], [0, -5]]
-    return sk.load({
-        "slopekit": 1, "kind": "blocks", "rock": {"unit_weight": 25},
-        "blocks": {"base": {"polygon": base, "fixed": True}, "B1": {"polygon": at[0]}, "B2": {"polygon": at[1]}},
-        "strength": {"joint": law}, "loads": {"seismic": {"k": 0, "toward": 270}},
-    })  # fmt: skip
+    return sk.load(
+        {
+            "slopekit": 1,
+            "kind": "blocks",
+            "rock": {"unit_weight": 25},
+            "blocks": {
+                "base": {"polygon": base, "fixed": True},
+                "B1": {"polygon": at[0]},
+                "B2": {"polygon": at[1]},
+            },
+            "strength": {"joint": law},
+            "loads": {"seismic": {"k": 0, "toward": 270}},
+        }
+    )
 
 
 def _yield_of(law: dict, target: float) -> float:
@@ -243,7 +274,9 @@ def test_a_load_on_a_cohesive_block_says_what_it_has_to_do_with_cohesion() -> No
     assert "notes" not in shaken.to_dict()["yield"][0]
 
 
-def test_a_load_that_is_not_limited_by_its_own_path_says_what_the_factor_there_does(monkeypatch) -> None:
+def test_a_load_that_is_not_limited_by_its_own_path_says_what_the_factor_there_does(
+    monkeypatch,
+) -> None:
     """Its strength divided last has the value, and what the design there says of its cohesion is said."""
     path_ends(monkeypatch, 0.9 * BONDED)
     found = sk.solve(_bonded(), KEY, fos=1.0)
@@ -262,7 +295,7 @@ def test_what_is_said_of_the_factor_at_a_load_never_reads_as_a_load() -> None:
     assert {notice.code for notice in notes} == {"W307"}
     point = Point(Factors("slides", 1.5, None, math.inf, None, None, False, notes=notes))
     for key, at in ((KEY, f"of the factor of safety at {KEY} = 0.2: "), ("strength.joint.phi", "")):
-        shown = SimpleNamespace(path=key, shown=lambda value, _: f"{value:g}")
+        shown = SimpleNamespace(path=key, value_text=lambda value, _: f"{value:g}")
         asked = factor_request.FactorRequest(None, shown, 0.0, 1.0, 1.5, ALONE, lambda _: None)
         said = [notice.message for notice in factor_request.factor_notices(asked, 0.2, point)]
         assert said == [at + notice.message for notice in notes]
@@ -275,5 +308,7 @@ def test_notes_of_a_point_go_through_a_journal_and_may_be_left_out() -> None:
     columns = RowArrays([0, 1])
     columns[0] = outcomes.record()
     assert Outcomes.joined(columns, True).points == [point]
-    assert Point.from_record(point.to_dict()) == Point(replace(point.factors, closed_form=None, notes=()))
+    assert Point.from_record(point.to_dict()) == Point(
+        replace(point.factors, closed_form=None, notes=())
+    )
     assert point.to_dict().keys() == Point(None, "E1", "").to_dict().keys()

@@ -36,10 +36,14 @@ CASES = (
 )
 FOOT, PSF, PCF = 0.3048, 0.04788025898, 0.1570874638
 IN_DEGREES = {
-    "tan": lambda a: math.tan(math.radians(a)), "sin": lambda a: math.sin(math.radians(a)),
-    "cos": lambda a: math.cos(math.radians(a)), "acos": lambda a: math.degrees(math.acos(a)),
-    "atan": lambda a: math.degrees(math.atan(a)), "sqrt": math.sqrt, "pi": math.pi,
-}  # fmt: skip
+    "tan": lambda a: math.tan(math.radians(a)),
+    "sin": lambda a: math.sin(math.radians(a)),
+    "cos": lambda a: math.cos(math.radians(a)),
+    "acos": lambda a: math.degrees(math.acos(a)),
+    "atan": lambda a: math.degrees(math.atan(a)),
+    "sqrt": math.sqrt,
+    "pi": math.pi,
+}
 
 
 @pytest.fixture(scope="module")
@@ -83,10 +87,12 @@ def test_every_row_says_where_it_is_from_and_why_its_tolerance(verification) -> 
             assert 0.0 <= reference.tolerance <= 0.02
         assert re.match(r"[A-D]: \S", reference.confidence)
         # what the project worked out itself is no published value; only a status has no number to be exact
-        if reference.own:
+        if reference.is_own_source:
             assert reference.published is None or reference.quantity == "status"
             assert reference.confidence.startswith("C")
-    assert len({row.id for row in verification.rows if row.reference.quantity == "failed_pairs"}) == 11
+    assert (
+        len({row.id for row in verification.rows if row.reference.quantity == "failed_pairs"}) == 11
+    )
 
 
 def test_what_the_judged_rows_are_held_against(verification) -> None:
@@ -96,7 +102,9 @@ def test_what_the_judged_rows_are_held_against(verification) -> None:
     # the footing of 4/3 (2), what has failed past 4/3 (5), Hungr's sphere (2)
     assert of["published_inferred"] == 9
     assert all(row.reference.is_factor and row.reference.printed for row in unmet(verification))
-    assert [row.error for row in unmet(verification)] == sorted(row.error for row in unmet(verification))
+    assert [row.error for row in unmet(verification)] == sorted(
+        row.error for row in unmet(verification)
+    )
 
 
 def test_published_values_are_held_to_half_a_unit_of_their_last_digit() -> None:
@@ -104,32 +112,45 @@ def test_published_values_are_held_to_half_a_unit_of_their_last_digit() -> None:
     wider = []
     for case in listed():
         for reference in case.references:
-            if reference.not_judged or reference.quantity == "status" or reference.published is None:
-                continue
-            if reference.exact is None and reference.tolerance * abs(float(reference.published)) > 1.01 * half_unit(
-                reference.published
+            if (
+                reference.not_judged
+                or reference.quantity == "status"
+                or reference.published is None
             ):
+                continue
+            if reference.exact is None and reference.tolerance * abs(
+                float(reference.published)
+            ) > 1.01 * half_unit(reference.published):
                 wider.append((case.id, reference.quantity))
     assert sorted(set(wider)) == [
-        ("fredlund-krahn", "bishop"), ("fredlund-krahn", "fellenius"), ("goodman-bray-c", "closed_form"),
-    ]  # fmt: skip
+        ("fredlund-krahn", "bishop"),
+        ("fredlund-krahn", "fellenius"),
+        ("goodman-bray-c", "closed_form"),
+    ]
 
 
-@pytest.mark.parametrize("case", [case for case in listed() if any(one.formula for one in case.references)],
-                         ids=lambda case: case.id)  # fmt: skip
+@pytest.mark.parametrize(
+    "case",
+    [case for case in listed() if any(one.formula for one in case.references)],
+    ids=lambda case: case.id,
+)
 def test_exact_values_follow_from_their_formulas(case) -> None:
     """The formula that stands with a row, worked out in degrees, gives the number that stands beside it."""
     for reference in case.references:
         if reference.formula:
             found = eval(reference.formula, {"__builtins__": {}}, IN_DEGREES)
-            assert found == pytest.approx(reference.exact, rel=1e-9 if reference.quantity != "volume_m3" else 1e-5)
+            assert found == pytest.approx(
+                reference.exact, rel=1e-9 if reference.quantity != "volume_m3" else 1e-5
+            )
 
 
 @pytest.mark.parametrize(("distance", "dip"), [(-5.0, 26.565051), (-6.0, 30.0), (-7.0, 40.0)])
 def test_caps_of_spheres(distance, dip) -> None:
     """Levers of the cap: 4 R³ ∫ sin ψ E(sin²ψ) dψ; volume and centroid of the textbooks; R = 10, c = γ = 20."""
     height = 10.0 + distance
-    levers = quad(lambda psi: math.sin(psi) * ellipe(math.sin(psi) ** 2), 0.0, math.acos(-distance / 10.0))[0]
+    levers = quad(
+        lambda psi: math.sin(psi) * ellipe(math.sin(psi) ** 2), 0.0, math.acos(-distance / 10.0)
+    )[0]
     volume = math.pi * height**2 * (30.0 - height) / 3.0
     arm = 3.0 * (20.0 - height) ** 2 / (4.0 * (30.0 - height)) * math.sin(math.radians(dip))
     name = "6d_sphere_phi0" if distance == -5.0 else f"sphere-cap{distance:g}-{dip:g}"
@@ -154,21 +175,29 @@ def of_oracle(design) -> dict:
     used = [strengths[joint["strength"]] for joint in joints]
     slope, rock = design["slope"], design["rock"]
     given = {
-        "joints": [_plane(joint["plane"]) for joint in joints], "face": _plane(slope["face"]),
-        "upper": _plane(slope["upper"]), "height": _number(slope["height"], FOOT),
-        "c": [_number(strength["c"], PSF) for strength in used], "phi": [strength["phi"] for strength in used],
-        "unit_weight": _number(rock["unit_weight"], PCF) if "unit_weight" in rock
+        "joints": [_plane(joint["plane"]) for joint in joints],
+        "face": _plane(slope["face"]),
+        "upper": _plane(slope["upper"]),
+        "height": _number(slope["height"], FOOT),
+        "c": [_number(strength["c"], PSF) for strength in used],
+        "phi": [strength["phi"] for strength in used],
+        "unit_weight": _number(rock["unit_weight"], PCF)
+        if "unit_weight" in rock
         else rock["density"] * rock.get("gravity", 9.81) / 1e3,
-    }  # fmt: skip
+    }
     if "crack" in design:
-        given["crack"] = (_plane(design["crack"]["plane"]), _number(design["crack"]["distance"], FOOT))
+        given["crack"] = (
+            _plane(design["crack"]["plane"]),
+            _number(design["crack"]["distance"], FOOT),
+        )
     return given
 
 
 @pytest.mark.parametrize(
-    "case", [case for case in listed() if case.source in ("lem", "hoek-bray") and case.kind == "wedge"],
+    "case",
+    [case for case in listed() if case.source in ("lem", "hoek-bray") and case.kind == "wedge"],
     ids=lambda case: case.id,
-)  # fmt: skip
+)
 def test_wedges_recomputed_by_other_code(case) -> None:
     """Corner points and force vectors (wedge_oracle.py): 1e-9 but for joints 0.02° apart, where six digits go."""
     design, given = case.design, of_oracle(case.design)
@@ -187,25 +216,32 @@ def test_wedges_recomputed_by_other_code(case) -> None:
     factor = found["factor"]
     if case.status == "slides_up":
         down = math.radians(bolt["toward"][1])
-        factor = wedge_factor(**given, force=(0.0, bolt["force"] * math.cos(down), -bolt["force"] * math.sin(down)))[
-            "factor"
-        ]
+        factor = wedge_factor(
+            **given, force=(0.0, bolt["force"] * math.cos(down), -bolt["force"] * math.sin(down))
+        )["factor"]
     elif bolt is not None:  # up along the line of intersection: nothing presses on the joints
         assert -bolt["toward"][1] == pytest.approx(found["plunge"], rel=1e-9)
         pull = bolt["force"]
         active = bolt["acts"] == "active"
-        factor = found["resisting"] / (found["driving"] - pull) if active else (
-            (found["resisting"] + pull) / found["driving"])  # fmt: skip
+        factor = (
+            found["resisting"] / (found["driving"] - pull)
+            if active
+            else ((found["resisting"] + pull) / found["driving"])
+        )
     else:
         assert found["status"] == case.status
     limits = [one.exact for one in case.references if one.quantity == "limit"]
-    assert limits == pytest.approx([factor] * len(limits), rel=1e-8 if case.id != "2g_wm_dry" else 3e-6)
+    assert limits == pytest.approx(
+        [factor] * len(limits), rel=1e-8 if case.id != "2g_wm_dry" else 3e-6
+    )
 
 
 # -- rows that can fail -----------------------------------------------------------------------------------------------
 
 
-def falsified(monkeypatch, case_id: str, quantity: str = "", design=None, **changes) -> Verification:
+def falsified(
+    monkeypatch, case_id: str, quantity: str = "", design=None, **changes
+) -> Verification:
     """The suite of one case after a change of its references of a quantity, of its design or of its status."""
     sources, cases = references.document()
     (case,) = [case for case in cases if case.id == case_id]
@@ -213,8 +249,9 @@ def falsified(monkeypatch, case_id: str, quantity: str = "", design=None, **chan
     if "becomes" in changes:
         changes["quantity"] = changes.pop("becomes")
     kept = tuple(
-        dataclasses.replace(one, **changes) if one.quantity == quantity else one for one in case.references
-    )  # fmt: skip
+        dataclasses.replace(one, **changes) if one.quantity == quantity else one
+        for one in case.references
+    )
     if design is not None:
         of_case["design"] = design(json.loads(json.dumps(case.design)))
     changed = dataclasses.replace(case, references=kept, **of_case)
@@ -269,14 +306,19 @@ def test_a_false_design_fails(monkeypatch) -> None:
     ("change", "says"),
     [
         ({"status": "not_converged"}, "did not converge"),
-        ({"fos": sk.result.FactorsOfSafety(1.2124, None, 1.2)}, "the limit lies above its upper bound"),
+        (
+            {"fos": sk.result.FactorsOfSafety(1.2124, None, 1.2)},
+            "the limit lies above its upper bound",
+        ),
         ({"agree": False}, "disagree"),
     ],
 )
 def test_results_that_cannot_be_right_fail_whatever_the_row(monkeypatch, change, says) -> None:
     """Also on rows that are not judged."""
     honest = suite_module.analyse
-    monkeypatch.setattr(suite_module, "analyse", lambda design: dataclasses.replace(honest(design), **change))
+    monkeypatch.setattr(
+        suite_module, "analyse", lambda design: dataclasses.replace(honest(design), **change)
+    )
     found = verify("stack")
     assert {row.ok for row in found.rows} == {False}
     assert says in found.failed[0].reason
@@ -289,7 +331,12 @@ def test_results_that_cannot_be_right_fail_whatever_the_row(monkeypatch, change,
 
 @pytest.mark.parametrize(
     ("only", "near"),
-    [("6c_fooding", "6c_footing"), (["footing", "hungry"], "hungr"), ("zzzz", "sheng-2023"), ([], "Leave it out")],
+    [
+        ("6c_fooding", "6c_footing"),
+        (["footing", "hungry"], "hungr"),
+        ("zzzz", "sheng-2023"),
+        ([], "Leave it out"),
+    ],
 )
 def test_a_name_that_is_none_is_refused(only, near) -> None:
     with pytest.raises(sk.DesignError) as caught:
@@ -312,7 +359,9 @@ def test_progress_and_designs_that_are_analysed_once(monkeypatch) -> None:
     calls = []
     honest = suite_module.analyse
     monkeypatch.setattr(suite_module, "analyse", lambda design: calls.append(1) or honest(design))
-    desk = Workplace(bar=lambda label, total: bars.append((label, total)) or nullcontext(seen.append))
+    desk = Workplace(
+        bar=lambda label, total: bars.append((label, total)) or nullcontext(seen.append)
+    )
     found = verify("geostru", desk=desk)
     assert (bars, seen) == ([("cases", 5)], [1] * 5)
     assert len(calls) == 5 < len(found.rows)
@@ -323,8 +372,13 @@ def test_json_is_strict_and_complete(verification) -> None:
     assert document["counts"] == verification.counts
     assert document["exit_code"] == 0
     assert set(document) == {
-        "slopekit", "counts", "exit_code", "sources", "rows", "timing_s",
-    }  # fmt: skip
+        "slopekit",
+        "counts",
+        "exit_code",
+        "sources",
+        "rows",
+        "timing_s",
+    }
     for row in document["rows"]:
         assert row["case"] in row["id"]
         assert row["timing_s"]["total"] > 0.0

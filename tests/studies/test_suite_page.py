@@ -61,7 +61,9 @@ def test_the_data_in_docs_are_what_the_suite_gives(verification) -> None:
 def test_the_page_is_whole(verification) -> None:
     page = page_of(verification)
     tables = [
-        line for line in page.splitlines() if line.startswith("| ") and "---" not in line and "Case |" not in line
+        line
+        for line in page.splitlines()
+        if line.startswith("| ") and "---" not in line and "Case |" not in line
     ]
     assert len(tables) == len(verification.rows)
     assert {line.replace(r"\|", "").count(" | ") for line in tables} == {13}
@@ -76,7 +78,9 @@ def test_the_page_is_whole(verification) -> None:
 
 
 def test_a_failed_row_stands_in_the_page_and_on_the_terminal(verification) -> None:
-    broken = dataclasses.replace(verification.rows[0], ok=False, reason="off by 0.1, outside its tolerance")
+    broken = dataclasses.replace(
+        verification.rows[0], ok=False, reason="off by 0.1, outside its tolerance"
+    )
     changed = dataclasses.replace(verification, rows=(broken, *verification.rows[1:]))
     assert f"- {broken.id}: off by 0.1" in page_of(changed)
     assert f"OUTSIDE   {broken.id}: off by 0.1" in str(changed)
@@ -93,9 +97,11 @@ def test_marks_of_confidence_are_explained_and_say_nothing_of_slopekit(verificat
 
 
 def test_own_values_do_not_stand_under_published(verification) -> None:
-    cells = [line.split(" | ") for line in page_of(verification).splitlines() if line.startswith("| ")]
+    cells = [
+        line.split(" | ") for line in page_of(verification).splitlines() if line.startswith("| ")
+    ]
     own = [row for row in cells if row[1] in ("cases", "prototype", "lem", "exact", "conic")]
-    assert len(own) == sum(row.reference.own for row in verification.rows) > 100
+    assert len(own) == sum(row.reference.is_own_source for row in verification.rows) > 100
     assert {row[4] for row in own} == {""}
     assert "" not in {row[5] for row in own}
 
@@ -106,14 +112,19 @@ def test_the_page_says_what_the_rows_rest_on(verification) -> None:
     of = judged_by(verification)
     judged = verification.counts["within"]
     assert of["published"] + of["own"] + of["recomputed"] == judged
-    assert f"Of the {judged} judged rows {of['published']} have a value published by somebody else" in above
+    assert (
+        f"Of the {judged} judged rows {of['published']} have a value published by somebody else"
+        in above
+    )
     low, *_, high = unmet(verification)
     assert low.error < -0.05 < 0.03 < high.error
     assert f"{100 * low.error:+.1f} % (`{low.id}`" in above
     assert f"{100 * high.error:+.1f} % (`{high.id}`" in above
     assert "`moments-92` 0.555099 against 0.5557" in above
     cases = {row.case.id for row in verification.rows} | {"-c", "-d", "verification.json"}
-    named = re.findall(r"`([^`]+)`", next(line for line in above.splitlines() if line.startswith("Where moments")))
+    named = re.findall(
+        r"`([^`]+)`", next(line for line in above.splitlines() if line.startswith("Where moments"))
+    )
     assert set(named) <= cases
 
 
@@ -133,12 +144,19 @@ def test_the_table_fits_a_terminal_and_nothing_is_cut(verification) -> None:
     text = str(verification)
     lines = text.splitlines()
     assert max(map(len, lines)) <= 100
-    assert sum(bool(re.fullmatch(r" {12}\S.* (yes|-)", line)) for line in lines) == len(verification.rows)
+    assert sum(bool(re.fullmatch(r" {12}\S.* (yes|-)", line)) for line in lines) == len(
+        verification.rows
+    )
     counts = verification.counts
     assert f"{counts['rows']} rows of {counts['cases']} designs: {counts['within']} within" in text
     assert not text.endswith("\n")
     assert "their JSON says why" in text
-    for words in ("failed pairs at 1.33 ", "failed pairs at 1.333 ", "failed pairs at 1.334 ", "P of column 13, kN"):
+    for words in (
+        "failed pairs at 1.33 ",
+        "failed pairs at 1.333 ",
+        "failed pairs at 1.334 ",
+        "P of column 13, kN",
+    ):
         assert text.count(words) == 1
     for row in verification.rows:
         assert row.case.id in text
@@ -150,8 +168,10 @@ def test_the_table_fits_a_terminal_and_nothing_is_cut(verification) -> None:
 
 def test_the_terminal_shows_what_the_error_is_against(verification) -> None:
     (line,) = [
-        line for line in str(verification).splitlines() if re.match(r" {12}wyllie-mah .* 1\.24666 ", line)
-    ]  # fmt: skip
+        line
+        for line in str(verification).splitlines()
+        if re.match(r" {12}wyllie-mah .* 1\.24666 ", line)
+    ]
     assert "1.25" not in line
 
 
@@ -159,10 +179,12 @@ def test_the_files(tmp_path) -> None:
     """What the driver writes: the JSON, the sheet, every row as CSV."""
     small = suite("6c_footing")
     _deliver(small, tmp_path, None, {"as_json": False, "quiet": True})
-    assert json.loads((tmp_path / "verification.json").read_text(encoding="utf-8")) == small.to_dict()
+    assert (
+        json.loads((tmp_path / "verification.json").read_text(encoding="utf-8")) == small.to_dict()
+    )
     assert (tmp_path / "verification.txt").read_text(encoding="utf-8") == f"{small.sheet.full}\n"
     with (tmp_path / "verification.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    assert [(row["case"], float(row["value"])) for row in rows if row["quantity"] == "PRE-IE limit"] == [
-        (row.case.id, row.value) for row in small.rows if row.reference.quantity == "limit"
-    ]
+    assert [
+        (row["case"], float(row["value"])) for row in rows if row["quantity"] == "PRE-IE limit"
+    ] == [(row.case.id, row.value) for row in small.rows if row.reference.quantity == "limit"]

@@ -20,36 +20,54 @@ from slopekit.core.orientation import Line, line_of
 from slopekit.design.parts import Bolt
 from slopekit.design.templates import path_of
 from slopekit.kinds import cut, factors_of
-from slopekit.kinds.single_block.held_bolts import through
+from slopekit.kinds.single_block.held_bolts import bolt_exit
 from slopekit.kinds.wedge import bounds, closed_form
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.kinds.words import short
-from slopekit.loads import judge_bolt
+from slopekit.loads import check_bolt_anchorage
 from slopekit.studies import points
 from slopekit.studies.support import run as module
-from slopekit.studies.support.search import Answer, Site, best_direction, least_force, least_forces, site_of
+from slopekit.studies.support.search import (
+    Answer,
+    Site,
+    best_direction,
+    least_force,
+    least_forces,
+    site_of,
+)
 from tests.closed_form.scalar_wedge import hoek_bray_wedge
 from tests.commands import slopekit
 from tests.support import random_wedge, upward_normal
 
 PLANE = {
-    "slopekit": 1, "kind": "plane", "slope": {"face": "60/180", "height": 12}, "rock": {"unit_weight": 26},
-    "joints": {"J1": {"plane": "35/180"}}, "strength": {"s": {"c": 25, "phi": 37}},
-}  # fmt: skip
-WEDGE = {
-    "slopekit": 1, "kind": "wedge", "slope": {"face": "65/180", "upper": "0/180", "height": 10},
-    "joints": {"J1": {"plane": "45/125"}, "J2": {"plane": "50/235"}}, "strength": {"s": {"c": 5, "phi": 25}},
+    "slopekit": 1,
+    "kind": "plane",
+    "slope": {"face": "60/180", "height": 12},
     "rock": {"unit_weight": 26},
-}  # fmt: skip
+    "joints": {"J1": {"plane": "35/180"}},
+    "strength": {"s": {"c": 25, "phi": 37}},
+}
+WEDGE = {
+    "slopekit": 1,
+    "kind": "wedge",
+    "slope": {"face": "65/180", "upper": "0/180", "height": 10},
+    "joints": {"J1": {"plane": "45/125"}, "J2": {"plane": "50/235"}},
+    "strength": {"s": {"c": 5, "phi": 25}},
+    "rock": {"unit_weight": 26},
+}
 #: cases.json, 9_single-plane: slides on J1 alone, where moments govern
 ONE_PLANE = WEDGE | {
-    "joints": {"J1": {"plane": "45/160"}, "J2": {"plane": "80/240"}}, "strength": {"s": {"c": 20, "phi": 30}},
-}  # fmt: skip
+    "joints": {"J1": {"plane": "45/160"}, "J2": {"plane": "80/240"}},
+    "strength": {"s": {"c": 20, "phi": 30}},
+}
 #: a slab on a gentle plane, three times as high as it is deep: it turns over before it slides
 SLAB = PLANE | {
-    "slope": {"face": "85/180", "height": 10, "upper": "0/180"}, "joints": {"J1": {"plane": "30/180"}},
-    "crack": {"distance": 0.5}, "strength": {"s": {"c": 5, "phi": 40}}, "loads": {"seismic": 0.1},
-}  # fmt: skip
+    "slope": {"face": "85/180", "height": 10, "upper": "0/180"},
+    "joints": {"J1": {"plane": "30/180"}},
+    "crack": {"distance": 0.5},
+    "strength": {"s": {"c": 5, "phi": 40}},
+    "loads": {"seismic": 0.1},
+}
 
 
 def loaded(design: dict, **values):
@@ -74,7 +92,9 @@ def as_bolt(force: float, line: Line, acts: str) -> dict:
 def pulled_at_middle(design, case):
     """A design with the force that PRE-IE needs, on one bolt from the middle of the heads."""
     place = site_of(design).place(case.layout.middle_m)
-    return replace(design, bolts=(*design.bolts, Bolt(case.pre_ie.force, case.toward, case.acts, place)))
+    return replace(
+        design, bolts=(*design.bolts, Bolt(case.pre_ie.force, case.toward, case.acts, place))
+    )
 
 
 def notices_of(found) -> dict[str, str]:
@@ -90,11 +110,13 @@ def test_forces_on_random_planes_give_the_target_when_put_back(seed) -> None:
     rng = np.random.default_rng(seed)
     face, dip = rng.uniform(50, 85), rng.uniform(25, 45)
     design = loaded(
-        PLANE, slope={"face": f"{face}/140", "height": float(rng.uniform(5, 40)), "upper": "5/140"},
+        PLANE,
+        slope={"face": f"{face}/140", "height": float(rng.uniform(5, 40)), "upper": "5/140"},
         joints={"J1": {"plane": f"{dip}/{rng.uniform(130, 150)}"}},
         strength={"s": {"c": float(rng.uniform(0, 10)), "phi": float(rng.uniform(15, 30))}},
-        loads={"seismic": float(rng.uniform(0, 0.15))}, water={"fill": float(rng.uniform(0, 0.4))},
-    )  # fmt: skip
+        loads={"seismic": float(rng.uniform(0, 0.15))},
+        water={"fill": float(rng.uniform(0, 0.4))},
+    )
     bare = factors_of(design)
     target = round(bare.closed_form * float(rng.uniform(1.1, 2.0)), 3)
     found = sk.support(design, target, toward=(300.0, 5.0))  # 20° off the section
@@ -121,7 +143,7 @@ def test_forces_on_random_wedges_give_the_target_when_put_back(seed) -> None:
     given = random_wedge(np.random.default_rng(seed))
     design = wedge_design(given)
     target = round(closed_form(design).factor * 1.3, 2)
-    weight = -float(cut(design).loads.parts["weight"][2])
+    weight = -float(cut(design).loads.components["weight"][2])
     acts = "passive" if SEEDS.index(seed) % 2 else "active"
     toward = ((given["face"][1] + 180.0) % 360.0, 5.0) if seed < 40 else None
     found = sk.support(design, target, acts=acts, toward=toward, bolt_capacity=weight)
@@ -150,7 +172,10 @@ def _brute(given: dict, directions: np.ndarray, forces: np.ndarray) -> np.ndarra
     out = np.zeros((len(forces), len(directions)))
     for i, force in enumerate(forces):
         for j, direction in enumerate(directions):
-            out[i, j] = hoek_bray_wedge(*planes, *strength, forces=[(force * direction).tolist()]).factor or 0.0
+            out[i, j] = (
+                hoek_bray_wedge(*planes, *strength, forces=[(force * direction).tolist()]).factor
+                or 0.0
+            )
     return out
 
 
@@ -158,21 +183,36 @@ def _brute(given: dict, directions: np.ndarray, forces: np.ndarray) -> np.ndarra
     ("dips", "strength", "target"),
     [
         ((("45/160"), ("80/240")), (0, 45), 1.8),  # on J1 alone
-        ((("45/125"), ("50/235")), (5, 25), 6.0),  # on both, and so much that the mode changes on the way
+        (
+            (("45/125"), ("50/235")),
+            (5, 25),
+            6.0,
+        ),  # on both, and so much that the mode changes on the way
     ],
 )
 def test_no_direction_that_is_set_out_needs_less(dips, strength, target) -> None:
     """Brute force: at every smaller force no direction in steps of 5° gives the target."""
-    given = {"dips": dips, "face": "65/180", "upper": "0/180", "height": 10, "c": strength[0], "phi": strength[1],
-             "unit_weight": 26}  # fmt: skip
+    given = {
+        "dips": dips,
+        "face": "65/180",
+        "upper": "0/180",
+        "height": 10,
+        "c": strength[0],
+        "phi": strength[1],
+        "unit_weight": 26,
+    }
     site = site_of(wedge_design(given))
     best = best_direction(site, target, (-90.0, 90.0))
     (force,) = least_forces(site, target, best.vector()[None, :])
-    every = [Line(trend, plunge).vector() for trend in range(0, 360, 15) for plunge in range(-85, 90, 10)]
+    every = [
+        Line(trend, plunge).vector() for trend in range(0, 360, 15) for plunge in range(-85, 90, 10)
+    ]
     into_face = [way for way in every if way @ site.inward > math.sin(math.radians(5.0))]
     less = _brute(given, np.array(into_face), force * np.array([0.2, 0.6, 0.9, 0.9999]))
     assert less.max() < target
-    assert _brute(given, best.vector()[None, :], np.array([force]))[0, 0] == pytest.approx(target, abs=1e-6)
+    assert _brute(given, best.vector()[None, :], np.array([force]))[0, 0] == pytest.approx(
+        target, abs=1e-6
+    )
 
 
 @pytest.mark.parametrize(("cohesion", "phi"), [(0.0, 40.0), (10.0, 15.0)])
@@ -206,11 +246,27 @@ def test_limits_of_plunge_hold_and_their_best_is_the_best_within() -> None:
     design = loaded(WEDGE)
     case = sk.support(design, 1.6, acts="active", plunge="10,30").cases[0]
     assert 10.0 <= case.toward.plunge_deg <= 30.0
-    given = {"dips": ("45/125", "50/235"), "face": "65/180", "upper": "0/180", "height": 10, "c": 5, "phi": 25,
-             "unit_weight": 26}  # fmt: skip
-    grid = [Line(t, p).vector() for t in np.arange(300.0, 420.0, 4.0) for p in (10.0, 11.0, 14.0, 20.0, 30.0)]
-    assert _brute(given, np.array(grid), case.closed_form.force * np.array([0.7, 0.999])).max() < 1.6
-    assert sk.support(design, 1.6, acts="active", plunge="12,13").cases[0].toward.plunge_deg in (12.0, 13.0)
+    given = {
+        "dips": ("45/125", "50/235"),
+        "face": "65/180",
+        "upper": "0/180",
+        "height": 10,
+        "c": 5,
+        "phi": 25,
+        "unit_weight": 26,
+    }
+    grid = [
+        Line(t, p).vector()
+        for t in np.arange(300.0, 420.0, 4.0)
+        for p in (10.0, 11.0, 14.0, 20.0, 30.0)
+    ]
+    assert (
+        _brute(given, np.array(grid), case.closed_form.force * np.array([0.7, 0.999])).max() < 1.6
+    )
+    assert sk.support(design, 1.6, acts="active", plunge="12,13").cases[0].toward.plunge_deg in (
+        12.0,
+        13.0,
+    )
 
 
 # -- bolts that are there, and what is enough already ------------------------------------------------------------------
@@ -221,7 +277,9 @@ def test_bolts_of_the_design_stay_and_count() -> None:
     for acts, case in zip(("active", "passive"), bare, strict=True):
         half = as_bolt(case.closed_form.force / 2.0, case.toward, acts)
         design = loaded(WEDGE | {"support": {"bolts": [half]}})
-        other = next(c for c in sk.support(design, 1.6, acts=acts, toward="000/10").cases if c.acts == acts)
+        other = next(
+            c for c in sk.support(design, 1.6, acts=acts, toward="000/10").cases if c.acts == acts
+        )
         assert other.closed_form.force == pytest.approx(case.closed_form.force / 2.0, rel=1e-6)
         assert other.yaml.count("acts:") == 1 + len(other.bolts)
 
@@ -242,7 +300,9 @@ def test_what_only_moments_ask_for_is_found_by_pre_ie_alone() -> None:
     assert case.closed_form.force == 0.0
     assert case.pre_ie.force > 0.0
     assert case.reached
-    assert factors_of(pulled_at_middle(loaded(ONE_PLANE), case)).limit == pytest.approx(1.6, abs=1e-6)
+    assert factors_of(pulled_at_middle(loaded(ONE_PLANE), case)).limit == pytest.approx(
+        1.6, abs=1e-6
+    )
 
 
 def test_joints_that_dilate_need_what_pre_ie_says() -> None:
@@ -282,7 +342,9 @@ def test_heads_lie_on_the_face_and_bolts_reach_behind_the_joint(turning) -> None
     laid = case.layout
     geometry = sk.run(ONE_PLANE).geometry
     toe, crest1, crest2 = (geometry.corners_m[name] for name in ("toe", "crest_J1", "crest_J2"))
-    shares = np.linalg.solve(np.array([toe, crest1, crest2]).T + 1.0, laid.heads_m.T + 1.0).T  # barycentric
+    shares = np.linalg.solve(
+        np.array([toe, crest1, crest2]).T + 1.0, laid.heads_m.T + 1.0
+    ).T  # barycentric
     assert np.abs(laid.heads_m @ upward_normal((65.0, 180.0))).max() < 1e-9
     assert shares.min() > 0.0
     assert np.abs(shares.sum(axis=1) - 1.0).max() < 1e-9
@@ -302,26 +364,34 @@ def test_heads_lie_on_the_face_and_bolts_reach_behind_the_joint(turning) -> None
 
 def test_the_loads_own_check_passes_every_bolt_and_refuses_shorter_ones(turning) -> None:
     """The check that `run` makes of each bolt: E212 where it ends before the joint."""
-    planes = bounds(wedge_design({"dips": ("45/160", "80/240"), "face": "65/180", "upper": "0/180", "height": 10.0}))
+    planes = bounds(
+        wedge_design(
+            {"dips": ("45/160", "80/240"), "face": "65/180", "upper": "0/180", "height": 10.0}
+        )
+    )
     case = turning.cases[0]
-    sound, is_anchored = through(planes, case.layout.heads_m, case.toward.vector())
+    sound, is_anchored = bolt_exit(planes, case.layout.heads_m, case.toward.vector())
     assert is_anchored.all()
     assert sound == pytest.approx(case.layout.sound_m, abs=1e-9)
     for reach, length in zip(sound.tolist(), case.layout.sound_m + 2.5, strict=True):
-        judge_bolt("bolt", reach, True, length, "")
+        check_bolt_anchorage("bolt", reach, True, length, "")
         with pytest.raises(sk.GeometryError) as caught:
-            judge_bolt("bolt", reach, True, length - 2.5001, "")
+            check_bolt_anchorage("bolt", reach, True, length - 2.5001, "")
         assert caught.value.codes == ("E212",)
 
 
 @pytest.mark.parametrize(
     ("design", "capacity", "fos", "acts"),
     [
-        (PLANE, 20.0, 1.7, "active"), (PLANE, 97.3, 2.345, "passive"), (WEDGE, 400.0, 1.7, "active"),
+        (PLANE, 20.0, 1.7, "active"),
+        (PLANE, 97.3, 2.345, "passive"),
+        (WEDGE, 400.0, 1.7, "active"),
     ],
     ids=["plane, many", "plane", "wedge, few"],
-)  # fmt: skip
-def test_the_yaml_pasted_into_the_design_meets_the_target(design, capacity, fos, acts, tmp_path) -> None:
+)
+def test_the_yaml_pasted_into_the_design_meets_the_target(
+    design, capacity, fos, acts, tmp_path
+) -> None:
     """Every digit comes from the text alone: design file + snippet -> `run`; never below, and hardly above.
 
     Set out in the field's steps: 10 kN, 0.1 m and 5°.
@@ -335,7 +405,9 @@ def test_the_yaml_pasted_into_the_design_meets_the_target(design, capacity, fos,
     slice_m = case.layout.across_m if found.unit == "kN/m" else 1.0
     each = case.force * slice_m / len(case.bolts)
     for bolt in case.bolts:  # up to 10 kN a bolt, but no more than it can take
-        assert slice_m * bolt.force_kn == pytest.approx(min(10.0 * math.ceil(each / 10.0), capacity), rel=1e-4)
+        assert slice_m * bolt.force_kn == pytest.approx(
+            min(10.0 * math.ceil(each / 10.0), capacity), rel=1e-4
+        )
         assert bolt.length_m == pytest.approx(round(bolt.length_m, 1), abs=1e-12)
         assert bolt.toward.plunge_deg % 5.0 == 0.0
         assert bolt.toward.trend_deg % 5.0 == 0.0
@@ -380,7 +452,11 @@ def test_where_the_target_is_not_reached_there_is_nothing_to_paste(monkeypatch) 
     answers = Site.answers
 
     def without_bolts(self, design, key, method, forces):
-        return at_no_force * len(forces) if method == "pre_ie" else answers(self, design, key, method, forces)
+        return (
+            at_no_force * len(forces)
+            if method == "pre_ie"
+            else answers(self, design, key, method, forces)
+        )
 
     monkeypatch.setattr(Site, "answers", without_bolts)
     none = sk.support(loaded(PLANE), 2, acts="active")  # bolts that hold nothing
@@ -390,7 +466,9 @@ def test_where_the_target_is_not_reached_there_is_nothing_to_paste(monkeypatch) 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("capacity", [150.0, 5.0], ids=["few", "more than 50"])
-def test_bolts_that_fall_short_when_they_are_solved_again_are_not_reached(monkeypatch, capacity) -> None:
+def test_bolts_that_fall_short_when_they_are_solved_again_are_not_reached(
+    monkeypatch, capacity
+) -> None:
     """Of any number of bolts: the file says so first, and so do the line, the sheet and the exit code."""
     monkeypatch.setattr(module, "built_force", lambda needed, _: 0.9 * needed)
     found = sk.support(loaded(ONE_PLANE), 1.8, acts="active", bolt_capacity=capacity)
@@ -454,13 +532,16 @@ def test_map_coordinates_move_the_heads_with_the_toe() -> None:
 
 #: a wedge whose middle stands before its tension crack
 CRACKED = WEDGE | {
-    "slope": {"face": "65/180", "upper": "0/180", "height": 30}, "crack": {"plane": "80/180", "distance": 8},
-}  # fmt: skip
+    "slope": {"face": "65/180", "upper": "0/180", "height": 30},
+    "crack": {"plane": "80/180", "distance": 8},
+}
 
 
 @pytest.mark.parametrize(
-    ("design", "fos"), [(PLANE | {"crack": {"depth": 4.35, "water": 3.0}}, 1.5), (CRACKED, 1.3)], ids=["plane", "wedge"]
-)  # fmt: skip
+    ("design", "fos"),
+    [(PLANE | {"crack": {"depth": 4.35, "water": 3.0}}, 1.5), (CRACKED, 1.3)],
+    ids=["plane", "wedge"],
+)
 def test_bolts_hold_behind_the_joint_where_they_cross_the_tension_crack_first(design, fos) -> None:
     """No place is left out: rock hangs on the joint behind the crack as before it; the reach is that to the joint.
 
@@ -473,11 +554,17 @@ def test_bolts_hold_behind_the_joint_where_they_cross_the_tension_crack_first(de
     dips = [joint["plane"].split("/") for joint in design["joints"].values()]
     joints = np.array([upward_normal((float(dip), float(direction))) for dip, direction in dips])
     reach = -(laid.heads_m @ joints.T) / (joints @ way)
-    assert laid.sound_m == pytest.approx(np.where(reach > 1e-9, reach, np.inf).min(axis=1), abs=1e-9)
+    assert laid.sound_m == pytest.approx(
+        np.where(reach > 1e-9, reach, np.inf).min(axis=1), abs=1e-9
+    )
     bolted = design | {"support": case.support}
     with_crack = sk.run(bolted)
     assert with_crack.fos.limit >= fos
-    crack = sk.run(design).geometry.crack_distance_m + 12.0 / math.tan(math.radians(60.0)) if fos == 1.5 else 0.0
+    crack = (
+        sk.run(design).geometry.crack_distance_m + 12.0 / math.tan(math.radians(60.0))
+        if fos == 1.5
+        else 0.0
+    )
     ends = laid.heads_m + laid.sound_m[:, None] * way
     assert (ends[:, 1].max() > crack) if fos == 1.5 else len(laid) == 14
     longest = int(np.argmax(laid.sound_m))
@@ -491,7 +578,12 @@ def test_a_bolt_that_comes_out_behind_the_crack_is_anchored_in_nothing() -> None
     """Steeply upward it meets the upper slope before the joint, with the crack in the crest and in the face alike."""
     for distance in (3.0, -2.0):
         design = PLANE | {"crack": {"distance": distance}}
-        bolt = {"force": 10, "toward": "000/-33", "acts": "active", "head": [0, 1, math.tan(math.radians(60.0))]}
+        bolt = {
+            "force": 10,
+            "toward": "000/-33",
+            "acts": "active",
+            "head": [0, 1, math.tan(math.radians(60.0))],
+        }
         with pytest.raises(sk.GeometryError, match="E211"):
             sk.run(design | {"support": {"bolts": [bolt]}})
         sk.run(design | {"support": {"bolts": [bolt | {"toward": "000/0"}]}})
@@ -506,9 +598,13 @@ def test_rows_and_columns_are_even_over_the_face() -> None:
     up = np.array([0.0, math.cos(math.radians(65.0)), math.sin(math.radians(65.0))])
     heads = np.stack([laid.heads_m[:, 0], laid.heads_m @ up], axis=1)
     corners = sk.run(CRACKED).geometry.corners_m
-    face = np.array([[corners[name][0], np.dot(corners[name], up)] for name in ("toe", "crest_J2", "crest_J1")])
+    face = np.array(
+        [[corners[name][0], np.dot(corners[name], up)] for name in ("toe", "crest_J2", "crest_J1")]
+    )
     centre = face.mean(axis=0)
-    step = laid.across_m * np.stack(np.meshgrid(range(-40, 41), range(-40, 41)), axis=-1).reshape(-1, 2)
+    step = laid.across_m * np.stack(np.meshgrid(range(-40, 41), range(-40, 41)), axis=-1).reshape(
+        -1, 2
+    )
     grid = heads[0] + step
     within = np.ones(len(grid), dtype=bool)
     for a, b in zip(face, np.roll(face, -1, axis=0), strict=True):
@@ -519,7 +615,9 @@ def test_rows_and_columns_are_even_over_the_face() -> None:
     assert laid.left_out == 0
     places = laid.rows * laid.columns
     assert places > len(laid)
-    said = f"{laid.across_m:g} m apart (the other {places - len(laid)} places of that grid stay empty)"
+    said = (
+        f"{laid.across_m:g} m apart (the other {places - len(laid)} places of that grid stay empty)"
+    )
     assert said in " ".join(str(found).split())
 
 
@@ -531,32 +629,86 @@ def test_other_kinds_are_refused() -> None:
         sk.support(sk.load(path_of("footing")))
     assert caught.value.codes == ("E288",)
     fault = caught.value.faults[0]
-    assert (fault.message[-15:], fault.advice) == ("of kind footing", "A design of kind footing takes no bolts.")
+    assert (fault.message[-15:], fault.advice) == (
+        "of kind footing",
+        "A design of kind footing takes no bolts.",
+    )
 
 
 def test_every_option_that_is_not_understood_is_named_at_once() -> None:
     with pytest.raises(DesignError) as caught:
         sk.support(
-            loaded(PLANE), -1, acts="both ways", toward="up", plunge="20,10", bolt_capacity="5 m", spacing=0, bond="x",
+            loaded(PLANE),
+            -1,
+            acts="both ways",
+            toward="up",
+            plunge="20,10",
+            bolt_capacity="5 m",
+            spacing=0,
+            bond="x",
             length=-3,
-        )  # fmt: skip
-    assert sorted(caught.value.codes) == ["E106", "E107", "E307", "E307", "E307", "E307", "E307", "E307"]
+        )
+    assert sorted(caught.value.codes) == [
+        "E106",
+        "E107",
+        "E307",
+        "E307",
+        "E307",
+        "E307",
+        "E307",
+        "E307",
+    ]
     for plunge in ("5", (1, 2, 3), "-100,5"):
         with pytest.raises(DesignError, match="E307 limits of plunge"):
             sk.support(loaded(PLANE), plunge=plunge)
 
 
 OUT_OF_REACH = [
-    ("E322", PLANE, {"toward": "180/10", "acts": "active"}, "it drives the block as much as it holds it"),
+    (
+        "E322",
+        PLANE,
+        {"toward": "180/10", "acts": "active"},
+        "it drives the block as much as it holds it",
+    ),
     ("E322", PLANE, {"toward": "000/75", "acts": "active", "fos": 2.5}, "at best FoS"),
-    ("E322", WEDGE, {"toward": "270/-30", "acts": "active", "fos": 2}, "at best FoS 1.296 at 3922 kN"),
-    ("E322", WEDGE, {"plunge": "80,85", "acts": "active"}, "no direction into the face that plunges 80 to 85"),
-    ("E322", PLANE, {"toward": "000/80", "acts": "passive"}, "the movement does not draw passive bolts out"),
+    (
+        "E322",
+        WEDGE,
+        {"toward": "270/-30", "acts": "active", "fos": 2},
+        "at best FoS 1.296 at 3922 kN",
+    ),
+    (
+        "E322",
+        WEDGE,
+        {"plunge": "80,85", "acts": "active"},
+        "no direction into the face that plunges 80 to 85",
+    ),
+    (
+        "E322",
+        PLANE,
+        {"toward": "000/80", "acts": "passive"},
+        "the movement does not draw passive bolts out",
+    ),
     ("E322", WEDGE, {"toward": "275/0", "acts": "passive", "fos": 1.8}, "at best FoS"),
     ("E322", PLANE | {"strength": {"s": {"c": 0, "phi": 0}}}, {}, "the joints have no strength"),
-    ("E211", PLANE, {"toward": "000/-60", "acts": "active", "fos": 1.7}, "the force points out of the face"),
-    ("E212", PLANE, {"length": "5 m", "acts": "active", "fos": 2}, "bolts are too short at 5 m: the longest needs"),
-    ("E328", WEDGE, {"spacing": "8 m", "acts": "active", "bolt_capacity": 1}, "at a spacing of 8 m the face holds 1 "),
+    (
+        "E211",
+        PLANE,
+        {"toward": "000/-60", "acts": "active", "fos": 1.7},
+        "the force points out of the face",
+    ),
+    (
+        "E212",
+        PLANE,
+        {"length": "5 m", "acts": "active", "fos": 2},
+        "bolts are too short at 5 m: the longest needs",
+    ),
+    (
+        "E328",
+        WEDGE,
+        {"spacing": "8 m", "acts": "active", "bolt_capacity": 1},
+        "at a spacing of 8 m the face holds 1 ",
+    ),
     ("E328", WEDGE, {"acts": "active", "bolt_capacity": "1 N"}, "no pattern is laid"),
     ("E328", PLANE, {"acts": "active", "bolt_capacity": "1 N"}, "no pattern is laid"),
     ("E329", SLAB, {"acts": "active", "fos": 2.5}, "moments turn the block"),
@@ -564,7 +716,9 @@ OUT_OF_REACH = [
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("code", "design", "options", "says"), OUT_OF_REACH, ids=lambda value: str(value)[:12])
+@pytest.mark.parametrize(
+    ("code", "design", "options", "says"), OUT_OF_REACH, ids=lambda value: str(value)[:12]
+)
 def test_what_cannot_be_reached_says_why(code, design, options, says) -> None:
     options = {"fos": 1.9} | options
     fos = options.pop("fos")
@@ -606,7 +760,9 @@ def test_a_search_brackets_smooth_kinked_and_jumping_levels() -> None:
         return lambda forces: [Answer(level(force), "slides") for force in forces]
 
     smooth = least_force(answers(lambda force: 1.0 + force / (1.0 + force)), 1.5, 0.1)
-    assert smooth.force == pytest.approx(1.0, rel=2e-6)  # 3e-7 of the target over the slope there, 1/4
+    assert smooth.force == pytest.approx(
+        1.0, rel=2e-6
+    )  # 3e-7 of the target over the slope there, 1/4
     assert smooth.answer.level >= 1.5
     assert smooth.below is None
     down = least_force(answers(lambda force: 1.0 + force), 1.5, 40.0)
@@ -650,23 +806,59 @@ def test_the_command_writes_prints_and_leaves_with_its_code(tmp_path: Path) -> N
     assert run.stderr == ""
     document = json.loads(run.stdout)
     assert document.keys() == {
-        "slopekit", "format", "study", "kind", "title", "input_sha256", "inputs", "target_fos", "unit", "reached",
-        "needed", "without", "dilates", "options", "bolts", "pressure_kpa",
-        "warnings", "timing_s", "line", "sheet",
-    }  # fmt: skip
+        "slopekit",
+        "format",
+        "study",
+        "kind",
+        "title",
+        "input_sha256",
+        "inputs",
+        "target_fos",
+        "unit",
+        "reached",
+        "needed",
+        "without",
+        "dilates",
+        "options",
+        "bolts",
+        "pressure_kpa",
+        "warnings",
+        "timing_s",
+        "line",
+        "sheet",
+    }
     assert document["bolts"][0].keys() == {
-        "acts", "toward", "reached", "use_kn", "closed_form", "pre_ie", "pattern", "check", "other_cases",
-        "support", "yaml", "notices",
-    }  # fmt: skip
+        "acts",
+        "toward",
+        "reached",
+        "use_kn",
+        "closed_form",
+        "pre_ie",
+        "pattern",
+        "check",
+        "other_cases",
+        "support",
+        "yaml",
+        "notices",
+    }
     assert document["unit"] == "kN/m"
     assert [bolt["acts"] for bolt in document["bolts"]] == ["active", "passive"]
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [
-        "support-active.yaml", "support-passive.yaml", "support.csv", "support.json", "support.txt",
-    ]  # fmt: skip
+        "support-active.yaml",
+        "support-passive.yaml",
+        "support.csv",
+        "support.json",
+        "support.txt",
+    ]
     sheet = (tmp_path / "out" / "support.txt").read_text(encoding="utf-8")
     assert [line.split()[0] for line in sheet.splitlines() if line[:1].isupper()] == [
-        "TARGET", "ACTIVE", "PASSIVE", "PRESSURE", "PASTE", "TIME",
-    ]  # fmt: skip
+        "TARGET",
+        "ACTIVE",
+        "PASSIVE",
+        "PRESSURE",
+        "PASTE",
+        "TIME",
+    ]
 
 
 def test_the_command_refuses_and_says_so_in_its_exit_code() -> None:
@@ -690,7 +882,9 @@ def test_the_command_refuses_and_says_so_in_its_exit_code() -> None:
     assert json.loads(wrong.stdout)["errors"][0]["code"] == "E307"
     other = slopekit("support", str(path_of("bench")))
     assert other.returncode == 2
-    assert other.stderr.startswith("E288 support is for a wedge or a plane, this design is of kind bench")
+    assert other.stderr.startswith(
+        "E288 support is for a wedge or a plane, this design is of kind bench"
+    )
     assert "Give the design a bolt, then sweep and solve change it" in other.stderr
 
 
@@ -701,7 +895,9 @@ def test_distributions_are_named_in_the_sheet() -> None:
     assert "W320 distributions are taken at their means: strength.s.phi 37" in str(found)
 
 
-@pytest.mark.parametrize(("rules", "target"), [(["fos >= 2.1", "fos.limit > 1.9"], 2.1), (["fos.lowest >= 3"], 1.5)])
+@pytest.mark.parametrize(
+    ("rules", "target"), [(["fos >= 2.1", "fos.limit > 1.9"], 2.1), (["fos.lowest >= 3"], 1.5)]
+)
 def test_the_factor_that_acceptance_asks_for_is_wanted(rules, target) -> None:
     """Bolts for 1.5 reached their own target and left the design's, 2.1, unmet with exit code 0."""
     design = loaded(ONE_PLANE | {"acceptance": {"rules": rules}})

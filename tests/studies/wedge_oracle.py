@@ -10,10 +10,14 @@ from scipy.spatial import ConvexHull
 def upward_normal(plane: Any) -> np.ndarray:
     """Upward unit normal of (dip, dip direction)."""
     dip, direction = math.radians(plane[0]), math.radians(plane[1])
-    return np.array([math.sin(dip) * math.sin(direction), math.sin(dip) * math.cos(direction), math.cos(dip)])
+    return np.array(
+        [math.sin(dip) * math.sin(direction), math.sin(dip) * math.cos(direction), math.cos(dip)]
+    )
 
 
-def wedge_factor(joints, face, upper, height, c, phi, unit_weight, pressures=(), force=(0, 0, 0), crack=None) -> dict:
+def wedge_factor(
+    joints, face, upper, height, c, phi, unit_weight, pressures=(), force=(0, 0, 0), crack=None
+) -> dict:
     """Factor, resisting and driving force, weight, volume, total height, plunge; crack: (plane, distance).
 
     `pressures` on J1, J2 (and the crack), kPa; a crack's water: "full", γ_w times a third of its depth.
@@ -34,12 +38,16 @@ def wedge_factor(joints, face, upper, height, c, phi, unit_weight, pressures=(),
         side *= np.sign(side[0])
         cuts = [
             corners[i] + (corners[j] - corners[i]) * side[i] / (side[i] - side[j])
-            for i in range(4) for j in range(i) if side[i] * side[j] < 0.0
-        ]  # fmt: skip
+            for i in range(4)
+            for j in range(i)
+            if side[i] * side[j] < 0.0
+        ]
         kept = np.concatenate([corners[side > 0.0], cuts])
         found["volume"] = float(ConvexHull(kept).volume)
         areas = [_area(kept, n1, 0.0), _area(kept, n2, 0.0), _area(kept, n5, n5 @ at)]
-        normals.append(n5 * np.sign((corners[0] - at) @ n5))  # water in the crack pushes toward the toe
+        normals.append(
+            n5 * np.sign((corners[0] - at) @ n5)
+        )  # water in the crack pushes toward the toe
         lowest = min(cuts, key=lambda point: point[2])
         found["crack_depth"] = float(nu @ crest1 - nu @ lowest) / nu[2]
     found["weight"] = unit_weight * found["volume"]
@@ -53,7 +61,9 @@ def wedge_factor(joints, face, upper, height, c, phi, unit_weight, pressures=(),
     rough = [math.tan(math.radians(angle)) for angle in phi]
     if min(normal_forces) > 0.0:
         found["status"] = "slides_on_both" if load @ along < 0.0 else "slides_up"
-        found["resisting"] = float(sum(c[k] * areas[k] + normal_forces[k] * rough[k] for k in (0, 1)))
+        found["resisting"] = float(
+            sum(c[k] * areas[k] + normal_forces[k] * rough[k] for k in (0, 1))
+        )
         found["driving"] = abs(float(load @ along))
     else:
         for k, (own, other) in enumerate(((n1, n2), (n2, n1))):

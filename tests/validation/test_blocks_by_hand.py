@@ -23,11 +23,23 @@ def tangent(degrees: float) -> float:
     return math.tan(math.radians(degrees))
 
 
-def section(moving: Mapping[str, Polygon], fixed: Mapping[str, Polygon], phi: float, **more: Any) -> dict[str, Any]:
+def section(
+    moving: Mapping[str, Polygon], fixed: Mapping[str, Polygon], phi: float, **more: Any
+) -> dict[str, Any]:
     """A design of blocks 1 m thick, 25 kN/m³, with one friction angle unless `more` says otherwise."""
-    blocks: dict[str, Any] = {name: {"polygon": [list(at) for at in polygon]} for name, polygon in moving.items()}
-    blocks |= {name: {"polygon": [list(at) for at in polygon], "fixed": True} for name, polygon in fixed.items()}
-    design: dict[str, Any] = {"slopekit": 1, "kind": "blocks", "blocks": blocks, "rock": {"unit_weight": 25}}
+    blocks: dict[str, Any] = {
+        name: {"polygon": [list(at) for at in polygon]} for name, polygon in moving.items()
+    }
+    blocks |= {
+        name: {"polygon": [list(at) for at in polygon], "fixed": True}
+        for name, polygon in fixed.items()
+    }
+    design: dict[str, Any] = {
+        "slopekit": 1,
+        "kind": "blocks",
+        "blocks": blocks,
+        "rock": {"unit_weight": 25},
+    }
     return design | {"strength": {"joint": {"c": 0, "phi": phi}}} | more
 
 
@@ -108,7 +120,11 @@ def test_a_table_in_front_of_a_face_is_no_reservoir() -> None:
     """The same table with nothing behind the block: γ_w h² / 2 = 122.6 kN would press there, and does not; W419."""
     found = sk.run(dam())
     assert found.status == "no_driving_force"
-    assert [notice.message for notice in found.warnings if notice.code == "W419" and "122.6 kN" in notice.message]
+    assert [
+        notice.message
+        for notice in found.warnings
+        if notice.code == "W419" and "122.6 kN" in notice.message
+    ]
 
 
 def test_blocks_under_water_slide_at_the_factor_of_dry_ones() -> None:
@@ -140,7 +156,9 @@ def test_a_chain_of_wedges(lengths, dips, heights, phi, sides, k) -> None:
     ends, weights, moving = [(0.0, 0.0)], [], {}
     for length, dip in zip(lengths, dips, strict=True):
         along = math.radians(dip)
-        ends.append((ends[-1][0] + length * math.cos(along), ends[-1][1] + length * math.sin(along)))
+        ends.append(
+            (ends[-1][0] + length * math.cos(along), ends[-1][1] + length * math.sin(along))
+        )
     for n, ((x, z), (beyond, above)) in enumerate(pairwise(ends)):
         top = [(beyond, above + heights[n + 1])] if heights[n + 1] else []
         moving[f"W{n}"] = [(x, z), (beyond, above), *top, (x, z + heights[n])]
@@ -153,9 +171,17 @@ def test_a_chain_of_wedges(lengths, dips, heights, phi, sides, k) -> None:
             push += weight * (math.sin(flat) + k * math.cos(flat)) / math.cos(flat - side)
         return push
 
-    below = [*ends, (ends[-1][0] + 3, ends[-1][1]), (ends[-1][0] + 3, -5.0), (-3.0, -5.0), (-3.0, 0.0)]
+    below = [
+        *ends,
+        (ends[-1][0] + 3, ends[-1][1]),
+        (ends[-1][0] + 3, -5.0),
+        (-3.0, -5.0),
+        (-3.0, 0.0),
+    ]
     names = [f"W{n}/W{n + 1}" for n in range(len(lengths) - 1)]
-    strength = {"base": {"c": 0, "phi": phi}} | ({} if sides == phi else {"side": {"c": 0, "phi": sides}})
+    strength = {"base": {"c": 0, "phi": phi}} | (
+        {} if sides == phi else {"side": {"c": 0, "phi": sides}}
+    )
     more: dict[str, Any] = {"strength": strength, "loads": pushed(k, 270)}
     if sides != phi:
         more["interfaces"] = {"default": "base"} | dict.fromkeys(names, "side")
@@ -176,7 +202,10 @@ def test_a_keystone_held_by_a_jack(lean, push) -> None:
     wall = [(-3.0, 0.0), (0.0, 0.0), (narrower, 1.0), (-3.0, 1.0)]
     force = {"force": [-push, 0, 0], "block": "jack", "at": [4, 0, 0.5]}
     design = section({"key": key, "jack": jack}, {"wall": wall, "floor": box(1.5, 6, -1, 0)}, 30)
-    design |= {"strength": {"joint": {"c": 0, "phi": 30}, "smooth": {"c": 0, "phi": 0}}, "loads": {"forces": [force]}}
+    design |= {
+        "strength": {"joint": {"c": 0, "phi": 30}, "smooth": {"c": 0, "phi": 0}},
+        "loads": {"forces": [force]},
+    }
     found = sk.run(design | {"interfaces": {"default": "joint", "jack/floor": "smooth"}})
     half = 0.5 * 25.0 * (1.0 - narrower)
     assert found.fos.limit == pytest.approx(
@@ -190,9 +219,13 @@ def test_a_wedge_that_drives_two_blocks_apart() -> None:
     wedge = [(0.0, 0.0), (1.0, 0.0), (1.0 + lean, 1.0), (-lean, 1.0)]
     left = [(-2.0, -1.0), (0.0, -1.0), (0.0, 0.0), (-lean, 1.0), (-2.0, 1.0)]
     right = [(1.0 - x, z) for x, z in left]
-    design = section({"wedge": wedge, "left": left, "right": right}, {"floor": box(-5, 6, -2, -1)}, 15)
+    design = section(
+        {"wedge": wedge, "left": left, "right": right}, {"floor": box(-5, 6, -2, -1)}, 15
+    )
     design |= {"strength": {"joint": {"c": 0, "phi": 15}, "floor": {"c": 0, "phi": 20}}}
-    found = sk.run(design | {"interfaces": {"default": "joint", "left/floor": "floor", "right/floor": "floor"}})
+    found = sk.run(
+        design | {"interfaces": {"default": "joint", "left/floor": "floor", "right/floor": "floor"}}
+    )
     half, side = 0.5 * 25.0 * (1.0 + lean), 25.0 * (4.0 - 0.5 * lean)
 
     def missing(factor: float) -> float:
@@ -211,10 +244,19 @@ def test_two_blocks_on_an_incline_tied_by_a_rod(capacity, together) -> None:
     dip = 30.0
     moving = {"A": turned(box(0, 4, 0, 1), dip), "B": turned(box(6, 14, 0, 1), dip)}
     head = turned([(2.0, 0.5)], dip)[0]
-    rod = {"force": capacity, "toward": f"090/{-dip}", "block": "A", "head": [head[0], 0, head[1]], "length": 7}
+    rod = {
+        "force": capacity,
+        "toward": f"090/{-dip}",
+        "block": "A",
+        "head": [head[0], 0, head[1]],
+        "length": 7,
+    }
     design = section(moving, {"base": turned(box(-5, 20, -1, 0), dip)}, 38)
     design |= {"strength": {"low": {"c": 0, "phi": 15}, "high": {"c": 0, "phi": 38}}}
-    design |= {"interfaces": {"default": "high", "A/base": "low"}, "support": {"bolts": [rod | {"acts": "passive"}]}}
+    design |= {
+        "interfaces": {"default": "high", "A/base": "low"},
+        "support": {"bolts": [rod | {"acts": "passive"}]},
+    }
     drive, press = math.sin(math.radians(dip)), math.cos(math.radians(dip))
     alone = (100.0 * press * tangent(15) + capacity) / (100.0 * drive)
     both = (100.0 * press * tangent(15) + 200.0 * press * tangent(38)) / (300.0 * drive)
@@ -245,7 +287,10 @@ class Arch:
             for n, (low, high) in enumerate(pairwise(corners))
         }
         fixed = {}
-        for name, (inside, outside), way in (("left", corners[0], 1.0), ("right", corners[-1], -1.0)):
+        for name, (inside, outside), way in (
+            ("left", corners[0], 1.0),
+            ("right", corners[-1], -1.0),
+        ):
             out = way * 2.0 * np.array([inside[1], -inside[0]]) / self.inner * -1.0
             fixed[name] = [tuple(at) for at in (inside, outside, outside + out, inside + out)]
         return section(moving, fixed, phi, **more)
@@ -258,9 +303,20 @@ class Arch:
         corners = np.array([low[0], low[1], high[1], high[0]])
         x, z = corners.T
         cross = x * np.roll(z, -1) - np.roll(x, -1) * z
-        radius = float(np.hypot(*(((corners + np.roll(corners, -1, 0)) * cross[:, None]).sum(0) / (3.0 * cross.sum()))))
+        radius = float(
+            np.hypot(
+                *(
+                    ((corners + np.roll(corners, -1, 0)) * cross[:, None]).sum(0)
+                    / (3.0 * cross.sum())
+                )
+            )
+        )
         matrix, dead, live = [], [], []
-        force, still, shaken = np.eye(3), np.zeros(3), np.zeros(3)  # (x, z, moment about the origin) on what follows
+        force, still, shaken = (
+            np.eye(3),
+            np.zeros(3),
+            np.zeros(3),
+        )  # (x, z, moment about the origin) on what follows
         for n, angle in enumerate(self.angles):
             if n:
                 middle = 0.5 * (self.angles[n - 1] + angle)
@@ -270,7 +326,12 @@ class Arch:
             on = np.array([math.sin(angle), -math.cos(angle)])  # the way on, through the joint
             up = np.array([math.cos(angle), math.sin(angle)])
             size = self.outer - self.inner
-            to_normals = np.array([[*(self.outer * on), 1.0], [*(-self.inner * on), -1.0], [*(size * up), 0.0]]) / size
+            to_normals = (
+                np.array(
+                    [[*(self.outer * on), 1.0], [*(-self.inner * on), -1.0], [*(size * up), 0.0]]
+                )
+                / size
+            )
             matrix.append(to_normals @ force)
             dead.append(to_normals @ still)
             live.append(to_normals @ shaken)
@@ -284,13 +345,23 @@ class Arch:
         inner, outer, shear = (slice(part, None, 3) for part in range(3))
         rooms, rights = [], []
         for room in (
-            (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (tan_friction, tan_friction, 1.0), (tan_friction, tan_friction, -1.0)
-        ):  # fmt: skip
+            (1.0, 0.0, 0.0),
+            (0.0, 1.0, 0.0),
+            (tan_friction, tan_friction, 1.0),
+            (tan_friction, tan_friction, -1.0),
+        ):
             both = np.column_stack([matrix, live])
-            rooms.append(-sum(part * both[at] for part, at in zip(room, (inner, outer, shear), strict=True)))
-            rights.append(sum(part * dead[at] for part, at in zip(room, (inner, outer, shear), strict=True)))
+            rooms.append(
+                -sum(part * both[at] for part, at in zip(room, (inner, outer, shear), strict=True))
+            )
+            rights.append(
+                sum(part * dead[at] for part, at in zip(room, (inner, outer, shear), strict=True))
+            )
         found = linprog(
-            [0, 0, 0, -1], np.concatenate(rooms), np.concatenate(rights), bounds=[(None, None)] * 3 + [(0, 1)]
+            [0, 0, 0, -1],
+            np.concatenate(rooms),
+            np.concatenate(rights),
+            bounds=[(None, None)] * 3 + [(0, 1)],
         )
         return float(found.x[3]) if found.status == 0 else None
 
@@ -310,7 +381,8 @@ def test_the_friction_that_an_arch_needs(thickness, voussoirs, embrace, phi) -> 
 
 
 @pytest.mark.parametrize(
-    ("voussoirs", "embrace", "least"), [(27, 180, 0.10676), (12, 157.5, 0.06382), (40, 120, 0.02282)]
+    ("voussoirs", "embrace", "least"),
+    [(27, 180, 0.10676), (12, 157.5, 0.06382), (40, 120, 0.02282)],
 )
 def test_the_least_thickness_of_an_arch(voussoirs, embrace, least) -> None:
     """Just above it a line of thrust fits in, and the arch stands; just below it no friction helps.
@@ -351,19 +423,35 @@ def test_a_box_pushed_off_its_middle(tmp_path: Path, wide, deep, off) -> None:
 
     def held(s: float) -> tuple[float, float]:
         r = np.hypot(x + s, y)
-        return float((strength * (x + s) / r).sum()), float((strength * ((x + s) * x + y * y) / r).sum())
+        return float((strength * (x + s) / r).sum()), float(
+            (strength * ((x + s) * x + y * y) / r).sum()
+        )
 
     place = float(brentq(lambda s: held(s)[1] - off * held(s)[0], 1e-6, 1e3))
     blocks: dict[str, Any] = {}
-    for name, sides in {"base": (5.0, 5.0, -1.0, 0.0), "box": (0.5 * wide, 0.5 * deep, 0.0, 0.5)}.items():
-        corners = [(i * sides[0], j * sides[1], z) for z in sides[2:] for j in (-1, 1) for i in (-1, 1)]
+    for name, sides in {
+        "base": (5.0, 5.0, -1.0, 0.0),
+        "box": (0.5 * wide, 0.5 * deep, 0.0, 0.5),
+    }.items():
+        corners = [
+            (i * sides[0], j * sides[1], z) for z in sides[2:] for j in (-1, 1) for i in (-1, 1)
+        ]
         quads = ["0 2 3 1", "4 5 7 6", "0 1 5 4", "2 6 7 3", "0 4 6 2", "1 3 7 5"]
-        lines = ["OFF", "8 6 0", *(f"{a} {b} {c}" for a, b, c in corners), *(f"4 {quad}" for quad in quads)]
+        lines = [
+            "OFF",
+            "8 6 0",
+            *(f"{a} {b} {c}" for a, b, c in corners),
+            *(f"4 {quad}" for quad in quads),
+        ]
         (tmp_path / f"{name}.off").write_text("\n".join(lines) + "\n", "utf-8")
-        blocks[name] = {"mesh": str(tmp_path / f"{name}.off")} | ({"fixed": True} if name == "base" else {})
+        blocks[name] = {"mesh": str(tmp_path / f"{name}.off")} | (
+            {"fixed": True} if name == "base" else {}
+        )
     force = {"force": [0, push, 0], "block": "box", "at": [off, 0, 0]}
     design = {"slopekit": 1, "kind": "blocks", "blocks": blocks, "rock": {"unit_weight": 25}}
-    found = sk.run(design | {"strength": {"joint": {"c": 0, "phi": 30}}, "loads": {"forces": [force]}})
+    found = sk.run(
+        design | {"strength": {"joint": {"c": 0, "phi": 30}}, "loads": {"forces": [force]}}
+    )
     assert found.fos.limit == pytest.approx(held(place)[0] / push, rel=1e-3)
 
 
@@ -376,7 +464,10 @@ def stack(part: float) -> dict[str, Any]:
     for n in range(1, 6):
         out += part * 2.0 / (2 * n)
         ends.append(out)
-    moving = {f"B{n}": box(out - end, out - end + 2.0, 0.5 * (5 - n), 0.5 * (6 - n)) for n, end in enumerate(ends)}
+    moving = {
+        f"B{n}": box(out - end, out - end + 2.0, 0.5 * (5 - n), 0.5 * (6 - n))
+        for n, end in enumerate(ends)
+    }
     return section(moving, {"base": box(-3, 2, -1, 0)}, 35, loads=pushed(0.0))
 
 

@@ -13,7 +13,8 @@ from tests.support import random_wedge, upward_normal
 def exact(wedge) -> tuple[float, float, list[float], float]:
     """Volume, total height and areas of the tetrahedron, from Fractions of the floating-point normals."""
     n1, n2, nf, nu = (
-        [Fraction(float(x)) for x in upward_normal(plane)] for plane in (*wedge["dips"], wedge["face"], wedge["upper"])
+        [Fraction(float(x)) for x in upward_normal(plane)]
+        for plane in (*wedge["dips"], wedge["face"], wedge["upper"])
     )
     trace1, trace2, line = cross(n1, nf), cross(n2, nf), cross(n1, n2)
     crest1 = scaled(trace1, Fraction(wedge["height"]) / trace1[2])
@@ -39,7 +40,9 @@ def scaled(a, by):
 
 def wedges():
     rng = np.random.default_rng(5)
-    yield from ({**random_wedge(rng), "water": None, "bolts": None, "seismic": None} for _ in range(40))
+    yield from (
+        {**random_wedge(rng), "water": None, "bolts": None, "seismic": None} for _ in range(40)
+    )
     for a, b in (
         ((45, 179.99), (45, 180.01)),
         ((63.35, 150), (63.35, 210)),

@@ -10,9 +10,16 @@ from dataclasses import replace
 import pytest
 
 import slopekit as sk
-from slopekit.closed_form.toppling import ColumnSlope, toe_force_required, toppling_factor_of_safety, toppling_table
+from slopekit.closed_form.toppling import (
+    ColumnSlope,
+    toe_force_required,
+    toppling_factor_of_safety,
+    toppling_table,
+)
 
-SLOPE = ColumnSlope([4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 34, 28, 22, 16, 10, 4], 10.0, 1.0, 30.0, 25.0, 38.15)
+SLOPE = ColumnSlope(
+    [4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 34, 28, 22, 16, 10, 4], 10.0, 1.0, 30.0, 25.0, 38.15
+)
 # n, y, M, L, P to stop toppling, P to stop sliding, P, mode; None where the method has no such number
 TABLE = [
     (16, 4, None, 4.0, -832.53, -470.72, 0.0, "stable"),
@@ -39,11 +46,17 @@ def test_the_table(row) -> None:
     """Every number to the two decimals printed."""
     table, i = toppling_table(SLOPE), row[0] - 1
     found = (
-        table.heights_m, table.upper_contact_m, table.lower_contact_m, table.topple_force_kn, table.slide_force_kn,
+        table.heights_m,
+        table.upper_contact_m,
+        table.lower_contact_m,
+        table.topple_force_kn,
+        table.slide_force_kn,
         table.force_kn,
-    )  # fmt: skip
+    )
     for value, printed in zip(found, row[1:7], strict=True):
-        assert float(value[i]) == pytest.approx(float("nan") if printed is None else printed, abs=0.00501, nan_ok=True)
+        assert float(value[i]) == pytest.approx(
+            float("nan") if printed is None else printed, abs=0.00501, nan_ok=True
+        )
     assert table.modes[i] == row[7]
 
 
@@ -52,7 +65,9 @@ def test_the_toe_force_and_the_bases() -> None:
     table = toppling_table(SLOPE)
     assert table.toe_force_kn == pytest.approx(1.182, abs=5e-4)
     assert table.base_holds.all()
-    assert table.normal_kn[15] == pytest.approx(866.0, abs=0.5)  # Wyllie & Mah, table 9.1: R and S of column 16
+    assert table.normal_kn[15] == pytest.approx(
+        866.0, abs=0.5
+    )  # Wyllie & Mah, table 9.1: R and S of column 16
     assert table.shear_kn[15] == pytest.approx(500.0, abs=0.5)
 
 
@@ -67,7 +82,9 @@ def test_the_toe_force_and_the_bases() -> None:
 )
 def test_factors_of_safety(friction, toe_force, recomputed, published) -> None:
     """To the four decimals recomputed (the second to 1e-6, its force has seven digits), and the two published."""
-    factor, status = toppling_factor_of_safety(replace(SLOPE, friction_angle_deg=friction, toe_force_kn=toe_force))
+    factor, status = toppling_factor_of_safety(
+        replace(SLOPE, friction_angle_deg=friction, toe_force_kn=toe_force)
+    )
     assert status == "slides"
     assert factor == pytest.approx(recomputed, abs=1e-6 if friction == 33.0239 else 5e-5)
     assert factor == pytest.approx(published, abs=0.006)
@@ -83,15 +100,34 @@ def test_required_friction_and_toe_force() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("friction", "toe_force"), [(38.15, 0.0), (33.0239, 2013.0), (38.6598, 0.0)])
+@pytest.mark.parametrize(
+    ("friction", "toe_force"), [(38.15, 0.0), (33.0239, 2013.0), (38.6598, 0.0)]
+)
 def test_the_limit_of_the_columns_is_that_of_the_method(friction, toe_force) -> None:
     """The same contact modes: PRE-IE and the closed form differ by rounding. The force pushes into C1 half-way up."""
     half = math.radians(30.0)
-    pushed = {"force": toe_force, "toward": "090/00", "block": "C1", "at": [-2 * math.sin(half), 0, 2 * math.cos(half)]}
-    found = sk.run({
-        "slopekit": 1, "kind": "topple", "strength": {"joint": {"c": 0, "phi": friction}}, "rock": {"unit_weight": 25},
-        "columns": {"dip": 60, "width": 10, "base_step": 1, "heights": SLOPE.heights_m.tolist()},
-        "loads": {"forces": [pushed] if toe_force else []},
-    })  # fmt: skip
-    slope = replace(SLOPE, friction_angle_deg=friction, toe_force_kn=toe_force, toe_force_height_m=2.0)
+    pushed = {
+        "force": toe_force,
+        "toward": "090/00",
+        "block": "C1",
+        "at": [-2 * math.sin(half), 0, 2 * math.cos(half)],
+    }
+    found = sk.run(
+        {
+            "slopekit": 1,
+            "kind": "topple",
+            "strength": {"joint": {"c": 0, "phi": friction}},
+            "rock": {"unit_weight": 25},
+            "columns": {
+                "dip": 60,
+                "width": 10,
+                "base_step": 1,
+                "heights": SLOPE.heights_m.tolist(),
+            },
+            "loads": {"forces": [pushed] if toe_force else []},
+        }
+    )
+    slope = replace(
+        SLOPE, friction_angle_deg=friction, toe_force_kn=toe_force, toe_force_height_m=2.0
+    )
     assert found.fos.limit == pytest.approx(toppling_factor_of_safety(slope)[0], rel=1e-10)

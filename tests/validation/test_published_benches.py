@@ -32,26 +32,50 @@ def test_a_cutting_in_clay_by_design_approach_3() -> None:
     know no forces): 0.15 % more, as slices of a few lines say. The rigid body lies 3 % higher, as without factors.
     """
     design = {
-        "slopekit": 1, "kind": "surface", "strength": {"clay": {"c": 10, "phi": 28}}, "rock": {"unit_weight": 20},
-        "slope": {"profile": [[80, 15], [62, 15], [62, 16.75], [52, 16.75], [52, 15], [50, 15], [30, 5], [0, 5]]},
+        "slopekit": 1,
+        "kind": "surface",
+        "strength": {"clay": {"c": 10, "phi": 28}},
+        "rock": {"unit_weight": 20},
+        "slope": {
+            "profile": [
+                [80, 15],
+                [62, 15],
+                [62, 16.75],
+                [52, 16.75],
+                [52, 15],
+                [50, 15],
+                [30, 5],
+                [0, 5],
+            ]
+        },
         "slip": {"shape": "cylinder", "centre": [35.4, 25.467], "radius": 22.099, "edge": 2.0},
-        "water": {"mode": "table", "points": [[0, 5], [30, 5], [45.5, 9], [70, 12], [82, 12]], "unit_weight": 9.807},
+        "water": {
+            "mode": "table",
+            "points": [[0, 5], [30, 5], [45.5, 9], [70, 12], [82, 12]],
+            "unit_weight": 9.807,
+        },
         "analysis": {"partial_factors": "DA3"},
-    }  # fmt: skip
+    }
     found = sk.run(design)
     assert found.methods["bishop"] == pytest.approx(1.173, rel=2e-3)
     assert found.fos.limit == pytest.approx(1.174, rel=0.035)
-    plain = sk.run(design | {"analysis": {}})  # M2 alone acts: both divided by 1.25, and so is the factor
+    plain = sk.run(
+        design | {"analysis": {}}
+    )  # M2 alone acts: both divided by 1.25, and so is the factor
     assert plain.methods["bishop"] == pytest.approx(1.25 * found.methods["bishop"], rel=1e-6)
 
 
 # -- sizes -----------------------------------------------------------------------------------------------------------
 
 PLANE = {
-    "slopekit": 1, "kind": "plane", "slope": {"face": "72/180", "height": 20, "upper": "0/180"},
-    "joints": {"J1": {"plane": "34/180"}}, "crack": {"distance": 6}, "strength": {"s": {"c": 0, "phi": 31}},
+    "slopekit": 1,
+    "kind": "plane",
+    "slope": {"face": "72/180", "height": 20, "upper": "0/180"},
+    "joints": {"J1": {"plane": "34/180"}},
+    "crack": {"distance": 6},
+    "strength": {"s": {"c": 0, "phi": 31}},
     "rock": {"unit_weight": 25},
-}  # fmt: skip
+}
 
 
 def test_a_block_on_a_plane_as_lythos_prints_it() -> None:
@@ -63,7 +87,10 @@ def test_a_block_on_a_plane_as_lythos_prints_it() -> None:
     printed = forces.weight, forces.normal["J1"], forces.driving, forces.resisting
     assert [round(value, 2) for value in printed] == [3307.54, 2742.07, 1849.55, 1647.60]
     sizes = plane_sizes(34.0, 72.0, 0.0, 20.0, 6.0)
-    assert (round(float(sizes.area_m2[0]), 3), round(float(sizes.length_m[0]), 3)) == (132.302, 15.076)
+    assert (round(float(sizes.area_m2[0]), 3), round(float(sizes.length_m[0]), 3)) == (
+        132.302,
+        15.076,
+    )
 
 
 def test_its_support_as_lythos_prints_it() -> None:
@@ -72,7 +99,10 @@ def test_its_support_as_lythos_prints_it() -> None:
     assert round(dip, 1) == -12.2
     found = sk.support(sk.load(PLANE), 1.5, acts="active", toward=f"000/{dip!r}")
     bolts = found.to_dict()["bolts"][0]
-    assert [round(found.without["fos"][key], 3) for key in ("limit", "closed_form")] == [0.891, 0.891]
+    assert [round(found.without["fos"][key], 3) for key in ("limit", "closed_form")] == [
+        0.891,
+        0.891,
+    ]
     assert [round(bolts[key]["force_kn"]) for key in ("closed_form", "pre_ie")] == [697, 697]
 
 
@@ -81,24 +111,38 @@ def test_a_wedge_as_lythos_prints_it() -> None:
     sizes = wedge_sizes(45, 105, 70, 235, 65, 185, 12, 195, 40.0, up_the_face=True)
     assert round(float(sizes.volume_m3[0]), 3) == 13151.053
     height = sizes.trace1_m[0] * _rise(45, 105, 65, 185)
-    given = {"dips": ("45/105", "70/235"), "face": "65/185", "upper": "12/195", "height": float(height),
-             "c": (24, 48), "phi": (20, 30), "unit_weight": 25}  # fmt: skip
+    given = {
+        "dips": ("45/105", "70/235"),
+        "face": "65/185",
+        "upper": "12/195",
+        "height": float(height),
+        "c": (24, 48),
+        "phi": (20, 30),
+        "unit_weight": 25,
+    }
     dry, wet = sk.wedge(**given), sk.wedge(**given, water="full")
     assert (round(dry.geometry.volume_m3, 3), round(dry.forces.weight, 2)) == (13151.053, 328776.31)
-    assert [round(dry.geometry.line[angle], 1) for angle in ("trend_deg", "plunge_deg")] == [157.7, 31.2]
+    assert [round(dry.geometry.line[angle], 1) for angle in ("trend_deg", "plunge_deg")] == [
+        157.7,
+        31.2,
+    ]
     assert (round(dry.fos.closed_form, 3), round(wet.fos.closed_form, 3)) == (1.696, 1.065)
     forces_only = wet.comparisons.forces_only
-    assert (dry.fos.limit, forces_only) == pytest.approx((dry.fos.closed_form, wet.fos.closed_form), rel=1e-6)
+    assert (dry.fos.limit, forces_only) == pytest.approx(
+        (dry.fos.closed_form, wet.fos.closed_form), rel=1e-6
+    )
     assert 0.97 * forces_only < wet.fos.limit < forces_only  # uplift opens part of a joint
 
 
 def _rise(dip: float, to: float, face: float, face_to: float) -> float:
     """Height per length of the trace of a joint on a face."""
     one, two = (
-        np.array([math.sin(math.radians(a)) * f(math.radians(b)) for f in (math.sin, math.cos)] +
-                 [math.cos(math.radians(a))])
+        np.array(
+            [math.sin(math.radians(a)) * f(math.radians(b)) for f in (math.sin, math.cos)]
+            + [math.cos(math.radians(a))]
+        )
         for a, b in ((dip, to), (face, face_to))
-    )  # fmt: skip
+    )
     trace = np.cross(one, two)
     return abs(float(trace[2])) / float(np.linalg.norm(trace))
 
@@ -108,7 +152,14 @@ def _rise(dip: float, to: float, face: float, face_to: float) -> float:
 
 def test_six_sets_as_lythos_screens_them() -> None:
     """Face 72/230, φ 31°, ±20°: of T2, T1, E3, E1, E2, J6 E3 slides, T2 x E3 is the one wedge of 15, J6 topples."""
-    sets = {"T2": "73/152", "T1": "69/189", "E3": "34/232", "E1": "28/104", "E2": "21/303", "J6": "50/060"}
+    sets = {
+        "T2": "73/152",
+        "T1": "69/189",
+        "E3": "34/232",
+        "E1": "28/104",
+        "E2": "21/303",
+        "J6": "50/060",
+    }
     found = sk.kinematic(sets, face="72/230", phi=31, lateral=20, lateral_toppling=20)
     assert (found.joint_names("planar"), found.joint_names("flexural")) == (("E3",), ("J6",))
     steep = np.flatnonzero(found.modes.wedge == 1)  # lines steeper than the friction angle
@@ -118,12 +169,20 @@ def test_six_sets_as_lythos_screens_them() -> None:
     assert found.counts["wedge_primary"] == 1
 
 
-@pytest.mark.parametrize(("one", "other", "plunge", "trend"), [
-    ("45/105", "70/235", 31.2, 157.7), ("45/105", "60/020", 41.9, 78.8), ("70/235", "60/020", 32.5, 311.6),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("one", "other", "plunge", "trend"),
+    [
+        ("45/105", "70/235", 31.2, 157.7),
+        ("45/105", "60/020", 41.9, 78.8),
+        ("70/235", "60/020", 32.5, 311.6),
+    ],
+)
 def test_lines_of_intersection_as_lythos_prints_them(one, other, plunge, trend) -> None:
     lines = sk.kinematic([one, other], face="65/185", phi=30).lines
-    assert (round(float(lines.plunge_deg[0]), 1), round(float(lines.trend_deg[0]), 1)) == (plunge, trend)
+    assert (round(float(lines.plunge_deg[0]), 1), round(float(lines.trend_deg[0]), 1)) == (
+        plunge,
+        trend,
+    )
 
 
 # -- toppling --------------------------------------------------------------------------------------------------------
@@ -135,24 +194,42 @@ def test_the_columns_of_wyllie_and_mah_as_lythos_prints_them() -> None:
     On columns 5 and 13 P is 3970.2 and 307.4 kN. Its columns 3 and 4 slide, where Goodman & Bray's
     own table has column 4 topple, so that its factor, 1.020, is not compared.
     """
-    made = sk.load({
-        "slopekit": 1, "kind": "topple", "columns": {"dip": 60, "width": 10, "base_angle": 35.8},
-        "slope": {"height": _height(10), "face": 56.6, "upper": 4}, "rock": {"unit_weight": 25},
-        "strength": {"joint": {"c": 0, "phi": 38.15}},
-    })  # fmt: skip
+    made = sk.load(
+        {
+            "slopekit": 1,
+            "kind": "topple",
+            "columns": {"dip": 60, "width": 10, "base_angle": 35.8},
+            "slope": {"height": _height(10), "face": 56.6, "upper": 4},
+            "rock": {"unit_weight": 25},
+            "strength": {"joint": {"c": 0, "phi": 38.15}},
+        }
+    )
     heights = np.array(made.heights_m)
     assert len(heights) == 16
-    assert np.round(heights[[0, 1, 2, 3, 4, 12, 13]], 2).tolist() == [3.99, 7.98, 11.98, 15.97, 19.96, 22.24, 16.35]
+    assert np.round(heights[[0, 1, 2, 3, 4, 12, 13]], 2).tolist() == [
+        3.99,
+        7.98,
+        11.98,
+        15.97,
+        19.96,
+        22.24,
+        16.35,
+    ]
     weights = 25.0 * 10.0 * heights[[0, 1, 2, 3, 4, 12, 13]]
     assert np.round(weights).tolist() == [998, 1996, 2994, 3992, 4990, 5560, 4087]
     table = toppling_table(ColumnSlope(made.heights_m, 10.0, made.base_step_m, 30.0, 25.0, 38.15))
-    assert table.force_kn[[4, 12, 13]] == pytest.approx([3970.2, 307.4, 0.0], abs=0.8)  # its ψ_b has one decimal
+    assert table.force_kn[[4, 12, 13]] == pytest.approx(
+        [3970.2, 307.4, 0.0], abs=0.8
+    )  # its ψ_b has one decimal
     assert [table.modes[k] for k in (4, 12, 13)] == ["topple", "topple", "stable"]
 
 
 def _height(columns: int) -> float:
     """From the foot of column 1 to the crest: the outer top corner of the last column below it is on the face."""
-    along = 10.0 * columns * math.cos(math.radians(30.0)), 10.0 * columns * math.sin(math.radians(30.0))
+    along = (
+        10.0 * columns * math.cos(math.radians(30.0)),
+        10.0 * columns * math.sin(math.radians(30.0)),
+    )
     step = 10.0 * math.tan(math.radians(5.8)) * (columns - 1)
     tall = columns * 10.0 * (math.tan(math.radians(26.6)) - math.tan(math.radians(5.8)))
     return along[1] + (step + tall) * math.cos(math.radians(30.0))
@@ -167,7 +244,9 @@ def test_fisher_statistics_as_pmagpy_prints_them() -> None:
     The mean is the sum of the vectors; the first eigenvector lies 0.02° off.
     """
     trend, plunge = np.radians([140.0, 127.0, 142.0, 136.0]), np.radians([21.0, 23.0, 19.0, 22.0])
-    lines = np.stack([np.cos(plunge) * np.sin(trend), np.cos(plunge) * np.cos(trend), -np.sin(plunge)], axis=1)
+    lines = np.stack(
+        [np.cos(plunge) * np.sin(trend), np.cos(plunge) * np.cos(trend), -np.sin(plunge)], axis=1
+    )
     found = axes_of(lines, np.ones(4), None, 0.95)
     assert found.resultant * 4 == pytest.approx(3.9812138971889026, rel=1e-10)
     assert found.k == pytest.approx(159.69251473636305, rel=1e-10)

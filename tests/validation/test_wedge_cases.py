@@ -35,13 +35,19 @@ def test_factor_of_safety(case, solved) -> None:
 
 
 def test_moments_govern_only_where_the_sources_say_so(solved) -> None:
-    assert [key for key, result in solved.items() if result.moments_govern] == ["9_W&M wedge water u=1.50 x gw*Hw/6"]
+    assert [key for key, result in solved.items() if result.moments_govern] == [
+        "9_W&M wedge water u=1.50 x gw*Hw/6"
+    ]
 
 
-@pytest.mark.parametrize("case", [case for case in CASES if case["fos_static_bound"]], ids=lambda case: case["id"])
+@pytest.mark.parametrize(
+    "case", [case for case in CASES if case["fos_static_bound"]], ids=lambda case: case["id"]
+)
 def test_static_bound(case, solved) -> None:
     result = solved[case["id"]]
-    if result.limit_state.openings:  # the source balances forces only: an upper bound of the bound with moments
+    if (
+        result.limit_state.openings
+    ):  # the source balances forces only: an upper bound of the bound with moments
         assert result.fos.limit < result.fos.static_bound < case["fos_static_bound"]
     else:
         assert result.fos.static_bound == pytest.approx(case["fos_static_bound"], rel=1e-5)

@@ -22,7 +22,7 @@ from slopekit.views.plots import offers
 from slopekit.views.solid import rendering
 from slopekit.views.solid.layers import ACTIVE_BOLT, PASSIVE_BOLT, Bar, Picture
 from slopekit.views.solid.rendering import Camera, lay_out
-from slopekit.views.solid.scene_parts import amounts, kinds_of_loads
+from slopekit.views.solid.scene_parts import grouped_loads, loads_summary
 from slopekit.views.solid.scenes import compose
 from slopekit.views.solid.viewer_data import viewer_data
 from tests.bolted import bolted
@@ -49,12 +49,17 @@ def test_rods_reach_from_head_to_end(name: str, what: str) -> None:
     """Their heads and ends are vertices, moved as the block of the head where blocks are drawn apart."""
     bolts, picture = bolted(name).scene.bolts, compose(document(name), what)
     layers = {layer.name: layer for layer in picture.layers}
-    for acts, own, colour in (("active", ~bolts.passive, ACTIVE_BOLT), ("passive", bolts.passive, PASSIVE_BOLT)):
+    for acts, own, colour in (
+        ("active", ~bolts.passive, ACTIVE_BOLT),
+        ("passive", bolts.passive, PASSIVE_BOLT),
+    ):
         assert (f"bolts, {acts}: rods" in layers) == bool(own.any())
         if not own.any():
             continue
         rods, plates = layers[f"bolts, {acts}: rods"], layers[f"bolts, {acts}: plates"]
-        assert {tuple(one) for one in [*rods.colours.tolist(), *plates.colours.tolist()]} == {colour}
+        assert {tuple(one) for one in [*rods.colours.tolist(), *plates.colours.tolist()]} == {
+            colour
+        }
         ends = rods.vertices.reshape(int(own.sum()), -1, 3)[:, -2:]
         moved = ends - np.stack([bolts.heads_m[own], bolts.ends_m[own]], axis=1)
         np.testing.assert_allclose(moved[:, 0], moved[:, 1], atol=1e-9)
@@ -88,10 +93,15 @@ def test_equal_arrows_share_a_line_with_the_numbers_of_the_design() -> None:
 
 def test_many_sizes_are_a_range() -> None:
     names = ["weight", *(f"force {k}" for k in range(1, 6)), "passive bolt 1, full capacity"]
-    assert kinds_of_loads(names) == [
-        ("weight", [0]), ("5 forces", [1, 2, 3, 4, 5]), ("passive bolt 1, full capacity", [6])
-    ]  # fmt: skip
-    assert amounts("5 forces", [np.array([float(k)]) for k in range(1, 6)]) == "5 forces: 1 kN to 5 kN"
+    assert grouped_loads(names) == [
+        ("weight", [0]),
+        ("5 forces", [1, 2, 3, 4, 5]),
+        ("passive bolt 1, full capacity", [6]),
+    ]
+    assert (
+        loads_summary("5 forces", [np.array([float(k)]) for k in range(1, 6)])
+        == "5 forces: 1 kN to 5 kN"
+    )
 
 
 # -- words about a picture --------------------------------------------------------------------------------------------
@@ -100,9 +110,11 @@ def test_many_sizes_are_a_range() -> None:
 def overlaps(boxes: list[Any]) -> list[tuple[str, str]]:
     """Which of (name, box) lie on each other by more than a pixel."""
     return [
-        (one, other) for k, (one, a) in enumerate(boxes) for other, b in boxes[k + 1 :]
+        (one, other)
+        for k, (one, a) in enumerate(boxes)
+        for other, b in boxes[k + 1 :]
         if min(a.x1, b.x1) - max(a.x0, b.x0) > 1.0 and min(a.y1, b.y1) - max(a.y0, b.y0) > 1.0
-    ]  # fmt: skip
+    ]
 
 
 def figure_of(picture: Picture) -> Any:
@@ -118,7 +130,9 @@ def eyes() -> list[np.ndarray]:
     for bearing in range(0, 360, 40):
         for above in (9.0, 27.0):
             a, e = math.radians(bearing), math.radians(above)
-            found.append(np.array([math.sin(a) * math.cos(e), math.cos(a) * math.cos(e), math.sin(e)]))
+            found.append(
+                np.array([math.sin(a) * math.cos(e), math.cos(a) * math.cos(e), math.sin(e)])
+            )
     return found
 
 
@@ -127,7 +141,10 @@ def eyes() -> list[np.ndarray]:
 def test_legend_scale_compass_and_bar_never_overlap(lines: int) -> None:
     """From any side, with a legend of forty long lines, a colour bar and notes: nothing lies on another or is cut."""
     plain = compose(document("three"), "scene")
-    legend = [(f"W{k} " + "a legend entry of capital LETTERS WWWWW that is long", (9, 9, 9), 1.0) for k in range(lines)]
+    legend = [
+        (f"W{k} " + "a legend entry of capital LETTERS WWWWW that is long", (9, 9, 9), 1.0)
+        for k in range(lines)
+    ]
     labels = tuple((point, f"block {k}") for k, point in enumerate(plain.layers[0].vertices[:60]))
     changed = {
         "legend": tuple(legend),
@@ -136,18 +153,30 @@ def test_legend_scale_compass_and_bar_never_overlap(lines: int) -> None:
         "notes": ("a note " * 40,),
     }
     for eye in eyes()[:: 3 if lines == 4 else 6]:
-        figure = figure_of(replace(plain, eye=eye, beside=True, **changed))
+        figure = figure_of(replace(plain, eye=eye, has_label_lines=True, **changed))
         renderer = figure.canvas.get_renderer()
         axes, bar = figure.axes
         (compass,) = axes.child_axes
         words = [*axes.texts, axes._left_title, figure._supxlabel]
-        boxes = [(text.get_text(), text.get_window_extent(renderer)) for text in words if text.get_text()]
-        boxes += [("legend", figure.legends[0].get_window_extent(renderer)), ("bar", bar.get_tightbbox(renderer)),
-                  ("compass", compass.get_tightbbox(renderer))]  # fmt: skip
+        boxes = [
+            (text.get_text(), text.get_window_extent(renderer)) for text in words if text.get_text()
+        ]
+        boxes += [
+            ("legend", figure.legends[0].get_window_extent(renderer)),
+            ("bar", bar.get_tightbbox(renderer)),
+            ("compass", compass.get_tightbbox(renderer)),
+        ]
         assert overlaps(boxes) == []
         wide, high = figure.get_size_inches() * figure.dpi
-        assert all(box.x0 >= -1 and box.x1 <= wide + 1 and box.y0 >= -1 and box.y1 <= high + 1 for _, box in boxes)
-        names = [(text.get_text(), text.get_window_extent(renderer)) for text in compass.texts if text.get_text()]
+        assert all(
+            box.x0 >= -1 and box.x1 <= wide + 1 and box.y0 >= -1 and box.y1 <= high + 1
+            for _, box in boxes
+        )
+        names = [
+            (text.get_text(), text.get_window_extent(renderer))
+            for text in compass.texts
+            if text.get_text()
+        ]
         assert {name.split()[0] for name, _ in names} == {"N", "up", "E"}
         assert overlaps(names) == []
         said = [text.get_text() for text in figure.legends[0].get_texts()]
@@ -165,10 +194,14 @@ def test_the_elevation_has_heads_at_their_places_and_numbers_that_can_be_read(na
         draw_elevation(figure, document(name))
     (axes,) = figure.axes
     bolts = bolted(name).scene.bolts
-    heads = np.concatenate([part.get_offsets() for part in axes.collections if part.get_zorder() == 5])
+    heads = np.concatenate(
+        [part.get_offsets() for part in axes.collections if part.get_zorder() == 5]
+    )
     order = np.argsort(bolts.passive, kind="stable")  # active ones first
     np.testing.assert_allclose(heads[:, 1], bolts.heads_m[order, 2], atol=1e-9)
-    np.testing.assert_allclose(np.ptp(heads[:, 0]), np.ptp(bolts.heads_m[:, 0]), atol=1e-9)  # the faces strike east
+    np.testing.assert_allclose(
+        np.ptp(heads[:, 0]), np.ptp(bolts.heads_m[:, 0]), atol=1e-9
+    )  # the faces strike east
     assert axes.get_aspect() == 1.0  # to scale
     numbers = [text for text in axes.texts if text.get_gid() == "number"]
     figure.draw_without_rendering()
@@ -179,10 +212,15 @@ def test_the_elevation_has_heads_at_their_places_and_numbers_that_can_be_read(na
     assert all(frame.x0 <= box.x0 and box.x1 <= frame.x1 for _, box in boxes)
     assert {text for text, _ in boxes} <= {str(number) for number in bolts.number.tolist()}
     said = " ".join(text.get_text() for text in axes.texts)
-    assert len(numbers) == len(bolts) or f"{len(numbers)} of {len(bolts)} numbers are written" in said
+    assert (
+        len(numbers) == len(bolts) or f"{len(numbers)} of {len(bolts)} numbers are written" in said
+    )
     assert len(numbers) >= min(len(bolts), 40)
     (legend,) = figure.legends
-    others = [("legend", legend.get_window_extent(renderer)), ("axes", axes.get_tightbbox(renderer))]
+    others = [
+        ("legend", legend.get_window_extent(renderer)),
+        ("axes", axes.get_tightbbox(renderer)),
+    ]
     assert overlaps(others) == []
 
 
@@ -209,11 +247,17 @@ def test_who_offers_an_elevation(tmp_path: Path) -> None:
 # -- files ------------------------------------------------------------------------------------------------------------
 
 
-def test_run_writes_the_schedule_and_the_elevation(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(rendering, "save", lambda picture, path: path.write_bytes(b"drawn elsewhere"))
+def test_run_writes_the_schedule_and_the_elevation(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(
+        rendering, "save", lambda picture, path: path.write_bytes(b"drawn elsewhere")
+    )
     bolts = "[{force: 30 kN, toward: 000/-5, head: [0, 0.57735, 1], length: 6 m}]"
     design, out = str(path_of("plane")), tmp_path / "out"
-    run = CliRunner().invoke(app, ["run", design, "--set", f"support.bolts={bolts}", "--quiet", "-o", str(out)])
+    run = CliRunner().invoke(
+        app, ["run", design, "--set", f"support.bolts={bolts}", "--quiet", "-o", str(out)]
+    )
     assert run.exit_code == 0, run.output
     assert (out / "elevation.png").stat().st_size > 5000
     text = (out / "bolts.csv").read_text()
@@ -265,6 +309,8 @@ def test_crowded_heads_leave_numbers_out_and_say_how_many() -> None:
     places = axes.transData.transform(
         np.concatenate([p.get_offsets() for p in axes.collections if p.get_zorder() == 5])
     )
-    assert not any(box.x0 < x < box.x1 and box.y0 < y < box.y1 for _, box in boxes for x, y in places.tolist())
+    assert not any(
+        box.x0 < x < box.x1 and box.y0 < y < box.y1 for _, box in boxes for x, y in places.tolist()
+    )
     assert 10 < len(numbers) < 200
     assert f"{len(numbers)} of 200 numbers are written" in axes.texts[-1].get_text()

@@ -22,12 +22,15 @@ pytest.importorskip("jinja2")
 EAST, NORTH, UP = 512300.0, 4187650.0, 1234.5
 HEAD, PLACE = (EAST + 0.125, NORTH - 5.0, UP + 10.5), (EAST + 0.25, NORTH + 5.5, UP + 15.5)
 WEDGE: dict[str, Any] = {
-    "slopekit": 1, "kind": "wedge",
+    "slopekit": 1,
+    "kind": "wedge",
     "slope": {"face": "65/185", "upper": "12/195", "height": 30, "origin": [EAST, NORTH, UP]},
-    "joints": {"J1": {"plane": "45/105"}, "J2": {"plane": "70/235"}}, "strength": {"s": {"c": 5, "phi": 30}},
-    "rock": {"unit_weight": 26}, "loads": {"forces": [{"force": 100, "toward": "180/10", "at": list(PLACE)}]},
+    "joints": {"J1": {"plane": "45/105"}, "J2": {"plane": "70/235"}},
+    "strength": {"s": {"c": 5, "phi": 30}},
+    "rock": {"unit_weight": 26},
+    "loads": {"forces": [{"force": 100, "toward": "180/10", "at": list(PLACE)}]},
     "support": {"bolts": [{"force": 300, "toward": "005/10", "head": list(HEAD), "length": 12}]},
-}  # fmt: skip
+}
 KEY = "support.bolts.0.head.1"
 RANGE = f"{NORTH - 7.0}:{NORTH - 5.0}"
 #: A number of the size of the coordinates, and any number with an exponent of theirs.
@@ -37,11 +40,15 @@ _EXPONENT = re.compile(r"(?<![\w.])-?\d(?:\.\d+)?e\+?0?[56]\b")
 
 def refuse(text: str, at_least: int = 1) -> None:
     """Every coordinate has three decimals, none is an exponent; so many stand in the text."""
-    plain = re.sub(r"(?s)<script.*?</script>|<style.*?</style>|base64,[\w+/=]+", "", html.unescape(text))
+    plain = re.sub(
+        r"(?s)<script.*?</script>|<style.*?</style>|base64,[\w+/=]+", "", html.unescape(text)
+    )
     found = list(_NEAR.finditer(plain))
     assert len(found) >= at_least, plain[:2000]
     wrong = [
-        match for match in (*found, *_EXPONENT.finditer(plain)) if match.re is _EXPONENT or len(match[2] or "") != 3
+        match
+        for match in (*found, *_EXPONENT.finditer(plain))
+        if match.re is _EXPONENT or len(match[2] or "") != 3
     ]
     assert [plain[max(0, match.start() - 40) : match.end() + 20] for match in wrong] == []
 
@@ -50,7 +57,9 @@ def texts(value: Any) -> Iterator[str]:
     """The texts of a document, without its keys."""
     if isinstance(value, str):
         yield value
-    for part in value.values() if isinstance(value, dict) else value if isinstance(value, list) else ():
+    for part in (
+        value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    ):
         yield from texts(part)
 
 
@@ -91,7 +100,9 @@ def test_results(design, tmp_path) -> None:
 
 def test_the_page_has_the_schedule_as_the_csv_has_it(tmp_path) -> None:
     """E 512300.125 was printed as 5.123e+05."""
-    page = sk.report(sk.run(WEDGE), tmp_path / "page.html", pictures=False).read_text(encoding="utf-8")
+    page = sk.report(sk.run(WEDGE), tmp_path / "page.html", pictures=False).read_text(
+        encoding="utf-8"
+    )
     for value in HEAD:
         assert f'<td class="num">{value:.3f}</td>' in page
     assert coordinates(PLACE)[1:-1] in page
@@ -106,7 +117,9 @@ def test_studies_of_a_coordinate(tmp_path) -> None:
     for study in (swept, found):
         refuse(str(study))
         refuse(html_of(study))
-        refuse(sk.report(study, tmp_path / "study.html", pictures=False).read_text(encoding="utf-8"))
+        refuse(
+            sk.report(study, tmp_path / "study.html", pictures=False).read_text(encoding="utf-8")
+        )
     refuse("\n".join(texts(json.loads(json.dumps(bars.to_dict())))))
     refuse(swept.tables()["sweep"].csv(), 3)
 

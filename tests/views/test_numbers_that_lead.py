@@ -51,10 +51,19 @@ def test_the_factor_that_acceptance_hangs_on_leads(template, rules, name) -> Non
     assert first_factor(result).split()[0] == factor_text(value).strip()
     assert answer(document, [])["exact"] == factor_text(value).strip()
     assert re.search(r"\d\.\d{3,}", result.line).group() == factor_text(value).strip()
-    assert re.search(r"FoS (\d\.\d{3,})", picture_title(result)).group(1) == factor_text(value).strip()
-    for text in (str(result), answer(document, [])["what"] if name else "", result.line, picture_title(result)):
+    assert (
+        re.search(r"FoS (\d\.\d{3,})", picture_title(result)).group(1) == factor_text(value).strip()
+    )
+    for text in (
+        str(result),
+        answer(document, [])["what"] if name else "",
+        result.line,
+        picture_title(result),
+    ):
         texts = {factor_text(limit).strip(), judged_factor(limit, result.design.rules)}
-        assert any(shown in text for shown in texts) or not text  # the limit stands below, by its name
+        assert (
+            any(shown in text for shown in texts) or not text
+        )  # the limit stands below, by its name
 
 
 def test_all_pairs_lead_where_a_rule_judges_by_them() -> None:
@@ -63,7 +72,10 @@ def test_all_pairs_lead_where_a_rule_judges_by_them() -> None:
     assert pairs < limit
     assert result.leading == ("all_pairs_failed", pairs)
     assert f"  all-pairs {pairs:.3f}, limit {limit:.3f}  agree  met" in result.line
-    assert first_factor(result) == f"{pairs:.3f}  all pairs failed: the factor that ACCEPT is held against"
+    assert (
+        first_factor(result)
+        == f"{pairs:.3f}  all pairs failed: the factor that ACCEPT is held against"
+    )
     unruled = sk.wedge(DIPS, criterion="all-pairs")
     assert unruled.leading is None
     assert f"  limit {limit:.3f}, all-pairs {pairs:.3f}  agree" in unruled.line
@@ -78,10 +90,16 @@ def test_inputs_that_nobody_gave_are_named_on_one_line() -> None:
 
 def test_a_joint_has_its_own_name_in_what_happens() -> None:
     design = {
-        "slopekit": 1, "kind": "wedge", "slope": {"face": "65/180", "upper": "0/180", "height": 10},
-        "joints": {"bedding": {"plane": "40/160", "strength": "weak"}, "J1": {"plane": "80/220", "strength": "weak"}},
-        "strength": {"weak": {"c": 20, "phi": 30}}, "rock": {"unit_weight": 26},
-    }  # fmt: skip
+        "slopekit": 1,
+        "kind": "wedge",
+        "slope": {"face": "65/180", "upper": "0/180", "height": 10},
+        "joints": {
+            "bedding": {"plane": "40/160", "strength": "weak"},
+            "J1": {"plane": "80/220", "strength": "weak"},
+        },
+        "strength": {"weak": {"c": 20, "phi": 30}},
+        "rock": {"unit_weight": 26},
+    }
     result = sk.run(design)
     said = "slides on bedding, J1 has lost contact"
     assert (result.status, result.status_text) == ("slides_on_J1", said)
@@ -95,10 +113,13 @@ def test_a_joint_has_its_own_name_in_what_happens() -> None:
 def test_a_plane_has_its_own_name_where_it_was_given_one() -> None:
     for name, said in (("bedding", "slides on bedding"), ("J1", "slides on its plane")):
         design = {
-            "slopekit": 1, "kind": "plane", "slope": {"face": "60/180", "height": 12},
+            "slopekit": 1,
+            "kind": "plane",
+            "slope": {"face": "60/180", "height": 12},
             "joints": {name: {"plane": "35/180", "strength": "weak"}},
-            "strength": {"weak": {"c": 20, "phi": 30}}, "rock": {"unit_weight": 26},
-        }  # fmt: skip
+            "strength": {"weak": {"c": 20, "phi": 30}},
+            "rock": {"unit_weight": 26},
+        }
         result = sk.run(design)
         assert (result.status, result.status_text) == ("slides_on_J1", said)
         dry = Comparisons(governs=(("dry", None, "slides_on_J1"),))
@@ -120,12 +141,19 @@ def assemblies() -> list:
     Bench 5 names ranges. Of the first 60 sections two to four of each sort:
     one row, two and three, names one by one and in ranges, more blocks than are named, what no strength holds.
     """
-    every = [name for name in names() if name != "bench" and isinstance(sk.load(path_of(name)), AssemblyDesign)]
+    every = [
+        name
+        for name in names()
+        if name != "bench" and isinstance(sk.load(path_of(name)), AssemblyDesign)
+    ]
     one, two, three, stand = (2, 16), (10, 28, 33, 49), (17, 38), (29, 44, 52, 53)
     return [
         *(pytest.param(path_of(name), 6, id=name) for name in every),
         *(pytest.param(partial(bench, number), 6, id=f"bench {number}") for number in (5,)),
-        *(pytest.param(section(number), 6, id=f"section {number}") for number in (*one, *two, *three, *stand)),
+        *(
+            pytest.param(section(number), 6, id=f"section {number}")
+            for number in (*one, *two, *three, *stand)
+        ),
     ]
 
 
@@ -136,25 +164,61 @@ def test_a_section_whose_second_mechanism_needs_less_strength_than_the_first() -
     assert second.fos < first.fos < third.fos
     factors = dict(zip(result.geometry.names, result.scene.factor.tolist(), strict=False))
     assert {name: factors[name] for name in ("B1", "B2", "B3", "B4")} == {
-        "B3": first.fos, "B4": first.fos, "B1": first.fos, "B2": third.fos,
-    }  # fmt: skip
+        "B3": first.fos,
+        "B4": first.fos,
+        "B1": first.fos,
+        "B2": third.fos,
+    }
     assert "at once: 1 slides (B1)" in str(result)
 
 
-@pytest.mark.parametrize(("rules", "limit", "pairs", "criterion", "said", "judged"), [
-    ("fos >= 1.5", 1.5574, None, "limit", "(limit 1.557): MET", ("limit", 1.5574)),
-    ("fos >= 1.5", 1.5574, 1.5489, "all-pairs", "(all pairs failed 1.549, no higher than the limit): MET",
-     ("all_pairs_failed", 1.5489)),
-    ("fos >= 1.5", 1.52, 1.5489, "all-pairs", "(limit 1.520, no higher than the factor of all pairs): MET",
-     ("limit", 1.52)),
-    ("fos >= 1.5", 1.52, None, "all-pairs", "(all-pairs): NOT MET (there is no such number here)", (None, None)),
-    ("fos.closed_form >= 1.5", 1.2, None, "limit", "(1.557): MET", ("closed_form", 1.5571)),
-    ("fos >= 1.5", 1.49999996, None, "limit", "(limit 1.49999996): NOT MET", ("limit", 1.49999996)),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("rules", "limit", "pairs", "criterion", "said", "judged"),
+    [
+        ("fos >= 1.5", 1.5574, None, "limit", "(limit 1.557): MET", ("limit", 1.5574)),
+        (
+            "fos >= 1.5",
+            1.5574,
+            1.5489,
+            "all-pairs",
+            "(all pairs failed 1.549, no higher than the limit): MET",
+            ("all_pairs_failed", 1.5489),
+        ),
+        (
+            "fos >= 1.5",
+            1.52,
+            1.5489,
+            "all-pairs",
+            "(limit 1.520, no higher than the factor of all pairs): MET",
+            ("limit", 1.52),
+        ),
+        (
+            "fos >= 1.5",
+            1.52,
+            None,
+            "all-pairs",
+            "(all-pairs): NOT MET (there is no such number here)",
+            (None, None),
+        ),
+        ("fos.closed_form >= 1.5", 1.2, None, "limit", "(1.557): MET", ("closed_form", 1.5571)),
+        (
+            "fos >= 1.5",
+            1.49999996,
+            None,
+            "limit",
+            "(limit 1.49999996): NOT MET",
+            ("limit", 1.49999996),
+        ),
+    ],
+)
 def test_a_rule_says_which_number_it_judged(rules, limit, pairs, criterion, said, judged) -> None:
     """By name and value, on the sheet and in JSON; in as many digits as show on which side of the rule it lies."""
-    found = sk.run(path_of("paper-wedge"), set={"acceptance.rules": [rules], "analysis.criterion": criterion})
-    found = replace(found, fos=replace(found.fos, limit=limit, closed_form=1.5571, all_pairs_failed=pairs))
+    found = sk.run(
+        path_of("paper-wedge"), set={"acceptance.rules": [rules], "analysis.criterion": criterion}
+    )
+    found = replace(
+        found, fos=replace(found.fos, limit=limit, closed_form=1.5571, all_pairs_failed=pairs)
+    )
     (line,) = [line for line in str(found).splitlines() if line.startswith("ACCEPT")]
     assert line == f"ACCEPT    {rules} {said}"
     (rule,) = found.to_dict()["rules"]
@@ -176,16 +240,28 @@ def test_a_rule_on_many_blocks_says_how_large_its_mechanism_is() -> None:
 
 def test_what_nothing_drives_meets_a_rule_without_a_number_and_says_so() -> None:
     found = sk.run(path_of("paper-wedge"), set={"acceptance.rules": ["fos >= 1.5"]})
-    found = replace(found, status="no_driving_force", fos=replace(found.fos, limit=None, all_pairs_failed=None))
-    assert "fos >= 1.5 (all-pairs): MET (it stands without any strength: there is no factor to judge)" in str(found)
-    assert found.to_dict()["rules"] == [{"rule": "fos >= 1.5", "met": True, "judged": None, "fos": None}]
+    found = replace(
+        found, status="no_driving_force", fos=replace(found.fos, limit=None, all_pairs_failed=None)
+    )
+    assert (
+        "fos >= 1.5 (all-pairs): MET (it stands without any strength: there is no factor to judge)"
+        in str(found)
+    )
+    assert found.to_dict()["rules"] == [
+        {"rule": "fos >= 1.5", "met": True, "judged": None, "fos": None}
+    ]
 
 
 @pytest.mark.parametrize(
     ("difference", "agree", "text"),
-    [(0.0, True, "AGREE within 0.0001 %"), (1.04e-4, True, "AGREE within 0.011 %"), (0.00996, True, "AGREE within 1 %"),
-     (0.01004, False, "DISAGREE by 1.1 % (limit 1 %)"), (None, True, "AGREE (no number from either)")],
-)  # fmt: skip
+    [
+        (0.0, True, "AGREE within 0.0001 %"),
+        (1.04e-4, True, "AGREE within 0.011 %"),
+        (0.00996, True, "AGREE within 1 %"),
+        (0.01004, False, "DISAGREE by 1.1 % (limit 1 %)"),
+        (None, True, "AGREE (no number from either)"),
+    ],
+)
 def test_two_methods_never_look_nearer_than_they_are(difference, agree, text) -> None:
     """`within` is rounded up: what is printed bounds what was found."""
     assert judged_difference(difference, agree, 0.01) == text

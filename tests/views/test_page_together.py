@@ -20,9 +20,12 @@ pytest.importorskip("jinja2")
 BOLTS = [bolt(east, 8.0, 60.0, "active") for east in (-2.0, -1.0, 0.0, 1.0)]
 SCATTER: dict[str, Any] = WEDGE | {
     "strength": {
-        "rock": {"c": {"dist": "uniform", "min": 4, "max": 8}, "phi": {"dist": "normal", "mean": 28, "sd": 2}},
+        "rock": {
+            "c": {"dist": "uniform", "min": 4, "max": 8},
+            "phi": {"dist": "normal", "mean": 28, "sd": 2},
+        },
     },
-}  # fmt: skip
+}
 
 
 @cache
@@ -74,7 +77,9 @@ def test_damaged_inputs_are_a_fault_and_no_traceback(junk) -> None:
 
 def test_the_histogram_is_drawn(monkeypatch) -> None:
     asked = []
-    monkeypatch.setattr(page_pictures, "page_picture", lambda _, what, __: asked.append(what) or "data:,")
+    monkeypatch.setattr(
+        page_pictures, "page_picture", lambda _, what, __: asked.append(what) or "data:,"
+    )
     made = report_of(documents()[:2])
     assert "histogram" in made.pictures
 
@@ -82,8 +87,12 @@ def test_the_histogram_is_drawn(monkeypatch) -> None:
 def test_light_pictures_look_the_same() -> None:
     image = pytest.importorskip("PIL.Image")
     ramp = np.linspace(60, 250, 200, dtype=np.uint8)
-    own = np.repeat(np.stack([ramp, ramp[::-1], np.full(200, 90, np.uint8)], axis=-1)[None], 120, axis=0)
-    own = np.concatenate([own, np.random.default_rng(1).integers(200, 208, own.shape, dtype=np.uint8)])
+    own = np.repeat(
+        np.stack([ramp, ramp[::-1], np.full(200, 90, np.uint8)], axis=-1)[None], 120, axis=0
+    )
+    own = np.concatenate(
+        [own, np.random.default_rng(1).integers(200, 208, own.shape, dtype=np.uint8)]
+    )
     written = io.BytesIO()
     image.fromarray(own).save(written, "PNG")
     light = page_pictures.light_png(written.getvalue())
@@ -98,7 +107,9 @@ def test_what_acceptance_hangs_on_leads_in_studies() -> None:
     found = sk.prob(sk.load(SCATTER), n=200, by="closed-form", accept=0.9)
     first = re.findall(r"[\d.]+(?= %)", found.line)[0]
     assert first == f"{100.0 * found.all_samples.high:.3g}"
-    checked = sk.check(sk.load(path_of("goodman-bray"), set={"acceptance": {"rules": ["fos.lowest >= 0.7"]}}))
+    checked = sk.check(
+        sk.load(path_of("goodman-bray"), set={"acceptance": {"rules": ["fos.lowest >= 0.7"]}})
+    )
     name, value = checked.result.leading
     assert name == "lowest"
     assert re.findall(r"\d\.\d{3}\b", checked.line)[0] == factor_text(value)

@@ -25,7 +25,11 @@ from slopekit.views.plots import EVERY, draw, offers
 from slopekit.views.solid.scenes import SCENES
 from tests.support import result_of
 
-WEDGE = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
+WEDGE = {
+    "slopekit": 1,
+    "kind": "wedge",
+    "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
+}
 
 
 def plain(study) -> dict:
@@ -70,7 +74,11 @@ def test_a_curve_from_its_json() -> None:
     assert labelled(axes, "closed form").tolist() == closed
     (line,) = [line for line in axes.lines if line.get_label() == "PRE-IE"]
     assert np.isnan(line.get_ydata()[0])  # no line is drawn to a point without a factor
-    diamond = [line.get_xydata()[0] for line in axes.lines if line.get_marker() == "D" and len(line.get_xydata())]
+    diamond = [
+        line.get_xydata()[0]
+        for line in axes.lines
+        if line.get_marker() == "D" and len(line.get_xydata())
+    ]
     assert diamond == [pytest.approx([document["critical"][0]["at"], 1.5])]
     assert labelled(axes, "no block")[:, 0].tolist() == [20.0]
     now = sk.load(WEDGE).inputs()["face"]
@@ -84,8 +92,13 @@ def test_a_curve_from_its_json() -> None:
 
 @pytest.mark.slow
 def test_a_contour_and_a_tornado_from_their_json() -> None:
-    grid = plain(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [60, 70, 80], "water.fill": [0, 0.5, 1]},
-                          closed_form=True))  # fmt: skip
+    grid = plain(
+        sk.sweep(
+            sk.load(WEDGE),
+            {"slope.face.dip": [60, 70, 80], "water.fill": [0, 0.5, 1]},
+            closed_form=True,
+        )
+    )
     axes = figure_of(draw_contour, grid).axes[0]
     assert labelled(axes, "computed").tolist() == [point["values"] for point in grid["points"]]
     assert (axes.get_xlim(), axes.get_ylim()) == ((60.0, 80.0), (0.0, 1.0))
@@ -93,26 +106,43 @@ def test_a_contour_and_a_tornado_from_their_json() -> None:
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("dip of the face (°)", "part of full water")
     frame = axes.get_window_extent()
     shown = [text for text in axes.texts if text.get_visible()]
-    assert all(frame.x0 <= (box := text.get_window_extent()).x0 and box.x1 <= frame.x1 for text in shown)
+    assert all(
+        frame.x0 <= (box := text.get_window_extent()).x0 and box.x1 <= frame.x1 for text in shown
+    )
     study = plain(sk.tornado(sk.load(WEDGE), closed_form=True))
     axes = figure_of(draw_tornado, study).axes[0]
     first, base = study["bars"][0], study["base"]["closed_form"]
     widths = [bar.get_width() for bar in axes.patches[:2]]
-    assert widths == pytest.approx([first[end]["closed_form"] - base for end in ("at_low", "at_high")], rel=1e-12)
+    assert widths == pytest.approx(
+        [first[end]["closed_form"] - base for end in ("at_low", "at_high")], rel=1e-12
+    )
     assert [text.get_text() for text in axes.texts[:2]] == first["shown"]
-    assert (first["key"], axes.get_yticklabels()[0].get_text()) == ("strength.joints.phi", "friction angle of joints")
+    assert (first["key"], axes.get_yticklabels()[0].get_text()) == (
+        "strength.joints.phi",
+        "friction angle of joints",
+    )
 
 
 def test_two_values_carry_no_contours() -> None:
-    grid = plain(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [60, 70, 80], "water.fill": [0, 1]}, closed_form=True))
-    with pytest.raises(DesignError, match="E273 there is nothing to draw: contours need three values"):
+    grid = plain(
+        sk.sweep(
+            sk.load(WEDGE), {"slope.face.dip": [60, 70, 80], "water.fill": [0, 1]}, closed_form=True
+        )
+    )
+    with pytest.raises(
+        DesignError, match="E273 there is nothing to draw: contours need three values"
+    ):
         figure_of(draw_contour, grid)
 
 
 def test_many_pictures_of_odd_studies_are_refused_or_drawn() -> None:
     """A single point is a curve of one marker; no point with a factor is E273."""
     single = plain(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [60]}, closed_form=True))
-    (line,) = [line for line in figure_of(draw_curve, single).axes[0].lines if line.get_label() == "closed form"]
+    (line,) = [
+        line
+        for line in figure_of(draw_curve, single).axes[0].lines
+        if line.get_label() == "closed form"
+    ]
     assert (len(drawn(line)), line.get_marker()) == (1, "o")
     none = plain(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [15, 20]}, closed_form=True))
     with pytest.raises(DesignError) as caught:
@@ -174,7 +204,12 @@ def test_speed_against_error(monkeypatch) -> None:
     monkeypatch.setattr(ladders, "_MOST_REFINED", 1)
     document = plain(sk.check(sk.load(path_of("plane"))))
     axes = figure_of(draw_speed_errors, document).axes[0]
-    times = {float(time) for line in axes.lines if line.get_marker() != "None" for time in line.get_xdata()}
+    times = {
+        float(time)
+        for line in axes.lines
+        if line.get_marker() != "None"
+        for time in line.get_xdata()
+    }
     expected = {
         timing["seconds"]
         for rung, timing in zip(document["ladder"], document["timing_s"]["ladder"], strict=True)
@@ -189,7 +224,9 @@ def test_reduction_is_the_papers_figure() -> None:
     left, right = figure_of(draw_reduction, document).axes[:2]
     pairs = dict(labelled(right, "failed node pairs").tolist())
     assert (pairs[1.0], pairs[1.2], pairs[1.333]) == (0.0, 4.0, 8.0)
-    assert labelled(right, "no longer stands").tolist() == [[at, 9.0] for at in (1.334, 1.34, 1.35, 1.36, 1.37)]
+    assert labelled(right, "no longer stands").tolist() == [
+        [at, 9.0] for at in (1.334, 1.34, 1.35, 1.36, 1.37)
+    ]
     moved = labelled(left, "displacement")
     step = document["series"][0]["displacement_m"]
     assert moved[0] == pytest.approx([1.0, 1e3 * np.linalg.norm(step)])
@@ -206,7 +243,9 @@ def test_labels_of_upright_lines_stand_apart() -> None:
         sides = {text.get_text().rsplit(" ", 1)[0]: text.get_ha() for text in left.texts}
         lower = "all pairs failed" if values["all_pairs_failed"] < values["limit"] else "limit"
         assert sides == {"limit": "left", "all pairs failed": "left"} | {lower: "right"}
-    assert right.yaxis.label.get_color() == right.lines[0].get_color()  # no series: the search alone is drawn
+    assert (
+        right.yaxis.label.get_color() == right.lines[0].get_color()
+    )  # no series: the search alone is drawn
 
 
 # -- stereonets -------------------------------------------------------------------------------------------------------
@@ -218,7 +257,9 @@ def test_the_stereonet_of_a_wedge() -> None:
     figure = figure_of(draw_orientations, document)
     line = document["geometry"]["line"]
     expected = project(Line(line["trend_deg"], line["plunge_deg"]).vector()[None])[0]
-    assert labelled(figure.axes[0], "line J1 x J2: 180/22.9")[0] == pytest.approx(expected, abs=1e-12)
+    assert labelled(figure.axes[0], "line J1 x J2: 180/22.9")[0] == pytest.approx(
+        expected, abs=1e-12
+    )
     assert "J1 45/115, φ 20°" in legend(figure)
     assert "face 60/180" in legend(figure)
     circle = labelled(figure.axes[0], "friction circle, φ 20°: steeper within")
@@ -228,7 +269,10 @@ def test_the_stereonet_of_a_wedge() -> None:
 def test_friction_circles_of_two_joints() -> None:
     """Each angle at its own radius; the zone says which it takes."""
     strength = {"a": {"c": 50, "phi": 20}, "b": {"c": 50, "phi": 30}}
-    joints = {"J1": {"plane": "45/115", "strength": "a"}, "J2": {"plane": "45/245", "strength": "b"}}
+    joints = {
+        "J1": {"plane": "45/115", "strength": "a"},
+        "J2": {"plane": "45/245", "strength": "b"},
+    }
     document = plain(sk.run(WEDGE | {"strength": strength, "joints": joints}))
     figure = figure_of(draw_orientations, document)
     axes = figure.axes[0]
@@ -248,7 +292,10 @@ def test_the_crack_of_a_plane_is_upright() -> None:
 def test_a_plane_has_the_zone_of_poles() -> None:
     """Shaded cells against the planar test of joints with these poles (φ 37°, ±20°); no zone of lines, no circle."""
     figure = figure_of(draw_orientations, plain(result_of("plane")))
-    said, (wide, narrow) = legend(figure), [image.get_array()[..., 3] > 0 for image in figure.axes[0].images]
+    said, (wide, narrow) = (
+        legend(figure),
+        [image.get_array()[..., 3] > 0 for image in figure.axes[0].images],
+    )
     assert "poles here daylight, steeper than φ 37°" in said
     assert "lines here" not in said
     assert "friction circle" not in said
@@ -265,7 +312,9 @@ def test_a_plane_has_the_zone_of_poles() -> None:
 @pytest.mark.slow
 def test_zones_say_which_friction_angle() -> None:
     """Of joints with their own angles the zones take the least, direct toppling the greatest."""
-    said = legend(figure_of(draw_kinematic, plain(sk.kinematic("examples/joints.csv", face="65/180", phi=30))))
+    said = legend(
+        figure_of(draw_kinematic, plain(sk.kinematic("examples/joints.csv", face="65/180", phi=30)))
+    )
     assert "critical at φ 27°, the least" in said
     assert "primary zone at φ 27°, the least" in said
     assert "direct at φ 35°, the greatest" in said
@@ -336,7 +385,9 @@ def test_the_motion_in_six_degrees_of_freedom() -> None:
 
 def test_offers(scattered) -> None:
     assert set(offers(scattered)) == {"stereonet", "histogram"}
-    assert "curve" in offers(plain(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [60, 80]}, closed_form=True)))
+    assert "curve" in offers(
+        plain(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [60, 80]}, closed_form=True))
+    )
     assert set(offers(plain(result_of("paper-footing")))) >= {"scene", "reduction"}
     assert offers({"slopekit": "0"}) == {}
     assert set(offers(plain(sk.quake(sk.load(WEDGE), "triangular:0.5g,0.4s")))) == {"motion"}
@@ -346,9 +397,16 @@ def test_offers(scattered) -> None:
 @pytest.mark.slow
 def test_whole_documents_have_what_charts_need(scattered, tmp_path) -> None:
     """What slopekit writes is never called damaged."""
-    swept = [sk.sweep(sk.load(WEDGE), keys, closed_form=True) for keys in (
-        {"slope.face.dip": [20, 60, 80]}, {"slope.face.dip": [60, 70, 80], "water.fill": [0, 0.5, 1]})]  # fmt: skip
-    runs = [result_of(name) for name in ("paper-wedge", "paper-footing", "plane", "blocks", "topple")]
+    swept = [
+        sk.sweep(sk.load(WEDGE), keys, closed_form=True)
+        for keys in (
+            {"slope.face.dip": [20, 60, 80]},
+            {"slope.face.dip": [60, 70, 80], "water.fill": [0, 0.5, 1]},
+        )
+    ]
+    runs = [
+        result_of(name) for name in ("paper-wedge", "paper-footing", "plane", "blocks", "topple")
+    ]
     studies = [
         *swept,
         *runs,

@@ -33,7 +33,9 @@ def pages(tmp_path_factory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("reports")
     columns = sk.run(path_of("topple"))
     return {
-        "wedge": sk.report(sk.wedge(dips=("45/115", "45/245")), folder / "wedge.html", pictures=False),
+        "wedge": sk.report(
+            sk.wedge(dips=("45/115", "45/245")), folder / "wedge.html", pictures=False
+        ),
         "columns": sk.report(columns, folder / "columns.html", pictures=False),
         "two": sk.report([bolted("pattern"), columns], folder / "two.html", pictures=False),
         "bolts": sk.report(bolted("pattern"), folder / "bolts.html", pictures=False),
@@ -50,12 +52,18 @@ def browser(tmp_path_factory):
 class Page:
     """A page that is open, and what its canvas shows."""
 
-    def __init__(self, browser, path: Path, width: int = 1000, mobile: bool = False, pixels: float = PIXELS) -> None:
+    def __init__(
+        self, browser, path: Path, width: int = 1000, mobile: bool = False, pixels: float = PIXELS
+    ) -> None:
         self.browser = browser
         for kind in ("browser", "performance"):
             browser.get_log(kind)
         self.command(
-            "Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=pixels, mobile=mobile
+            "Emulation.setDeviceMetricsOverride",
+            width=width,
+            height=900,
+            deviceScaleFactor=pixels,
+            mobile=mobile,
         )
         self.command("Emulation.setTouchEmulationEnabled", enabled=mobile)
         browser.get(path.as_uri())
@@ -70,8 +78,10 @@ class Page:
     def settled(self) -> None:
         """Wait until two frames have passed."""
         self.browser.set_script_timeout(20)
-        self.browser.execute_async_script("var d = arguments[0]; requestAnimationFrame(function () {"
-                                          " requestAnimationFrame(function () { d(); }); });")  # fmt: skip
+        self.browser.execute_async_script(
+            "var d = arguments[0]; requestAnimationFrame(function () {"
+            " requestAnimationFrame(function () { d(); }); });"
+        )
 
     def canvas(self) -> np.ndarray:
         """The pixels of the view (h, w, 3)."""
@@ -81,25 +91,35 @@ class Page:
         return np.asarray(picture, dtype=np.int16)
 
     def middle(self) -> tuple[float, float]:
-        box = self.script("var c = document.querySelector('#view canvas'); c.scrollIntoView({block: 'center'});"
-                          " var b = c.getBoundingClientRect();"
-                          " return [b.left + b.width / 2, b.top + b.height / 2];")  # fmt: skip
+        box = self.script(
+            "var c = document.querySelector('#view canvas'); c.scrollIntoView({block: 'center'});"
+            " var b = c.getBoundingClientRect();"
+            " return [b.left + b.width / 2, b.top + b.height / 2];"
+        )
         return box[0], box[1]
 
     def set(self, name: str, value) -> None:
         """A slider, choice or check-box, as a user sets it."""
         self.script(
             "var i = document.getElementById(arguments[0]); if (i.type === 'checkbox') { i.checked = arguments[1]; }"
-            " else { i.value = arguments[1]; } i.dispatchEvent(new Event('input', {bubbles: true}));", name, value
-        )  # fmt: skip
+            " else { i.value = arguments[1]; } i.dispatchEvent(new Event('input', {bubbles: true}));",
+            name,
+            value,
+        )
 
     def complaints(self) -> list[str]:
         return [entry["message"] for entry in self.browser.get_log("browser")]
 
     def requests(self) -> list[str]:
         """What was asked for from a network; the browser's own first page (chrome://) is not this one's."""
-        messages = [json.loads(entry["message"])["message"] for entry in self.browser.get_log("performance")]
-        found = [m["params"]["request"]["url"] for m in messages if m["method"] == "Network.requestWillBeSent"]
+        messages = [
+            json.loads(entry["message"])["message"] for entry in self.browser.get_log("performance")
+        ]
+        found = [
+            m["params"]["request"]["url"]
+            for m in messages
+            if m["method"] == "Network.requestWillBeSent"
+        ]
         return [url for url in found if url.startswith(("http", "ws", "ftp"))]
 
 
@@ -124,11 +144,32 @@ def test_it_turns_by_mouse_wheel_keyboard_and_comes_back(browser, pages) -> None
     page = Page(browser, pages["wedge"])
     first = page.canvas()
     x, y = page.middle()
-    page.command("Input.dispatchMouseEvent", type="mousePressed", x=x, y=y, button="left", buttons=1, clickCount=1)
+    page.command(
+        "Input.dispatchMouseEvent",
+        type="mousePressed",
+        x=x,
+        y=y,
+        button="left",
+        buttons=1,
+        clickCount=1,
+    )
     for step in range(1, 6):
-        page.command("Input.dispatchMouseEvent", type="mouseMoved", x=x + 20 * step, y=y + 5 * step, button="left",
-                     buttons=1)  # fmt: skip
-    page.command("Input.dispatchMouseEvent", type="mouseReleased", x=x + 100, y=y + 25, button="left", clickCount=1)
+        page.command(
+            "Input.dispatchMouseEvent",
+            type="mouseMoved",
+            x=x + 20 * step,
+            y=y + 5 * step,
+            button="left",
+            buttons=1,
+        )
+    page.command(
+        "Input.dispatchMouseEvent",
+        type="mouseReleased",
+        x=x + 100,
+        y=y + 25,
+        button="left",
+        clickCount=1,
+    )
     turned = page.canvas()
     assert changed(first, turned) > 0.02
     page.command("Input.dispatchMouseEvent", type="mouseWheel", x=x, y=y, deltaX=0, deltaY=-300)
@@ -136,7 +177,13 @@ def test_it_turns_by_mouse_wheel_keyboard_and_comes_back(browser, pages) -> None
     nearer = page.canvas()
     assert (nearer.min(axis=2) < 235).mean() > (turned.min(axis=2) < 235).mean()
     page.script("document.querySelector('#view canvas').focus()")
-    page.command("Input.dispatchKeyEvent", type="keyDown", key="ArrowLeft", code="ArrowLeft", windowsVirtualKeyCode=37)
+    page.command(
+        "Input.dispatchKeyEvent",
+        type="keyDown",
+        key="ArrowLeft",
+        code="ArrowLeft",
+        windowsVirtualKeyCode=37,
+    )
     assert changed(nearer, page.canvas()) > 0.02
     page.script("document.getElementById('v-reset').click()")
     assert changed(first, page.canvas()) == 0.0
@@ -148,13 +195,21 @@ def test_it_turns_by_touch(browser, pages) -> None:
     x, y = page.middle()
     page.command("Input.dispatchTouchEvent", type="touchStart", touchPoints=[{"x": x, "y": y}])
     for step in range(1, 6):
-        page.command("Input.dispatchTouchEvent", type="touchMove", touchPoints=[{"x": x + 15 * step, "y": y}])
+        page.command(
+            "Input.dispatchTouchEvent", type="touchMove", touchPoints=[{"x": x + 15 * step, "y": y}]
+        )
     page.command("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
     turned = page.canvas()
     assert changed(first, turned) > 0.02
     for step in range(6):
-        fingers = [{"x": x + side * (20 + 8 * step), "y": y, "id": k} for k, side in enumerate((-1, 1))]
-        page.command("Input.dispatchTouchEvent", type="touchMove" if step else "touchStart", touchPoints=fingers)
+        fingers = [
+            {"x": x + side * (20 + 8 * step), "y": y, "id": k} for k, side in enumerate((-1, 1))
+        ]
+        page.command(
+            "Input.dispatchTouchEvent",
+            type="touchMove" if step else "touchStart",
+            touchPoints=fingers,
+        )
     page.command("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
     assert (page.canvas().min(axis=2) < 235).mean() > 1.2 * (turned.min(axis=2) < 235).mean()
     page.script("document.getElementById('v-reset').click()")
@@ -162,10 +217,28 @@ def test_it_turns_by_touch(browser, pages) -> None:
 
 
 CONTROLS = {
-    "wedge": {"explode": 1, "along": 1, "blocks": False, "rock": False, "clear": False, "slip": False, "loads": False,
-              "contact": True, "pair": "kpa", "colour": "plain", "edges": False},
-    "columns": {"along": 1, "explode": 1, "joints": True, "colour": "block", "edges": False, "names": False},
-}  # fmt: skip
+    "wedge": {
+        "explode": 1,
+        "along": 1,
+        "blocks": False,
+        "rock": False,
+        "clear": False,
+        "slip": False,
+        "loads": False,
+        "contact": True,
+        "pair": "kpa",
+        "colour": "plain",
+        "edges": False,
+    },
+    "columns": {
+        "along": 1,
+        "explode": 1,
+        "joints": True,
+        "colour": "block",
+        "edges": False,
+        "names": False,
+    },
+}
 
 
 @pytest.mark.parametrize("name", ["wedge", "columns"])
@@ -175,8 +248,11 @@ def test_every_control_changes_the_view(browser, pages, name) -> None:
     for control, value in CONTROLS[name].items():
         page.set("v-explode", float(control == "joints"))
         first = page.canvas()
-        was = page.script("var i = document.getElementById(arguments[0]);"
-                          " return i.type === 'checkbox' ? i.checked : i.value;", f"v-{control}")  # fmt: skip
+        was = page.script(
+            "var i = document.getElementById(arguments[0]);"
+            " return i.type === 'checkbox' ? i.checked : i.value;",
+            f"v-{control}",
+        )
         page.set(f"v-{control}", value)
         page.settled()
         if control == "names":
@@ -199,7 +275,9 @@ def test_it_prints(browser, pages) -> None:
     """A PDF of A4 pages, the view as it was seen last on it and its controls not."""
     page = Page(browser, pages["wedge"])
     page.settled()
-    assert page.script("return document.getElementById('view-still').src").startswith("data:image/png;base64,")
+    assert page.script("return document.getElementById('view-still').src").startswith(
+        "data:image/png;base64,"
+    )
     printed = page.command("Page.printToPDF", preferCSSPageSize=True, printBackground=False)
     data = base64.b64decode(printed["data"])
     assert data.startswith(b"%PDF-")
@@ -207,8 +285,16 @@ def test_it_prints(browser, pages) -> None:
     assert 2 <= data.count(b"/Type /Page\n") <= 4
     page.command("Emulation.setEmulatedMedia", media="print")
     try:
-        assert page.script("return getComputedStyle(document.getElementById('view')).display") == "none"
-        assert page.script("return document.getElementById('view-still').getBoundingClientRect().width") > 200
+        assert (
+            page.script("return getComputedStyle(document.getElementById('view')).display")
+            == "none"
+        )
+        assert (
+            page.script(
+                "return document.getElementById('view-still').getBoundingClientRect().width"
+            )
+            > 200
+        )
     finally:
         page.command("Emulation.setEmulatedMedia", media="")
 
@@ -217,18 +303,31 @@ def test_no_printed_table_is_cut_off(browser, tmp_path) -> None:
     """Many bolts at map coordinates: on paper A4 every cell ends within the page (they stood in two columns)."""
     head = [512300.125, 4187645.0, 1245.0]
     bolts = [
-        {"force": 300, "toward": "005/10", "head": [*head[:2], 1245.0 + 0.01 * k], "length": 12} for k in range(24)
+        {"force": 300, "toward": "005/10", "head": [*head[:2], 1245.0 + 0.01 * k], "length": 12}
+        for k in range(24)
     ]
-    result = sk.run({
-        "slopekit": 1, "kind": "wedge", "rock": {"unit_weight": 26}, "strength": {"s": {"c": 5, "phi": 30}},
-        "slope": {"face": "65/185", "upper": "12/195", "height": 30, "origin": [512300, 4187650, 1234.5]},
-        "joints": {"J1": {"plane": "45/105"}, "J2": {"plane": "70/235"}}, "support": {"bolts": bolts},
-    })  # fmt: skip
+    result = sk.run(
+        {
+            "slopekit": 1,
+            "kind": "wedge",
+            "rock": {"unit_weight": 26},
+            "strength": {"s": {"c": 5, "phi": 30}},
+            "slope": {
+                "face": "65/185",
+                "upper": "12/195",
+                "height": 30,
+                "origin": [512300, 4187650, 1234.5],
+            },
+            "joints": {"J1": {"plane": "45/105"}, "J2": {"plane": "70/235"}},
+            "support": {"bolts": bolts},
+        }
+    )
     page = Page(browser, sk.report(result, tmp_path / "page.html", pictures=False), width=690)
     page.command("Emulation.setEmulatedMedia", media="print")
     try:
         ends = (
-            "return Math.max(...[...document.querySelectorAll('td, th')].map((c) => c.getBoundingClientRect().right))"
+            "return Math.max(...[...document.querySelectorAll('td, th')].map((c) => "
+            "c.getBoundingClientRect().right))"
         )
         assert page.script(ends) <= 690.0
     finally:
@@ -240,7 +339,8 @@ def test_each_scene_of_several_can_be_turned(browser, pages) -> None:
     page = Page(browser, pages["two"])
     first = page.canvas()
     stills = (
-        "return ['', '-2'].map(function (n) { return document.getElementById('view-still' + n).src.slice(0, 15); })"
+        "return ['', '-2'].map(function (n) "
+        "{ return document.getElementById('view-still' + n).src.slice(0, 15); })"
     )
     assert page.script(stills) == ["data:image/png;"] * 2
     where = "return document.getElementById('view').closest('article').id"
@@ -269,7 +369,9 @@ def test_the_printed_view_has_its_legend_scale_and_north(browser, pages) -> None
     """The canvas alone has none of them: they are drawn into the picture, the legend stands beneath it."""
     page = Page(browser, pages["columns"])
     uri = page.script("return document.getElementById('view-still').src")
-    printed = np.asarray(image.open(io.BytesIO(base64.b64decode(uri.partition(",")[2]))).convert("RGB"), np.int16)
+    printed = np.asarray(
+        image.open(io.BytesIO(base64.b64decode(uri.partition(",")[2]))).convert("RGB"), np.int16
+    )
     seen = page.canvas()
     assert printed.shape == seen.shape
     differs = np.abs(printed - seen).max(axis=2) > 12
@@ -277,11 +379,18 @@ def test_the_printed_view_has_its_legend_scale_and_north(browser, pages) -> None
     assert differs[-40:, -150:].sum() > 40  # the scale bar
     page.command("Emulation.setEmulatedMedia", media="print")
     try:
-        below = page.script("var l = document.getElementById('view-still-legend');"
-                            " return [l.innerText, l.getBoundingClientRect().height];")  # fmt: skip
+        below = page.script(
+            "var l = document.getElementById('view-still-legend');"
+            " return [l.innerText, l.getBoundingClientRect().height];"
+        )
         assert below[1] > 5
         assert "joint" in below[0] or "fails" in below[0] or "factor" in below[0]
-        assert page.script("return document.querySelectorAll('#view-still-legend i, #view-still-legend b').length") > 0
+        assert (
+            page.script(
+                "return document.querySelectorAll('#view-still-legend i, #view-still-legend b').length"
+            )
+            > 0
+        )
     finally:
         page.command("Emulation.setEmulatedMedia", media="")
 
@@ -300,7 +409,12 @@ def test_names_of_the_arrows_never_lie_on_each_other(browser, pages) -> None:
         assert found
         for k, one in enumerate(found):
             for two in found[:k]:
-                assert one[1] <= two[0] + 1 or two[1] <= one[0] + 1 or one[3] <= two[2] + 4 or two[3] <= one[2] + 4
+                assert (
+                    one[1] <= two[0] + 1
+                    or two[1] <= one[0] + 1
+                    or one[3] <= two[2] + 4
+                    or two[3] <= one[2] + 4
+                )
 
 
 def test_a_table_wider_than_a_phone_says_so(browser, pages) -> None:
@@ -318,12 +432,15 @@ def test_a_table_wider_than_a_phone_says_so(browser, pages) -> None:
         if wide:
             assert beyond > 1
     desk = Page(browser, pages["columns"])
-    assert desk.script("return document.querySelectorAll('.aside').length") < sum(wide for wide, *_ in found)
+    assert desk.script("return document.querySelectorAll('.aside').length") < sum(
+        wide for wide, *_ in found
+    )
 
 
 def test_without_webgl_the_page_says_so(browser, pages) -> None:
     added = browser.execute_cdp_cmd(
-        "Page.addScriptToEvaluateOnNewDocument", {"source": "HTMLCanvasElement.prototype.getContext = () => null;"}
+        "Page.addScriptToEvaluateOnNewDocument",
+        {"source": "HTMLCanvasElement.prototype.getContext = () => null;"},
     )
     try:
         page = Page(browser, pages["wedge"])
@@ -341,7 +458,9 @@ def test_bolts_are_shown_and_numbered_where_there_is_room(browser, pages) -> Non
     page.set("v-bolts", False)
     assert changed(with_bolts, page.canvas()) > 1e-3
     page.set("v-bolts", True)
-    assert "48 passive bolts" in page.script("return document.getElementById('view-legend').textContent")
+    assert "48 passive bolts" in page.script(
+        "return document.getElementById('view-legend').textContent"
+    )
     page.set("v-numbers", True)
     page.settled()
     boxes = page.script(
@@ -352,7 +471,10 @@ def test_bolts_are_shown_and_numbered_where_there_is_room(browser, pages) -> Non
     assert len(boxes) >= 6
     for k, (one, *a) in enumerate(boxes):
         for other, *b in boxes[k + 1 :]:
-            assert min(a[2], b[2]) - max(a[0], b[0]) < 1 or min(a[3], b[3]) - max(a[1], b[1]) < 1, (one, other)
+            assert min(a[2], b[2]) - max(a[0], b[0]) < 1 or min(a[3], b[3]) - max(a[1], b[1]) < 1, (
+                one,
+                other,
+            )
     assert page.complaints() == []
     bare = Page(browser, pages["wedge"])
     assert bare.script("return document.getElementById('v-bolts')") is None

@@ -31,7 +31,11 @@ def test_without_convergence_nothing_was_compared() -> None:
     closed = SimpleNamespace(status="slides_on_both", factor=1.2, why_not="")
     difference, agree = compare(None, "not_converged", closed, 0.01)
     assert (difference, agree) == (None, False)
-    found = document("wedge") | {"status": "not_converged", "agree": agree, "difference": difference}
+    found = document("wedge") | {
+        "status": "not_converged",
+        "agree": agree,
+        "difference": difference,
+    }
     seen = words(report_of(found, with_pictures=False).html)
     assert "did not converge: no number" in seen
     assert "DISAGREE" not in seen
@@ -60,17 +64,30 @@ def test_what_a_limit_of_many_blocks_is() -> None:
     seen = words(report_of(found, with_pictures=False).html)
     assert f"{factor_text(found['fos']['limit'])} limit of the elastic path (k_t/k_n 0.4)" in seen
     first = found["mechanisms"][0] | {"basis": "peak", "change": 0.01, "fos": 1.0}
-    assert limit_of(found | {"mechanisms": [first]}).endswith("(k_t/k_n 0.4); fails at 1.010, 1 % higher")
+    assert limit_of(found | {"mechanisms": [first]}).endswith(
+        "(k_t/k_n 0.4); fails at 1.010, 1 % higher"
+    )
     assert limit_of(document("wet")) == "PRE-IE"
 
 
 @pytest.mark.slow
 def test_without_a_limit_no_number_is_praised() -> None:
     seen = words(report_of(no_limit(), with_pictures=False).html)
-    for text in ("forces only would give 0.199: do not use it", "the methods AGREE on forces alone", "none PRE-IE"):
+    for text in (
+        "forces only would give 0.199: do not use it",
+        "the methods AGREE on forces alone",
+        "none PRE-IE",
+    ):
         assert text in seen, text
-    for text in ("the number to use", "limit is none", "at the limit.", "N' / kN", "mean σ'", "its bound",
-                 "moments lower the limit"):  # fmt: skip
+    for text in (
+        "the number to use",
+        "limit is none",
+        "at the limit.",
+        "N' / kN",
+        "mean σ'",
+        "its bound",
+        "moments lower the limit",
+    ):
         assert text not in seen, text
     assert 'class="badge good">the methods' not in report_of(no_limit(), with_pictures=False).html
 
@@ -113,16 +130,20 @@ def test_the_view_looks_as_the_stills_do(face) -> None:
     found = json.loads(json.dumps(document("plane")))
     found["inputs"]["face"] = face
     bearing, above = np.radians(viewer_data(found)["look_from"])
-    eye = np.array([np.sin(bearing) * np.cos(above), np.cos(bearing) * np.cos(above), np.sin(above)])
-    np.testing.assert_allclose(eye, Stage.of(found).eye, atol=1e-12)
+    eye = np.array(
+        [np.sin(bearing) * np.cos(above), np.cos(bearing) * np.cos(above), np.sin(above)]
+    )
+    np.testing.assert_allclose(eye, Stage.from_document(found).eye, atol=1e-12)
     toward = np.radians(float(face[-3:]))
     assert abs(eye @ [np.sin(toward), np.cos(toward), 0.0]) < 0.25
 
 
 def test_the_view_has_the_colours_of_the_stills() -> None:
     found = document("goodman-bray")
-    data, order = viewer_data(found), Stage.of(found).scene.order
-    first, other = ("#" + "".join(f"{part:02x}" for part in colour) for colour in (layers.BLOCK, layers.STANDS))
+    data, order = viewer_data(found), Stage.from_document(found).scene.order
+    first, other = (
+        "#" + "".join(f"{part:02x}" for part in colour) for colour in (layers.BLOCK, layers.STANDS)
+    )
     assert data["plain"] == [first if place == 1 else other for place in order]
     assert len(set(data["plain"])) == 2
 
@@ -133,7 +154,12 @@ def test_a_fault_of_the_program_is_no_damage(monkeypatch) -> None:
     def broken(*_):
         raise ValueError("a bug")
 
-    for module, name in ((room, "_rendered"), (room, "_verification"), (viewer, "_edges"), (viewer, "_surfaces")):
+    for module, name in (
+        (room, "_rendered"),
+        (room, "_verification"),
+        (viewer, "_edges"),
+        (viewer, "_surfaces"),
+    ):
         with monkeypatch.context() as patch:
             patch.setattr(module, name, broken)
             with pytest.raises(ValueError, match="a bug"):
@@ -153,7 +179,9 @@ def test_arrays_that_do_not_fit_are_damage(part) -> None:
 def test_a_chart_too_large_for_a_drawing_is_a_picture(monkeypatch) -> None:
     from slopekit.views.pages import page_pictures
 
-    found = sk.sweep(sk.load(path_of("wedge")), {"slope.face.dip": [60, 65]}, closed_form=True).to_dict()
+    found = sk.sweep(
+        sk.load(path_of("wedge")), {"slope.face.dip": [60, 65]}, closed_form=True
+    ).to_dict()
     assert page_pictures.page_picture(found, "curve").startswith("data:image/svg+xml;base64,")
     monkeypatch.setattr(page_pictures, "_LARGEST_SVG", 100)
     assert page_pictures.page_picture(found, "curve").startswith("data:image/png;base64,")

@@ -17,7 +17,16 @@ from slopekit.core.sheet import factor_text
 from slopekit.design.templates import path_of
 from slopekit.geometry.solids.meshes import mesh_bodies
 from slopekit.views.solid import rendering
-from slopekit.views.solid.layers import MODE_COLOURS, Bar, Picture, arrows, free_normal, rigid, rock_around, spheres
+from slopekit.views.solid.layers import (
+    MODE_COLOURS,
+    Bar,
+    Picture,
+    arrows,
+    free_normal,
+    rigid_displacement,
+    rock_around,
+    spheres,
+)
 from slopekit.views.solid.rendering import Camera
 from slopekit.views.solid.scene_parts import resultants
 from slopekit.views.solid.scenes import SCENES, compose, draw
@@ -49,7 +58,9 @@ def volume(corners: Floats) -> float:
 
 
 @pytest.mark.parametrize("name", KINDS)
-@pytest.mark.parametrize("what", [what for what in SCENES if what not in ("displacement", "elevation")])
+@pytest.mark.parametrize(
+    "what", [what for what in SCENES if what not in ("displacement", "elevation")]
+)
 def test_every_kind_gives_every_scene(name: str, what: str) -> None:
     picture = made(name, what)
     moving = document(name)["geometry"]["volume_m3"]
@@ -57,7 +68,9 @@ def test_every_kind_gives_every_scene(name: str, what: str) -> None:
     assert {"blocks", "moving"} & set(whole)
     if what in ("scene", "exploded", "factors"):
         blocks = volume(part(picture, "blocks"))
-        fixed = volume(part(picture, "bedrock")) if "bedrock" in whole and what == "exploded" else 0.0
+        fixed = (
+            volume(part(picture, "bedrock")) if "bedrock" in whole and what == "exploded" else 0.0
+        )
         assert blocks >= moving * 0.98 - fixed
     for layer in picture.layers:
         assert np.isfinite(layer.vertices).all()
@@ -76,7 +89,9 @@ def test_the_rock_and_its_block_fill_the_slope(name: str) -> None:
     mesh = trimesh.Trimesh(*rock)
     assert mesh.is_watertight
     both = trimesh.convex.convex_hull(np.concatenate([rock[0], scene.shapes.solids.vertices]))
-    assert both.volume == pytest.approx(mesh.volume + document(name)["geometry"]["volume_m3"], rel=1e-6)
+    assert both.volume == pytest.approx(
+        mesh.volume + document(name)["geometry"]["volume_m3"], rel=1e-6
+    )
     assert free_normal(scene.shapes)[2] > 0.3
 
 
@@ -94,7 +109,9 @@ def test_contacts_are_coloured_on_both_blocks() -> None:
     picture = made("blocks", "exploded")
     scene = BlockScene.from_dict(document("blocks")["scene"])
     count = sum(len(contact) for contact in (np.flatnonzero(scene.shapes.contacts.joint == 0),))
-    assert len(part(picture, "joint")) == 2 * 2 * 2 * count  # two triangles, on two blocks, and a ribbon on their sides
+    assert (
+        len(part(picture, "joint")) == 2 * 2 * 2 * count
+    )  # two triangles, on two blocks, and a ribbon on their sides
 
 
 def test_tractions_are_forces_by_area() -> None:
@@ -116,10 +133,12 @@ def test_modes_have_their_colours() -> None:
 
 
 def test_forces_on_a_block_cancel() -> None:
-    stage = Stage.of(document("plane"))
+    stage = Stage.from_document(document("plane"))
     _, force, joint = resultants(stage, stage.free)
     assert joint.tolist() == [0]
-    np.testing.assert_allclose(force.sum(axis=0), -stage.scene.loads.force_kn.sum(axis=0), atol=1e-6)
+    np.testing.assert_allclose(
+        force.sum(axis=0), -stage.scene.loads.force_kn.sum(axis=0), atol=1e-6
+    )
     texts = " ".join(text for text, _, _ in made("plane", "forces").legend)
     for load in ("weight", "water on J1", "water on crack", "J1 on the block"):
         assert load in texts
@@ -127,7 +146,7 @@ def test_forces_on_a_block_cancel() -> None:
 
 def test_each_flank_of_a_column_has_its_own_force() -> None:
     """Goodman & Bray's P on column 7 from column 6 below it: normal and shear of one side, not the sum of both."""
-    stage = Stage.of(document("goodman-bray"))
+    stage = Stage.from_document(document("goodman-bray"))
     _, force, joint = resultants(stage, stage.free)
     sides = np.linalg.norm(force[joint == 1], axis=1)
     table = {row["n"]: row for row in document("goodman-bray")["assembly"]["table"]}
@@ -138,7 +157,7 @@ def test_each_flank_of_a_column_has_its_own_force() -> None:
 
 
 def test_forces_are_shown_of_blocks_in_equilibrium() -> None:
-    stage = Stage.of(document("wall"))
+    stage = Stage.from_document(document("wall"))
     assert stage.balanced.sum() == stage.free.sum()
     changed = document("wall") | {
         "scene": document("wall")["scene"] | {"pairs": dict(document("wall")["scene"]["pairs"])}
@@ -147,7 +166,7 @@ def test_forces_are_shown_of_blocks_in_equilibrium() -> None:
     halved = scene.pairs.normal_kn.copy()
     halved[scene.pairs.plus == scene.pairs.plus[0]] *= 0.5
     changed["scene"]["pairs"]["normal_kn"] = packed(halved)
-    assert not Stage.of(changed).balanced[scene.pairs.plus[0]]
+    assert not Stage.from_document(changed).balanced[scene.pairs.plus[0]]
 
 
 def test_displacement_is_magnified_as_said() -> None:
@@ -184,7 +203,10 @@ def test_a_mechanism_keeps_proportions_and_shape() -> None:
         centre = np.linalg.norm(scene.velocity[block, :3])
         shift = (moved - rest)[of == block]
         drawn.append(np.linalg.norm(shift.mean(axis=(0, 1))) / centre)
-        lengths = [np.linalg.norm(body[of == block][:, 1] - body[of == block][:, 0], axis=1) for body in (moved, rest)]
+        lengths = [
+            np.linalg.norm(body[of == block][:, 1] - body[of == block][:, 0], axis=1)
+            for body in (moved, rest)
+        ]
         np.testing.assert_allclose(lengths[0], lengths[1], rtol=1e-9)  # turned, not stretched
     assert drawn[0] == pytest.approx(drawn[1], rel=0.3)
     words = {text for text, _, _ in picture.legend}
@@ -195,8 +217,12 @@ def test_rigid_motion_about_the_centroid() -> None:
     shapes = BlockScene.from_dict(document("wedge")["scene"]).shapes
     motion = np.array([[1.0, 0.0, 0.0, 0.0, 0.0, np.pi / 2]])
     point = shapes.centroids + np.array([2.0, 0.0, 0.0])
-    np.testing.assert_allclose(rigid(shapes, motion, point, np.array([0])), [[1.0 - 2.0, 2.0, 0.0]], atol=1e-12)
-    assert not rigid(shapes, motion, point, np.array([-1])).any()
+    np.testing.assert_allclose(
+        rigid_displacement(shapes, motion, point, np.array([0])),
+        [[1.0 - 2.0, 2.0, 0.0]],
+        atol=1e-12,
+    )
+    assert not rigid_displacement(shapes, motion, point, np.array([-1])).any()
 
 
 def test_factors_colour_by_value() -> None:
@@ -207,7 +233,9 @@ def test_factors_colour_by_value() -> None:
     assert picture.legend[0][0] == f"fails at {factor_text(limit)} (14)"
     scene = BlockScene.from_dict(document("wall")["scene"])
     two = np.where(np.arange(len(scene.factor)) % 2 == 0, scene.factor, 2.0 * scene.factor)
-    spread = dict(document("wall")) | {"scene": dict(document("wall")["scene"]) | {"factor": packed(two)}}
+    spread = dict(document("wall")) | {
+        "scene": dict(document("wall")["scene"]) | {"factor": packed(two)}
+    }
     bar = compose(spread, "factors").bar
     assert bar is not None
     assert (bar.low, bar.high) == pytest.approx((limit, 2.0 * limit))
@@ -219,13 +247,17 @@ def test_factors_colour_by_value() -> None:
 
 
 FALLING = {
-    "slopekit": 1, "kind": "blocks", "strength": {"joint": {"c": 0, "phi": 30}}, "rock": {"unit_weight": 20},
+    "slopekit": 1,
+    "kind": "blocks",
+    "strength": {"joint": {"c": 0, "phi": 30}},
+    "rock": {"unit_weight": 20},
     "blocks": {
         "base": {"polygon": [[0, 0], [10, 0], [10, -2], [0, -2]], "fixed": True},
-        "B1": {"polygon": [[2, 0], [4, 0], [4, 2], [2, 2]]}, "B2": {"polygon": [[10, 0], [12, 0], [12, 2], [10, 2]]},
+        "B1": {"polygon": [[2, 0], [4, 0], [4, 2], [2, 2]]},
+        "B2": {"polygon": [[10, 0], [12, 0], [12, 2], [10, 2]]},
         "B3": {"polygon": [[10, 0], [10, 2], [9, 2], [9, 0]]},
     },
-}  # fmt: skip
+}
 
 
 def test_what_falls_is_not_shown_as_standing() -> None:
@@ -261,9 +293,11 @@ def test_the_answer_says_what_decides() -> None:
         ({"accepted": False}, "acceptance NOT MET"),
         ({"fos": base["fos"] | {"all_pairs_failed": 1.55}}, "all pairs failed 1.550"),
         ({"agree": False}, "DO NOT AGREE"),
-    ):  # fmt: skip
-        assert word in Stage.of(base | more).answer
-    lost = Stage.of(base | {"status": "not_converged", "agree": False, "fos": base["fos"] | {"limit": None}}).answer
+    ):
+        assert word in Stage.from_document(base | more).answer
+    lost = Stage.from_document(
+        base | {"status": "not_converged", "agree": False, "fos": base["fos"] | {"limit": None}}
+    ).answer
     assert "AGREE" not in lost
     assert "no factor of safety" in lost
 
@@ -296,7 +330,9 @@ def test_what_cannot_be_drawn(name: str, what: str, asked: dict[str, Any], code:
 
 def test_nothing_moves() -> None:
     stands = document("wedge")
-    still = dict(stands) | {"scene": dict(stands["scene"]) | {"order": packed(np.zeros(1, dtype=np.int64))}}
+    still = dict(stands) | {
+        "scene": dict(stands["scene"]) | {"order": packed(np.zeros(1, dtype=np.int64))}
+    }
     with pytest.raises(sk.DesignError, match="E273"):
         compose(still, "mechanism")
     with pytest.raises(sk.DesignError, match="E350"):
@@ -304,14 +340,19 @@ def test_nothing_moves() -> None:
 
 
 def test_arrows_reach_from_start_to_tip() -> None:
-    starts, vectors = np.array([[0.0, 0.0, 0.0], [5.0, 0.0, 0.0]]), np.array([[0.0, 0.0, 2.0], [0.0, 0.0, 0.0]])
+    starts, vectors = (
+        np.array([[0.0, 0.0, 0.0], [5.0, 0.0, 0.0]]),
+        np.array([[0.0, 0.0, 2.0], [0.0, 0.0, 0.0]]),
+    )
     vertices, triangles = arrows(starts, vectors, 0.1)
     assert np.ptp(vertices[:, 0]) < 1.0  # an arrow without length is none
     assert vertices[:, 2].min() == pytest.approx(0.0)
     assert vertices[:, 2].max() == pytest.approx(2.0)
     assert trimesh.Trimesh(vertices, triangles).volume > 0.0
     points, faces = spheres(np.array([[0.0] * 3, [9.0] * 3]), 0.5)
-    assert trimesh.Trimesh(points, faces).volume == pytest.approx(2 * 4 / 3 * np.pi * 0.125, rel=0.2)
+    assert trimesh.Trimesh(points, faces).volume == pytest.approx(
+        2 * 4 / 3 * np.pi * 0.125, rel=0.2
+    )
     assert faces.shape == (160, 3)
 
 
@@ -320,7 +361,11 @@ def test_the_frame_holds_every_layer() -> None:
     for name in ("wedge", "goodman-bray"):
         picture = made(name, "scene")
         camera = Camera.about(picture.points, picture.eye)
-        seen = [camera.seen(point) for layer in picture.layers for point in layer.vertices[layer.triangles.ravel()]]
+        seen = [
+            camera.seen(point)
+            for layer in picture.layers
+            for point in layer.vertices[layer.triangles.ravel()]
+        ]
         assert max(abs(above) for _, above in seen) <= camera.half[1]
         np.testing.assert_allclose(np.cross(camera.right, camera.up), camera.eye, atol=1e-12)
 
@@ -330,7 +375,9 @@ def test_map_coordinates_make_the_same_picture() -> None:
     near = sk.wedge(dips=("45/115", "45/245")).to_dict()
     offset = np.array([4e6, 5.5e6, 300.0])
     for a, b in zip(compose(far, "exploded").layers, compose(near, "exploded").layers, strict=True):
-        np.testing.assert_allclose(np.sort(a.vertices - offset, axis=0), np.sort(b.vertices, axis=0), atol=1e-6)
+        np.testing.assert_allclose(
+            np.sort(a.vertices - offset, axis=0), np.sort(b.vertices, axis=0), atol=1e-6
+        )
 
 
 @pytest.mark.slow
@@ -350,11 +397,15 @@ def test_png_glb_and_gltf(tmp_path: Path) -> None:
         draw(document("wedge"), "exploded", tmp_path / name)
         loaded = trimesh.load(tmp_path / name)
         assert {"blocks", "rock", "J1", "J2"} <= set(loaded.graph.nodes)
-        size = np.ptp(np.concatenate([part.vertices for part in made("wedge", "exploded").layers]), axis=0)
+        size = np.ptp(
+            np.concatenate([part.vertices for part in made("wedge", "exploded").layers]), axis=0
+        )
         np.testing.assert_allclose(loaded.extents, size[[0, 2, 1]], rtol=1e-5)  # y is up there
         back = {node: vertices.min(axis=0) for node, vertices, _ in mesh_bodies(tmp_path / name)}
         least = {part.name: part.vertices.min(axis=0) for part in made("wedge", "exploded").layers}
-        np.testing.assert_allclose(back["blocks"] - back["rock"], least["blocks"] - least["rock"], atol=1e-3)
+        np.testing.assert_allclose(
+            back["blocks"] - back["rock"], least["blocks"] - least["rock"], atol=1e-3
+        )
 
 
 @pytest.mark.slow
@@ -367,10 +418,22 @@ def test_run_draws_into_its_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     run = CliRunner().invoke(app, ["run", str(path_of("paper-footing")), "--quiet", "-o", str(out)])
     assert run.exit_code == 0
     assert {path.name for path in out.iterdir()} == {
-        "result.json", "sheet.txt", "scene.png", "mechanism.png", "reduction.png",
-    }  # fmt: skip
+        "result.json",
+        "sheet.txt",
+        "scene.png",
+        "mechanism.png",
+        "reduction.png",
+    }
     bare = CliRunner().invoke(
-        app, ["run", str(path_of("paper-footing")), "--quiet", "--no-pictures", "-o", str(tmp_path / "b")]
+        app,
+        [
+            "run",
+            str(path_of("paper-footing")),
+            "--quiet",
+            "--no-pictures",
+            "-o",
+            str(tmp_path / "b"),
+        ],
     )
     assert bare.exit_code == 0
     assert {path.name for path in (tmp_path / "b").iterdir()} == {"result.json", "sheet.txt"}
@@ -382,7 +445,11 @@ def test_run_draws_into_its_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(rendering, "save", lambda picture, path: path.write_bytes(b"drawn again"))
     once_more = CliRunner().invoke(app, [*arguments, "-o", str(out)])
     assert once_more.stderr.strip() == "pictures of an earlier result were removed: stereonet.png"
-    assert {path.name for path in out.glob("*.png")} == {"scene.png", "mechanism.png", "reduction.png"}
+    assert {path.name for path in out.glob("*.png")} == {
+        "scene.png",
+        "mechanism.png",
+        "reduction.png",
+    }
     assert (out / "scene.png").read_bytes() == b"drawn again"
     monkeypatch.undo()
     monkeypatch.setattr("slopekit.core.extras.find_spec", lambda name: None)
@@ -390,8 +457,12 @@ def test_run_draws_into_its_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert without.exit_code == 0
     assert "result.json and sheet.txt are written, pictures are left out: E140" in without.stderr
     assert {path.name for path in (tmp_path / "c").iterdir()} == {"result.json", "sheet.txt"}
-    one = CliRunner().invoke(app, ["run", str(path_of("footing")), "--quiet", "--picture", str(tmp_path / "one.glb")])
-    assert one.exit_code == 1  # the acceptance rule of the template is not met, and it is drawn all the same
+    one = CliRunner().invoke(
+        app, ["run", str(path_of("footing")), "--quiet", "--picture", str(tmp_path / "one.glb")]
+    )
+    assert (
+        one.exit_code == 1
+    )  # the acceptance rule of the template is not met, and it is drawn all the same
     assert (tmp_path / "one.glb").stat().st_size > 1000
 
 

@@ -15,12 +15,12 @@ from pathlib import Path
 from typing import Any
 
 from slopekit.app.saving import digest_of_file, edited, in_brackets
-from slopekit.app.session import Session, different
+from slopekit.app.session import Session, differing_paths
 from slopekit.core.errors import DesignError, Fault
 from slopekit.design import templates
 from slopekit.design.reading.nodes import Node
 
-WHAT = ("page", "dxf", "json", "command", "yaml")
+FORMATS = ("page", "dxf", "json", "command", "yaml")
 _BRACKETS = ("[", "{", "'", '"')
 
 
@@ -28,7 +28,7 @@ _BRACKETS = ("[", "{", "'", '"')
 File = tuple[str, bytes]
 
 
-def handed(what: str, session: Session, document: Mapping[str, Any] | None) -> File:
+def file_of(format_name: str, session: Session, document: Mapping[str, Any] | None) -> File:
     """A file of a design and its result.
 
     Parameters
@@ -41,15 +41,21 @@ def handed(what: str, session: Session, document: Mapping[str, Any] | None) -> F
         E541 for what is none, E548 without a result, E140 without the extra.
     """
     stem = Path(session.opened.name).stem or "design"
-    if what == "yaml":
-        return f"{stem}.yaml", edited(session.opened, session.now.document).encode()
-    if what not in WHAT:
-        raise DesignError([Fault("E541", f"{what!r} is nothing to hand over: {', '.join(WHAT)}")])
+    if format_name == "yaml":
+        return f"{stem}.yaml", edited(session.opened, session.moment.document).encode()
+    if format_name not in FORMATS:
+        raise DesignError(
+            [Fault("E541", f"{format_name!r} is nothing to hand over: {', '.join(FORMATS)}")]
+        )
     if document is None:
-        raise DesignError([Fault("E548", "there is no result of this design yet", "", "Analyse it first.")])
-    if what == "json":
-        return f"{stem}.json", json.dumps(document, ensure_ascii=False, indent=1, allow_nan=False).encode()
-    if what == "dxf":
+        raise DesignError(
+            [Fault("E548", "there is no result of this design yet", "", "Analyse it first.")]
+        )
+    if format_name == "json":
+        return f"{stem}.json", json.dumps(
+            document, ensure_ascii=False, indent=1, allow_nan=False
+        ).encode()
+    if format_name == "dxf":
         return f"{stem}.dxf", _dxf(document, stem)
     from slopekit.views.pages.report import report_of
 
@@ -73,8 +79,10 @@ def command_of(session: Session) -> str:
     """
     words = ["slopekit", "run", str(_file(session))]
     if session.opened.path is not None or _template(session) is not None:
-        words += [word for one in settings(session) for word in ("--set", one)]
-    words += ["--set", "cases=null"] if session.opened.cases else []  # they stand aside on the page too
+        words += [word for setting in settings(session) for word in ("--set", setting)]
+    words += (
+        ["--set", "cases=null"] if session.opened.cases else []
+    )  # they stand aside on the page too
     return shlex.join(words)
 
 
@@ -87,11 +95,15 @@ def note_of(session: Session) -> str:
         The faults of the design; E545 where its file changed on the disk: the line would give other numbers.
     """
     opened = session.opened
-    if session.now.faults:
-        raise DesignError(session.now.faults)
+    if session.moment.faults:
+        raise DesignError(session.moment.faults)
     if opened.path is not None and digest_of_file(opened.path) != opened.digest:
-        advice = "Open it again, or save under another name: the command line would give other numbers."
-        raise DesignError([Fault("E545", f"{opened.name} changed on the disk since it was read", "", advice)])
+        advice = (
+            "Open it again, or save under another name: the command line would give other numbers."
+        )
+        raise DesignError(
+            [Fault("E545", f"{opened.name} changed on the disk since it was read", "", advice)]
+        )
     if opened.path is None and _template(session) is None:
         return f"First save the design as {opened.name}, or download its YAML: the line reads that file."
     return ""
@@ -113,8 +125,8 @@ def _template(session: Session) -> Path | None:
 
 def settings(session: Session) -> list[str]:
     """What `--set` is given so that the file becomes the design."""
-    before, now = session.opened.document.root, session.now.document.root
-    return [f"{path}={_value(now.at(path))}" for path in different(before, now)]
+    opened_root, root = session.opened.document.root, session.moment.document.root
+    return [f"{path}={_value(root.find(path))}" for path in differing_paths(opened_root, root)]
 
 
 def _value(node: Node) -> str:
@@ -122,4 +134,8 @@ def _value(node: Node) -> str:
         return "null"
     if node.text is None:
         return in_brackets(node)
-    return json.dumps(node.text, ensure_ascii=False) if node.text.lstrip()[:1] in _BRACKETS else node.text
+    return (
+        json.dumps(node.text, ensure_ascii=False)
+        if node.text.lstrip()[:1] in _BRACKETS
+        else node.text
+    )

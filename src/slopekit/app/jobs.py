@@ -16,11 +16,11 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 from slopekit.app import answers
-from slopekit.app.messages import bug, of_numpy, wrong
+from slopekit.app.messages import fault_of_bug, json_of_numpy, message_error
 from slopekit.app.session import Moment
 from slopekit.core.errors import DesignError, Fault, SlopekitError
-from slopekit.core.onlooker import onlooker
 from slopekit.core.options import Advance, Workplace
+from slopekit.core.progress import listening
 from slopekit.design.fields import words_of
 from slopekit.design.reading.files import with_values
 from slopekit.kinds import kind_named
@@ -30,7 +30,7 @@ from slopekit.studies.running import end_with_parent
 Result = dict[str, Any]
 #: Told of how much is done, of how much (None: nobody knows), and what is being done.
 Tell = Callable[[int, int | None, str], None]
-WHAT = ("analyse", "curve", "probability", "support")
+JOBS = ("analyse", "curve", "probability", "support")
 MOST_POINTS, MOST_SAMPLES = 400, 200_000
 _EVERY_S = 0.1  # how often progress is told
 _DISTRIBUTION_KEYS = ("dist", "mean", "sd", "min", "max", "mode", "k")
@@ -39,49 +39,49 @@ _DISTRIBUTION_KEYS = ("dist", "mean", "sd", "min", "max", "mode", "k")
 # -- over there -------------------------------------------------------------------------------------------------------
 
 
-def run_job(what: str, moment: Moment, options: Mapping[str, Any], tell: Tell) -> Result:
+def run_job(job: str, moment: Moment, options: Mapping[str, Any], tell: Tell) -> Result:
     """Do a job.
 
     Parameters
     ----------
-    what : one of `WHAT`; options : as the page gives them; tell : of its progress
+    job : one of `WHAT`; options : as the page gives them; tell : of its progress
 
     Raises
     ------
     DesignError
         E541 for options that are none, and what studies raise. GeometryError where no block can be formed.
     """
-    if what not in WHAT:
-        raise wrong(f"{what!r} is no job: {', '.join(WHAT)}")
-    return {"analyse": _analyse, "curve": _curve, "probability": _probability, "support": _support}[what](
-        moment, options, tell
-    )
+    if job not in JOBS:
+        raise message_error(f"{job!r} is no job: {', '.join(JOBS)}")
+    return {"analyse": _analyse, "curve": _curve, "probability": _probability, "support": _support}[
+        job
+    ](moment, options, tell)
 
 
 def _analyse(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Result:
-    told = 0
+    stages = 0
 
     def heard(stage: str, value: float | None, head: bool) -> None:
-        nonlocal told
-        told += 1
-        tell(told, None, stage if value is None else f"{stage} {value:.4g}")
+        nonlocal stages
+        stages += 1
+        tell(stages, None, stage if value is None else f"{stage} {value:.4g}")
 
-    with onlooker(heard):
-        answer, result = answers.analysed(moment)
+    with listening(heard):
+        answer, result = answers.analysed_answer(moment)
     document = None if result is None else result.to_dict()
     return {"answer": answer, "document": document}
 
 
-def _desk(tell: Tell) -> Workplace:
+def _progress_context(tell: Tell) -> Workplace:
     """Where a study shows its progress."""
 
     @contextlib.contextmanager
     def bar(label: str, total: int) -> Iterator[Advance]:
         done = 0
 
-        def advance(by: int) -> None:
+        def advance(count: int) -> None:
             nonlocal done
-            done += by
+            done += count
             tell(done, total, label)
 
         tell(0, total, label)
@@ -96,93 +96,122 @@ def number_in(options: Mapping[str, Any], name: str, default: float | None) -> f
     if value is None:
         return default
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise wrong(f"{name} is no number")
+        raise message_error(f"{name} is no number")
     return float(value)
 
 
-def _whole(options: Mapping[str, Any], name: str, default: int, least: int, most: int) -> int:
+def _integer_in(options: Mapping[str, Any], name: str, default: int, least: int, most: int) -> int:
     value = number_in(options, name, default)
     if value is None or value != int(value) or not least <= value <= most:
-        raise wrong(f"{name} is a whole number from {least} to {most}")
+        raise message_error(f"{name} is a whole number from {least} to {most}")
     return int(value)
 
 
 def _curve(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Result:
-    from slopekit.app.controls import reach
+    from slopekit.app.controls import slider_range
     from slopekit.studies.sweep import Sweep, sweep
 
     path = options.get("path")
     if not isinstance(path, str):
-        raise wrong("curve needs a path")
+        raise message_error("curve needs a path")
     key = key_of(moment.design, path)
-    least, most = reach(key)
+    least, most = slider_range(key)
     low, high = number_in(options, "low", least), number_in(options, "high", most)
-    count = _whole(options, "points", 31, 2, MOST_POINTS)
+    count = _integer_in(options, "points", 31, 2, MOST_POINTS)
     assert low is not None
     assert high is not None
     if not low < high:
-        raise wrong("the curve ends before it begins")
+        raise message_error("the curve ends before it begins")
     steps = [low + (high - low) * k / (count - 1) for k in range(count)]
     values = [float(f"{step:.10g}") for step in steps]
-    if key.whole:
+    if key.is_integer:
         values = sorted({float(round(value)) for value in values})
-    curve = sweep(moment.design, {path: values}, desk=_desk(tell))
+    curve = sweep(moment.design, {path: values}, desk=_progress_context(tell))
     assert isinstance(curve, Sweep)
     factors = [point.factors for point in curve.points]
     return {
-        "path": path, "label": words_of(type(moment.design), path), "unit": key.unit, "x": list(curve.values[0]),
-        "limit": [None if one is None else one.limit for one in factors],
-        "closed_form": [None if one is None else one.closed_form for one in factors],
-        "status": [point.code if one is None else one.status for one, point in zip(factors, curve.points, strict=True)],
-        "now": key.value, "notices": [answers.notice_of(one) for one in curve.warnings], "line": curve.line,
-    }  # fmt: skip
+        "path": path,
+        "label": words_of(type(moment.design), path),
+        "unit": key.unit,
+        "x": list(curve.values[0]),
+        "limit": [None if factor is None else factor.limit for factor in factors],
+        "closed_form": [None if factor is None else factor.closed_form for factor in factors],
+        "status": [
+            point.code if factor is None else factor.status
+            for factor, point in zip(factors, curve.points, strict=True)
+        ],
+        "now": key.value,
+        "notices": [answers.notice_of(factor) for factor in curve.warnings],
+        "line": curve.line,
+    }
 
 
-def _scattered(moment: Moment, options: Mapping[str, Any]) -> dict[str, object]:
-    """What is put into the design so that its numbers scatter as the page says."""
-    given = options.get("scatter") or {}
-    if not isinstance(given, Mapping):
-        raise wrong("scatter is {path: {dist: normal, sd: 2}}")
+def _scatter_values(moment: Moment, options: Mapping[str, Any]) -> dict[str, object]:
+    """Return the overrides of the design by which its numbers scatter as the page says."""
+    request = options.get("scatter") or {}
+    if not isinstance(request, Mapping):
+        raise message_error("scatter is {path: {dist: normal, sd: 2}}")
     scatter: dict[str, object] = {}
-    for called, how in given.items():
-        path = str(called).removesuffix(".mean")
-        if how is None:
+    for path_of_mean, scatter_options in request.items():
+        path = str(path_of_mean).removesuffix(".mean")
+        if scatter_options is None:
             key = key_of(moment.design, path)
             scatter |= values_of(moment.design, [key], [key.value or 0.0])
             continue
-        if not isinstance(how, Mapping) or not set(how) <= set(_DISTRIBUTION_KEYS):
-            raise wrong(f"the scatter of {path} has other keys than {', '.join(_DISTRIBUTION_KEYS)}")
+        if not isinstance(scatter_options, Mapping) or not set(scatter_options) <= set(
+            _DISTRIBUTION_KEYS
+        ):
+            raise message_error(
+                f"the scatter of {path} has other keys than {', '.join(_DISTRIBUTION_KEYS)}"
+            )
         key = key_of(moment.design, path)
-        made = {name: value for name, value in how.items() if value is not None}
-        if made.get("dist") in ("normal", "lognormal") and "mean" not in made and key.value is not None:
-            made["mean"] = key.value
+        distribution = {name: value for name, value in scatter_options.items() if value is not None}
+        if (
+            distribution.get("dist") in ("normal", "lognormal")
+            and "mean" not in distribution
+            and key.value is not None
+        ):
+            distribution["mean"] = key.value
         scatter |= dict(key.written_out)
-        scatter[path] = made
+        scatter[path] = distribution
     return scatter
 
 
 def _probability(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Result:
     from slopekit.studies.prob import Probability, prob
 
-    count = _whole(options, "samples", 20_000, 10, MOST_SAMPLES)
-    seed = _whole(options, "seed", 1, 0, 2**31)
-    scatter = _scattered(moment, options)
+    count = _integer_in(options, "samples", 20_000, 10, MOST_SAMPLES)
+    seed = _integer_in(options, "seed", 1, 0, 2**31)
+    scatter = _scatter_values(moment, options)
     design = with_values(moment.design, scatter) if scatter else moment.design
     target = number_in(options, "fos", 1.0)
     assert target is not None
     tell(0, None, "samples")
-    study = prob(design, count, seed=seed, fos=target, desk=_desk(tell))
+    study = prob(design, count, seed=seed, fos=target, desk=_progress_context(tell))
     assert isinstance(study, Probability)
-    share, other, histogram = study.all_samples, study.by_closed_form, study.to_dict()["histogram"]
+    share, closed_form_share, histogram = (
+        study.all_samples,
+        study.by_closed_form,
+        study.to_dict()["histogram"],
+    )
     if histogram is not None:
         histogram["limit"] = histogram["counts"]
     return {
-        "samples": study.samples.count, "pf": share.share, "low": share.low, "high": share.high,
-        "pf_closed_form": None if other is None else other.share,
-        "confidence": study.asked.confidence, "target": target, "histogram": histogram, "outcomes": study.counts,
-        "sensitivity": [{"label": name, "rank_correlation": value} for name, value in study.sensitivities],
-        "notices": [answers.notice_of(one) for one in study.warnings], "line": study.line,
-    }  # fmt: skip
+        "samples": study.samples.count,
+        "pf": share.share,
+        "low": share.low,
+        "high": share.high,
+        "pf_closed_form": None if closed_form_share is None else closed_form_share.share,
+        "confidence": study.asked.confidence,
+        "target": target,
+        "histogram": histogram,
+        "outcomes": study.counts,
+        "sensitivity": [
+            {"label": name, "rank_correlation": value} for name, value in study.sensitivities
+        ],
+        "notices": [answers.notice_of(notice) for notice in study.warnings],
+        "line": study.line,
+    }
 
 
 def _support(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Result:
@@ -191,66 +220,80 @@ def _support(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Result:
 
     target = number_in(options, "fos", 1.5)
     acts = options.get("acts", "active")
-    given = {
-        name: options[name] for name in ("bolt_capacity", "spacing", "bond", "length", "toward", "plunge")
+    arguments = {
+        name: options[name]
+        for name in ("bolt_capacity", "spacing", "bond", "length", "toward", "plunge")
         if isinstance(options.get(name), int | float | str)
-    }  # fmt: skip
+    }
     tell(0, None, "force and direction")
-    study: Any = support(moment.design, target, acts=acts, desk=_desk(tell), **given)
+    study: Any = support(
+        moment.design, target, acts=acts, desk=_progress_context(tell), **arguments
+    )
     words = [
-        entry for section in study.sheet.sections if section.label not in ("PASTE", "TIME")
-        for entry in section.content if isinstance(entry, str) and not isinstance(entry, Verbatim)
-    ]  # fmt: skip
+        entry
+        for section in study.sheet.sections
+        if section.label not in ("PASTE", "TIME")
+        for entry in section.content
+        if isinstance(entry, str) and not isinstance(entry, Verbatim)
+    ]
     cases = study.cases if isinstance(study, Support) else ()  # load cases have no bolts in common
     built = next((case for case in cases if case.bolts), next(iter(cases), None))
     toward = getattr(built, "toward", None)
     return {
-        "words": words, "line": study.line, "reached": bool(getattr(study, "reached", False)),
-        "stands": bool(getattr(study, "stands", False)), "target": target,
-        "force": getattr(built, "force", None), "unit": getattr(study, "unit", "kN"),
-        "direction": None if toward is None else {"trend": toward.trend_deg, "plunge": toward.plunge_deg},
+        "words": words,
+        "line": study.line,
+        "reached": bool(getattr(study, "reached", False)),
+        "stands": bool(getattr(study, "stands", False)),
+        "target": target,
+        "force": getattr(built, "force", None),
+        "unit": getattr(study, "unit", "kN"),
+        "direction": None
+        if toward is None
+        else {"trend": toward.trend_deg, "plunge": toward.plunge_deg},
         "pattern": getattr(built, "pattern", None),
         "bolts": None if built is None or built.support is None else built.support["bolts"],
-        "notices": [answers.notice_of(one) for one in getattr(study, "warnings", ())],
-    }  # fmt: skip
+        "notices": [answers.notice_of(notice) for notice in getattr(study, "warnings", ())],
+    }
 
 
 def _serve(pipe: Connection) -> None:
-    """The process: wait for a job, do it, say what came of it; end where nobody listens any more."""
+    """Run in the job process: wait for jobs, do them, send their outcomes; end where nobody listens any more."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the server, which ends this
     end_with_parent()
     import slopekit.views.solid.viewer_data  # noqa: F401
 
     try:
         while (task := pipe.recv()) is not None:
-            what, moment, options = task
-            if what == "warm":
+            job, moment, options = task
+            if job == "warm":
                 kind_named(options["kind"])
                 continue
-            pipe.send_bytes(_done(what, moment, options, pipe))
+            pipe.send_bytes(_job_outcome(job, moment, options, pipe))
     except (EOFError, OSError):
         return
 
 
-def _done(what: str, moment: Moment, options: Mapping[str, Any], pipe: Connection) -> bytes:
+def _job_outcome(job: str, moment: Moment, options: Mapping[str, Any], pipe: Connection) -> bytes:
     last = 0.0
 
     def tell(done: int, total: int | None, words: str) -> None:
         nonlocal last
-        now = time.monotonic()
-        if now - last > _EVERY_S or done == total:
-            last = now
+        time_s = time.monotonic()
+        if time_s - last > _EVERY_S or done == total:
+            last = time_s
             pipe.send_bytes(json.dumps({"done": done, "total": total, "words": words}).encode())
 
-    def told(end: Mapping[str, Any]) -> bytes:
-        return json.dumps({"end": end}, default=of_numpy, allow_nan=False).encode()
+    def encoded(end: Mapping[str, Any]) -> bytes:
+        return json.dumps({"end": end}, default=json_of_numpy, allow_nan=False).encode()
 
     try:
-        return told({"result": run_job(what, moment, options, tell)})
+        return encoded({"result": run_job(job, moment, options, tell)})
     except SlopekitError as error:
-        return told({"faults": [answers.fault_of(fault, moment.document.root) for fault in error.faults]})
+        return encoded(
+            {"faults": [answers.fault_of(fault, moment.document.root) for fault in error.faults]}
+        )
     except Exception as error:  # a bug of ours: the page says so
-        return told({"faults": [answers.fault_of(bug(error))]})
+        return encoded({"faults": [answers.fault_of(fault_of_bug(error))]})
 
 
 # -- here -------------------------------------------------------------------------------------------------------------
@@ -282,7 +325,7 @@ class Jobs:
                 return
             self._ready().send(("warm", None, {"kind": kind}))
 
-    def start(self, what: str, moment: Moment, options: Mapping[str, Any], heard: Heard) -> int:
+    def start(self, job: str, moment: Moment, options: Mapping[str, Any], heard: Heard) -> int:
         """Begin a job; its number.
 
         Parameters
@@ -294,26 +337,32 @@ class Jobs:
         DesignError
             E544 while another runs, E541 for what is no job.
         """
-        if what not in WHAT:
-            raise wrong(f"{what!r} is no job: {', '.join(WHAT)}")
+        if job not in JOBS:
+            raise message_error(f"{job!r} is no job: {', '.join(JOBS)}")
         with self.lock:
             if self.running:
-                raise DesignError([Fault("E544", "another job runs already", "", "Wait for it, or cancel it.")])
+                raise DesignError(
+                    [Fault("E544", "another job runs already", "", "Wait for it, or cancel it.")]
+                )
             self.number += 1
             self.running = number = self.number
             pipe = self._ready()
-            pipe.send((what, moment, dict(options)))
-        threading.Thread(target=self._listen, args=(pipe, number, heard), daemon=True, name="job").start()
+            pipe.send((job, moment, dict(options)))
+        threading.Thread(
+            target=self._listen, args=(pipe, number, heard), daemon=True, name="job"
+        ).start()
         return number
 
     def _ready(self) -> Connection:
         """The way to a process that waits for a job: the one that is there, or a new one."""
         if self.pipe is None or not self.process.is_alive():
             spawn = multiprocessing.get_context("spawn")
-            self.pipe, there = spawn.Pipe()
-            self.process = spawn.Process(target=_serve, args=(there,), name="slopekit job", daemon=True)
+            self.pipe, child_pipe = spawn.Pipe()
+            self.process = spawn.Process(
+                target=_serve, args=(child_pipe,), name="slopekit job", daemon=True
+            )
             self.process.start()
-            there.close()
+            child_pipe.close()
         return self.pipe
 
     def _end(self) -> None:
@@ -357,7 +406,13 @@ class Jobs:
                     heard({"of": "progress", "job": number, **report})
         except (EOFError, OSError):
             message = "the process that did the job ended before it was done"
-            end = {"faults": [answers.fault_of(Fault("E544", message, "", "Start it again; has memory run out?"))]}
+            end = {
+                "faults": [
+                    answers.fault_of(
+                        Fault("E544", message, "", "Start it again; has memory run out?")
+                    )
+                ]
+            }
         with self.lock:
             self.running = 0
             if number in self.cancelled:

@@ -26,6 +26,6 @@ def view_of(result: Result) -> Widget:
 
 
 def _script() -> str:
-    at = files("slopekit")
-    parts = (at / "views/templates/viewer.js", at / "app/page/widget.js")
-    return "\n".join(part.read_text(encoding="utf-8") for part in parts)
+    package = files("slopekit")
+    scripts = (package / "views/templates/viewer.js", package / "app/page/widget.js")
+    return "\n".join(script.read_text(encoding="utf-8") for script in scripts)

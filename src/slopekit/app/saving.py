@@ -8,7 +8,7 @@ What was written is read again before it counts: it has to be the same design.
 >>> from slopekit.app.session import Session
 >>> session = Session(opened_text(text, "my.yaml"))
 >>> session.set({"joints.J2.plane.dip": 50, "slope.height": "20 m"}, final=True)
->>> print(edited(session.opened, session.now.document), end="")
+>>> print(edited(session.opened, session.moment.document), end="")
 slopekit: 1  # version
 kind: wedge
 joints: {J1: {plane: 45/115}, J2: {plane: '50/245'}}
@@ -32,7 +32,7 @@ from slopekit.core.errors import DesignError, Fault, writing
 from slopekit.core.synonyms import synonym
 from slopekit.core.whole_files import whole_file
 from slopekit.design.reading.document import read_text
-from slopekit.design.reading.nodes import Document, Node, cut, no_text, printable
+from slopekit.design.reading.nodes import Document, Node, cut, find_invalid_character, printable
 
 _PLAIN = re.compile(r"[\w°.+\-/][\w°²³.+\-/%]*(?: [\w°²³.+\-/%]+)*")
 _NOT_PLAIN = re.compile(r"(?:~|null|-+)", re.IGNORECASE)
@@ -60,18 +60,20 @@ def edited(opened: Opened, document: Document) -> str:
         top = yaml.compose(opened.text)
         edits = list(_edits(_Text(opened.text), top, opened.document.root, document.root))
         text = _applied(opened.text, edits)
-        again, faults = read_text(text, opened.name, opened.path)
+        reread, faults = read_text(text, opened.name, opened.path)
     except (YAMLError, DesignError, LookupError, ValueError, TypeError) as error:
-        raise _unsaved(cut(str(error).partition("\n")[0])) from None
-    root = {key: node.plain() for key, node in again.root.items() if key != "cases"}
+        raise _save_error(cut(str(error).partition("\n")[0])) from None
+    root = {key: node.plain() for key, node in reread.root.items() if key != "cases"}
     if faults or root != document.root.plain():
-        raise _unsaved("other lines would have to change")
+        raise _save_error("other lines would have to change")
     return text
 
 
-def _unsaved(why: str) -> DesignError:
+def _save_error(reason: str) -> DesignError:
     advice = "Copy the design from Hand over, or save under another name."
-    return DesignError([Fault("E547", f"the change cannot be put into the text of the file: {why}", "", advice)])
+    return DesignError(
+        [Fault("E547", f"the change cannot be put into the text of the file: {reason}", "", advice)]
+    )
 
 
 class _Text:
@@ -81,80 +83,101 @@ class _Text:
         self.text = text
         self.newline = "\r\n" if "\r\n" in text else "\n"
 
-    def start_of_line(self, at: int) -> int:
-        """Of the line that a place is in."""
-        return self.text.rfind("\n", 0, at) + 1
+    def start_of_line(self, index: int) -> int:
+        """The start of the line that holds an index."""
+        return self.text.rfind("\n", 0, index) + 1
 
-    def end_of_line(self, at: int) -> int:
-        """Of the line that a place is in, without its line end."""
-        line_end = re.compile(r"\r?\n|\Z").search(self.text, at)
+    def end_of_line(self, index: int) -> int:
+        """The end of the line that holds an index, without its line break."""
+        line_end = re.compile(r"\r?\n|\Z").search(self.text, index)
         assert line_end is not None
         return line_end.start()
 
 
-def _edits(text: _Text, item: Any, before: Node, after: Node) -> Iterator[_Edit]:
-    """What to replace so that the value of `before` that stands at `item` becomes that of `after`."""
-    if before is after or before.plain() == after.plain():
+def _edits(text: _Text, item: Any, old: Node, new: Node) -> Iterator[_Edit]:
+    """Iterate over the replacements in the text that turn the value `old` at `item` into `new`."""
+    if old is new or old.plain() == new.plain():
         return
-    if before.is_mapping and after.is_mapping and type(item).__name__ == "MappingNode":
-        yield from _of_mapping(text, item, before, after)
+    if old.is_mapping and new.is_mapping and type(item).__name__ == "MappingNode":
+        yield from _mapping_edits(text, item, old, new)
     elif (
-        isinstance(before.value, list) and isinstance(after.value, list)
-        and len(before.value) == len(after.value) == len(item.value)
-    ):  # fmt: skip
-        for below, one, other in zip(item.value, before.value, after.value, strict=True):
-            yield from _edits(text, below, one, other)
-    elif before.text is not None and after.text is not None:
-        yield item.start_mark.index, item.end_mark.index, _scalar(after.text, getattr(item, "style", None))
+        isinstance(old.value, list)
+        and isinstance(new.value, list)
+        and len(old.value) == len(new.value) == len(item.value)
+    ):
+        for below, old_element, new_element in zip(item.value, old.value, new.value, strict=True):
+            yield from _edits(text, below, old_element, new_element)
+    elif old.text is not None and new.text is not None:
+        yield (
+            item.start_mark.index,
+            item.end_mark.index,
+            _scalar(new.text, getattr(item, "style", None)),
+        )
     else:
-        yield item.start_mark.index, _end(item), in_brackets(after)
+        yield item.start_mark.index, _end(item), in_brackets(new)
 
 
-def _of_mapping(text: _Text, item: Any, before: Node, after: Node) -> Iterator[_Edit]:
-    keys = [key for key, _ in before.items()]
+def _mapping_edits(text: _Text, item: Any, old_node: Node, new_node: Node) -> Iterator[_Edit]:
+    keys = [key for key, _ in old_node.items()]
     words = [str(key.value) for key, _ in item.value]
-    pairs = {synonym(word, keys) or word: pair for word, pair in zip(words, item.value, strict=True)}
+    pairs = {
+        synonym(word, keys) or word: pair for word, pair in zip(words, item.value, strict=True)
+    }
     flow = bool(item.flow_style)
-    for key, one in before.items():
-        other = after.get(key)
-        if other:
-            yield from _edits(text, pairs[key][1], one, other)
-    gone = [key for key, _ in before.items() if not after.get(key)]
-    new = [key for key, _ in after.items() if not before.get(key)]
-    for old, other_key in zip(gone, new, strict=False):  # another key in its place
-        key, value = pairs[old]
-        yield key.start_mark.index, _end(value), _entry(other_key, after)
-    gone, new = gone[len(new) :], new[len(gone) :]
-    if gone:
-        yield from _without(text, item, pairs, gone, flow)
-    if not new:
+    for key, old_value in old_node.items():
+        new_value = new_node.get(key)
+        if new_value:
+            yield from _edits(text, pairs[key][1], old_value, new_value)
+    removed = [key for key, _ in old_node.items() if not new_node.get(key)]
+    added = [key for key, _ in new_node.items() if not old_node.get(key)]
+    for replaced_key, other_key in zip(removed, added, strict=False):  # another key in its place
+        key, value = pairs[replaced_key]
+        yield key.start_mark.index, _end(value), _entry(other_key, new_node)
+    removed, added = removed[len(added) :], added[len(removed) :]
+    if removed:
+        yield from _removals(text, item, pairs, removed, flow)
+    if not added:
         return
     if flow and pairs:
-        at = _end(item.value[-1][1])
-        yield at, at, "".join(f", {_entry(key, after)}" for key in new)
+        index = _end(item.value[-1][1])
+        yield index, index, "".join(f", {_entry(key, new_node)}" for key in added)
     elif not pairs:
-        yield item.start_mark.index, _end(item), f"{{{', '.join(_entry(key, after) for key in new)}}}"
+        yield (
+            item.start_mark.index,
+            _end(item),
+            f"{{{', '.join(_entry(key, new_node) for key in added)}}}",
+        )
     else:
-        at = text.end_of_line(max(_end(value) for _, value in item.value))
+        index = text.end_of_line(max(_end(value) for _, value in item.value))
         indent = " " * item.value[0][0].start_mark.column
-        yield at, at, "".join(f"{text.newline}{indent}{_entry(key, after)}" for key in new)
+        yield (
+            index,
+            index,
+            "".join(f"{text.newline}{indent}{_entry(key, new_node)}" for key in added),
+        )
 
 
-def _without(text: _Text, item: Any, pairs: dict[str, Any], gone: list[str], flow: bool) -> Iterator[_Edit]:
-    """Take keys out of a mapping."""
+def _removals(
+    text: _Text, item: Any, pairs: dict[str, Any], gone: list[str], flow: bool
+) -> Iterator[_Edit]:
+    """Iterate over the replacements that remove keys from a mapping."""
     names = list(pairs)
-    kept = [name for name in names if name not in gone]
-    if not kept:
+    remaining = [name for name in names if name not in gone]
+    if not remaining:
         yield item.start_mark.index, _end(item), "{}"
     elif not flow:
         for name in gone:
             key, value = pairs[name]
             end = text.end_of_line(_end(value))
-            yield text.start_of_line(key.start_mark.index), min(end + len(text.newline), len(text.text)), ""
+            yield (
+                text.start_of_line(key.start_mark.index),
+                min(end + len(text.newline), len(text.text)),
+                "",
+            )
     else:
-        first = names.index(kept[0])
+        first = names.index(remaining[0])
         if first:
-            yield pairs[names[0]][0].start_mark.index, pairs[kept[0]][0].start_mark.index, ""
+            yield pairs[names[0]][0].start_mark.index, pairs[remaining[0]][0].start_mark.index, ""
         for name in gone:
             if names.index(name) > first:
                 yield _end(pairs[names[names.index(name) - 1]][1]), _end(pairs[name][1]), ""
@@ -191,13 +214,13 @@ def _scalar(text: str, style: str | None = None) -> str:
 
 
 def _applied(text: str, edits: list[_Edit]) -> str:
-    parts, at = list[str](), 0
+    pieces, position = list[str](), 0
     for start, end, new in sorted(edits, key=lambda edit: edit[:2]):
-        if start < at:
+        if start < position:
             raise ValueError("two changes meet in one place")
-        parts += [text[at:start], new]
-        at = end
-    return "".join([*parts, text[at:]])
+        pieces += [text[position:start], new]
+        position = end
+    return "".join([*pieces, text[position:]])
 
 
 # -- the difference ---------------------------------------------------------------------------------------------------
@@ -226,42 +249,68 @@ def change_of(session: Session, file: str | None = None) -> SavedChange:
     DesignError
         E547 where the design has faults, or its text cannot be changed; E141 for a file that is no design file.
     """
-    if session.now.faults:
+    if session.moment.faults:
         advice = "Put right what the page marks, or undo it."
-        raise DesignError([Fault("E547", "the design has faults: it is not saved", "", advice), *session.now.faults])
+        raise DesignError(
+            [
+                Fault("E547", "the design has faults: it is not saved", "", advice),
+                *session.moment.faults,
+            ]
+        )
     opened = session.opened
     target = _target(file) if file else opened.path
-    text = edited(opened, session.now.document)
+    text = edited(opened, session.moment.document)
     name = opened.name if target is None else target.name
-    lines = list(difflib.unified_diff(_lines(opened.text), _lines(text), opened.name, name, n=2, lineterm=""))
+    lines = list(
+        difflib.unified_diff(_lines(opened.text), _lines(text), opened.name, name, n=2, lineterm="")
+    )
     new = sum(line.startswith("+") for line in lines[2:])
-    moved = target is not None and _same(target, opened.path) and digest_of_file(target) != opened.digest
-    return SavedChange(target, text, "\n".join(lines), new, moved)
+    changed_on_disk = (
+        target is not None
+        and _is_same_file(target, opened.path)
+        and digest_of_file(target) != opened.digest
+    )
+    return SavedChange(target, text, "\n".join(lines), new, changed_on_disk)
 
 
 def _lines(text: str) -> list[str]:
     """The lines of a text; that the last has no end is a line of its own, as everywhere."""
     lines = text.splitlines()
-    return lines if not text or text.endswith("\n") else [*lines[:-1], f"{lines[-1]}\n\\ No newline at end of file"]
+    return (
+        lines
+        if not text or text.endswith("\n")
+        else [*lines[:-1], f"{lines[-1]}\n\\ No newline at end of file"]
+    )
 
 
 def _target(file: str) -> Path:
     try:
         path = Path(file).expanduser()
-        is_name = no_text(file) is None
+        is_name = find_invalid_character(file) is None
         path.exists()
     except (OSError, RuntimeError):  # a name that is too long; ~ of a user that there is not
         is_name = False
     if not is_name:
         name = cut(printable(file))
-        raise DesignError([Fault("E547", f"no file can be called {name}", name, "Name it like slope.yaml.")])
+        raise DesignError(
+            [Fault("E547", f"no file can be called {name}", name, "Name it like slope.yaml.")]
+        )
     if path.suffix.lower() not in _ENDINGS:
-        raise DesignError([Fault("E547", f"{cut(file)} does not end in .yaml", cut(file), "Name it like slope.yaml.")])
+        raise DesignError(
+            [
+                Fault(
+                    "E547",
+                    f"{cut(file)} does not end in .yaml",
+                    cut(file),
+                    "Name it like slope.yaml.",
+                )
+            ]
+        )
     return path
 
 
-def _same(one: Path, other: Path | None) -> bool:
-    return other is not None and os.path.realpath(one) == os.path.realpath(other)
+def _is_same_file(path: Path, opened_path: Path | None) -> bool:
+    return opened_path is not None and os.path.realpath(path) == os.path.realpath(opened_path)
 
 
 def digest_of_file(path: Path) -> str:
@@ -288,19 +337,41 @@ def save(session: Session, file: str | None, seen: str) -> Path:
     change, opened = change_of(session, file), session.opened
     target = change.target
     if target is None:
-        raise DesignError([Fault("E547", "there is no file yet: give it a name", "", "For example slope.yaml.")])
-    own = _same(target, opened.path)
+        raise DesignError(
+            [Fault("E547", "there is no file yet: give it a name", "", "For example slope.yaml.")]
+        )
+    is_opened_file = _is_same_file(target, opened.path)
     if change.changed_on_disk:
         advice = "Open it again, or save under another name."
-        raise DesignError([Fault("E545", f"{target.name} changed on the disk since it was read", str(target), advice)])
-    if not own and target.exists():
-        raise DesignError([Fault("E547", f"{target} is there already", str(target), "Give another name.")])
+        raise DesignError(
+            [
+                Fault(
+                    "E545",
+                    f"{target.name} changed on the disk since it was read",
+                    str(target),
+                    advice,
+                )
+            ]
+        )
+    if not is_opened_file and target.exists():
+        raise DesignError(
+            [Fault("E547", f"{target} is there already", str(target), "Give another name.")]
+        )
     if seen != change.diff:
-        raise DesignError([Fault("E545", "the change is another than the one that was shown", "", "Look at it again.")])
+        raise DesignError(
+            [
+                Fault(
+                    "E545",
+                    "the change is another than the one that was shown",
+                    "",
+                    "Look at it again.",
+                )
+            ]
+        )
     content = change.text.encode()
-    if own and target.read_bytes().startswith(_BOM):
+    if is_opened_file and target.read_bytes().startswith(_BOM):
         content = _BOM + content
-    _write(target, content, new=not own)
+    _write(target, content, new=not is_opened_file)
     session.saved(opened_text(change.text, target.name, target, digest_of(content)))
     return target
 
@@ -325,8 +396,8 @@ def state_folder() -> Path:
     elif sys.platform == "darwin":
         base = Path.home() / "Library" / "Application Support"
     else:
-        given = os.environ.get("XDG_STATE_HOME", "")
-        base = Path(given) if os.path.isabs(given) else Path.home() / ".local" / "state"
+        configured = os.environ.get("XDG_STATE_HOME", "")
+        base = Path(configured) if os.path.isabs(configured) else Path.home() / ".local" / "state"
     return base / "slopekit" / "unsaved"
 
 
@@ -347,7 +418,7 @@ class Autosave:
         return self.folder / f"{self.number}.json"
 
     def keep(self, session: Session, file: Path | None = None) -> None:
-        """Keep what is not saved, forget what is; a folder that cannot be written to is no reason to stop."""
+        """Autosave a design, or remove its autosave where it is saved; a read-only folder is no reason to stop."""
         file = file or self.file
         try:
             if session.is_saved:
@@ -355,10 +426,14 @@ class Autosave:
                 return
             opened = session.opened
             record = {
-                "title": session.design.title or opened.name, "when": time.strftime("%Y-%m-%d %H:%M"),
-                "name": opened.name, "path": None if opened.path is None else str(opened.path.absolute()),
-                "digest": opened.digest, "opened": opened.text, "text": edited(opened, session.now.document),
-            }  # fmt: skip
+                "title": session.design.title or opened.name,
+                "when": time.strftime("%Y-%m-%d %H:%M"),
+                "name": opened.name,
+                "path": None if opened.path is None else str(opened.path.absolute()),
+                "digest": opened.digest,
+                "opened": opened.text,
+                "text": edited(opened, session.moment.document),
+            }
             self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
             with whole_file(file) as fresh:
                 fresh.write_text(json.dumps(record), encoding="utf-8")
@@ -368,9 +443,11 @@ class Autosave:
             return
 
     def _all(self) -> list[Path]:
-        """What is kept, the newest first."""
+        """Return the files of all autosaves, the newest first."""
         try:
-            return sorted(self.folder.glob("*.json"), key=lambda path: path.stat().st_mtime, reverse=True)
+            return sorted(
+                self.folder.glob("*.json"), key=lambda path: path.stat().st_mtime, reverse=True
+            )
         except OSError:
             return []
 
@@ -382,16 +459,16 @@ class Autosave:
                 return {"title": record["title"], "when": record["when"], "id": path.stem}
         return None
 
-    def taken(self, number: str, session: Session) -> None:
-        """Go on with what was kept.
+    def restore(self, number: str, session: Session) -> None:
+        """Restore an autosaved design into a session.
 
         Raises
         ------
         DesignError
             E548 where there is nothing of that number, and what `load` says of what is no design.
         """
-        known = {path.stem: path for path in self._all()}
-        record = self._read(known[number]) if number in known else None
+        paths = {path.stem: path for path in self._all()}
+        record = self._read(paths[number]) if number in paths else None
         if record is None:
             raise DesignError([Fault("E548", "nothing unsaved is kept under that number")])
         path = None if record["path"] is None else Path(record["path"])

@@ -23,7 +23,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from slopekit._version import __version__
 from slopekit.app import handover, jobs, saving, surveys
 from slopekit.app.desk import Desk, Link
-from slopekit.app.messages import LARGEST_SURVEY, Message, text_of, values_of, wrong
+from slopekit.app.messages import LARGEST_SURVEY, Message, message_error, text_of, values_of
 from slopekit.app.session import Moment, Opened, Session, opened_template, opened_text
 from slopekit.core.errors import DesignError, Fault
 from slopekit.design.reading.nodes import cut, printable
@@ -37,7 +37,7 @@ def _set(link: Link, message: Message) -> None:
     desk.session.set(values, final)
     if final:
         desk.changed()
-    if not desk.session.now.faults and desk.structure() != desk.shape:
+    if not desk.session.moment.faults and desk.structure() != desk.shape:
         desk.show(link)
     desk.ask(link, message, final, {"values": desk.session.values_at(values)})
 
@@ -66,8 +66,8 @@ def _reset(link: Link, message: Message) -> None:
 
 def _open(link: Link, message: Message) -> None:
     async def opened_in_thread(opened: Opened) -> None:
-        kept = take(link.desk, opened)
-        await _greeted(link, message, kept)
+        autosaved = take(link.desk, opened)
+        await _show_opened(link, message, autosaved)
 
     if "unsaved" in message:
         _open_unsaved(link, message, text_of(message, "unsaved"))
@@ -80,15 +80,17 @@ def _reading(desk: Desk, message: Message) -> Callable[[], Opened]:
     if "template" in message:
         return partial(opened_template, text_of(message, "template"))
     if "yaml" in message:
-        return partial(opened_text, text_of(message, "yaml"), _name(text_of(message, "name", "design.yaml")))
+        return partial(
+            opened_text, text_of(message, "yaml"), _name(text_of(message, "name", "design.yaml"))
+        )
     if "pair" in message:
         if desk.survey is None:
-            raise wrong("no survey was dropped", "Drop a joint list first.", "E548")
+            raise message_error("no survey was dropped", "Drop a joint list first.", "E548")
         number = message["pair"]
         if not isinstance(number, int) or isinstance(number, bool):
-            raise wrong("pair needs the number of a pair")
+            raise message_error("pair needs the number of a pair")
         return partial(opened_text, desk.survey.design_of_pair(number), "pair.yaml")
-    raise wrong("open needs a template, a yaml, a pair or what was not saved")
+    raise message_error("open needs a template, a yaml, a pair or what was not saved")
 
 
 def _open_unsaved(link: Link, message: Message, number: str) -> None:
@@ -96,32 +98,32 @@ def _open_unsaved(link: Link, message: Message, number: str) -> None:
     desk = link.desk
 
     def work() -> Session:
-        found = desk.session.snapshot()
-        saving.Autosave(desk.autosave.folder).taken(number, found)
-        return found
+        session = desk.session.snapshot()
+        saving.Autosave(desk.autosave.folder).restore(number, session)
+        return session
 
-    async def opened_in_thread(found: Session) -> None:
-        kept = take(desk, found.opened)
-        desk.session.restore(found.now.document)
+    async def opened_in_thread(session: Session) -> None:
+        autosaved = take(desk, session.opened)
+        desk.session.restore(session.moment.document)
         desk.autosave.number = number
-        await _greeted(link, message, kept)
+        await _show_opened(link, message, autosaved)
 
     link.in_turn(message, work, opened_in_thread)
 
 
-async def _greeted(link: Link, message: Message, kept: "Future[None]") -> None:
+async def _show_opened(link: Link, message: Message, autosaved: "Future[None]") -> None:
     """Show what was opened; greet again when what it took the place of is kept, which is offered then."""
     _changed(link, message)
-    await asyncio.wrap_future(kept)
+    await asyncio.wrap_future(autosaved)
     link.send(await asyncio.get_running_loop().run_in_executor(link.desk.readers, link.desk.hello))
 
 
 def take(desk: Desk, opened: Opened) -> "Future[None]":
     """Work on another design; done when what it takes the place of is kept."""
-    kept = desk.set_aside()
+    autosaved = desk.set_aside()
     desk.session.open(opened)
     _forget(desk)
-    return kept
+    return autosaved
 
 
 def _forget(desk: Desk) -> None:
@@ -137,34 +139,39 @@ def _name(name: str) -> str:
 
 
 def _start(link: Link, message: Message) -> None:
-    desk, what = link.desk, text_of(message, "job")
-    moment = desk.session.now
+    desk, job = link.desk, text_of(message, "job")
+    moment = desk.session.moment
     if moment.faults:
         raise DesignError(moment.faults)
     loop = asyncio.get_running_loop()
 
     def heard(event: Message) -> None:
-        loop.call_soon_threadsafe(_pass_on, link, what, moment, event)
+        loop.call_soon_threadsafe(_pass_on, link, job, moment, event)
 
     options = {key: value for key, value in message.items() if key not in ("id", "do", "job")}
-    link.answer(message, {"job": desk.jobs.start(what, moment, options, heard)})
+    link.answer(message, {"job": desk.jobs.start(job, moment, options, heard)})
 
 
 def _analyse(link: Link, message: Message) -> None:
     _start(link, {**message, "job": "analyse"})
 
 
-def _pass_on(link: Link, what: str, moment: Moment, event: Message) -> None:
+def _pass_on(link: Link, job: str, moment: Moment, event: Message) -> None:
     """Pass on what a job says; an analysis is the answer from now on."""
     desk = link.desk
-    if what == "analyse" and (job_result := event.get("result")) is not None:
+    if job == "analyse" and (job_result := event.get("result")) is not None:
         answer = job_result.pop("answer")
         if job_result["document"] is not None and answer["rev"] >= desk.opened_rev:
-            desk.last, desk.result, desk.document, desk.last_moment = answer, None, job_result["document"], moment
-        answer["stale"] = desk.session.now.document is not moment.document
-        desk.also_send(link, desk.also(answer) | {"of": "answer"})
-        event = event | {"result": desk.also(answer)}
-    if what == "support" and (job_result := event.get("result")) is not None:
+            desk.last, desk.result, desk.document, desk.last_moment = (
+                answer,
+                None,
+                job_result["document"],
+                moment,
+            )
+        answer["stale"] = desk.session.moment.document is not moment.document
+        desk.also_send(link, desk.with_undo_state(answer) | {"of": "answer"})
+        event = event | {"result": desk.with_undo_state(answer)}
+    if job == "support" and (job_result := event.get("result")) is not None:
         desk.bolts = (moment, job_result["bolts"]) if job_result["bolts"] else None
     link.send(event)
     if event["of"] == "done" and event.get("cancelled"):
@@ -174,16 +181,16 @@ def _pass_on(link: Link, what: str, moment: Moment, event: Message) -> None:
 def _cancel(link: Link, message: Message) -> None:
     number = message.get("job")
     if not isinstance(number, int) or isinstance(number, bool):
-        raise wrong("cancel needs the number of a job")
+        raise message_error("cancel needs the number of a job")
     desk = link.desk
     if number != desk.jobs.running:
-        raise wrong("this job does not run", "", "E544")
+        raise message_error("this job does not run", "", "E544")
 
     def work() -> Message:
         desk.jobs.cancel(number)  # refused where it ended by itself meanwhile
         return {}
 
-    desk.start(desk.apart(link, message, desk.readers, work, link.answering(message)))
+    desk.start(desk.run_in_thread(link, message, desk.readers, work, link.answering(message)))
 
 
 def _survey(link: Link, message: Message) -> None:
@@ -193,8 +200,10 @@ def _survey(link: Link, message: Message) -> None:
     columns, skip_bad = text_of(message, "columns", "") or None, message.get("skip_bad") is True
 
     def work() -> Message:
-        desk.survey = surveys.dropped(design, name, text, c, phi, columns=columns, skip_bad=skip_bad)
-        return desk.survey.said
+        desk.survey = surveys.read_dropped_survey(
+            design, name, text, c, phi, columns=columns, skip_bad=skip_bad
+        )
+        return desk.survey.message
 
     desk.later(link, message, work)
 
@@ -202,10 +211,14 @@ def _survey(link: Link, message: Message) -> None:
 def _add_bolts(link: Link, message: Message) -> None:
     desk = link.desk
     if not desk.bolts:
-        raise wrong("there are no bolts to add: none were looked for, or none give the factor", "", "E548")
+        raise message_error(
+            "there are no bolts to add: none were looked for, or none give the factor", "", "E548"
+        )
     found_for, bolts = desk.bolts
-    if found_for.document is not desk.session.now.document:
-        raise wrong("the bolts were found for an earlier design", "Find them again.", "E545")
+    if found_for.document is not desk.session.moment.document:
+        raise message_error(
+            "the bolts were found for an earlier design", "Find them again.", "E545"
+        )
     desk.session.put("support.bolts", bolts)
     _changed(link, message)
 
@@ -220,25 +233,27 @@ def _diff(link: Link, message: Message) -> None:
     def work() -> Message:
         change = saving.change_of(session, file)
         return {
-            "diff": change.diff, "file": None if change.target is None else str(change.target),
-            "changed_on_disk": change.changed_on_disk, "lines": change.lines,
-        }  # fmt: skip
+            "diff": change.diff,
+            "file": None if change.target is None else str(change.target),
+            "changed_on_disk": change.changed_on_disk,
+            "lines": change.lines,
+        }
 
     link.in_turn(message, work, link.answering(message))
 
 
 def _save(link: Link, message: Message) -> None:
     desk, file, seen = link.desk, _file_of(message), text_of(message, "seen")
-    snapshot, before = desk.session.snapshot(), desk.session.now
+    snapshot, saved_moment = desk.session.snapshot(), desk.session.moment
 
     def work() -> Path:
         with desk.saving:
             return saving.save(snapshot, file, seen)
 
     async def saved(target: Path) -> None:
-        desk.session.saved_of(snapshot, before)
+        desk.session.saved_of(snapshot, saved_moment)
         if desk.last_moment is not None and desk.last_moment.rev == desk.session.rev:
-            desk.last_moment = desk.session.now
+            desk.last_moment = desk.session.moment
         desk.changed()
         link.answer(message, {"file": str(target)})
         desk.show(link)
@@ -247,14 +262,16 @@ def _save(link: Link, message: Message) -> None:
 
 
 def _handover(link: Link, message: Message) -> None:
-    desk, what = link.desk, text_of(message, "what")
-    if what == "command":
+    desk, format_name = link.desk, text_of(message, "what")
+    if format_name == "command":
         text, note = handover.command_of(desk.session), handover.note_of(desk.session)
         link.answer(message, {"text": text, "note": note})
         return
 
     def work() -> Message:
-        name, content = handover.handed(what, desk.session, None if what == "yaml" else desk.result_document())
+        name, content = handover.file_of(
+            format_name, desk.session, None if format_name == "yaml" else desk.result_document()
+        )
         number = secrets.token_urlsafe(9)
         desk.files[number] = (name, content)
         for old in list(desk.files)[:-_MOST_FILES]:
@@ -266,10 +283,20 @@ def _handover(link: Link, message: Message) -> None:
 
 #: What each word does.
 VERBS: dict[str, Callable[[Link, Message], None]] = {
-    "set": _set, "undo": _undo, "redo": _redo, "reset": _reset, "open": _open, "start": _start, "analyse": _analyse,
-    "cancel": _cancel, "survey": _survey, "add_bolts": _add_bolts, "diff": _diff, "save": _save,
+    "set": _set,
+    "undo": _undo,
+    "redo": _redo,
+    "reset": _reset,
+    "open": _open,
+    "start": _start,
+    "analyse": _analyse,
+    "cancel": _cancel,
+    "survey": _survey,
+    "add_bolts": _add_bolts,
+    "diff": _diff,
+    "save": _save,
     "handover": _handover,
-}  # fmt: skip
+}
 
 
 LOOPBACK = "127.0.0.1"
@@ -278,17 +305,28 @@ _MOST_LINKS = 8
 _HERE = Path(__file__).parent
 _PAGE = _HERE / "page"
 _VIEWER = _HERE.parent / "views" / "templates" / "viewer.js"
-_TYPES = {".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml", ".png": "image/png"}
-_HANDED = {
-    ".html": "text/html", ".json": "application/json", ".yaml": "application/yaml", ".dxf": "application/dxf",
-}  # fmt: skip
+_TYPES = {
+    ".js": "text/javascript",
+    ".css": "text/css",
+    ".svg": "image/svg+xml",
+    ".png": "image/png",
+}
+_DOWNLOAD_TYPES = {
+    ".html": "text/html",
+    ".json": "application/json",
+    ".yaml": "application/yaml",
+    ".dxf": "application/dxf",
+}
 #: What a browser is told of every answer: nothing from elsewhere, nothing inline, nothing kept.
 HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
     "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
-    "X-Content-Type-Options": "nosniff", "Referrer-Policy": "no-referrer", "Cache-Control": "no-store",
-    "Cross-Origin-Opener-Policy": "same-origin", "Cross-Origin-Resource-Policy": "same-origin",
-}  # fmt: skip
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cache-Control": "no-store",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}
 
 
 # -- who may ask ------------------------------------------------------------------------------------------------------
@@ -305,23 +343,25 @@ class Guard:
         if scope["type"] not in ("http", "websocket"):
             await self.inner(scope, receive, send)
             return
-        why = self.refused(scope)
-        if not why:
+        reason = self.refused(scope)
+        if not reason:
             await self.inner(scope, receive, send)
         elif scope["type"] == "websocket":
             await receive()
-            await send({"type": "websocket.close", "code": 4403, "reason": why})
+            await send({"type": "websocket.close", "code": 4403, "reason": reason})
         else:
-            await PlainTextResponse(why, 403 if "token" not in why else 404, HEADERS)(scope, receive, send)
+            await PlainTextResponse(reason, 403 if "token" not in reason else 404, HEADERS)(
+                scope, receive, send
+            )
 
     def refused(self, scope: Scope) -> str:
         """Why a request is refused; empty where it is not."""
-        given = [(name.lower(), value) for name, value in scope["headers"]]
-        hosts = [value.decode("latin-1") for name, value in given if name == b"host"]
+        headers = [(name.lower(), value) for name, value in scope["headers"]]
+        hosts = [value.decode("latin-1") for name, value in headers if name == b"host"]
         allowed = [f"{name}:{self.port()}" for name in _NAMES]
         if len(hosts) != 1 or hosts[0] not in allowed:
             return "this server answers its own address alone"
-        origins = [value.decode("latin-1") for name, value in given if name == b"origin"]
+        origins = [value.decode("latin-1") for name, value in headers if name == b"origin"]
         if any(origin not in [f"http://{host}" for host in allowed] for origin in origins):
             return "another page may not ask"
         if scope["type"] == "websocket" and len(origins) != 1:
@@ -357,9 +397,11 @@ def application(desk: Desk) -> Guard:
         if number not in desk.files:
             return PlainTextResponse("it is there no more", 404, HEADERS)
         name, content = desk.files[number]
-        named = {"Content-Disposition": f"attachment; filename*=UTF-8''{quote(name, safe='')}"}
-        kind = _HANDED.get(Path(name).suffix, "application/octet-stream")
-        return Response(content, media_type=kind, headers=HEADERS | named)
+        disposition = {
+            "Content-Disposition": f"attachment; filename*=UTF-8''{quote(name, safe='')}"
+        }
+        kind = _DOWNLOAD_TYPES.get(Path(name).suffix, "application/octet-stream")
+        return Response(content, media_type=kind, headers=HEADERS | disposition)
 
     async def socket(websocket: WebSocket) -> None:
         if len(desk.links) >= _MOST_LINKS:
@@ -376,9 +418,11 @@ def application(desk: Desk) -> Guard:
             desk.links.remove(link)
 
     routes = [
-        Route("/{token}/", page), Route("/{token}/static/{name}", asset), Route("/{token}/get/{number}", get),
+        Route("/{token}/", page),
+        Route("/{token}/static/{name}", asset),
+        Route("/{token}/get/{number}", get),
         WebSocketRoute("/{token}/link", socket),
-    ]  # fmt: skip
+    ]
     return Guard(Starlette(routes=routes, lifespan=lifespan), desk.token, lambda: desk.port)
 
 
@@ -423,14 +467,23 @@ def serve(opened: Opened, port: int, ready: Callable[[str], None]) -> None:
     except OSError as error:
         sock.close()
         message = f"port {port} cannot be listened on: {error.strerror or error}"
-        raise DesignError([Fault("E544", message, f"--port {port}", "Leave --port out for any.")]) from None
+        raise DesignError(
+            [Fault("E544", message, f"--port {port}", "Leave --port out for any.")]
+        ) from None
     desk.port = sock.getsockname()[1]
     config = uvicorn.Config(
-        application(desk), log_level="error", access_log=False, server_header=False, ws_max_size=LARGEST_SURVEY * 4,
-        ws="websockets-sansio", ws_per_message_deflate=False, lifespan="on",
-        ws_ping_interval=None, ws_ping_timeout=None,  # nothing lies between: a page that sleeps is no page that is gone
+        application(desk),
+        log_level="error",
+        access_log=False,
+        server_header=False,
+        ws_max_size=LARGEST_SURVEY * 4,
+        ws="websockets-sansio",
+        ws_per_message_deflate=False,
+        lifespan="on",
+        ws_ping_interval=None,
+        ws_ping_timeout=None,  # nothing lies between: a page that sleeps is no page that is gone
         timeout_graceful_shutdown=1,
-    )  # fmt: skip
+    )
     server = uvicorn.Server(config)
 
     async def main() -> None:

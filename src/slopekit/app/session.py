@@ -24,14 +24,14 @@ from slopekit.app import controls
 from slopekit.core.errors import DesignError, Fault
 from slopekit.design import templates
 from slopekit.design.common import Design
-from slopekit.design.reading.document import ALTERNATIVES, read_text, with_overrides
+from slopekit.design.reading.document import ALTERNATIVES, decoded, read_text, with_overrides
 from slopekit.design.reading.files import design_of, load_document_design
-from slopekit.design.reading.nodes import Document, Node
-from slopekit.design.reading.structure import WRITTEN
+from slopekit.design.reading.nodes import Document, Node, Place, cut, printable
+from slopekit.design.reading.structure import WRITTEN_ANGLES
 from slopekit.studies.keys import Key
 
 _MOST_UNDONE = 500
-_ANGLES = frozenset(angle for angles in WRITTEN.values() for angle in angles)
+_ANGLES = frozenset(angle for angles in WRITTEN_ANGLES.values() for angle in angles)
 _NUMBER = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d{1,2})?(?![\d,.e])", re.IGNORECASE)
 _LONGEST = 2000  # letters of one value
 
@@ -93,7 +93,6 @@ def opened_text(text: str, name: str, path: Path | None = None, digest: str = ""
 
 def opened_file(path: Path) -> Opened:
     """A design of a file. Raises DesignError with every fault found."""
-    from slopekit.design.reading.document import decoded
     from slopekit.design.reading.on_disk import read_bytes
 
     content = read_bytes(path)
@@ -105,7 +104,7 @@ class Session:
 
     Attributes
     ----------
-    opened : as it was opened; now : at this moment
+    opened : the design as it was opened; moment : the design as it is now
     """
 
     def __init__(self, opened: Opened) -> None:
@@ -113,23 +112,27 @@ class Session:
         self.open(opened)
 
     def open(self, opened: Opened) -> None:
-        """Take another design; there is nothing to undo then."""
+        """Work on another design; the steps to undo are forgotten."""
         self.rev += 1
         self.opened_rev = self.rev
         self.opened = opened
-        self.now = Moment(self.rev, opened.document, opened.design, cases=opened.cases)
+        self.moment = Moment(self.rev, opened.document, opened.design, cases=opened.cases)
         self.done: list[Document] = []
         self.undone: list[Document] = []
         self.settled = opened.document
-        self.before = controls.values_of(opened.design)
-        self._of, self._shown, self._numbers = opened.document, opened.design, self.before
+        self.opened_values = controls.values_of(opened.design)
+        self._displayed_document, self._displayed_design, self._numbers = (
+            opened.document,
+            opened.design,
+            self.opened_values,
+        )
 
     # -- what it is ---------------------------------------------------------------------------------------------------
 
     @property
     def design(self) -> Design:
         """The last sound design."""
-        return self.now.design
+        return self.moment.design
 
     @property
     def live(self) -> str:
@@ -141,7 +144,7 @@ class Session:
     @property
     def can_undo(self) -> bool:
         """Whether there is something to undo."""
-        return bool(self.done) or self.now.document is not self.settled
+        return bool(self.done) or self.moment.document is not self.settled
 
     @property
     def can_redo(self) -> bool:
@@ -149,46 +152,61 @@ class Session:
         return bool(self.undone)
 
     @property
-    def shown(self) -> Design:
-        """The design whose numbers stand on the page: what is written, where that can be read, else the last sound."""
-        self._look()
-        return self._shown
+    def displayed_design(self) -> Design:
+        """The design whose numbers the page shows: as written where that can be read, else the last sound one."""
+        self._update_displayed()
+        return self._displayed_design
 
     @property
     def numbers(self) -> Mapping[str, Key]:
         """The numbers by path, as `controls.values_of`."""
-        self._look()
+        self._update_displayed()
         return self._numbers
 
-    def _look(self) -> None:
-        if self._of is not self.now.document:
-            self._of, self._shown = self.now.document, self.design
-            if self.design.source is not self.now.document:
-                self._shown = replace(self.design, source=self.now.document)
+    def _update_displayed(self) -> None:
+        if self._displayed_document is not self.moment.document:
+            self._displayed_document, self._displayed_design = self.moment.document, self.design
+            if self.design.source is not self.moment.document:
+                self._displayed_design = replace(self.design, source=self.moment.document)
             try:
-                self._numbers = controls.values_of(self._shown)
+                self._numbers = controls.values_of(self._displayed_design)
             except DesignError:  # a distribution that is none
-                self._shown = self.design
+                self._displayed_design = self.design
                 self._numbers = controls.values_of(self.design)
 
     @property
     def changed(self) -> list[str]:
-        """The paths of what is another than when the design was opened: numbers by value, words as written."""
-        if self.now.document is self.opened.document:
+        """The paths whose values differ from those of the opened design: numbers by value, words as written."""
+        if self.moment.document is self.opened.document:
             return []
-        now = self.numbers
-        changed_numbers = [path for path, key in now.items() if controls.is_changed(key, self.before.get(path))]
-        words = (path for path in different(self.opened.document.root, self.now.document.root) if path not in now)
+        numbers = self.numbers
+        changed_numbers = [
+            path
+            for path, key in numbers.items()
+            if controls.is_changed(key, self.opened_values.get(path))
+        ]
+        words = (
+            path
+            for path in differing_paths(self.opened.document.root, self.moment.document.root)
+            if path not in numbers
+        )
         return [
             *changed_numbers,
-            *(path for path in words if not any(f"{one}.".startswith(f"{path}.") for one in (*changed_numbers, *now))),
+            *(
+                path
+                for path in words
+                if not any(
+                    f"{number_path}.".startswith(f"{path}.")
+                    for number_path in (*changed_numbers, *numbers)
+                )
+            ),
         ]
 
     @property
     def is_saved(self) -> bool:
         """Whether there is nothing that a save would write."""
-        return self.now.document is self.opened.document or not different(
-            self.opened.document.root, self.now.document.root
+        return self.moment.document is self.opened.document or not differing_paths(
+            self.opened.document.root, self.moment.document.root
         )
 
     def values_at(self, paths: Iterable[str]) -> dict[str, dict[str, Any]]:
@@ -196,17 +214,22 @@ class Session:
         numbers = self.numbers
         return {
             path: {
-                "value": key.value, "text": self._text_of(path, key), "given": key.given,
-                "is_default": not key.given, "changed": controls.is_changed(key, self.before.get(path)),
-            } for path in paths if (key := numbers.get(path)) is not None
-        }  # fmt: skip
+                "value": key.value,
+                "text": self._text_of(path, key),
+                "given": key.given,
+                "is_default": not key.given,
+                "changed": controls.is_changed(key, self.opened_values.get(path)),
+            }
+            for path in paths
+            if (key := numbers.get(path)) is not None
+        }
 
     def _text_of(self, path: str, key: Key) -> str:
         """What stands in the box of a number: of what cannot be read as one, what was written."""
-        written = controls.text_at(self.now.document, path)
-        if written and self.now.faults and not _NUMBER.match(written):
+        written = controls.text_at(self.moment.document, path)
+        if written and self.moment.faults and not _NUMBER.match(written):
             return written
-        return controls.shown(key, written)
+        return controls.text_of_number(key, written)
 
     # -- changes ------------------------------------------------------------------------------------------------------
 
@@ -218,25 +241,25 @@ class Session:
         DesignError
             Where the values fit nowhere: nothing is changed then. What is no sound design is, with `now.faults`.
         """
-        document = self.now.document
+        document = self.moment.document
         for path, value in values.items():
-            document = self._with(document, path, value, self.shown)
+            document = self._with(document, path, value, self.displayed_design)
         self._become(document)
         if final:
             self.settle()
 
     def put(self, path: str, value: Any) -> None:
         """Put any value at a path, as one step. Raises DesignError where it fits nowhere."""
-        self._become(with_overrides(self.now.document, [(path, value)]))
+        self._become(with_overrides(self.moment.document, [(path, value)]))
         self.settle()
 
     def settle(self) -> None:
         """Make what was changed since the last time one step to undo."""
-        if self.now.document is not self.settled:
+        if self.moment.document is not self.settled:
             self.done.append(self.settled)
             del self.done[:-_MOST_UNDONE]
             self.undone.clear()
-            self.settled = self.now.document
+            self.settled = self.moment.document
 
     def undo(self) -> None:
         """Go back one step; at the first there is nothing to do."""
@@ -247,8 +270,8 @@ class Session:
             self._become(self.settled)
 
     def redo(self) -> None:
-        """Go forth again."""
-        if self.undone and self.now.document is self.settled:
+        """Redo the step that was undone last."""
+        if self.undone and self.moment.document is self.settled:
             self.done.append(self.settled)
             self.settled = self.undone.pop()
             self._become(self.settled)
@@ -256,90 +279,101 @@ class Session:
     def reset(self, path: str) -> None:
         """Put back at a path what the design was opened with."""
         text = controls.text_at(self.opened.document, path)
-        old = self.before.get(path)
+        old = self.opened_values.get(path)
         values: list[tuple[str, object]] = [(path, text)]
         if text is None and old is not None and old.written_out and old.value is not None:
             above = old.written_out[0][0]  # the orientation that was written out for it
-            values = [(above, None)] if self._others_as_opened(path) else [(path, old.written(old.value))]
+            values = (
+                [(above, None)]
+                if self._others_as_opened(path)
+                else [(path, old.written(old.value))]
+            )
         elif text is None:
             values = self._family(path)
-        document = self.now.document
-        for one in values:
-            document = with_overrides(document, [one])
-        self._become(replace(document, root=_without_empty(document.root, self.opened.document.root)))
+        document = self.moment.document
+        for override in values:
+            document = with_overrides(document, [override])
+        self._become(
+            replace(
+                document, root=_without_empty_mappings(document.root, self.opened.document.root)
+            )
+        )
         self.settle()
 
     def _family(self, path: str) -> list[tuple[str, object]]:
-        """What to put back where a path had nothing: with it the keys that exclude it."""
+        """Return the values to put back where a path had none: of the path and of the keys that exclude it."""
         top, _, rest = path.partition(".")
-        keys, before = ALTERNATIVES.get(top, ()), self.opened.document.root.get(top)
+        keys, opened_node = ALTERNATIVES.get(top, ()), self.opened.document.root.get(top)
         if rest.partition(".")[0] not in keys:
             return [(path, None)]
-        if before and not before.is_mapping:
-            return [(top, before)]
-        given = [(f"{top}.{key}", node) for key in keys if (node := before.get(key))]
-        return [*((f"{top}.{key}", None) for key in keys), *given]
+        if opened_node and not opened_node.is_mapping:
+            return [(top, opened_node)]
+        present = [(f"{top}.{key}", node) for key in keys if (node := opened_node.get(key))]
+        return [*((f"{top}.{key}", None) for key in keys), *present]
 
     def restore(self, document: Document) -> None:
-        """Put another tree in place of the design's: what was not saved in an earlier session."""
+        """Put another tree in place of that of the design: one that was not saved in an earlier session."""
         self._become(document)
         self.settle()
 
     def saved(self, opened: Opened) -> None:
-        """What it is now stands in a file: changes are held against that, and can still be undone."""
+        """Take a design as saved: changes are compared with the file from now on, and can still be undone."""
         self.settle()
-        self.opened, self.before = opened, controls.values_of(opened.design)
+        self.opened, self.opened_values = opened, controls.values_of(opened.design)
         self.settled = opened.document
-        self.now = Moment(self.rev, opened.document, self.design, cases=opened.cases)
+        self.moment = Moment(self.rev, opened.document, self.design, cases=opened.cases)
 
-    def saved_of(self, snapshot: "Session", before: Moment) -> None:
-        """A snapshot of it was saved: the same, but for what was changed or opened meanwhile."""
-        if self.now is before:
+    def saved_of(self, snapshot: "Session", saved_moment: Moment) -> None:
+        """Take a snapshot as saved, unless the design was changed or another was opened meanwhile."""
+        if self.moment is saved_moment:
             self.saved(snapshot.opened)
         elif self.opened_rev == snapshot.opened_rev:
-            self.opened, self.before = snapshot.opened, snapshot.before
+            self.opened, self.opened_values = snapshot.opened, snapshot.opened_values
 
     def snapshot(self) -> "Session":
-        """The session as it is at this moment, for a thread."""
-        same = copy(self)
-        same.done, same.undone = list(self.done), list(self.undone)
-        return same
+        """Return a copy of the session as it is now, for a thread."""
+        session = copy(self)
+        session.done, session.undone = list(self.done), list(self.undone)
+        return session
 
     def _others_as_opened(self, path: str) -> bool:
         above = path.rpartition(".")[0]
-        now = self.numbers
+        numbers = self.numbers
         return all(
-            not controls.is_changed(key, self.before.get(other))
-            for other, key in now.items() if other != path and other.rpartition(".")[0] == above
-        )  # fmt: skip
+            not controls.is_changed(key, self.opened_values.get(other_path))
+            for other_path, key in numbers.items()
+            if other_path != path and other_path.rpartition(".")[0] == above
+        )
 
     def _with(self, document: Document, path: str, value: Any, design: Design) -> Document:
         """The tree with one value put in; numbers as the design has them."""
         key = self.numbers.get(path)
-        given: list[tuple[str, object]] = []
+        written_out: list[tuple[str, object]] = []
         if key is not None and key.written_out and value is not None:
-            given += key.written_out
+            written_out += key.written_out
         if isinstance(value, int | float) and not isinstance(value, bool):
-            value = controls.written(design, key, path, float(value))
+            value = controls.text_for_file(design, key, path, float(value))
         if isinstance(value, str) and len(value) > _LONGEST:
-            raise DesignError([Fault("E541", f"{path} has {len(value)} letters, {_LONGEST} are the most", path)])
+            raise DesignError(
+                [Fault("E541", f"{path} has {len(value)} letters, {_LONGEST} are the most", path)]
+            )
         if path == "title" and isinstance(value, str):
             return _titled(document, value)
         document, path = self._oriented(document, path, value)
-        for one in (*given, (path, value)):
-            document = with_overrides(document, [one])
+        for override in (*written_out, (path, value)):
+            document = with_overrides(document, [override])
         return document
 
     def _oriented(self, document: Document, path: str, value: Any) -> tuple[Document, str]:
-        """Where an angle is put: 45/115 is the whole plane; beside what is no pair, the last sound one."""
+        """Return the tree and the path at which an angle is set: `45/115` sets the whole plane."""
         above, _, angle = path.rpartition(".")
-        node = document.root.at(above)
+        node = document.root.find(above)
         if angle not in _ANGLES or node.text is None:
             return document, path
         if isinstance(value, str) and "/" in value:
             return document, above
         if node.text.count("/") != 1 and self.design.source is not None:
-            last = self.design.source.root.at(above).text
+            last = self.design.source.root.find(above).text
             if last is not None:
                 return with_overrides(document, [(above, last)]), path
         return document, path
@@ -349,9 +383,11 @@ class Session:
         try:
             design = replace(design_of(document, other_values=True), source=document)
         except DesignError as error:
-            self.now = Moment(self.rev, document, self.now.design, error.faults, self.opened.cases)
+            self.moment = Moment(
+                self.rev, document, self.moment.design, error.faults, self.opened.cases
+            )
             return
-        self.now = Moment(self.rev, document, design, cases=self.opened.cases)
+        self.moment = Moment(self.rev, document, design, cases=self.opened.cases)
 
 
 def opened_template(name: str) -> Opened:
@@ -362,36 +398,56 @@ def opened_template(name: str) -> Opened:
 
 def _titled(document: Document, text: str) -> Document:
     """The title is words, whatever they begin with."""
-    from slopekit.design.reading.nodes import Place, cut, printable
-
     place = Place("--set", 0, 0, cut(f"title={text}"))
     return with_overrides(document, [("title", Node(printable(text), place, "title", place))])
 
 
-def different(one: Node, other: Node) -> list[str]:
+def differing_paths(left_node: Node, right_node: Node) -> list[str]:
     """The paths at which two trees differ, each as high up as one of them has nothing or a value of another shape.
 
     >>> from slopekit.design.reading.nodes import document_from
     >>> a, b = (document_from({"slope": {"height": h}, "water": "dry"}).root for h in (10, 12))
-    >>> different(a, b)
+    >>> differing_paths(a, b)
     ['slope.height']
     """
-    if one is other:
+    if left_node is right_node:
         return []
-    if not one or not other:
-        return [(one or other).path]
-    if one.is_mapping and other.is_mapping:
-        keys = dict.fromkeys([*(key for key, _ in one.items()), *(key for key, _ in other.items())])
-        return [path for key in keys for path in different(one.get(key), other.get(key))]
-    if isinstance(one.value, list) and isinstance(other.value, list) and len(one.value) == len(other.value):
-        return [path for a, b in zip(one.value, other.value, strict=True) for path in different(a, b)]
-    return [] if one.plain() == other.plain() else [other.path or one.path]
+    if not left_node or not right_node:
+        return [(left_node or right_node).path]
+    if left_node.is_mapping and right_node.is_mapping:
+        keys = dict.fromkeys(
+            [*(key for key, _ in left_node.items()), *(key for key, _ in right_node.items())]
+        )
+        return [
+            path
+            for key in keys
+            for path in differing_paths(left_node.get(key), right_node.get(key))
+        ]
+    if (
+        isinstance(left_node.value, list)
+        and isinstance(right_node.value, list)
+        and len(left_node.value) == len(right_node.value)
+    ):
+        return [
+            path
+            for a, b in zip(left_node.value, right_node.value, strict=True)
+            for path in differing_paths(a, b)
+        ]
+    return [] if left_node.plain() == right_node.plain() else [right_node.path or left_node.path]
 
 
-def _without_empty(node: Node, before: Node) -> Node:
+def _without_empty_mappings(node: Node, opened_node: Node) -> Node:
     """A tree without mappings that hold nothing and were not there before."""
     if not node.is_mapping:
         return node
-    made = {key: _without_empty(below, before.get(key)) for key, below in node.items()}
-    kept = {key: below for key, below in made.items() if below.value != {} or before.get(key)}
-    return node if all(kept.get(key) is below for key, below in node.items()) else replace(node, value=kept)
+    children = {
+        key: _without_empty_mappings(below, opened_node.get(key)) for key, below in node.items()
+    }
+    remaining = {
+        key: below for key, below in children.items() if below.value != {} or opened_node.get(key)
+    }
+    return (
+        node
+        if all(remaining.get(key) is below for key, below in node.items())
+        else replace(node, value=remaining)
+    )

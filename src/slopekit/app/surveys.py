@@ -2,10 +2,10 @@
 
 >>> from slopekit.app.session import Session, opened_template
 >>> text = "name,dip,dip_direction\\nA,45,115\\nB,45,245\\nC,80,350\\n"
->>> found = dropped(Session(opened_template("wedge")).design, "joints.csv", text)
->>> [(pair["names"], round(pair["fos"], 4)) for pair in found.said["pairs"]]
+>>> found = read_dropped_survey(Session(opened_template("wedge")).design, "joints.csv", text)
+>>> [(pair["names"], round(pair["fos"], 4)) for pair in found.message["pairs"]]
 [(['A', 'B'], 1.5574)]
->>> print(found.design_of_pair(found.said["pairs"][0]["n"]).partition("joints:")[2].partition("rock")[0], end="")
+>>> print(found.design_of_pair(found.message["pairs"][0]["n"]).partition("joints:")[2].partition("rock")[0], end="")
 <BLANKLINE>
   A: {plane: 45.0/115.0, strength: joints}
   B: {plane: 45.0/245.0, strength: joints}
@@ -43,12 +43,12 @@ _NAME = re.compile(r"[^\W_][\w-]{0,39}")
 
 
 @dataclass(frozen=True)
-class Dropped:
-    """A survey and its pairs; `said` is what the page is told."""
+class DroppedSurvey:
+    """A survey and its pairs; `message` is what the page is told."""
 
     joints: JointList
-    found: Combos | None
-    said: dict[str, Any]
+    combinations: Combos | None
+    message: dict[str, Any]
 
     def design_of_pair(self, number: int) -> str:
         """The text of a design file of a pair.
@@ -58,39 +58,46 @@ class Dropped:
         DesignError
             E548 for a number that is no pair.
         """
-        known = {pair["n"] for pair in self.said["pairs"]}
-        if self.found is None or number not in known:
+        pair_numbers = {pair["n"] for pair in self.message["pairs"]}
+        if self.combinations is None or number not in pair_numbers:
             raise DesignError([Fault("E548", f"there is no pair {number} of the survey")])
-        given, pairs = self.found.given, self.found.pairs
+        inputs, pairs = self.combinations.given, self.combinations.pairs
         both = [int(pairs.first[number]), int(pairs.second[number])]
         joints = [self.joints.joints[k] for k in both]
-        laws = [(float(given.cohesion_kpa[k]), float(given.friction_deg[k])) for k in both]
+        laws = [(float(inputs.cohesion_kpa[k]), float(inputs.friction_deg[k])) for k in both]
         names = _names(joints)
-        of = ["joints", "joints"] if laws[0] == laws[1] else names
-        slope = given.slope
-        strengths = dict(zip(of, laws, strict=True))
+        strength_names = ["joints", "joints"] if laws[0] == laws[1] else names
+        slope = inputs.slope
+        strengths = dict(zip(strength_names, laws, strict=True))
         title = f"{joints[0].name} and {joints[1].name} of {self.joints.name}"
         lines = [
-            "slopekit: 1", "kind: wedge", f"title: {json.dumps(title, ensure_ascii=False)}",
+            "slopekit: 1",
+            "kind: wedge",
+            f"title: {json.dumps(title, ensure_ascii=False)}",
             f"slope: {{face: {as_text(slope.face)}, upper: {as_text(slope.upper)}, "
             f"height: {float(pairs.height_m[number])!r} m}}",
             "joints:",
-            *(f"  {name}: {{plane: {as_text(joint.plane)}, strength: {law}}}"
-              for name, joint, law in zip(names, joints, of, strict=True)),
-            "strength:", *(f"  {name}: {{c: {c!r}, phi: {phi!r}}}" for name, (c, phi) in strengths.items()),
+            *(
+                f"  {name}: {{plane: {as_text(joint.plane)}, strength: {law}}}"
+                for name, joint, law in zip(names, joints, strength_names, strict=True)
+            ),
+            "strength:",
+            *(f"  {name}: {{c: {c!r}, phi: {phi!r}}}" for name, (c, phi) in strengths.items()),
             f"rock: {{unit_weight: {slope.rock.unit_weight_kn_m3!r} kN/m3}}",
-        ]  # fmt: skip
+        ]
         return "\n".join(lines) + "\n"
 
 
 def _names(joints: Sequence[MeasuredJoint]) -> list[str]:
     """Names that a design file takes: the survey's own where they are such."""
-    own = [joint.name for joint in joints]
-    sound = all(_NAME.fullmatch(name) for name in own) and len({name.casefold() for name in own}) == len(own)
-    return own if sound and "joints" not in own else ["J1", "J2"]
+    names = [joint.name for joint in joints]
+    sound = all(_NAME.fullmatch(name) for name in names) and len(
+        {name.casefold() for name in names}
+    ) == len(names)
+    return names if sound and "joints" not in names else ["J1", "J2"]
 
 
-def dropped(
+def read_dropped_survey(
     design: Design,
     name: str,
     text: str,
@@ -99,7 +106,7 @@ def dropped(
     *,
     columns: str | None = None,
     skip_bad: bool = False,
-) -> Dropped:
+) -> DroppedSurvey:
     """Read a survey, and cut every pair of it in the slope of a design; ask before bad rows are left out.
 
     Parameters
@@ -116,44 +123,67 @@ def dropped(
     try:
         joints = read_joints_text(name, text, skip_bad, columns)
     except DesignError as error:
-        return _question(name, text, columns, error)
-    notices = [{"code": "W366", "text": f"not used of {name}: {one}", "path": None} for one in joints.left_out]
-    notices += [{"code": "W373", "text": f"read of {name}: {one}", "path": None} for one in joints.read_as]
-    said: dict[str, Any] = {
+        return _ask_without_bad_rows(name, text, columns, error)
+    notices = [
+        {"code": "W366", "text": f"not used of {name}: {text}", "path": None}
+        for text in joints.left_out
+    ]
+    notices += [
+        {"code": "W373", "text": f"read of {name}: {text}", "path": None} for text in joints.read_as
+    ]
+    message: dict[str, Any] = {
         "name": name,
         "planes": [
             {
-                "name": joint.name, "dip": joint.plane.dip_deg, "dip_direction": joint.plane.dip_direction_deg,
+                "name": joint.name,
+                "dip": joint.plane.dip_deg,
+                "dip_direction": joint.plane.dip_direction_deg,
                 "set": joint.set_name or None,
-            } for joint in joints.joints
+            }
+            for joint in joints.joints
         ],
-        "sets": list(_sets(joints)), "pairs": [], "left_out": list(joints.left_out), "notices": notices, "faults": [],
-    }  # fmt: skip
+        "sets": list(_sets(joints)),
+        "pairs": [],
+        "left_out": list(joints.left_out),
+        "notices": notices,
+        "faults": [],
+    }
     face = getattr(design, "face", None)
     if not isinstance(face, Plane) or len(joints) < 2:
-        why = "two joints make a pair" if isinstance(face, Plane) else f"a {design.kind} design has no face for pairs"
-        said["faults"] = [answers.fault_of(Fault("E548", f"there are no pairs: {why}"))]
-        return Dropped(joints, None, said)
-    own = _strength(design)
+        reason = (
+            "two joints make a pair"
+            if isinstance(face, Plane)
+            else f"a {design.kind} design has no face for pairs"
+        )
+        message["faults"] = [answers.fault_of(Fault("E548", f"there are no pairs: {reason}"))]
+        return DroppedSurvey(joints, None, message)
+    strength = _strength(design)
     upper, height = getattr(design, "upper", None), getattr(design, "height_m", None)
     try:
         combinations = combos(
-            list(joints.joints), face=face, upper=upper if isinstance(upper, Plane) else None, height=height,
-            c=own[0] if c is None else c, phi=own[1] if phi is None else phi,
-            unit_weight=design.rock.unit_weight_kn_m3 or None, top=_MOST_PAIRS,
+            list(joints.joints),
+            face=face,
+            upper=upper if isinstance(upper, Plane) else None,
+            height=height,
+            c=strength[0] if c is None else c,
+            phi=strength[1] if phi is None else phi,
+            unit_weight=design.rock.unit_weight_kn_m3 or None,
+            top=_MOST_PAIRS,
             closed_form=len(joints) > _BY_BOTH,
-        )  # fmt: skip
+        )
     except DesignError as error:
-        said["faults"] = [answers.fault_of(fault) for fault in error.faults]
-        return Dropped(joints, None, said)
-    said["pairs"] = list(_pairs(combinations))
-    said["counts"] = combinations.counts
+        message["faults"] = [answers.fault_of(fault) for fault in error.faults]
+        return DroppedSurvey(joints, None, message)
+    message["pairs"] = list(_pairs(combinations))
+    message["counts"] = combinations.counts
     by_forces = [] if combinations.outcomes.pre_ie else [_BY_FORCES]
-    said["notices"] += [answers.notice_of(one) for one in (*combinations.warnings, *by_forces)]
-    return Dropped(joints, combinations, said)
+    message["notices"] += [answers.notice_of(text) for text in (*combinations.warnings, *by_forces)]
+    return DroppedSurvey(joints, combinations, message)
 
 
-def _question(name: str, text: str, columns: str | None, error: DesignError) -> Dropped:
+def _ask_without_bad_rows(
+    name: str, text: str, columns: str | None, error: DesignError
+) -> DroppedSurvey:
     """The faults of a survey and whether to go on without its bad rows, where these are few enough to be left out.
 
     Raises
@@ -165,19 +195,22 @@ def _question(name: str, text: str, columns: str | None, error: DesignError) -> 
         survey = read_joints_text(name, text, True, columns)
     except DesignError:
         raise error from None
-    told = {
+    message = {
         "name": name,
         "pairs": [],
         "question": f"Go on with {len(survey.joints)} joints, without the bad rows?",
         "faults": [answers.fault_of(fault) for fault in error.faults],
     }
-    return Dropped(JointList(name, ()), None, told)
+    return DroppedSurvey(JointList(name, ()), None, message)
 
 
 def _strength(design: Design) -> tuple[float, float]:
     """Cohesion and friction of the design: those of its first strength, where that is a straight one."""
-    for one in design.joint_strengths:
-        c, phi = getattr(one, "cohesion_kpa", None), getattr(one, "friction_angle_deg", None)
+    for strength in design.joint_strengths:
+        c, phi = (
+            getattr(strength, "cohesion_kpa", None),
+            getattr(strength, "friction_angle_deg", None),
+        )
         if isinstance(c, int | float) and isinstance(phi, int | float):
             return float(c), float(phi)
     return 0.0, 30.0
@@ -186,13 +219,16 @@ def _strength(design: Design) -> tuple[float, float]:
 def _sets(joints: JointList) -> Iterator[dict[str, Any]]:
     """The sets that the survey names, each by the mean of its normals."""
     for name in joints.sets():
-        own = [joint.plane for joint in joints.joints if joint.set_name == name]
-        poles = normals(np.array([one.dip_deg for one in own]), np.array([one.dip_direction_deg for one in own]))
+        planes = [joint.plane for joint in joints.joints if joint.set_name == name]
+        poles = normals(
+            np.array([plane.dip_deg for plane in planes]),
+            np.array([plane.dip_direction_deg for plane in planes]),
+        )
         poles = np.where((poles @ poles[0] < 0.0)[:, None], -poles, poles)
         mean = poles.sum(axis=0)
-        found = planes_of_poles((mean if mean[2] < 0.0 else -mean)[None])
-        dip, way = float(found.dips_deg[0]), float(found.dip_directions_deg[0])
-        yield {"name": name, "dip": dip, "dip_direction": way, "count": len(own)}
+        mean_plane = planes_of_poles((mean if mean[2] < 0.0 else -mean)[None])
+        dip, way = float(mean_plane.dips_deg[0]), float(mean_plane.dip_directions_deg[0])
+        yield {"name": name, "dip": dip, "dip_direction": way, "count": len(planes)}
 
 
 def _pairs(combinations: Combos) -> Iterator[dict[str, Any]]:
@@ -200,11 +236,20 @@ def _pairs(combinations: Combos) -> Iterator[dict[str, Any]]:
     pairs = combinations.pairs
     for pair in combinations.worst:
         number = pair.index
-        one, two = (combinations.joints.joints[int(of[number])] for of in (pairs.first, pairs.second))
+        first, second = (
+            combinations.joints.joints[int(joint_numbers[number])]
+            for joint_numbers in (pairs.first, pairs.second)
+        )
         status, fos = pair.status, pair.limit
-        by = "PRE-IE" if combinations.outcomes.pre_ie else "closed form"
+        method = "PRE-IE" if combinations.outcomes.pre_ie else "closed form"
         yield {
-            "n": number, "names": [one.name, two.name], "planes": [str(one.plane), str(two.plane)], "fos": fos,
-            "status": status, "words": status_text("wedge", status), "by": by,
-            "agree": pair.agree, "volume_m3": pair.volume_m3,
-        }  # fmt: skip
+            "n": number,
+            "names": [first.name, second.name],
+            "planes": [str(first.plane), str(second.plane)],
+            "fos": fos,
+            "status": status,
+            "words": status_text("wedge", status),
+            "by": method,
+            "agree": pair.agree,
+            "volume_m3": pair.volume_m3,
+        }

@@ -1,4 +1,4 @@
-"""Commands on what slopekit has written: plot, export, report."""
+"""The commands that read results and studies: plot, export, report."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -19,11 +19,13 @@ def _pictures(incomplete: str) -> list[str]:
     """The pictures that begin so, for the shell, whatever the file can give."""
     from slopekit.views.plots import EVERY
 
-    return [what for what in EVERY if what.startswith(incomplete)]
+    return [picture for picture in EVERY if picture.startswith(incomplete)]
 
 
 _WHAT = typer.Argument(
-    help="The picture; without it: the pictures that this file can give.", metavar="WHAT", autocompletion=_pictures
+    help="The picture; without it: the pictures that this file can give.",
+    metavar="WHAT",
+    autocompletion=_pictures,
 )
 
 
@@ -31,15 +33,24 @@ _TEST = "Stereonet of kinematic: planar, wedge, toppling (flexural, direct) [all
 
 
 def plot(
-    result: Annotated[str, typer.Argument(help="JSON that slopekit wrote (result.json, sweep.json), or its folder.",
-                                          metavar="RESULT")],
+    result: Annotated[
+        str,
+        typer.Argument(
+            help="JSON that slopekit wrote (result.json, sweep.json), or its folder.",
+            metavar="RESULT",
+        ),
+    ],
     what: Annotated[str | None, _WHAT] = None,
     case: Annotated[str | None, CASE] = None,
-    output: Annotated[str | None, typer.Option("-o", help="The file [RESULT-WHAT.png]; charts .png .svg .pdf, "
-                                               "scenes .png .glb .gltf.")] = None,
+    output: Annotated[
+        str | None,
+        typer.Option(
+            "-o", help="The file [RESULT-WHAT.png]; charts .png .svg .pdf, scenes .png .glb .gltf."
+        ),
+    ] = None,
     test: Annotated[str | None, typer.Option(help=_TEST)] = None,
     step: Annotated[str, typer.Option(help="mechanism: which one, 1 the first.")] = "1",
-) -> None:  # fmt: skip
+) -> None:
     """A picture of any JSON that slopekit wrote (extra: plot).
 
     Scenes: scene exploded tractions forces displacement mechanism factors. Charts: stereonet elevation
@@ -51,38 +62,62 @@ def plot(
     path = document_file(Path(result))
     documents = by_case(read_document(path), case, path.name)
     if what is None:
-        given = {word: shows for one in documents.values() for word, shows in plots.offers(one).items()}
+        pictures = {
+            word: shows
+            for case_document in documents.values()
+            for word, shows in plots.offers(case_document).items()
+        }
         cases = ", ".join(documents)
-        typer.echo(_listed(path, given, f"{path.name}, load cases {cases}," if cases else path.name))
+        typer.echo(
+            _available_pictures(
+                path, pictures, f"{path.name}, load cases {cases}," if cases else path.name
+            )
+        )
         return
     number = whole_number(step, "--step")
-    wanted = {name: one for name, one in documents.items() if len(documents) == 1 or what in plots.offers(one)}
-    for name, document in (wanted or documents).items():
-        own = f"-{name}" if name and (case is None or output is None) else ""
-        target = path.with_name(f"{path.stem}-{what}{own}.png")
+    drawable = {
+        name: case_document
+        for name, case_document in documents.items()
+        if len(documents) == 1 or what in plots.offers(case_document)
+    }
+    for name, document in (drawable or documents).items():
+        suffix = f"-{name}" if name and (case is None or output is None) else ""
+        target = path.with_name(f"{path.stem}-{what}{suffix}.png")
         if output is not None:
             given_path = Path(output)
-            beside = given_path.with_name(f"{given_path.stem}{own}{given_path.suffix}")
-            target = given_path / target.name if given_path.is_dir() else beside
+            case_path = given_path.with_name(f"{given_path.stem}{suffix}{given_path.suffix}")
+            target = given_path / target.name if given_path.is_dir() else case_path
         plots.check(document, what, target, path.name, test, number)
         folder_of(target.parent)
         with watched(what):
             plots.draw(document, what, target, test=test, step=number, name=path.name)
         typer.echo(f"wrote {target}")
-    if wanted and len(wanted) < len(documents):
-        typer.echo(f"no {what} of {', '.join(name for name in documents if name not in wanted)}", err=True)
+    if drawable and len(drawable) < len(documents):
+        typer.echo(
+            f"no {what} of {', '.join(name for name in documents if name not in drawable)}",
+            err=True,
+        )
 
 
-def _listed(path: Path, given: dict[str, str], own: str) -> str:
-    if not given:
-        return f"{own} has nothing that can be drawn"
-    lines = [f"{own} can give", *(f"  {what:<14}{shows}" for what, shows in given.items())]
-    return "\n".join([*lines, f"for example: slopekit plot {path} {next(iter(given))}"])
+def _available_pictures(path: Path, pictures: dict[str, str], name: str) -> str:
+    if not pictures:
+        return f"{name} has nothing that can be drawn"
+    lines = [
+        f"{name} can give",
+        *(f"  {picture:<14}{shows}" for picture, shows in pictures.items()),
+    ]
+    return "\n".join([*lines, f"for example: slopekit plot {path} {next(iter(pictures))}"])
 
 
 def export(
-    result: Annotated[str, typer.Argument(help="A result: DIR of run -o DIR, or its result.json.", metavar="RESULT")],
-    output: Annotated[str, typer.Option("-o", help="The file: .stl .obj .glb .vtu .dxf (extra: cad).", metavar="FILE")],
+    result: Annotated[
+        str,
+        typer.Argument(help="A result: DIR of run -o DIR, or its result.json.", metavar="RESULT"),
+    ],
+    output: Annotated[
+        str,
+        typer.Option("-o", help="The file: .stl .obj .glb .vtu .dxf (extra: cad).", metavar="FILE"),
+    ],
     case: Annotated[str | None, CASE] = None,
     as_json: Annotated[bool, JSON] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="The names of the files only.")] = False,
@@ -97,31 +132,31 @@ def export(
     elif quiet:
         typer.echo("\n".join(str(path) for path in done.files))
     else:
-        for one in done.written:
-            typer.echo("\n".join(_lines(one)))
+        for entry in done.written:
+            typer.echo("\n".join(_export_lines(entry)))
         for notice in done.warnings:
             typer.echo(f"NOTE      {notice}")
 
 
-def _lines(one: "Written") -> list[str]:
-    """What was written, for a person."""
+def _export_lines(entry: "Written") -> list[str]:
+    """Return the lines that tell a person what was exported."""
     counts = [
         f"{count} {word if count != 1 else word[:-1]}"
         for count, word in (
-            (one.blocks, "blocks"),
-            (one.interfaces, "interface polygons"),
-            (one.pairs, "node pairs"),
-            (one.bolts, "bolts"),
+            (entry.blocks, "blocks"),
+            (entry.interfaces, "interface polygons"),
+            (entry.pairs, "node pairs"),
+            (entry.bolts, "bolts"),
         )
         if count
     ]
-    files = [str(path) for path in one.files]
-    if len(one.files) > 4:
-        files = [str(one.files[0]), f"and {len(one.files) - 1} files beside it"]
+    files = [str(path) for path in entry.files]
+    if len(entry.files) > 4:
+        files = [str(entry.files[0]), f"and {len(entry.files) - 1} files beside it"]
     return [
         f"WROTE     {', '.join(files)}",
-        f"          {one.format}, metres: {', '.join(counts)}, {one.volume_m3:.9g} m³",
-        f"PRECISION {one.precision}",
+        f"          {entry.format}, metres: {', '.join(counts)}, {entry.volume_m3:.9g} m³",
+        f"PRECISION {entry.precision}",
     ]
 
 
@@ -133,15 +168,22 @@ def report(
             metavar="RESULT...",
         ),
     ],
-    output: Annotated[str | None, typer.Option("-o", help="The page to write, .html [report.html beside it].")] = None,
+    output: Annotated[
+        str | None, typer.Option("-o", help="The page to write, .html [report.html beside it].")
+    ] = None,
     project: Annotated[
         list[str] | None,
         typer.Option(
-            help="For the head: name, client, number, author, checker, revision, date; repeat.", metavar="KEY=VALUE"
+            help="For the head: name, client, number, author, checker, revision, date; repeat.",
+            metavar="KEY=VALUE",
         ),
     ] = None,
     no_pictures: Annotated[
-        bool, typer.Option("--no-pictures", help="Without still pictures: quicker, smaller; the view to turn stays.")
+        bool,
+        typer.Option(
+            "--no-pictures",
+            help="Without still pictures: quicker, smaller; the view to turn stays.",
+        ),
     ] = False,
     as_json: Annotated[bool, JSON] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing on success.")] = False,
@@ -155,25 +197,33 @@ def report(
     if target.is_dir():
         target = target / "report.html"
     if target.suffix.lower() not in (".html", ".htm"):
-        raise DesignError([Fault("E141", f"the page {target} is not a .html file", str(target), "-o report.html")])
+        raise DesignError(
+            [Fault("E141", f"the page {target} is not a .html file", str(target), "-o report.html")]
+        )
     require_jinja(target)
-    said = _project(project or [])
+    project_texts = _project(project or [])
     documents = [read_document(source) for source in sources]
     folder_of(target.parent)
     with watched("pictures" if not no_pictures else "page"):
-        made = write_report(documents, target, [str(source) for source in sources], not no_pictures, said)
+        page = write_report(
+            documents, target, [str(source) for source in sources], not no_pictures, project_texts
+        )
     size = target.stat().st_size
     if as_json:
-        told = {
-            "slopekit": __version__, "report": str(target), "bytes": size, "pictures": list(made.pictures),
-            "missing": list(made.missing), "warnings": [n.to_dict() for n in made.notices],
-        }  # fmt: skip
-        typer.echo(json_text(told))
+        document = {
+            "slopekit": __version__,
+            "report": str(target),
+            "bytes": size,
+            "pictures": list(page.pictures),
+            "missing": list(page.missing),
+            "warnings": [n.to_dict() for n in page.notices],
+        }
+        typer.echo(json_text(document))
     elif not quiet:
         typer.echo(f"wrote {target} ({size / 1e3:.0f} kB)")
-        for one in dict.fromkeys(made.missing):
-            typer.echo(f"     not drawn: {one}")
-        for notice in made.notices:
+        for missing_picture in dict.fromkeys(page.missing):
+            typer.echo(f"     not drawn: {missing_picture}")
+        for notice in page.notices:
             typer.echo(f"     {notice}")
 
 
@@ -182,6 +232,8 @@ def _project(texts: list[str]) -> dict[str, str]:
     for text in texts:
         key, equals, value = text.partition("=")
         if not equals:
-            raise DesignError([Fault("E142", f"{text} gives the project no value", text, "--project client=NAME")])
+            raise DesignError(
+                [Fault("E142", f"{text} gives the project no value", text, "--project client=NAME")]
+            )
         project[key.strip()] = value.strip()
     return project

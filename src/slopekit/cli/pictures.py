@@ -1,4 +1,4 @@
-"""The pictures of what a command comes to: asked for by name, or beside the other files of its folder."""
+"""The pictures of an outcome: the one of `--picture`, and those in the folder of `-o`."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,26 +9,30 @@ import typer
 from slopekit.cli.common import folder_of, print_faults
 from slopekit.cli.progress import aside
 from slopekit.core.errors import DesignError, Fault
-from slopekit.core.onlooker import say
-from slopekit.core.shown import Shown
+from slopekit.core.progress import report_stage
+from slopekit.core.report import Report
 from slopekit.studies.protocol import StudyOutcome
 
-_OF_RESULT = ("scene", "elevation", "mechanism", "stereonet", "reduction")
+_RESULT_PICTURES = ("scene", "elevation", "mechanism", "stereonet", "reduction")
 
 
 def picture_of(picture: str | None, of_result: bool) -> Path | None:
-    """The picture asked for, of a result or a study, refused before any work is done where it cannot be made."""
+    """Return the path of `--picture`; refuse it before any work is done where it cannot be drawn."""
     if picture is None:
         return None
     from slopekit.views.charts.drawing import FORMATS, require_matplotlib
 
     path, endings = Path(picture), (".png", ".glb", ".gltf") if of_result else FORMATS
     if path.suffix.lower() not in endings:
-        known = f"{', '.join(endings[:-1])} or {endings[-1]}"
+        listed_endings = f"{', '.join(endings[:-1])} or {endings[-1]}"
         advice = f"Give it one of these endings: {', '.join(endings)}."
-        raise DesignError([Fault("E141", f"the picture {path} is not a {known} file", str(path), advice)])
+        raise DesignError(
+            [Fault("E141", f"the picture {path} is not a {listed_endings} file", str(path), advice)]
+        )
     if not path.parent.is_dir():
-        raise DesignError([Fault("E129", f"there is no folder {path.parent} for the picture", str(path))])
+        raise DesignError(
+            [Fault("E129", f"there is no folder {path.parent} for the picture", str(path))]
+        )
     folder_of(path.parent)
     if not of_result:
         require_matplotlib(path)
@@ -40,10 +44,15 @@ def picture_of(picture: str | None, of_result: bool) -> Path | None:
 
 
 def draw(
-    outcome: Shown, record: dict[str, Any], folder: Path | None, image: Path | None, removed: Sequence[Path], *,
+    outcome: Report,
+    record: dict[str, Any],
+    folder: Path | None,
+    image: Path | None,
+    removed: Sequence[Path],
+    *,
     plain: bool = False,
-) -> None:  # fmt: skip
-    """Draw what a function came to, its first picture to `image`, all into a folder.
+) -> None:
+    """Draw an outcome: its first picture to `image`, all of them into a folder.
 
     Parameters
     ----------
@@ -58,22 +67,22 @@ def draw(
         print_faults(DesignError([Fault("E273", message, "--picture")]), plainly=True)
     if folder is not None:
         if not isinstance(outcome, StudyOutcome):
-            charts = () if plain else _of_result(record, folder)
-        for what in charts:
-            _draw_to(record, what, folder / f"{what}.png")
+            charts = () if plain else _pictures_of_result(record, folder)
+        for picture in charts:
+            _draw_to(record, picture, folder / f"{picture}.png")
         say_removed([path for path in removed if path.parent == folder and not path.exists()])
 
 
-def say_removed(paths: Sequence[Path], what: str = "pictures") -> None:
+def say_removed(paths: Sequence[Path], description: str = "pictures") -> None:
     """Say which files of an earlier outcome are gone."""
     if paths:
         with aside():
             names = ", ".join(path.name for path in paths)
-            typer.echo(f"{what} of an earlier result were removed: {names}", err=True)
+            typer.echo(f"{description} of an earlier result were removed: {names}", err=True)
 
 
-def _of_result(record: dict[str, Any], folder: Path) -> tuple[str, ...]:
-    """The pictures that a result can give; none where they cannot be drawn, which is said once."""
+def _pictures_of_result(record: dict[str, Any], folder: Path) -> tuple[str, ...]:
+    """Return the pictures that a result can give; none where they cannot be drawn, with one line on stderr."""
     from slopekit.views.plots import offers
     from slopekit.views.solid.rendering import require_drawing
 
@@ -81,46 +90,50 @@ def _of_result(record: dict[str, Any], folder: Path) -> tuple[str, ...]:
         require_drawing(folder)
     except DesignError as error:
         (fault,) = error.faults
-        left = f"pictures are left out: {fault.code} {fault.message}"
+        message = f"pictures are left out: {fault.code} {fault.message}"
         with aside():
-            typer.echo(f"result.json and sheet.txt are written, {left}", err=True)
+            typer.echo(f"result.json and sheet.txt are written, {message}", err=True)
         return ()
-    given = offers(record)
-    return tuple(what for what in _OF_RESULT if what in given)
+    available = offers(record)
+    return tuple(picture for picture in _RESULT_PICTURES if picture in available)
 
 
-def _draw_to(document: dict[str, Any], what: str, path: Path) -> None:
-    """Draw a picture; what cannot be drawn is said, all else is there.
+def _draw_to(document: dict[str, Any], picture: str, path: Path) -> None:
+    """Draw a picture; a fault is printed and the command goes on.
 
     A file that cannot be written ends the command with exit code 2.
     """
     from slopekit.views.plots import draw
 
-    say(what)
+    report_stage(picture)
     try:
-        draw(document, what, path)
+        draw(document, picture, path)
     except DesignError as error:
         print_faults(error, plainly=True)
         if "E129" in error.codes:
             raise typer.Exit(error.exit_code) from None
 
 
-def remove_older(outcome: Shown, folder: Path) -> list[Path]:
+def remove_older(outcome: Report, folder: Path) -> list[Path]:
     """Remove the pictures of an earlier outcome, and its bolts where this one has none; the pictures removed."""
     if outcome.parts:
-        return [path for name, part in outcome.parts.items() for path in remove_older(part, folder / name)]
+        return [
+            path
+            for name, case_outcome in outcome.parts.items()
+            for path in remove_older(case_outcome, folder / name)
+        ]
     if isinstance(outcome, StudyOutcome):
-        return _remove([folder / f"{what}.png" for what in outcome.charts], "pictures")
+        return _remove([folder / f"{picture}.png" for picture in outcome.charts], "pictures")
     path = folder / "bolts.csv"
     if path.is_file() and not outcome.to_dict()["inputs"].get("bolts"):
         from slopekit.kinds.sheets.bolts import schedule_table
 
         if path.read_bytes().startswith(schedule_table([]).csv().strip().encode()):
             say_removed(_remove([path], "the bolts"), "the bolts")
-    return _remove([folder / f"{what}.png" for what in _OF_RESULT], "pictures")
+    return _remove([folder / f"{picture}.png" for picture in _RESULT_PICTURES], "pictures")
 
 
-def _remove(paths: Sequence[Path], what: str) -> list[Path]:
+def _remove(paths: Sequence[Path], description: str) -> list[Path]:
     """Remove those of the files that are there, and return them; E129 where one cannot be removed."""
     present = [path for path in paths if path.exists()]
     try:
@@ -128,6 +141,6 @@ def _remove(paths: Sequence[Path], what: str) -> list[Path]:
             path.unlink()
     except OSError as error:
         folder = paths[0].parent
-        message = f"{folder} holds {what} of an earlier result: {error.strerror or error}"
+        message = f"{folder} holds {description} of an earlier result: {error.strerror or error}"
         raise DesignError([Fault("E129", message, str(folder))]) from None
     return present

@@ -1,4 +1,4 @@
-"""Progress on stderr, on a terminal, not with --json or --quiet: one line that is written anew."""
+"""Progress on stderr, on a terminal, not with --json or --quiet: one line that is rewritten."""
 
 import os
 import sys
@@ -8,19 +8,22 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TextIO
 
-from slopekit.core.onlooker import onlooker
+from slopekit.core.progress import listening
 
 Advance = Callable[[int], None]
 _SILENT = ("--json", "--quiet")
 _FIRST_S, _EVERY_S = 1.0, 0.2  # what is shorter shows nothing; how often the time is written anew
-_GUESSED = ("evaluations", "probabilities")  # what begins so has a total that is guessed: it is not said
+_GUESSED = (
+    "evaluations",
+    "probabilities",
+)  # what begins so has a total that is guessed: it is not said
 _LINES: list["_Line"] = []  # the last is the one that writes
 _COUNTS: list[tuple[str, int, list[int]]] = []  # label, total and steps of what is counted now
 
 
 @contextmanager
 def progress(label: str, total: int) -> Iterator[Advance]:
-    """Say in the line that runs how many of `total` are done."""
+    """Show in the progress line how many of `total` are done."""
     _COUNTS.append((label, total, []))
     try:
         yield _COUNTS[-1][2].append
@@ -30,15 +33,19 @@ def progress(label: str, total: int) -> Iterator[Advance]:
 
 @contextmanager
 def watched(stage: str = "") -> Iterator[None]:
-    """A line with the time, the count and the stage of what runs within, from its second second on.
+    """Show a line with time, count and stage of what runs within, after the first second.
 
     It is wiped at the end. Where stderr is no terminal, nothing is said.
     """
-    if sys.stderr is None or not sys.stderr.isatty() or any(word in sys.argv[1:] for word in _SILENT):
+    if (
+        sys.stderr is None
+        or not sys.stderr.isatty()
+        or any(word in sys.argv[1:] for word in _SILENT)
+    ):
         yield
         return
     line = _Line(sys.stderr, stage)
-    with onlooker(line.hear):
+    with listening(line.hear):
         thread = threading.Thread(target=line.run, daemon=True)
         thread.start()
         _LINES.append(line)
@@ -52,7 +59,7 @@ def watched(stage: str = "") -> Iterator[None]:
 
 @contextmanager
 def aside() -> Iterator[None]:
-    """Wipe the line for what is printed within."""
+    """Clear the progress line while something else is printed."""
     if not _LINES:
         yield
         return
@@ -62,10 +69,15 @@ def aside() -> Iterator[None]:
 
 
 class _Line:
-    """The line: what was heard last, written by a thread of its own while the numbers are made."""
+    """The progress line: the last stage, written by a thread of its own."""
 
     def __init__(self, to: TextIO, stage: str = "") -> None:
-        self.to, self.began, self.over, self.lock = to, time.monotonic(), threading.Event(), threading.Lock()
+        self.to, self.began, self.over, self.lock = (
+            to,
+            time.monotonic(),
+            threading.Event(),
+            threading.Lock(),
+        )
         self.head, self.stage, self.written = stage, "", 0
         self.value: float | None = None
 
@@ -76,13 +88,15 @@ class _Line:
         self.stage, self.value = stage, value
 
     def text(self) -> str:
-        """Seconds, what is counted, stage of the whole, and what it is at."""
-        said = [f"{time.monotonic() - self.began:5.0f} s"]
+        """The text of the line: seconds, count, stage and its value."""
+        columns = [f"{time.monotonic() - self.began:5.0f} s"]
         for label, total, steps in _COUNTS[-1:]:
-            said.append(f"{label}: {sum(steps)}" + ("" if label.startswith(_GUESSED) else f" of {total}"))
+            columns.append(
+                f"{label}: {sum(steps)}" + ("" if label.startswith(_GUESSED) else f" of {total}")
+            )
         value = "" if self.value is None else f" {self.value:.4g}"
-        said.append(": ".join(stage for stage in (self.head, self.stage) if stage) + value)
-        return "  ".join(said).rstrip()
+        columns.append(": ".join(stage for stage in (self.head, self.stage) if stage) + value)
+        return "  ".join(columns).rstrip()
 
     def run(self) -> None:
         """Write the line anew until it is over, then wipe it."""
@@ -95,7 +109,7 @@ class _Line:
             self.write("")
 
     def write(self, text: str) -> None:
-        """Put a text in the place of the one before, as far as the terminal goes; nothing leaves an empty line."""
+        """Replace the text of the line, cut to the width of the terminal; an empty text clears it."""
         try:
             if text or self.written:
                 text = text[: _columns(self.to) - 1]

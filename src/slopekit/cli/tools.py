@@ -1,4 +1,4 @@
-"""Commands beside analyses: lint, the app, templates, doctor, explain."""
+"""The commands that analyse nothing: lint, app, templates, doctor, explain."""
 
 from pathlib import Path
 from shlex import quote
@@ -7,12 +7,13 @@ from typing import Annotated
 import typer
 
 from slopekit._version import __version__
-from slopekit.cli.common import CASE, FILE, JSON, SET, json_text, load_design
+from slopekit.cli.common import CASE, FILE, JSON, SET, folded, json_text, load_design
 from slopekit.cli.progress import watched
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, Faults, writing
 from slopekit.core.extras import require_extra
 from slopekit.core.whole_files import whole_file
+from slopekit.design.templates import names, path_of, summary
 
 
 def lint(
@@ -22,29 +23,47 @@ def lint(
     as_json: Annotated[bool, JSON] = False,
 ) -> None:
     """Read and test a design file, run nothing."""
-    from slopekit.kinds import likely_slips
+    from slopekit.kinds import implausible_inputs
 
     read = load_design(design, sets, case)
-    slips = likely_slips(read)
+    slips = implausible_inputs(read)
     if as_json:
         document = {
-            "slopekit": __version__, "kind": read.kind, "input_sha256": read.input_hash(), "inputs": read.inputs(),
-            "assumed": dict(read.assumed), "defaults": list(read.reading.defaults), "warnings": json_of(slips),
+            "slopekit": __version__,
+            "kind": read.kind,
+            "input_sha256": read.input_hash(),
+            "inputs": read.inputs(),
+            "assumed": dict(read.assumed),
+            "defaults": list(read.reading.defaults),
+            "warnings": json_of(slips),
             "errors": [],
-            **({"cases": {one.name: {
-                "sets": dict(one.sets), "rules": [str(rule) for rule in one.design.rules],
-                "input_sha256": one.design.input_hash(), "inputs": one.design.inputs(),
-            } for one in read.cases}} if read.cases else {}),
-        }  # fmt: skip
+            **(
+                {
+                    "cases": {
+                        load_case.name: {
+                            "sets": dict(load_case.sets),
+                            "rules": [str(rule) for rule in load_case.design.rules],
+                            "input_sha256": load_case.design.input_hash(),
+                            "inputs": load_case.design.inputs(),
+                        }
+                        for load_case in read.cases
+                    }
+                }
+                if read.cases
+                else {}
+            ),
+        }
         typer.echo(json_text(document))
         return
     head = f"ok   {Path(design).name}: a {read.kind} design, sha {read.input_hash()[:6]}"
     typer.echo(f"{head} (whether it forms a block, run says)")
     if read.analysis.partial is not None:
         typer.echo(f"     partial factors: {read.analysis.partial.called}")
-    for one in read.cases:
-        rules = ", ".join(str(rule) for rule in one.design.rules) or "nothing"
-        typer.echo(f"     case {one.name}: sets {one.in_words or 'nothing'}; asks for {rules}")
+    for load_case in read.cases:
+        rules = ", ".join(str(rule) for rule in load_case.design.rules) or "nothing"
+        typer.echo(
+            f"     case {load_case.name}: sets {load_case.in_words or 'nothing'}; asks for {rules}"
+        )
     for name, value in read.assumed:
         typer.echo(f"     {name} is a distribution: run takes {value}")
     if read.reading.defaults:
@@ -55,8 +74,6 @@ def lint(
 
 def _template_names(incomplete: str) -> list[str]:
     """The templates that begin so, for the shell."""
-    from slopekit.design.templates import names
-
     return [name for name in names() if name.startswith(incomplete)]
 
 
@@ -70,7 +87,9 @@ def _codes(incomplete: str) -> list[str]:
 _TEMPLATE = typer.Argument(help="A template, see list.", autocompletion=_template_names)
 _CODE = typer.Argument(help="Codes such as E203.", metavar="CODE...", autocompletion=_codes)
 
-templates = typer.Typer(name="templates", help="Starter design files.", rich_markup_mode=None, add_completion=False)
+templates = typer.Typer(
+    name="templates", help="Starter design files.", rich_markup_mode=None, add_completion=False
+)
 
 
 @templates.callback(invoke_without_command=True)
@@ -83,8 +102,6 @@ def _templates(context: typer.Context) -> None:
 @templates.command("list")
 def list_templates() -> None:
     """The templates there are."""
-    from slopekit.design.templates import names, summary
-
     for name in names():
         typer.echo(f"{name:<20}{summary(name)}")
 
@@ -92,8 +109,6 @@ def list_templates() -> None:
 @templates.command("show")
 def show_template(name: Annotated[str, _TEMPLATE]) -> None:
     """Print a template."""
-    from slopekit.design.templates import path_of
-
     typer.echo(path_of(name).read_text(encoding="utf-8"), nl=False)
 
 
@@ -103,28 +118,36 @@ def new_template(
     target: Annotated[str | None, typer.Argument(help="The file to write [NAME.yaml].")] = None,
 ) -> None:
     """Write a template to a file of your own; nothing is written over."""
-    from slopekit.design.templates import path_of
-
     source = path_of(name)
     path = Path(target or source.name)
     if not path.parent.is_dir():
         raise DesignError([Fault("E129", f"there is no folder {path.parent}", str(path))])
     if path.exists():
-        raise DesignError([Fault("E129", f"{path} is there already", str(path), "Give another name.")])
+        raise DesignError(
+            [Fault("E129", f"{path} is there already", str(path), "Give another name.")]
+        )
     with writing(path), whole_file(path, new=True) as file:
         file.write_text(source.read_text(encoding="utf-8"), encoding="utf-8")
     typer.echo(f"wrote {path}; try: slopekit run {quote(str(path))}")
 
 
 def app(
-    design: Annotated[str | None, typer.Argument(help="A design file (YAML) [the paper's wedge].")] = None,
+    design: Annotated[
+        str | None, typer.Argument(help="A design file (YAML) [the paper's wedge].")
+    ] = None,
     port: Annotated[int, typer.Option(help="Port to listen on; 0: any that is free.")] = 0,
-    no_browser: Annotated[bool, typer.Option("--no-browser", help="Print the address and open nothing.")] = False,
+    no_browser: Annotated[
+        bool, typer.Option("--no-browser", help="Print the address and open nothing.")
+    ] = False,
 ) -> None:
     """Interactive app in the browser, on this machine alone (extra: app)."""
     if not 0 <= port <= 65535:
-        raise DesignError([Fault("E106", f"--port is {port}, a port lies between 0 and 65535", f"--port {port}")])
-    require_extra("app", "the app needs", "starlette", "uvicorn", "websockets", "jinja2", where="slopekit app")
+        raise DesignError(
+            [Fault("E106", f"--port is {port}, a port lies between 0 and 65535", f"--port {port}")]
+        )
+    require_extra(
+        "app", "the app needs", "starlette", "uvicorn", "websockets", "jinja2", where="slopekit app"
+    )
     from slopekit.app.server import serve
     from slopekit.app.session import opened_file, opened_template
 
@@ -150,22 +173,25 @@ def doctor() -> None:
 
 def explain(
     codes: Annotated[list[str] | None, _CODE] = None,
-    every: Annotated[bool, typer.Option("--all", help="Every message, as Markdown: docs/messages.md.")] = False,
+    all_codes: Annotated[
+        bool, typer.Option("--all", help="Every message, as Markdown: docs/messages.md.")
+    ] = False,
 ) -> None:
     """The long text of messages."""
-    if every != (not codes):
-        raise DesignError([Fault("E100", "explain takes codes or --all", "", "slopekit explain E203 W307")])
+    if all_codes != (not codes):
+        raise DesignError(
+            [Fault("E100", "explain takes codes or --all", "", "slopekit explain E203 W307")]
+        )
     if not codes:
         from slopekit.views.messages import messages_page
 
         typer.echo(messages_page(), nl=False)
         return
-    from slopekit.cli.common import folded
     from slopekit.core.explanations import explanation
 
     texts, faults = list[str](), Faults()
     for code in codes:
-        with faults.kept():
+        with faults.collecting():
             texts.append(explanation(code))
     faults.refuse()
     for line in "\n\n".join(dict.fromkeys(texts)).splitlines():

@@ -14,56 +14,75 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from slopekit.closed_form.given import Codes, Columns, of_chunk
+from slopekit.closed_form.inputs import Codes, Columns, selected_columns
 from slopekit.closed_form.tolerances import SAME_DIRECTION, SMALL
 from slopekit.closed_form.wedge import (
     ClosedFormWedges,
     WedgeArrays,
-    columns_of_wedges,
     mean_pressures,
+    wedge_columns,
     with_water_and_forces,
-)  # fmt: skip
+)
 from slopekit.closed_form.wedge_sliding import (
     FALLS,
     LIFTED,
+    NO_DRIVING_FORCE,
     SLIDES_UP,
     STATUSES,
-    STILL,
     Vector,
     WedgeSlide,
+    apply_passive_bolts,
     cross,
     dot,
     length,
-    of_one,
     plus,
     rows,
+    single_wedge,
     times,
-    under_bolts,
-)  # fmt: skip
+)
 from slopekit.core.array_types import ArrayLike, Bools, Floats
 
-#: What may become of a wedge on three joints; the numbers of the statuses of one on two joints are the same.
+#: Outcomes of a wedge on three joints; the statuses of a wedge on two joints have the same numbers.
 OUTCOMES: Final = (
-    "slides_on_J1_and_J2", *STATUSES[1:], "slides_on_basal", "slides_on_J1_and_basal", "slides_on_J2_and_basal",
-    "E434", "E206", "E209", "E441", "E443", "E442", "E440", "E207",
+    "slides_on_J1_and_J2",
+    *STATUSES[1:],
+    "slides_on_basal",
+    "slides_on_J1_and_basal",
+    "slides_on_J2_and_basal",
+    "E434",
+    "E206",
+    "E209",
+    "E441",
+    "E443",
+    "E442",
+    "E440",
+    "E207",
     "E232",
-)  # fmt: skip
+)
 _NUMBER: Final = {name: np.int8(number) for number, name in enumerate(OUTCOMES)}
 _REFUSED: Final = _NUMBER["E434"]
 _CHUNK: Final = 2048  # edges take fifteen rows of each
 _RADIAN: Final = math.pi / 180.0
-_NONE: Final = 1e-12  # of the surface of the block: a face below it is none
+_NO_FACE: Final = (
+    1e-12  # area of a face that counts as none, as a fraction of the surface of the block
+)
 
 _J1, _J2, _BASAL, _FACE, _UPPER, _CRACK = range(6)
 _PLANES: Final = ("joint1", "joint2", "basal", "face", "upper", "crack")
 _PAIRS: Final = ((_J1, _J2), (_J1, _BASAL), (_J2, _BASAL))
-# modes of sliding: off all, on one, on the line of two, held by three; and what each is called
+# modes of sliding: off all, on one, along the line of two, at rest on three; and the outcome of each
 _MODES: Final = ((), (_J1,), (_J2,), (_BASAL,), *_PAIRS, (_J1, _J2, _BASAL))
-_CALLED: Final = np.array(
-    [LIFTED, *(_NUMBER[f"slides_on_{name}"] for name in (
-        "J1", "J2", "basal", "J1_and_J2", "J1_and_basal", "J2_and_basal"
-    )), STILL], dtype=np.int8,
-)  # fmt: skip
+_MODE_OUTCOMES: Final = np.array(
+    [
+        LIFTED,
+        *(
+            _NUMBER[f"slides_on_{name}"]
+            for name in ("J1", "J2", "basal", "J1_and_J2", "J1_and_basal", "J2_and_basal")
+        ),
+        NO_DRIVING_FORCE,
+    ],
+    dtype=np.int8,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,7 +109,7 @@ class BasalWedgeArrays(WedgeArrays):
 
 
 def basal_wedges(wedges: BasalWedgeArrays) -> ClosedFormWedges:
-    """Outcome, factor of safety and forces of wedges on two joints and a basal joint, maybe with a tension crack.
+    """Return outcome, factor of safety and forces of wedges on two joints and a basal joint, maybe with a crack.
 
     Raises
     ------
@@ -112,20 +131,26 @@ def basal_wedges(wedges: BasalWedgeArrays) -> ClosedFormWedges:
     >>> [OUTCOMES[outcome] for outcome in found.outcome], found.factor.round(4).tolist()
     (['slides_on_basal', 'slides_on_J1_and_J2', 'E441'], [1.2381, 2.8886, nan])
     """
-    columns, count = columns_of_wedges(wedges, BasalWedgeArrays, ("J1", "J2", "the basal joint"))
+    columns, count = wedge_columns(wedges, BasalWedgeArrays, ("J1", "J2", "the basal joint"))
     outcome, numbers = np.empty(count, dtype=np.int8), np.empty((17, count))
     with np.errstate(all="ignore"):
         for first in range(0, count, _CHUNK):
-            part = slice(first, first + _CHUNK)
-            outcome[part], chunk_numbers = _solved(of_chunk(columns, part), outcome[part].size)
+            chunk = slice(first, first + _CHUNK)
+            outcome[chunk], chunk_numbers = _solved(
+                selected_columns(columns, chunk), outcome[chunk].size
+            )
             for row, values in zip(numbers, chunk_numbers, strict=True):
-                row[part] = values
+                row[chunk] = values
     numbers[:, outcome >= _REFUSED] = np.nan
     statuses = outcome < _REFUSED
-    numbers[0, statuses & ((outcome == LIFTED) | (outcome == FALLS) | (outcome == STILL))] = np.nan
+    numbers[
+        0, statuses & ((outcome == LIFTED) | (outcome == FALLS) | (outcome == NO_DRIVING_FORCE))
+    ] = np.nan
     volume, weight, height = numbers[14:]
     on_joints = numbers[1:4], numbers[4], numbers[5], numbers[6:10], numbers[10:14]
-    return ClosedFormWedges(outcome, numbers[0], *on_joints, volume, weight, height, np.empty((3, 0)))
+    return ClosedFormWedges(
+        outcome, numbers[0], *on_joints, volume, weight, height, np.empty((3, 0))
+    )
 
 
 # -- the block --------------------------------------------------------------------------------------------------------
@@ -148,11 +173,18 @@ def _block(columns: Columns, count: int) -> _ConvexBlock:
     names = _PLANES if "crack_dip_deg" in columns else _PLANES[:_CRACK]
     angles = np.empty((2, len(names), count))
     for plane, name in enumerate(names):
-        angles[0, plane], angles[1, plane] = columns[f"{name}_dip_deg"], columns[f"{name}_dip_direction_deg"]
+        angles[0, plane], angles[1, plane] = (
+            columns[f"{name}_dip_deg"],
+            columns[f"{name}_dip_direction_deg"],
+        )
     angles *= _RADIAN
     sine, cosine = np.sin(angles), np.cos(angles)
     upward = sine[0] * sine[1], sine[0] * cosine[1], cosine[0]
-    face, upper, joints = rows(upward, _FACE), rows(upward, _UPPER), rows(upward, slice(_J1, _BASAL))
+    face, upper, joints = (
+        rows(upward, _FACE),
+        rows(upward, _UPPER),
+        rows(upward, slice(_J1, _BASAL)),
+    )
 
     traces = cross(joints, (face[0][None], face[1][None], face[2][None]))
     squares, line = dot(traces, traces), cross(rows(joints, 0), rows(joints, 1))
@@ -162,7 +194,7 @@ def _block(columns: Columns, count: int) -> _ConvexBlock:
     offset = dot(upper, crest1)
     climb = dot(upper, rows(traces, 1))
     crest2 = times(rows(traces, 1), offset / climb)
-    code = _last_of(
+    code = _last_true_code(
         (climb * climb < SAME_DIRECTION**2 * squares[1], "E206"),
         (~(offset > 0.0), "E209"),
         (np.abs(traces[2][0]) < SAME_DIRECTION, "E206"),
@@ -172,7 +204,7 @@ def _block(columns: Columns, count: int) -> _ConvexBlock:
     )
 
     # the wedge lies between the traces, above the point in which they meet or, a socket wedge, below it
-    at = times(up1, columns["basal_height_m"])
+    basal_point = times(up1, columns["basal_height_m"])
     below = np.where(columns["basal_height_m"] < 0.0, -1.0, 1.0)
     sides = np.ones((len(names), count))
     sides[_J1] = np.copysign(1.0, dot(rows(upward, _J1), crest2)) * below
@@ -180,52 +212,67 @@ def _block(columns: Columns, count: int) -> _ConvexBlock:
     sides[_FACE] = sides[_UPPER] = -1.0
     # offsets from where the basal joint meets J1's trace: of the face, J1 and the basal joint they vanish
     offsets = np.zeros((len(names), count))
-    offsets[_J2], offsets[_UPPER] = -dot(rows(upward, _J2), at), offset - dot(upper, at)
+    offsets[_J2], offsets[_UPPER] = (
+        -dot(rows(upward, _J2), basal_point),
+        offset - dot(upper, basal_point),
+    )
     if len(names) > _CRACK:
         crack, along = rows(upward, _CRACK), cross(rows(upward, _J1), upper)
         into = np.copysign(1.0, -dot(face, along)) / length(along)
         ahead = dot(crack, times(along, into)) * columns["crack_distance_m"]
         sides[_CRACK] = np.where(ahead > 0.0, -1.0, 1.0)  # the crest lies in front of it
-        offsets[_CRACK] = dot(crack, (crest1[0] - at[0], crest1[1] - at[1], crest1[2] - at[2])) + ahead
+        offsets[_CRACK] = (
+            dot(
+                crack,
+                (
+                    crest1[0] - basal_point[0],
+                    crest1[1] - basal_point[1],
+                    crest1[2] - basal_point[2],
+                ),
+            )
+            + ahead
+        )
     inward = times(upward, sides)
     edges = _edges(inward, offsets * sides)
     areas, volume, height = edges.areas, edges.volume, edges.height
     depth = None
     if len(names) > _CRACK:
-        on = edges.has & (edges.planes == _CRACK).any(axis=1)[:, None]
+        on_crack = edges.has & (edges.planes == _CRACK).any(axis=1)[:, None]
         deep = [(offsets[_UPPER] - dot(upper, end)) / upper[2] for end in edges.ends]
-        depth = np.where(on, np.maximum(*deep), 0.0).max(axis=0)
-    none = areas <= _NONE * areas.sum(axis=0)
-    block_code = _last_of(
-        (~_leaves(inward, none), "E232"),
-        (none[_CRACK] if len(names) > _CRACK else np.zeros(count, dtype=np.bool_), "E207"),
-        (none[_J1] | none[_J2] | none[_BASAL], "E440"), (none[_FACE], "E442"), (edges.endless, "E443"),
+        depth = np.where(on_crack, np.maximum(*deep), 0.0).max(axis=0)
+    is_absent = areas <= _NO_FACE * areas.sum(axis=0)
+    block_code = _last_true_code(
+        (~_leads_out(inward, is_absent), "E232"),
+        (is_absent[_CRACK] if len(names) > _CRACK else np.zeros(count, dtype=np.bool_), "E207"),
+        (is_absent[_J1] | is_absent[_J2] | is_absent[_BASAL], "E440"),
+        (is_absent[_FACE], "E442"),
+        (edges.endless, "E443"),
         (~edges.endless & ~(volume > 0.0), "E441"),
-    )  # fmt: skip
+    )
     return _ConvexBlock(inward, areas, volume, height, depth, np.where(code, code, block_code))
 
 
-def _leaves(inward: Vector, none: Bools) -> Bools:
-    """Whether a movement that the joints allow leads out of a free face that a block has, (m,)."""
-    leaves = np.zeros(none.shape[1], dtype=np.bool_)
-    for one, other, third in ((_J1, _J2, _BASAL), (_J1, _BASAL, _J2), (_J2, _BASAL, _J1)):
-        line = cross(rows(inward, one), rows(inward, other))
+def _leads_out(inward: Vector, is_absent: Bools) -> Bools:
+    """Return whether some movement that the joints allow leads out of a free face of the block, (m,)."""
+    leaves = np.zeros(is_absent.shape[1], dtype=np.bool_)
+    for first, second, third in ((_J1, _J2, _BASAL), (_J1, _BASAL, _J2), (_J2, _BASAL, _J1)):
+        line = cross(rows(inward, first), rows(inward, second))
         edge = times(line, np.copysign(1.0, dot(line, rows(inward, third))))
         for free in (_FACE, _UPPER):
-            leaves |= ~none[free] & (dot(edge, rows(inward, free)) < -SAME_DIRECTION)
+            leaves |= ~is_absent[free] & (dot(edge, rows(inward, free)) < -SAME_DIRECTION)
     return leaves
 
 
-def _last_of(*rules: tuple[Bools, str]) -> Codes:
-    """The number of the last of the codes that is true of each wedge (m,), 0 where none is."""
-    found = np.zeros(len(rules[0][0]), dtype=np.int8)
-    for where, code in rules:
-        found[where] = _NUMBER[code]
-    return found
+def _last_true_code(*rules: tuple[Bools, str]) -> Codes:
+    """Return the number (m,) of the last code whose condition holds for each wedge, 0 where none does."""
+    codes = np.zeros(len(rules[0][0]), dtype=np.int8)
+    for condition, code in rules:
+        codes[condition] = _NUMBER[code]
+    return codes
 
 
 class _BodyEdges(NamedTuple):
-    """The edges of a convex body: planes (e, 2), two ends of three (e, m), which there are, what follows of them."""
+    """The edges of a convex body: planes (e, 2), both ends (e, m), a mask of the edges present, and areas."""
 
     planes: Any
     ends: tuple[Vector, Vector]
@@ -237,38 +284,46 @@ class _BodyEdges(NamedTuple):
 
 
 def _edges(inward: Vector, offsets: Floats) -> _BodyEdges:
-    """The body n·x >= offset of k planes (k, m), by the lines in which they meet."""
+    """Return the edges of the body n·x >= offset of k planes (k, m): their lines of intersection, clipped."""
     count = len(offsets)
     planes = np.array([(i, j) for i in range(count) for j in range(i)])
     first, second = planes.T
-    one, two = rows(inward, list(first)), rows(inward, list(second))
-    along = cross(one, two)
-    long = length(along)
-    along = times(along, 1.0 / long)
+    first_normal, second_normal = rows(inward, list(first)), rows(inward, list(second))
+    along = cross(first_normal, second_normal)
+    line_length = length(along)
+    along = times(along, 1.0 / line_length)
     # the point of the line next to the origin
-    base = times(plus(times(cross(two, along), offsets[first]), times(cross(along, one), offsets[second])), 1.0 / long)
-    low, high = np.full(long.shape, -np.inf), np.full(long.shape, np.inf)
+    base = times(
+        plus(
+            times(cross(second_normal, along), offsets[first]),
+            times(cross(along, first_normal), offsets[second]),
+        ),
+        1.0 / line_length,
+    )
+    low, high = np.full(line_length.shape, -np.inf), np.full(line_length.shape, np.inf)
     for plane in range(count):
-        others = (planes != plane).all(axis=1)[:, None]
+        is_other_plane = (planes != plane).all(axis=1)[:, None]
         normal = rows(inward, plane)
         rate, room = dot(normal, along), offsets[plane] - dot(normal, base)
-        at = room / rate
-        low = np.where(others & (rate > SMALL), np.maximum(low, at), low)
-        high = np.where(others & (rate < -SMALL), np.minimum(high, at), high)
-        high = np.where(others & (np.abs(rate) <= SMALL) & (room > 0.0), -np.inf, high)
-    has = (long >= SAME_DIRECTION) & (high > low)
+        position = room / rate
+        low = np.where(is_other_plane & (rate > SMALL), np.maximum(low, position), low)
+        high = np.where(is_other_plane & (rate < -SMALL), np.minimum(high, position), high)
+        high = np.where(is_other_plane & (np.abs(rate) <= SMALL) & (room > 0.0), -np.inf, high)
+    has = (line_length >= SAME_DIRECTION) & (high > low)
     endless: Bools = (has & ~(np.isfinite(low) & np.isfinite(high))).any(axis=0)
     has &= ~endless
-    ends = tuple(plus(base, times(along, np.where(has, at, 0.0))) for at in (low, high))
+    ends = tuple(plus(base, times(along, np.where(has, position, 0.0))) for position in (low, high))
     # around a face seen from outside the edges run along outward normal x that of the other plane: here inward, twice
-    turned = cross(ends[0], ends[1])
+    end_products = cross(ends[0], ends[1])
     areas = np.zeros(offsets.shape)
     for plane in range(count):
         for number, sign in ((0, 0.5), (1, -0.5)):
-            on = planes[:, number] == plane
-            if on.any():
-                parts = dot(rows(inward, plane), rows(turned, list(np.flatnonzero(on))))
-                areas[plane] -= sign * np.where(has[on], parts, 0.0).sum(axis=0)
+            on_plane = planes[:, number] == plane
+            if on_plane.any():
+                edge_areas = dot(
+                    rows(inward, plane), rows(end_products, list(np.flatnonzero(on_plane)))
+                )
+                areas[plane] -= sign * np.where(has[on_plane], edge_areas, 0.0).sum(axis=0)
     heights = np.stack([ends[0][2], ends[1][2]])
     top = np.where(has, heights, -np.inf).max(axis=(0, 1))
     bottom = np.where(has, heights, np.inf).min(axis=(0, 1))
@@ -288,65 +343,84 @@ class JointTriple(NamedTuple):
     tangents: Floats
     size: Floats
 
-    def of(self, one: int) -> "JointTriple":
-        """One wedge's, (3, 1): for any number of loads."""
-        return JointTriple(*(of_one(values, one) for values in self))
+    def single(self, number: int) -> "JointTriple":
+        """Return the joints of one wedge, (3, 1), for any number of loads."""
+        return JointTriple(*(single_wedge(values, number) for values in self))
 
     def slide(self, load: Vector) -> WedgeSlide:
-        """The one mode in which no plane pulls and none is entered: off all, on one, on two, or held by three."""
-        on = dot(load, self.inward)
-        count = on.shape[-1]
+        """Return the mode of sliding in which no plane is in tension and none is penetrated.
+
+        The block is off all planes, slides on one or two, or rests on three.
+        """
+        normal_load = dot(load, self.inward)
+        count = normal_load.shape[-1]
         normals = np.zeros((len(_MODES), 3, count))
-        ways: list[Vector] = []
-        amiss = np.empty((len(_MODES), count))
+        movements: list[Vector] = []
+        violation = np.empty((len(_MODES), count))
         for mode, planes in enumerate(_MODES):
-            carried = normals[mode]
+            normal_forces = normals[mode]
             if len(planes) == 1:
-                carried[planes[0]] = -on[planes[0]]
+                normal_forces[planes[0]] = -normal_load[planes[0]]
             elif len(planes) == 2:
                 i, j = planes
                 between = dot(rows(self.inward, i), rows(self.inward, j))
                 share = 1.0 - between * between
-                carried[i], carried[j] = (on[j] * between - on[i]) / share, (on[i] * between - on[j]) / share
+                normal_forces[i], normal_forces[j] = (
+                    (normal_load[j] * between - normal_load[i]) / share,
+                    (normal_load[i] * between - normal_load[j]) / share,
+                )
             elif len(planes) == 3:
-                carried[:] = self._held(load)
-            way = load if not planes else plus(
-                load, tuple((part * carried).sum(axis=0) for part in self.inward)
-            )  # fmt: skip
+                normal_forces[:] = self._three_plane_forces(load)
+            movement = (
+                load
+                if not planes
+                else plus(
+                    load,
+                    tuple((component * normal_forces).sum(axis=0) for component in self.inward),
+                )
+            )
             if len(planes) == 3:
-                way = times(way, 0.0)
-            ways.append(way)
+                movement = times(movement, 0.0)
+            movements.append(movement)
             entered = np.zeros(count)
             for plane in set(range(3)) - set(planes):
-                entered = np.maximum(entered, -dot(way, rows(self.inward, plane)))
-            amiss[mode] = np.maximum(entered, -carried.min(axis=0))
-        amiss[~np.isfinite(amiss)] = np.inf
-        mode_of = np.argmin(amiss, axis=0)
-        each = np.arange(count)
-        east, north, up = (np.stack([np.broadcast_to(way[axis], count) for way in ways])[mode_of, each]
-                           for axis in range(3))  # fmt: skip
-        normal = normals[mode_of, :, each].T
-        touching = np.array([[plane in planes for plane in range(3)] for planes in _MODES])[mode_of].T
+                entered = np.maximum(entered, -dot(movement, rows(self.inward, plane)))
+            violation[mode] = np.maximum(entered, -normal_forces.min(axis=0))
+        violation[~np.isfinite(violation)] = np.inf
+        best_mode = np.argmin(violation, axis=0)
+        wedges = np.arange(count)
+        east, north, up = (
+            np.stack([np.broadcast_to(movement[axis], count) for movement in movements])[
+                best_mode, wedges
+            ]
+            for axis in range(3)
+        )
+        normal = normals[best_mode, :, wedges].T
+        touching = np.array([[plane in planes for plane in range(3)] for planes in _MODES])[
+            best_mode
+        ].T
         driving = length((east, north, up))
         resisting = np.where(touching, self.bonds + normal * self.tangents, 0.0).sum(axis=0)
-        outcome = _CALLED[mode_of]
-        off = outcome == LIFTED
-        outcome = np.where((up > 0.0) & ~off, SLIDES_UP, outcome)
-        highest = np.broadcast_to(np.maximum.reduce(self.inward[2]), off.shape)
-        outcome = np.where(off & (highest <= 0.0), FALLS, outcome)
-        outcome = np.where(driving <= SMALL * self.size, STILL, outcome).astype(np.int8)
+        outcome = _MODE_OUTCOMES[best_mode]
+        is_off = outcome == LIFTED
+        outcome = np.where((up > 0.0) & ~is_off, SLIDES_UP, outcome)
+        highest = np.broadcast_to(np.maximum.reduce(self.inward[2]), is_off.shape)
+        outcome = np.where(is_off & (highest <= 0.0), FALLS, outcome)
+        outcome = np.where(driving <= SMALL * self.size, NO_DRIVING_FORCE, outcome).astype(np.int8)
         return WedgeSlide(outcome, normal, driving, resisting, (east, north, up))
 
-    def _held(self, load: Vector) -> Floats:
-        """Normal forces (3, m) on all three planes that balance the load: by Cramer's rule."""
+    def _three_plane_forces(self, load: Vector) -> Floats:
+        """Return the normal forces (3, m) on all three planes that balance the load, by Cramer's rule."""
         planes = [rows(self.inward, plane) for plane in range(3)]
         across = [cross(planes[(k + 1) % 3], planes[(k + 2) % 3]) for k in range(3)]
         space = dot(planes[0], across[0])
-        return np.stack([np.broadcast_to(-dot(load, one) / space, np.shape(load[2])) for one in across])
+        return np.stack(
+            [np.broadcast_to(-dot(load, normal) / space, np.shape(load[2])) for normal in across]
+        )
 
 
 def _solved(columns: Columns, count: int) -> tuple[Codes, Sequence[Any]]:
-    """Outcomes, and the numbers of `ClosedFormWedges`, of a chunk."""
+    """Return outcomes and the numbers of `ClosedFormWedges`, of a chunk."""
     block = _block(columns, count)
     weight = columns["unit_weight_kn_m3"] * block.volume
     pressures = mean_pressures(columns, 3, block.height, block.crack_depth)
@@ -357,24 +431,46 @@ def _solved(columns: Columns, count: int) -> tuple[Codes, Sequence[Any]]:
     for joint in range(3):
         strength[0, joint] = columns[f"cohesion{joint + 1}_kpa"]
         strength[1, joint] = columns[f"friction{joint + 1}_deg"]
-    bed = JointTriple(
-        joints, times(lines, 1.0 / length(lines)), strength[0] * block.areas[:3], np.tan(strength[1] * _RADIAN), size
+    triple = JointTriple(
+        joints,
+        times(lines, 1.0 / length(lines)),
+        strength[0] * block.areas[:3],
+        np.tan(strength[1] * _RADIAN),
+        size,
     )
-    slide = bed.slide(load)
+    slide = triple.slide(load)
     outcome, normal, driving, resisting, _ = slide
     factor = resisting / driving
-    under_bolts(bed, load, columns, block.code == 0, slide, factor)
-    driving = np.where((outcome == LIFTED) | (outcome == FALLS) | (outcome == STILL), 0.0, driving)
+    apply_passive_bolts(triple, load, columns, block.code == 0, slide, factor)
+    driving = np.where(
+        (outcome == LIFTED) | (outcome == FALLS) | (outcome == NO_DRIVING_FORCE), 0.0, driving
+    )
     outcome = np.where(block.code, block.code, outcome)
     crack = block.areas[_CRACK] if len(block.areas) > _CRACK else 0.0
-    return outcome, [factor, *normal, driving, resisting, *block.areas[:3], crack, *pressures, block.volume, weight,
-                     block.height]  # fmt: skip
+    return outcome, [
+        factor,
+        *normal,
+        driving,
+        resisting,
+        *block.areas[:3],
+        crack,
+        *pressures,
+        block.volume,
+        weight,
+        block.height,
+    ]
 
 
-def _load(columns: Columns, block: _ConvexBlock, weight: Floats, pressures: list[Any]) -> tuple[Vector, Floats]:
-    """The resultant of all loads (m,), and the sum of their sizes."""
-    trend = np.radians(columns["seismic_trend_deg" if "seismic_trend_deg" in columns else "face_dip_direction_deg"])
+def _load(
+    columns: Columns, block: _ConvexBlock, weight: Floats, pressures: list[Any]
+) -> tuple[Vector, Floats]:
+    """Return the resultant of all loads (m,) kN, and the sum of their magnitudes."""
+    trend = np.radians(
+        columns["seismic_trend_deg" if "seismic_trend_deg" in columns else "face_dip_direction_deg"]
+    )
     push = weight * columns["seismic"]
     load: Vector = (push * np.sin(trend), push * np.cos(trend), -weight)
     wet = [_J1, _J2, _BASAL, _CRACK][: 3 if block.crack_depth is None else 4]
-    return with_water_and_forces(columns, load, weight, pressures, block.areas[wet], rows(block.inward, wet))
+    return with_water_and_forces(
+        columns, load, weight, pressures, block.areas[wet], rows(block.inward, wet)
+    )

@@ -1,4 +1,4 @@
-"""What berms catch and what they cost: catch width, inter-ramp angle, face angle after a loss, spill, over arrays.
+"""Berm design over arrays: catch width, inter-ramp angle, face angle after a crest loss, spill width.
 
 Sources: the modified Ritchie criterion, 0.2 H + 4.5 m, as given by Warren et al. (2025, SSIM 2025, Australian Centre
 for Geomechanics, doi 10.36487/ACG_repo/2535_04), after Ritchie (1963, Highway Research Record 17, 13-28) and Ryan &
@@ -20,7 +20,7 @@ RITCHIE: Final = (0.2, 4.5)
 
 
 def catch_width(height_m: ArrayLike) -> Floats:
-    """The berm that is to catch rockfall, m (…,), from the height of the bench (…,).
+    """Return the berm width that catches rockfall, m (…,), from the height of the bench (…,).
 
     Formula: 0.2 H + 4.5 m (modified Ritchie criterion, metric).
 
@@ -31,7 +31,7 @@ def catch_width(height_m: ArrayLike) -> Floats:
 
 
 def inter_ramp_angle(height_m: ArrayLike, face_dip_deg: ArrayLike, berm_m: ArrayLike) -> Floats:
-    """Angle of a stack of benches from toe to toe, degrees.
+    """Return the inter-ramp angle of a stack of benches, from toe to toe, degrees.
 
     Formula: tan α = H / (H cot ψ_f + B). With the face after a loss and the berm that it left it is the same angle.
 
@@ -44,8 +44,10 @@ def inter_ramp_angle(height_m: ArrayLike, face_dip_deg: ArrayLike, berm_m: Array
     return np.arctan2(height, run) / _RADIAN
 
 
-def effective_face_angle(height_m: ArrayLike, face_dip_deg: ArrayLike, setback_m: ArrayLike) -> Floats:
-    """Angle of a face from its toe to the crest that a loss has left, degrees.
+def effective_face_angle(
+    height_m: ArrayLike, face_dip_deg: ArrayLike, setback_m: ArrayLike
+) -> Floats:
+    """Return the angle of a face from its toe to the crest after a crest loss, degrees.
 
     Formula: tan α = H / (H cot ψ_f + s).
 
@@ -58,7 +60,7 @@ def effective_face_angle(height_m: ArrayLike, face_dip_deg: ArrayLike, setback_m
 def cone_spill_width(
     volume_m3: ArrayLike, face_dip_deg: ArrayLike, repose_deg: ArrayLike, swell: ArrayLike = 1.0
 ) -> Floats:
-    """How far from the toe a cone of broken rock reaches that leans on the face, m; 0 on a face flatter than repose.
+    """Return the width (m) from the toe of a cone of broken rock against the face; 0 on a face flatter than repose.
 
     Parameters
     ----------
@@ -84,7 +86,9 @@ def cone_spill_width(
 def prism_spill_width(
     area_m2: ArrayLike, face_dip_deg: ArrayLike, repose_deg: ArrayLike, swell: ArrayLike = 1.0
 ) -> Floats:
-    """How far from the toe a prism of broken rock reaches, m; `area_m2` of the section of the rock in place.
+    """Return the width (m) from the toe of a prism of broken rock against the face.
+
+    area_m2 : of the section of the rock in place
 
     Formula: A = w² / (2 (cot θ - cot ψ_f)).
 
@@ -96,11 +100,13 @@ def prism_spill_width(
 
 
 def _product(volume: ArrayLike, swell: ArrayLike) -> Floats:
-    """Of broken rock."""
+    """Return the volume (or area) of broken rock."""
     return np.asarray(volume, dtype=np.float64) * np.asarray(swell, dtype=np.float64)
 
 
 def _cotangents(repose_deg: ArrayLike, face_dip_deg: ArrayLike) -> tuple[Floats, Floats]:
-    """Of the angle of repose and of the face; none for an upright face."""
-    repose, face = (np.asarray(angle, dtype=np.float64) * _RADIAN for angle in (repose_deg, face_dip_deg))
+    """Return the cotangents of the angle of repose and of the face dip; 0 for an upright face."""
+    repose, face = (
+        np.asarray(angle, dtype=np.float64) * _RADIAN for angle in (repose_deg, face_dip_deg)
+    )
     return np.cos(repose) / np.sin(repose), np.maximum(0.0, np.cos(face) / np.sin(face))

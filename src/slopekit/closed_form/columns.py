@@ -16,24 +16,30 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.closed_form.rotation import changes, crossings, ground_surface, height_of_ground, panels
+from slopekit.closed_form.rotation import (
+    changes,
+    crossings,
+    ground_surface,
+    height_of_ground,
+    panels,
+)
 from slopekit.closed_form.tolerances import LEAST_GRIP, SMALL
 from slopekit.core.array_types import ArrayLike, Floats
 from slopekit.core.errors import Fault, GeometryError
 
-_COUNT = 12  # nodes between two changes, in either direction
-_PASSES = 200
+_NODES = 12  # nodes between two changes, in either direction
+_MAX_STEPS = 200
 
 
 @dataclass(frozen=True)
 class Columns:
-    """The mass above a slip surface as vertical columns.
+    """The mass above a slip surface, divided into vertical columns.
 
     Attributes
     ----------
     base_points : (n, 3) m; base_normals : (n, 3) unit, upward; plan_areas : (n,) m²
     weights : (n,) kN; pore_pressure : (n,) kPa on the base; column_heights : (n,) m
-    overhung_share : part of the weight that has slip surface above it, too; that surface has no columns, no strength
+    overhung_share : fraction of the weight with slip surface above it, too; that surface has no columns, no strength
     """
 
     base_points: Floats
@@ -50,9 +56,9 @@ def ellipsoid_columns(
     radii: Sequence[float],
     profile: ArrayLike,
     unit_weight_kn_m3: float,
-    count: int = _COUNT,
+    count: int = _NODES,
 ) -> Columns:
-    """Columns of the ground within an ellipsoid with axes along x, y and z.
+    """Return the columns of the ground within an ellipsoid with axes along x, y and z.
 
     Parameters
     ----------
@@ -71,7 +77,9 @@ def ellipsoid_columns(
     ground = ground_surface(profile, (centre[0], centre[2]), (radii[0], radii[2]))
     t, share = panels(np.arccos(_changes(ground)), count)
     t, share = np.concatenate([t, -t]), np.concatenate([share, share])
-    return _columns(ground, centre, radii, np.cos(t), np.sin(t), share * np.cos(t), unit_weight_kn_m3, count)
+    return _columns(
+        ground, centre, radii, np.cos(t), np.sin(t), share * np.cos(t), unit_weight_kn_m3, count
+    )
 
 
 def cylinder_columns(
@@ -80,9 +88,9 @@ def cylinder_columns(
     length: float,
     profile: ArrayLike,
     unit_weight_kn_m3: float,
-    count: int = 2 * _COUNT,
+    count: int = 2 * _NODES,
 ) -> Columns:
-    """Columns of the ground within a level cylinder along y, from -length / 2 to length / 2; its ends carry nothing.
+    """Return the columns of the ground within a horizontal cylinder along y of a length (m); its ends have no strength.
 
     Parameters
     ----------
@@ -100,14 +108,20 @@ def cylinder_columns(
     ground = ground_surface(profile, centre, (radius, radius))
     s, share = np.polynomial.legendre.leggauss(4)
     middle, radii = (centre[0], 0.0, centre[1]), (radius, length / 2.0, radius)
-    return _columns(ground, middle, radii, np.ones(4), s, share, unit_weight_kn_m3, count, bulges=False)
+    return _columns(
+        ground, middle, radii, np.ones(4), s, share, unit_weight_kn_m3, count, bulges=False
+    )
 
 
 def fellenius(
-    columns: Columns, cohesion_kpa: float, friction_angle_deg: float, direction: ArrayLike, axis_point: ArrayLike,
+    columns: Columns,
+    cohesion_kpa: float,
+    friction_angle_deg: float,
+    direction: ArrayLike,
+    axis_point: ArrayLike,
     seismic: float = 0.0,
-) -> float | None:  # fmt: skip
-    """Factor of safety with no forces between columns, None where nothing drives the mass along d.
+) -> float | None:
+    """Return the factor of safety without forces between columns, None where nothing drives the mass along d.
 
     Parameters
     ----------
@@ -115,7 +129,7 @@ def fellenius(
 
     Formula: F = Σ(cA + (N - uA) tan φ) / Σ W (sin α + k cos α), N = W (n_z - k n·d), A = plan area / n_z.
     """
-    base = _Base.of(columns, direction, axis_point)
+    base = _Base.from_columns(columns, direction, axis_point)
     normal = columns.weights * (base.up - seismic * base.along)
     driving = float((columns.weights * (base.sin + seismic * base.cos)).sum())
     if driving <= SMALL * float(columns.weights.sum()):
@@ -125,25 +139,35 @@ def fellenius(
 
 
 def janbu(
-    columns: Columns, cohesion_kpa: float, friction_angle_deg: float, direction: ArrayLike, axis_point: ArrayLike,
+    columns: Columns,
+    cohesion_kpa: float,
+    friction_angle_deg: float,
+    direction: ArrayLike,
+    axis_point: ArrayLike,
     seismic: float = 0.0,
-) -> float | None:  # fmt: skip
-    """Factor of safety from horizontal forces along d, level forces between columns (simplified, no f₀).
+) -> float | None:
+    """Return the factor of safety from horizontal equilibrium along d, horizontal forces between columns (no f₀).
 
     Parameters and None as for `bishop`; axis_point : not used.
 
     Formula: F = Σ(cA + (N - uA) tan φ) cos α / (Σ N n·d + k ΣW).
     """
-    base = _Base.of(columns, direction, axis_point)
+    base = _Base.from_columns(columns, direction, axis_point)
     push = seismic * float(columns.weights.sum())
-    return _vertical_balance(base, columns, cohesion_kpa, friction_angle_deg, base.cos, base.along, push)
+    return _vertical_balance(
+        base, columns, cohesion_kpa, friction_angle_deg, base.cos, base.along, push
+    )
 
 
 def bishop(
-    columns: Columns, cohesion_kpa: float, friction_angle_deg: float, direction: ArrayLike, axis_point: ArrayLike,
+    columns: Columns,
+    cohesion_kpa: float,
+    friction_angle_deg: float,
+    direction: ArrayLike,
+    axis_point: ArrayLike,
     seismic: float = 0.0,
-) -> float | None:  # fmt: skip
-    """Factor of safety from moments about the level axis through `axis_point` square to d (simplified).
+) -> float | None:
+    """Return the factor of safety from moments about the horizontal axis through `axis_point` normal to d.
 
     Parameters
     ----------
@@ -155,7 +179,7 @@ def bishop(
     Formula: F = Σ ρ (cA + (N - uA) tan φ) / Σ(-W ξ - k W ζ_m + N (ξ n_z - ζ n·d)), ρ = -ζ cos α - ξ sin α;
     N = (W - (cA - uA tan φ) sin α / F) / (n_z + sin α tan φ / F); ξ along d and ζ up, from the axis.
     """
-    base = _Base.of(columns, direction, axis_point)
+    base = _Base.from_columns(columns, direction, axis_point)
     middle = base.rise + columns.column_heights / 2.0
     push = -float((columns.weights * (base.reach + seismic * middle)).sum())
     lever = -base.rise * base.cos - base.reach * base.sin
@@ -165,7 +189,7 @@ def bishop(
 
 @dataclass(frozen=True)
 class _Base:
-    """Bases seen along d: normals, apparent dips, areas, and where they are from the axis."""
+    """The bases of columns in the direction d: normals, apparent dips, areas, and positions relative to the axis."""
 
     area: Floats
     pore: Floats
@@ -177,26 +201,42 @@ class _Base:
     rise: Floats
 
     @staticmethod
-    def of(columns: Columns, direction: ArrayLike, axis_point: ArrayLike) -> "_Base":
+    def from_columns(columns: Columns, direction: ArrayLike, axis_point: ArrayLike) -> "_Base":
         d = np.asarray(direction, dtype=np.float64)
         d = d / math.hypot(*d)
         along, up = columns.base_normals[:, :2] @ d, columns.base_normals[:, 2]
         length = np.hypot(along, up)
         area = columns.plan_areas / up
-        away = columns.base_points - np.asarray(axis_point, dtype=np.float64)
+        arms = columns.base_points - np.asarray(axis_point, dtype=np.float64)
         return _Base(
-            area, columns.pore_pressure * area, along, up, along / length, up / length, away[:, :2] @ d, away[:, 2]
+            area,
+            columns.pore_pressure * area,
+            along,
+            up,
+            along / length,
+            up / length,
+            arms[:, :2] @ d,
+            arms[:, 2],
         )
 
 
 def _vertical_balance(
-    base: _Base, columns: Columns, cohesion: float, friction_angle: float, shear: Floats, normal: Floats, push: float
+    base: _Base,
+    columns: Columns,
+    cohesion: float,
+    friction_angle: float,
+    shear: Floats,
+    normal: Floats,
+    push: float,
 ) -> float | None:
-    """F from Σ shear·S = Σ normal·N + push, N from the vertical forces on each column: Newton's method on 1 / F."""
+    """Return F from Σ shear·S = Σ normal·N + push, N from vertical equilibrium of columns: Newton's method on 1 / F."""
     tangent = math.tan(math.radians(friction_angle))
     bond = cohesion * base.area - base.pore * tangent
-    strength, step = 0.0, 0.0  # 1 / F from nothing upward: the sum is concave, so that no step passes the root
-    for _ in range(_PASSES):
+    strength, step = (
+        0.0,
+        0.0,
+    )  # 1 / F from 0 upward: the sum is concave, so that no step passes the root
+    for _ in range(_MAX_STEPS):
         grip = base.up + base.sin * tangent * strength
         if not (grip > 0.0).all():
             step /= 2.0
@@ -221,7 +261,7 @@ def _vertical_balance(
 
 
 def _changes(ground: Floats) -> Floats:
-    """Radii at which the columns of a slice change their kind: as for the circle, at its width, at its mid-height."""
+    """Return the radii at which the columns of a slice change: those of the circle, at its width, at its mid-height."""
     start, end = ground[:-1], ground[1:]
     through = start[:, 1] * end[:, 1] < 0.0
     (x, z), (right, top) = start[through].T, end[through].T
@@ -230,14 +270,28 @@ def _changes(ground: Floats) -> Floats:
 
 
 def _columns(
-    ground: Floats, centre: Sequence[float], radii: Sequence[float], r: Floats, s: Floats, share: Floats,
-    unit_weight: float, count: int, bulges: bool = True,
-) -> Columns:  # fmt: skip
-    """Columns on slices of radius r (n,) at s (n,), as parts of the radii; `bulges`: the surface narrows along y."""
-    start, way = ground[:-1, 0], np.diff(ground[:, 0])
-    x = (start[:, None] + crossings(ground, r) * way[:, None]).reshape(len(r), -1)
+    ground: Floats,
+    centre: Sequence[float],
+    radii: Sequence[float],
+    r: Floats,
+    s: Floats,
+    share: Floats,
+    unit_weight: float,
+    count: int,
+    bulges: bool = True,
+) -> Columns:
+    """Return the columns on slices of radius r (n,) at s (n,), in units of the radii.
+
+    bulges : whether the surface narrows along y
+    """
+    start, segment = ground[:-1, 0], np.diff(ground[:, 0])
+    x = (start[:, None] + crossings(ground, r) * segment[:, None]).reshape(len(r), -1)
     x = np.concatenate([x, np.tile(ground[:, 0], (len(r), 1))], axis=1) / r[:, None]
-    ends = np.sort(np.concatenate([np.arcsin(np.clip(x, -1.0, 1.0)), np.full((len(r), 1), math.pi / 2)], axis=1))
+    ends = np.sort(
+        np.concatenate(
+            [np.arcsin(np.clip(x, -1.0, 1.0)), np.full((len(r), 1), math.pi / 2)], axis=1
+        )
+    )
     ends = np.concatenate([np.full((len(r), 1), -math.pi / 2), ends], axis=1)
     node, weight = np.polynomial.legendre.leggauss(count)
     width = np.diff(ends)[..., None]
@@ -253,10 +307,17 @@ def _columns(
         raise GeometryError([Fault("E214", "the slip surface encloses none of the ground")])
     normals = -np.stack([x / radii[0], (y if bulges else 0.0 * y) / radii[1], z / radii[2]], axis=1)
     normals /= np.sqrt((normals**2).sum(axis=1))[:, None]
-    points = np.asarray(centre, dtype=np.float64) + np.stack([x, y, z], axis=1) * np.asarray(radii, dtype=np.float64)
+    points = np.asarray(centre, dtype=np.float64) + np.stack([x, y, z], axis=1) * np.asarray(
+        radii, dtype=np.float64
+    )
     heights = height * radii[2]
     weights = unit_weight * heights * plan_areas
     return Columns(
-        points, normals, plan_areas, weights, np.zeros_like(weights), heights,
+        points,
+        normals,
+        plan_areas,
+        weights,
+        np.zeros_like(weights),
+        heights,
         float(weights[height_of_ground(ground, x) > -z].sum() / weights.sum()),
-    )  # fmt: skip
+    )

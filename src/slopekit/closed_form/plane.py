@@ -13,25 +13,44 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from slopekit.closed_form.given import BlockLoads, Codes, Columns, Value, columns_of, counted, with_passive
+from slopekit.closed_form.inputs import (
+    BlockLoads,
+    Codes,
+    Columns,
+    Value,
+    counted,
+    float_columns,
+    with_passive,
+)
 from slopekit.closed_form.tolerances import PARALLEL_DEG, SMALL
 from slopekit.closed_form.wedge_sliding import (
     FALLS,
     LIFTED,
+    NO_DRIVING_FORCE,
     SLIDES_ON_J1,
     SLIDES_UP,
-    STILL,
     Vector,
     WedgeSlide,
-    with_bolts,
+    factor_with_bolts,
 )
 from slopekit.core.array_types import ArrayLike, Floats
 
-#: What may become of a block: it slides, it loses contact, nothing drives it, or the plane cuts none (`explain CODE`).
-OUTCOMES: Final = ("slides", "slides_up", "lifted", "falls", "no_driving_force", "E203", "E204", "E205", "E207", "E209")
+#: Outcomes of a block: it slides, it loses contact, nothing drives it, or the plane forms none (`explain CODE`).
+OUTCOMES: Final = (
+    "slides",
+    "slides_up",
+    "lifted",
+    "falls",
+    "no_driving_force",
+    "E203",
+    "E204",
+    "E205",
+    "E207",
+    "E209",
+)
 _NUMBER: Final = {name: np.int8(number) for number, name in enumerate(OUTCOMES)}
-#: Of the numbers that `wedge_sliding` has for how a block moves, those here.
-_NUMBERS: Final = np.array([0, 0, 0, 1, 2, 3, 4], dtype=np.int8)
+#: The outcome here of each number of a sliding mode in `wedge_sliding`.
+_OUTCOME_OF_SLIDE: Final = np.array([0, 0, 0, 1, 2, 3, 4], dtype=np.int8)
 _RADIAN: Final = math.pi / 180.0
 _TAN: Final = np.frompyfunc(math.tan, 1, 1)
 
@@ -70,13 +89,13 @@ class PlaneArrays(BlockLoads):
 
 @dataclass(frozen=True)
 class ClosedFormPlanes:
-    """What the closed form says of each of n blocks, per metre of slope; numbers are nan where the plane cuts none.
+    """Results of the closed form for n blocks, per metre of slope; numbers are nan where the plane forms none.
 
     Attributes
     ----------
     outcome : (n,) int8, an index into `OUTCOMES`
     factor : (n,) factor of safety, nan unless the block slides (or where passive bolts hold it whatever its strength)
-    normal_kn : (n,) effective normal force on the plane: what its own strength carries, 0 off the plane
+    normal_kn : (n,) effective normal force on the plane, 0 without contact
     driving_kn, resisting_kn : (n,) along the plane; with passive bolts under the pull they have at that factor
     length_m, pressure_kpa : (n,) of the plane: its length, and the mean pressure of the water
     thrust_kn, crack_depth_m : (n,) of the crack: the push V of its water, its depth (0 without one)
@@ -95,12 +114,12 @@ class ClosedFormPlanes:
     weight_kn: Floats
 
     def counts(self) -> dict[str, int]:
-        """How many blocks there are of each outcome, in the order of `OUTCOMES`, the absent ones left out."""
+        """Return the number of blocks of each outcome, in the order of `OUTCOMES`, without those that do not occur."""
         return counted(self.outcome, OUTCOMES)
 
 
 def plane_failures(planes: PlaneArrays) -> ClosedFormPlanes:
-    """Outcome, factor of safety and forces of blocks that may slide on a plane.
+    """Return outcome, factor of safety and forces of blocks that may slide on a plane.
 
     Raises
     ------
@@ -118,28 +137,49 @@ def plane_failures(planes: PlaneArrays) -> ClosedFormPlanes:
     """
     if planes.crack_pressure_kpa is not None and planes.pressure_kpa is None:
         raise ValueError("crack_pressure_kpa goes with pressure_kpa")
-    given = {field.name: getattr(planes, field.name) for field in fields(PlaneArrays)}
-    bolts, force = given.pop("passive_kn"), given.pop("force_kn")
+    inputs = {field.name: getattr(planes, field.name) for field in fields(PlaneArrays)}
+    bolts, force = inputs.pop("passive_kn"), inputs.pop("force_kn")
     if force is not None:
-        given |= dict(zip(("force_out_kn", "force_up_kn"), force, strict=True))
-    columns, count = with_passive(*columns_of(given), bolts)
+        inputs |= dict(zip(("force_out_kn", "force_up_kn"), force, strict=True))
+    columns, count = with_passive(*float_columns(inputs), bolts)
     numbers = np.empty((9, count))
     with np.errstate(all="ignore"):
         block = _block(columns, count)
-        bed, load = _bed(columns, block)
-        slide = bed.slide(load)
+        joint, load = _joint_and_load(columns, block)
+        slide = joint.slide(load)
         factor = np.where(slide.outcome <= SLIDES_UP, slide.resisting / slide.driving, np.nan)
-        held = (block.code == 0) & (slide.outcome != STILL) & columns["passive_kn"].any(axis=(1, 2))
-        for one in np.flatnonzero(held).tolist():
-            plane = bed.of(one)
-            ways = [plane.on_plane(*bolt) for bolt in columns["passive_kn"][one].tolist()]
-            pulls = [(float(along[0]), 0.0, float(off[0])) for along, off in ways]
-            factor[one], last = with_bolts(plane, [float(part[one]) for part in load], pulls)
-            slide.outcome[one], slide.normal[:, one] = last.outcome[0], last.normal[:, 0]
-            slide.driving[one], slide.resisting[one] = last.driving[0], last.resisting[0]
-        outcome = _NUMBERS[slide.outcome]
-        rows = [factor, slide.normal[0], slide.driving, slide.resisting, block.length, block.pressure, block.thrust,
-                 block.depth, block.weight]  # fmt: skip
+        bolted = (
+            (block.code == 0)
+            & (slide.outcome != NO_DRIVING_FORCE)
+            & columns["passive_kn"].any(axis=(1, 2))
+        )
+        for number in np.flatnonzero(bolted).tolist():
+            plane = joint.single(number)
+            components = [plane.on_plane(*bolt) for bolt in columns["passive_kn"][number].tolist()]
+            pulls = [(float(along[0]), 0.0, float(outward[0])) for along, outward in components]
+            factor[number], first_loss = factor_with_bolts(
+                plane, [float(component[number]) for component in load], pulls
+            )
+            slide.outcome[number], slide.normal[:, number] = (
+                first_loss.outcome[0],
+                first_loss.normal[:, 0],
+            )
+            slide.driving[number], slide.resisting[number] = (
+                first_loss.driving[0],
+                first_loss.resisting[0],
+            )
+        outcome = _OUTCOME_OF_SLIDE[slide.outcome]
+        rows = [
+            factor,
+            slide.normal[0],
+            slide.driving,
+            slide.resisting,
+            block.length,
+            block.pressure,
+            block.thrust,
+            block.depth,
+            block.weight,
+        ]
         for row, values in zip(numbers, rows, strict=True):
             row[:] = values
     refused = np.flatnonzero(block.code)
@@ -161,52 +201,80 @@ class _PlaneBlock(NamedTuple):
 
 
 def _block(columns: Columns, count: int) -> _PlaneBlock:
-    """The block of each slope, its plane and its crack, and the water in them."""
+    """Return the block of each slope: its plane, its crack, and the water in them."""
     code = np.zeros(count, dtype=np.int8)
 
-    def refuse(name: str, where: Value) -> None:
-        """The first test that fails counts."""
-        code[(code == 0) & where] = _NUMBER[name]
+    def refuse(name: str, condition: Value) -> None:
+        """Set the code of a failed test where no earlier test has failed."""
+        code[(code == 0) & condition] = _NUMBER[name]
 
-    face_dip, upper_dip, plane_dip = (columns[f"{name}_dip_deg"] for name in ("face", "upper", "plane"))
+    face_dip, upper_dip, plane_dip = (
+        columns[f"{name}_dip_deg"] for name in ("face", "upper", "plane")
+    )
     refuse("E204", plane_dip <= PARALLEL_DEG)
     refuse("E203", plane_dip >= face_dip - PARALLEL_DEG)
     refuse("E209", upper_dip >= face_dip - PARALLEL_DEG)
     face, upper, plane = map(_tangent, (face_dip, upper_dip, plane_dip))
-    height, weighs = columns["height_m"], columns["water_unit_weight_kn_m3"]
+    height, water_weight = columns["height_m"], columns["water_unit_weight_kn_m3"]
     crest = -height * np.cos(face_dip * _RADIAN) / np.sin(face_dip * _RADIAN), height
     meets = np.greater(plane_dip, upper_dip + PARALLEL_DEG)
-    end_x = crest[0] - (height + crest[0] * plane) / (plane - upper)  # where the plane comes out of the upper slope
+    end_x = crest[0] - (height + crest[0] * plane) / (
+        plane - upper
+    )  # where the plane comes out of the upper slope
     end = end_x, -end_x * plane
 
     if "crack_depth_m" not in columns and "crack_distance_m" not in columns:
         refuse("E205", ~meets)
         refuse("E207", np.greater(columns.get("water_in_crack_m", 0.0), 0.0))
-        twice, depth = np.abs(_turned(crest, end)), 0.0
-        peak = 0.5 * columns["fill"] * weighs * np.maximum(height, end[1])
+        twice_area, depth = np.abs(_twice_triangle_area(crest, end)), 0.0
+        peak = 0.5 * columns["fill"] * water_weight * np.maximum(height, end[1])
         pressure, thrust = columns.get("pressure_kpa", 0.5 * peak), 0.0
     else:
-        before = np.where(np.less(face_dip, 90.0), -height / face, 0.0)  # the crest where the face is just upright
-        distance, misses = _crack(columns, upper, plane, before, np.where(meets, end[0], -np.inf))
+        upright_crest = np.where(
+            np.less(face_dip, 90.0), -height / face, 0.0
+        )  # the crest where the face is just upright
+        distance, misses = _crack(
+            columns, upper, plane, upright_crest, np.where(meets, end[0], -np.inf)
+        )
         refuse("E207", misses)
-        at = crest[0] - distance
-        top = at, np.where(distance >= 0.0, height + distance * upper, -at * face)
-        end = at, -at * plane
+        crack_x = crest[0] - distance
+        top = crack_x, np.where(distance >= 0.0, height + distance * upper, -crack_x * face)
+        end = crack_x, -crack_x * plane
         depth = top[1] - end[1]
-        twice = np.abs(np.where(distance > 0.0, _turned(crest, top), 0.0) + _turned(top, end))
+        twice_area = np.abs(
+            np.where(distance > 0.0, _twice_triangle_area(crest, top), 0.0)
+            + _twice_triangle_area(top, end)
+        )
         if "pressure_kpa" in columns:
-            pressure, thrust = columns["pressure_kpa"], columns.get("crack_pressure_kpa", 0.0) * depth
+            pressure, thrust = (
+                columns["pressure_kpa"],
+                columns.get("crack_pressure_kpa", 0.0) * depth,
+            )
         else:
-            deep = columns.get("water_in_crack_m", depth)
-            refuse("E207", deep > depth * (1.0 + 1e-9))
-            pressure = 0.5 * weighs * deep * (1.0 if "water_in_crack_m" in columns else columns["fill"])
-            thrust = pressure * deep
-        refuse("E207", ~((depth > 0.0) & (at < 0.0)))
-    return _PlaneBlock(code, columns["unit_weight_kn_m3"] * (0.5 * twice), np.hypot(*end), depth, pressure, thrust)
+            water_depth = columns.get("water_in_crack_m", depth)
+            refuse("E207", water_depth > depth * (1.0 + 1e-9))
+            pressure = (
+                0.5
+                * water_weight
+                * water_depth
+                * (1.0 if "water_in_crack_m" in columns else columns["fill"])
+            )
+            thrust = pressure * water_depth
+        refuse("E207", ~((depth > 0.0) & (crack_x < 0.0)))
+    return _PlaneBlock(
+        code,
+        columns["unit_weight_kn_m3"] * (0.5 * twice_area),
+        np.hypot(*end),
+        depth,
+        pressure,
+        thrust,
+    )
 
 
-def _crack(columns: Columns, upper: Value, plane: Value, crest: Value, back: Value) -> tuple[Value, Value]:
-    """Distance of the crack behind the crest, and where there is no such crack.
+def _crack(
+    columns: Columns, upper: Value, plane: Value, crest: Value, back: Value
+) -> tuple[Value, Value]:
+    """Return the distance (m) of the crack behind the crest, and where there is no such crack.
 
     Formula: z = H (1 - cot ψ_f tan ψ_p) - b (tan ψ_p - tan ψ_s) (Wyllie & Mah 2004, eq. 6.1 and 6.2, solved for b).
     """
@@ -215,28 +283,34 @@ def _crack(columns: Columns, upper: Value, plane: Value, crest: Value, back: Val
     if "crack_depth_m" in columns:
         depth, height, lost = columns["crack_depth_m"], columns["height_m"], plane - upper
         behind = (height + crest * plane - depth) / lost
-        misses = ~((np.abs(lost) > SMALL) & (behind >= 0.0) & (behind < np.inf) & np.greater(depth, 0.0))
+        misses = ~(
+            (np.abs(lost) > SMALL) & (behind >= 0.0) & (behind < np.inf) & np.greater(depth, 0.0)
+        )
         if distance is not None:
-            misses = misses | (np.abs(distance - behind) > 0.02 * np.maximum(np.abs(behind), height))
+            misses = misses | (
+                np.abs(distance - behind) > 0.02 * np.maximum(np.abs(behind), height)
+            )
         distance = behind
     reach = crest - back
-    return distance, misses | (distance >= reach * (1.0 - 1e-9)) | (distance <= crest * (1.0 - 1e-9))
+    return distance, misses | (distance >= reach * (1.0 - 1e-9)) | (
+        distance <= crest * (1.0 - 1e-9)
+    )
 
 
 def _tangent(dip_deg: Value) -> Floats:
-    """As geometry takes it, to the last bit: the depth of a crack is a difference."""
+    """Return tan(dip) to the last bit as the geometry computes it: the depth of a crack is a difference."""
     return np.asarray(_TAN(np.asarray(dip_deg) * _RADIAN), dtype=np.float64)
 
 
-def _turned(a: Sequence[Value], b: Sequence[Value]) -> Value:
-    """Twice the area between two points and the toe."""
+def _twice_triangle_area(a: Sequence[Value], b: Sequence[Value]) -> Value:
+    """Return twice the signed area of the triangle of the toe and two points."""
     return a[0] * b[1] - a[1] * b[0]
 
 
 # -- how it moves -----------------------------------------------------------------------------------------------------
 
 
-class _Bed(NamedTuple):
+class _PlaneJoint(NamedTuple):
     """The plane, (n,): sine and cosine of its dip, its strength, and the sum of the loads' sizes.
 
     Vectors are down the plane, along its strike and off it.
@@ -250,46 +324,66 @@ class _Bed(NamedTuple):
 
     @property
     def inward(self) -> Vector:
-        """The normal into the block."""
+        """The normal into the block, in the axes of the plane."""
         return np.zeros((1, 1)), np.zeros((1, 1)), np.ones((1, 1))
 
     @property
     def lines(self) -> Vector:
-        """No line of two joints."""
+        """The lines of intersection of joints: none, as there is one plane."""
         return np.zeros((0, 1)), np.zeros((0, 1)), np.zeros((0, 1))
 
-    def of(self, one: int) -> "_Bed":
-        """One block's, for any number of loads."""
-        return _Bed(*(np.broadcast_to(values, self.size.shape)[one : one + 1] for values in self))
+    def single(self, number: int) -> "_PlaneJoint":
+        """Return the joint of one block, for any number of loads."""
+        return _PlaneJoint(
+            *(np.broadcast_to(values, self.size.shape)[number : number + 1] for values in self)
+        )
 
     def on_plane(self, x: Value, z: Value) -> tuple[Value, Value]:
-        """Down the plane, and off it."""
+        """Return the components of a vector (x, z) down the plane and off it."""
         return x * self.cosine - z * self.sine, x * self.sine + z * self.cosine
 
     def slide(self, load: Vector) -> WedgeSlide:
-        """Mode of sliding from the resultant."""
-        along, _, off = load
-        nothing = SMALL * self.size
-        lost = off >= -nothing
-        still = np.where(lost, np.hypot(along, off), np.abs(along)) <= nothing
-        off_it, on_it = np.where(self.cosine <= SMALL, FALLS, LIFTED), np.where(along > 0.0, SLIDES_ON_J1, SLIDES_UP)
-        outcome = np.where(still, STILL, np.where(lost, off_it, on_it))
-        normal = np.where(lost, 0.0, -off)
-        resisting = np.where(lost, 0.0, self.bond + normal * self.tangent)
-        driving = np.where(lost | still, 0.0, np.abs(along))
-        return WedgeSlide(outcome, normal[None], driving, resisting, (along, 0.0, np.where(lost, off, 0.0)))
+        """Return the mode of sliding under a resultant."""
+        along, _, outward = load
+        tolerance = SMALL * self.size
+        no_contact = outward >= -tolerance
+        no_drive = np.where(no_contact, np.hypot(along, outward), np.abs(along)) <= tolerance
+        uplift_mode, sliding_mode = (
+            np.where(self.cosine <= SMALL, FALLS, LIFTED),
+            np.where(along > 0.0, SLIDES_ON_J1, SLIDES_UP),
+        )
+        outcome = np.where(
+            no_drive, NO_DRIVING_FORCE, np.where(no_contact, uplift_mode, sliding_mode)
+        )
+        normal = np.where(no_contact, 0.0, -outward)
+        resisting = np.where(no_contact, 0.0, self.bond + normal * self.tangent)
+        driving = np.where(no_contact | no_drive, 0.0, np.abs(along))
+        return WedgeSlide(
+            outcome,
+            normal[None],
+            driving,
+            resisting,
+            (along, 0.0, np.where(no_contact, outward, 0.0)),
+        )
 
 
-def _bed(columns: Columns, block: _PlaneBlock) -> tuple[_Bed, Vector]:
-    """The plane, and the resultant of all loads down it and off it."""
+def _joint_and_load(columns: Columns, block: _PlaneBlock) -> tuple[_PlaneJoint, Vector]:
+    """Return the joint plane, and the resultant of all loads down it and off it (kN/m)."""
     dip = columns["plane_dip_deg"] * _RADIAN
-    out, up = columns.get("force_out_kn", 0.0), columns.get("force_up_kn", 0.0)
+    force_out, force_up = columns.get("force_out_kn", 0.0), columns.get("force_up_kn", 0.0)
     uplift = block.pressure * block.length
-    size = block.weight + np.abs(uplift) + np.abs(block.thrust) + np.hypot(out, up)
-    bed = _Bed(
-        np.sin(dip), np.cos(dip), columns["cohesion_kpa"] * block.length, np.tan(columns["friction_deg"] * _RADIAN),
+    size = block.weight + np.abs(uplift) + np.abs(block.thrust) + np.hypot(force_out, force_up)
+    joint = _PlaneJoint(
+        np.sin(dip),
+        np.cos(dip),
+        columns["cohesion_kpa"] * block.length,
+        np.tan(columns["friction_deg"] * _RADIAN),
         np.broadcast_to(size, block.code.shape),
-    )  # fmt: skip
-    along, off = bed.on_plane(block.thrust + columns["seismic"] * block.weight + out, up - block.weight)
-    along, off = (np.broadcast_to(part, bed.size.shape) for part in (along, off + uplift))
-    return bed, (along, np.zeros(bed.size.shape), off)
+    )
+    along, outward = joint.on_plane(
+        block.thrust + columns["seismic"] * block.weight + force_out, force_up - block.weight
+    )
+    along, outward = (
+        np.broadcast_to(component, joint.size.shape) for component in (along, outward + uplift)
+    )
+    return joint, (along, np.zeros(joint.size.shape), outward)

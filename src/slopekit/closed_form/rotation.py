@@ -19,12 +19,12 @@ from slopekit.closed_form.tolerances import ON_CIRCLE, SMALL
 from slopekit.core.array_types import ArrayLike, Floats
 from slopekit.core.errors import Fault, GeometryError
 
-_COUNT = 16  # slices between two changes of kind
+_NODES = 16  # slices between two changes of kind
 
 
 @dataclass(frozen=True)
 class ClosedFormRotation:
-    """What the closed form says of a mass that turns about the axis of its slip surface.
+    """The closed form of a mass that rotates about the axis of its slip surface.
 
     Attributes
     ----------
@@ -51,14 +51,14 @@ def rotational_failure(
     shape: str = "ellipsoid",
     seismic: float = 0.0,
 ) -> ClosedFormRotation:
-    """Factor of safety of the ground within a surface of revolution about the line through `centre` along y.
+    """Return the factor of safety of the ground within a surface of revolution about the line through `centre` along y.
 
     Parameters
     ----------
     centre : (3,) m; radius : m, in x and z; half_width : m, along y (the radius for a sphere)
     profile : (k, 2) x and z of the ground surface, m; level beyond its ends
     shape : ellipsoid (a sphere is one) or cylinder
-    seismic : horizontal, toward x, part of the weight
+    seismic : horizontal, toward x, fraction of the weight
 
     All of the surface below the ground shears, where it hangs over too; the two ends of a cylinder do not. Several
     pieces of ground within the surface count as one body.
@@ -78,7 +78,7 @@ def rotational_failure(
     if shape == "cylinder":
         nodes, along, across = np.zeros(1), np.array([half_width]), np.array([half_width])
     else:
-        nodes, weights = panels(np.arccos(changes(ground)), _COUNT)
+        nodes, weights = panels(np.arccos(changes(ground)), _NODES)
         along = half_width * np.cos(nodes) * weights
         across = np.hypot(radius * np.sin(nodes), half_width * np.cos(nodes)) * weights
     r = np.cos(nodes)
@@ -91,11 +91,13 @@ def rotational_failure(
     driving = -2.0 * unit_weight_kn_m3 * float(along @ (moment_x + seismic * moment_z)) * radius**3
     if abs(driving) <= SMALL * unit_weight_kn_m3 * volume * radius:
         return ClosedFormRotation(None, "no_driving_force", volume, surface, driving, resisting)
-    return ClosedFormRotation(resisting / abs(driving), "rotates", volume, surface, driving, resisting)
+    return ClosedFormRotation(
+        resisting / abs(driving), "rotates", volume, surface, driving, resisting
+    )
 
 
 def ground_surface(profile: ArrayLike, centre: Sequence[float], radii: Sequence[float]) -> Floats:
-    """The ground surface z(x) as points (k, 2), seen from the middle of an ellipse that it makes a circle of radius 1.
+    """Return the ground surface as points (k, 2), scaled so that an ellipse becomes the unit circle about the origin.
 
     They run from left to right, level beyond the circle; the profile (k, 2) in m is listed in either direction.
 
@@ -109,41 +111,46 @@ def ground_surface(profile: ArrayLike, centre: Sequence[float], radii: Sequence[
     if (steps < 0.0).any() and (steps > 0.0).any():
         advice = "Closed forms of slip surfaces need one height of the ground at each x."
         raise GeometryError([Fault("E218", "the slope profile turns back on itself", "", advice)])
-    points = (points[::-1] if (steps < 0.0).any() else points) - np.asarray(centre, dtype=np.float64)
+    points = (points[::-1] if (steps < 0.0).any() else points) - np.asarray(
+        centre, dtype=np.float64
+    )
     points = points / np.asarray(radii, dtype=np.float64)
     points = points[np.append(True, (np.diff(points, axis=0) != 0.0).any(axis=1))]
-    left, right = (min(points[0, 0], -1.0) - 1.0, points[0, 1]), (max(points[-1, 0], 1.0) + 1.0, points[-1, 1])
-    return np.vstack([left, points, right])
+    first_point, last_point = (
+        (min(points[0, 0], -1.0) - 1.0, points[0, 1]),
+        (max(points[-1, 0], 1.0) + 1.0, points[-1, 1]),
+    )
+    return np.vstack([first_point, points, last_point])
 
 
 def height_of_ground(ground: Floats, x: Floats) -> Floats:
-    """Height of the ground at x (any shape)."""
+    """Return the height of the ground at x (any shape)."""
     return np.interp(x, ground[:, 0], ground[:, 1])
 
 
 def changes(ground: Floats) -> Floats:
-    """Radii at which a circle meets a corner or touches the ground, and 0 and 1: slices change their kind there."""
-    start, way = ground[:-1], np.diff(ground, axis=0)
-    square = (way * way).sum(axis=1)
-    nearest = np.clip(-(start * way).sum(axis=1) / square, 0.0, 1.0)
-    feet = start + nearest[:, None] * way
+    """Return the radii at which a circle meets a corner or touches the ground, and 0 and 1: slices change there."""
+    start, segment = ground[:-1], np.diff(ground, axis=0)
+    square = (segment * segment).sum(axis=1)
+    nearest = np.clip(-(start * segment).sum(axis=1) / square, 0.0, 1.0)
+    feet = start + nearest[:, None] * segment
     radii = np.concatenate([[0.0, 1.0], np.hypot(*feet.T), np.hypot(*ground.T)])
     return np.unique(radii[radii <= 1.0])
 
 
 def crossings(ground: Floats, r: Floats) -> Floats:
-    """Where circles of radius r (n,) meet the segments: (n, k - 1, 2) shares of a segment, within 0 and 1."""
-    start, way = ground[:-1], np.diff(ground, axis=0)
-    square = (way * way).sum(axis=1)
-    foot = -(start * way).sum(axis=1) / square
-    away = ((start + foot[:, None] * way) ** 2).sum(axis=1)
-    half = np.sqrt(np.maximum(r[:, None] ** 2 - away, 0.0) / square)
+    """Return where circles of radius r (n,) meet the segments: (n, k - 1, 2) fractions of a segment, 0 to 1."""
+    start, segment = ground[:-1], np.diff(ground, axis=0)
+    square = (segment * segment).sum(axis=1)
+    foot = -(start * segment).sum(axis=1) / square
+    squared_distance = ((start + foot[:, None] * segment) ** 2).sum(axis=1)
+    half = np.sqrt(np.maximum(r[:, None] ** 2 - squared_distance, 0.0) / square)
     shares: Floats = np.clip(np.stack([foot - half, foot + half], axis=-1), 0.0, 1.0)
     return shares
 
 
 def panels(ends: Floats, count: int) -> tuple[Floats, Floats]:
-    """Nodes and weights of Gauss's rule on each interval between `ends`, drawn to its ends for square roots there.
+    """Return nodes and weights of Gauss's rule between `ends`, concentrated at each end for square roots there.
 
     >>> nodes, weights = panels(np.array([0.0, 1.0]), 16)
     >>> round(float(weights @ np.sqrt(nodes)), 12)
@@ -152,28 +159,33 @@ def panels(ends: Floats, count: int) -> tuple[Floats, Floats]:
     ends = np.unique(ends)
     u, weight = np.polynomial.legendre.leggauss(count)
     u = 0.5 * (u + 1.0)
-    drawn, slope = u * u * (3.0 - 2.0 * u), 3.0 * u * (1.0 - u) * weight
+    stretched, slope = u * u * (3.0 - 2.0 * u), 3.0 * u * (1.0 - u) * weight
     width = np.diff(ends)[:, None]
-    return (ends[:-1, None] + width * drawn).ravel(), (width * slope).ravel()
+    return (ends[:-1, None] + width * stretched).ravel(), (width * slope).ravel()
 
 
 def _slices(ground: Floats, r: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-    """Angle below the ground, area and first moments (x, z) of the part below it, of circles of radius r (n,)."""
-    start, way = ground[:-1], np.diff(ground, axis=0)
-    ends = start[:, None, :] + crossings(ground, r)[..., None] * way[:, None, :]
+    """Return, of circles of radius r (n,), the angle below the ground, and the area and first moments below it."""
+    start, segment = ground[:-1], np.diff(ground, axis=0)
+    ends = start[:, None, :] + crossings(ground, r)[..., None] * segment[:, None, :]
     x, z = ends[..., 0], ends[..., 1]
     # the ground within the circle, from right to left, then the arcs below the ground: counterclockwise
     area = 0.5 * (x[..., 1] * z[..., 0] - x[..., 0] * z[..., 1])
     moment_x = (z[..., 0] - z[..., 1]) * ((x**2).sum(axis=-1) + x.prod(axis=-1)) / 6.0
     moment_z = (x[..., 1] - x[..., 0]) * ((z**2).sum(axis=-1) + z.prod(axis=-1)) / 6.0
-    on_circle = np.abs(np.hypot(x, z) - r[:, None, None]) <= ON_CIRCLE  # corners on the circle among them
-    at = np.where(on_circle, np.arctan2(z, x), math.pi).reshape(len(r), -1)
-    at = np.concatenate([np.full((len(r), 1), -math.pi), np.sort(at, axis=1), np.full((len(r), 1), math.pi)], axis=1)
-    middle = 0.5 * (at[:, 1:] + at[:, :-1])
+    on_circle = (
+        np.abs(np.hypot(x, z) - r[:, None, None]) <= ON_CIRCLE
+    )  # corners on the circle among them
+    arc_ends = np.where(on_circle, np.arctan2(z, x), math.pi).reshape(len(r), -1)
+    arc_ends = np.concatenate(
+        [np.full((len(r), 1), -math.pi), np.sort(arc_ends, axis=1), np.full((len(r), 1), math.pi)],
+        axis=1,
+    )
+    middle = 0.5 * (arc_ends[:, 1:] + arc_ends[:, :-1])
     below = r[:, None] * np.sin(middle) < height_of_ground(ground, r[:, None] * np.cos(middle))
-    angle = (below * np.diff(at, axis=1)).sum(axis=1)
-    arc_x = np.sin(at) - np.sin(at) ** 3 / 3.0
-    arc_z = np.cos(at) ** 3 / 3.0 - np.cos(at)
+    angle = (below * np.diff(arc_ends, axis=1)).sum(axis=1)
+    arc_x = np.sin(arc_ends) - np.sin(arc_ends) ** 3 / 3.0
+    arc_z = np.cos(arc_ends) ** 3 / 3.0 - np.cos(arc_ends)
     return (
         angle,
         area.sum(axis=1) + 0.5 * r**2 * angle,

@@ -1,4 +1,4 @@
-"""The first factor at which something no longer stands, with its bracket."""
+"""The first strength reduction factor at which a block is unstable, with its bracket."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -8,85 +8,90 @@ import numpy as np
 
 from slopekit.core.array_types import Bools, Floats
 
-_LEAST, _MOST = 1e-6, 1e6
+_MIN_FACTOR, _MAX_FACTOR = 1e-6, 1e6
 _STEPS = 2001  # over the whole range: 1.4 % each
-_PARTS = 65
-_SAME_WAY = 12  # decimals of a direction: bolts that differ in a later one pull the same way
+_REFINEMENT = 65
+_DIRECTION_DECIMALS = (
+    12  # decimals of a direction: bolts that differ in a later one pull the same way
+)
 
 #: The parts of a force.
 Bolt = TypeVar("Bolt", bound=tuple[Any, ...])
 
 
-def first_loss(stands: Callable[[Floats], Bools]) -> tuple[float, float]:
-    """The last factor at which it stands and the first at which it does not, neighbours in floating point.
+def first_loss(is_stable: Callable[[Floats], Bools]) -> tuple[float, float]:
+    """Return the last stable and the first unstable strength reduction factor, neighbours in floating point.
 
     Parameters
     ----------
-    stands : takes factors (m,), returns (m,) whether it stands when its strength is divided by each
+    is_stable : takes factors (m,), returns (m,) whether the block is stable with its strength divided by each
 
-    The factors run from 1e-6 to 1e6 in steps of 1.4 %, then in ever finer ones: where it is lost and regained, the
-    first loss counts, unless it lies between two steps. (0, 1e-6) where it never stands; (1e6, inf) where it always
-    does.
+    The factors run from 1e-6 to 1e6 in steps of 1.4 %, then in ever finer ones: where stability is lost and regained,
+    the first loss counts, unless it lies between two steps. (0, 1e-6) if never stable; (1e6, inf) if always stable.
 
     >>> low, high = first_loss(lambda factor: factor**2 <= 2.0)
     >>> low, high - low < 1e-15
     (1.414213562373095, True)
     """
-    factors = np.geomspace(_LEAST, _MOST, _STEPS)
+    factors = np.geomspace(_MIN_FACTOR, _MAX_FACTOR, _STEPS)
     while True:
-        lost = np.flatnonzero(~stands(factors))
-        if not lost.size:
-            return _MOST, np.inf
-        at = int(lost[0])
-        if at == 0:
+        losses = np.flatnonzero(~is_stable(factors))
+        if not losses.size:
+            return _MAX_FACTOR, np.inf
+        loss = int(losses[0])
+        if loss == 0:
             return 0.0, float(factors[0])
-        low, high = float(factors[at - 1]), float(factors[at])
+        low, high = float(factors[loss - 1]), float(factors[loss])
         if np.nextafter(low, high) == high:
             return low, high
-        factors = np.unique(np.concatenate([[low], np.linspace(low, high, _PARTS), [high]]))
+        factors = np.unique(np.concatenate([[low], np.linspace(low, high, _REFINEMENT), [high]]))
 
 
-def loss_with_bolts(judged: Callable[[Floats], tuple[Bools, Bools]], touches: bool) -> tuple[float, float]:
-    """The factor of safety of a block with passive bolts, and the reduction λ = 1/F with which it is lost.
+def loss_with_bolts(
+    evaluate: Callable[[Floats], tuple[Bools, Bools]], has_contact: bool
+) -> tuple[float, float]:
+    """Return the factor of safety of a block with passive bolts, and the first unstable λ = 1/F.
 
     Parameters
     ----------
-    judged : takes reductions λ (m,), by which all strength is multiplied and the capacity of the bolts with it; returns
-        (m,) whether the block stands, and whether it has lost contact
-    touches : whether it is in contact without bolts: such strong ones that they would lift it off pull no more than
-        keeps it there
+    evaluate : takes values λ (m,) that multiply all strength and the capacity of the bolts; returns (m,) whether the
+        block is stable, and whether it has lost contact
+    has_contact : whether the block is in contact without bolts; bolts strong enough to lift it off then pull only with
+        the force that keeps contact
 
-    nan where it is lost by losing contact or never, 0 where it slides whatever its strength.
+    The factor is nan where the block loses contact or is always stable, 0 where it slides at any strength.
     """
 
-    def stands(factors: Floats) -> Bools:
-        return judged(1.0 / factors)[0]
+    def is_stable(factors: Floats) -> Bools:
+        return evaluate(1.0 / factors)[0]
 
-    low, high = first_loss(stands)
-    if low == 0.0 and touches and judged(np.array([1.0 / high]))[1][0]:
-        factors = np.geomspace(_LEAST, _MOST, _STEPS)
-        regained = np.flatnonzero(stands(factors))
+    low, high = first_loss(is_stable)
+    if low == 0.0 and has_contact and evaluate(np.array([1.0 / high]))[1][0]:
+        factors = np.geomspace(_MIN_FACTOR, _MAX_FACTOR, _STEPS)
+        regained = np.flatnonzero(is_stable(factors))
         if regained.size:
             least = factors[regained[0]]
-            low, high = first_loss(lambda factors: (factors <= least) | stands(factors))
+            low, high = first_loss(lambda factors: (factors <= least) | is_stable(factors))
     if high == np.inf:
         return np.nan, 1.0 / low
     if low == 0.0:
-        return (np.nan if judged(np.array([1.0 / high]))[1][0] else 0.0), 1.0 / high
+        return (np.nan if evaluate(np.array([1.0 / high]))[1][0] else 0.0), 1.0 / high
     return low, 1.0 / high
 
 
-def together(bolts: Sequence[Bolt]) -> list[Bolt]:
-    """The bolts, those of one direction as one of all their capacities: forces alone do not tell them apart.
+def merged_bolts(bolts: Sequence[Bolt]) -> list[Bolt]:
+    """Return the bolts with those of one direction merged into one of their total capacity: forces are the same.
 
-    >>> together([(3.0, 0.0, 4.0), (0.0, 1.0, 0.0), (0.6, 0.0, 0.8), (0.0, -1.0, 0.0)])
+    >>> merged_bolts([(3.0, 0.0, 4.0), (0.0, 1.0, 0.0), (0.6, 0.0, 0.8), (0.0, -1.0, 0.0)])
     [(3.6, 0.0, 4.8), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)]
     """
     by_direction: dict[tuple[float, ...], Bolt] = {}
     for bolt in bolts:
         size = math.hypot(*bolt) or 1.0
-        way = tuple(round(part / size, _SAME_WAY) for part in bolt)
-        by_direction[way] = (
-            cast(Bolt, tuple(map(sum, zip(by_direction[way], bolt, strict=True)))) if way in by_direction else bolt
+        direction = tuple(round(component / size, _DIRECTION_DECIMALS) for component in bolt)
+        by_direction[direction] = (
+            cast(Bolt, tuple(map(sum, zip(by_direction[direction], bolt, strict=True))))
+            if direction in by_direction
+            else bolt
         )
     return list(by_direction.values())

@@ -1,7 +1,7 @@
-"""How large it is what fails in a bench: volume, crest setback, face width, traces, height, over arrays.
+"""Sizes of failures in a bench, over arrays: volume, crest setback, face width, traces, height.
 
-One for every kind: a wedge on two joints, a block on one plane, toppling columns, the corners of any block. No strength
-and no load comes in, so that all lengths grow with the height, areas with its square, volumes with its cube.
+There is one function for each kind: a wedge on two joints, a block on one plane, toppling columns. Sizes depend on no
+strength and no load, so that lengths grow with the height, areas with its square, volumes with its cube.
 
 Sources: Hoek & Bray (1981), Rock Slope Engineering, ch. 7 and 8 (corners of plane and wedge); Wyllie & Mah (2004),
 ch. 9 (columns). The setback of the crest, also called backbreak or crest loss, is horizontal and square to the crest.
@@ -13,7 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from slopekit.closed_form.given import Value, columns_of
+from slopekit.closed_form.inputs import Value, float_columns
 from slopekit.closed_form.tolerances import PARALLEL_DEG, REACHES
 from slopekit.closed_form.wedge import UPPER, planes_cut
 from slopekit.closed_form.wedge_sliding import Vector, cross, dot, length, less, rows, times
@@ -49,17 +49,17 @@ class WedgeSizes:
 
     @property
     def longest1_m(self) -> Floats:
-        """The longest edge of the face of J1, (n,): how far the joint must run for the wedge to be free."""
+        """The longest edge of the wedge's face on J1, (n,) m: the least persistence that frees the wedge."""
         return np.maximum(np.maximum(self.trace1_m, self.upper_trace1_m), self.line_m)
 
     @property
     def longest2_m(self) -> Floats:
-        """The longest edge of the face of J2, (n,)."""
+        """The longest edge of the wedge's face on J2, (n,) m."""
         return np.maximum(np.maximum(self.trace2_m, self.upper_trace2_m), self.line_m)
 
-    def scaled(self, by: ArrayLike) -> "WedgeSizes":
-        """The same wedges with all lengths times a factor, one or (n,), the volumes by its cube."""
-        factor = np.asarray(by, dtype=np.float64)
+    def scaled(self, scale: ArrayLike) -> "WedgeSizes":
+        """Return the wedges with all lengths times a scale, one or (n,), and volumes times its cube."""
+        factor = np.asarray(scale, dtype=np.float64)
         return WedgeSizes(
             *(
                 getattr(self, field.name) * factor ** (3 if field.name.endswith("_m3") else 1)
@@ -69,16 +69,24 @@ class WedgeSizes:
 
 
 def wedge_sizes(
-    joint1_dip_deg: ArrayLike, joint1_dip_direction_deg: ArrayLike, joint2_dip_deg: ArrayLike,
-    joint2_dip_direction_deg: ArrayLike, face_dip_deg: ArrayLike, face_dip_direction_deg: ArrayLike,
-    upper_dip_deg: ArrayLike, upper_dip_direction_deg: ArrayLike, height_m: ArrayLike, *, up_the_face: bool = False,
-) -> WedgeSizes:  # fmt: skip
-    """Sizes of wedges on two joints without a tension crack, each argument one number for all or (n,), in degrees, m.
+    joint1_dip_deg: ArrayLike,
+    joint1_dip_direction_deg: ArrayLike,
+    joint2_dip_deg: ArrayLike,
+    joint2_dip_direction_deg: ArrayLike,
+    face_dip_deg: ArrayLike,
+    face_dip_direction_deg: ArrayLike,
+    upper_dip_deg: ArrayLike,
+    upper_dip_direction_deg: ArrayLike,
+    height_m: ArrayLike,
+    *,
+    up_the_face: bool = False,
+) -> WedgeSizes:
+    """Return the sizes of wedges on two joints without a tension crack; arguments are numbers or (n,), in degrees, m.
 
     Parameters
     ----------
     height_m : vertical, from the toe to where the trace of J1 meets the crest, as for `hoek_bray_wedges`
-    up_the_face : it is the height of the crest straight up the dip of the face instead, as benches have it
+    up_the_face : `height_m` is instead the height of the crest straight up the dip of the face, as for benches
 
     Raises
     ------
@@ -93,12 +101,19 @@ def wedge_sizes(
     >>> one.setback_m.round(3).tolist(), one.face_width_m.round(3).tolist(), one.volume_m3.round(2).tolist()
     ([14.142, 28.284], [28.284, 56.569], [666.67, 5333.33])
     """
-    columns, count = columns_of({
-        "joint1_dip_deg": joint1_dip_deg, "joint1_dip_direction_deg": joint1_dip_direction_deg,
-        "joint2_dip_deg": joint2_dip_deg, "joint2_dip_direction_deg": joint2_dip_direction_deg,
-        "face_dip_deg": face_dip_deg, "face_dip_direction_deg": face_dip_direction_deg,
-        "upper_dip_deg": upper_dip_deg, "upper_dip_direction_deg": upper_dip_direction_deg, "height_m": height_m,
-    })  # fmt: skip
+    columns, count = float_columns(
+        {
+            "joint1_dip_deg": joint1_dip_deg,
+            "joint1_dip_direction_deg": joint1_dip_direction_deg,
+            "joint2_dip_deg": joint2_dip_deg,
+            "joint2_dip_direction_deg": joint2_dip_direction_deg,
+            "face_dip_deg": face_dip_deg,
+            "face_dip_direction_deg": face_dip_direction_deg,
+            "upper_dip_deg": upper_dip_deg,
+            "upper_dip_direction_deg": upper_dip_direction_deg,
+            "height_m": height_m,
+        }
+    )
     with np.errstate(all="ignore"):
         cut = planes_cut(columns, count)
         offset = cut.offset
@@ -112,28 +127,34 @@ def wedge_sizes(
         across, behind = -edge[1] / np.hypot(edge[0], edge[1]), edge[0] / np.hypot(edge[0], edge[1])
         upper1, upper2 = less(back, first), less(back, second)
         sizes = (
-            abs(dot(first, cross(second, back))) / 6.0, np.maximum.reduce(heights) - np.minimum.reduce(heights),
-            length(less(first, second)), abs(upper1[0] * across + upper1[1] * behind), length(first), length(second),
-            length(upper1), length(upper2), length(back),
-        )  # fmt: skip
+            abs(dot(first, cross(second, back))) / 6.0,
+            np.maximum.reduce(heights) - np.minimum.reduce(heights),
+            length(less(first, second)),
+            abs(upper1[0] * across + upper1[1] * behind),
+            length(first),
+            length(second),
+            length(upper1),
+            length(upper2),
+            length(back),
+        )
         return WedgeSizes(*(np.where(cut.formed, values, np.nan) for values in sizes))
 
 
 def largest_scale(sizes: WedgeSizes, reach1_m: ArrayLike, reach2_m: ArrayLike) -> Floats:
-    """How much smaller joints that run only so far make wedges, (n,): 1 where both are long enough.
+    """Return the scale (n,), at most 1, of the largest wedges that joints of limited persistence can form.
 
     Parameters
     ----------
-    reach1_m, reach2_m : one number or (n,), the longest edge that the face of J1 and of J2 can have
+    reach1_m, reach2_m : one number or (n,), m, the longest edge that the wedge's face on J1 and on J2 can have
 
     >>> sizes = wedge_sizes(45, 135, 45, 225, 90, 180, 0, 180, 10.0)
     >>> largest_scale(sizes, 10.0, np.inf).round(4).tolist()
     [0.5]
     """
     with np.errstate(invalid="ignore"):
-        by_one = np.asarray(reach1_m, dtype=np.float64) / sizes.longest1_m
-        by_two = np.asarray(reach2_m, dtype=np.float64) / sizes.longest2_m
-        scale: Floats = np.minimum(1.0, np.minimum(by_one, by_two))
+        scale1 = np.asarray(reach1_m, dtype=np.float64) / sizes.longest1_m
+        scale2 = np.asarray(reach2_m, dtype=np.float64) / sizes.longest2_m
+        scale: Floats = np.minimum(1.0, np.minimum(scale1, scale2))
     return scale
 
 
@@ -154,10 +175,13 @@ class PlaneSizes:
 
 
 def plane_sizes(
-    plane_dip_deg: ArrayLike, face_dip_deg: ArrayLike, upper_dip_deg: ArrayLike, height_m: ArrayLike,
+    plane_dip_deg: ArrayLike,
+    face_dip_deg: ArrayLike,
+    upper_dip_deg: ArrayLike,
+    height_m: ArrayLike,
     crack_distance_m: ArrayLike | None = None,
-) -> PlaneSizes:  # fmt: skip
-    """Sizes of blocks on a plane that daylights at the toe, each argument one number for all or (n,), in degrees, m.
+) -> PlaneSizes:
+    """Return the sizes of blocks on a plane that daylights at the toe; arguments are numbers or (n,), in degrees, m.
 
     Parameters
     ----------
@@ -172,21 +196,35 @@ def plane_sizes(
     >>> block.setback_m.round(4).tolist(), block.area_m2.round(3).tolist()
     ([10.2096], [61.257])
     """
-    columns, count = columns_of({
-        "plane": plane_dip_deg, "face": face_dip_deg, "upper": upper_dip_deg, "height_m": height_m,
-        "crack": crack_distance_m,
-    })  # fmt: skip
+    columns, count = float_columns(
+        {
+            "plane": plane_dip_deg,
+            "face": face_dip_deg,
+            "upper": upper_dip_deg,
+            "height_m": height_m,
+            "crack": crack_distance_m,
+        }
+    )
     none, height = np.zeros(count), columns["height_m"] + np.zeros(count)
     plane, face, upper = (columns[name] + none for name in ("plane", "face", "upper"))
     with np.errstate(all="ignore"):
         run = height / np.tan(face * _RADIAN)  # from the toe to the crest
         slope, rise = np.tan(plane * _RADIAN), np.tan(upper * _RADIAN)
-        whole = (height - run * slope) / (slope - rise)  # where the plane comes out
-        back = np.minimum(columns["crack"], whole) if "crack" in columns else whole
-        deep, left = ((height + at * rise) - (run + at) * slope for at in (0.0, back))  # under the crest, of the crack
-        area = 0.5 * deep * (run + whole) - 0.5 * left * (whole - back)
+        exit_distance = (height - run * slope) / (slope - rise)  # where the plane comes out
+        back = np.minimum(columns["crack"], exit_distance) if "crack" in columns else exit_distance
+        crest_depth, crack_depth = (
+            (height + distance * rise) - (run + distance) * slope for distance in (0.0, back)
+        )  # under the crest, of the crack
+        area = 0.5 * crest_depth * (run + exit_distance) - 0.5 * crack_depth * (
+            exit_distance - back
+        )
         top = height + back * rise
-        cuts = (plane > PARALLEL_DEG) & (plane < face - PARALLEL_DEG) & (plane > upper + PARALLEL_DEG) & (back > 0.0)
+        cuts = (
+            (plane > PARALLEL_DEG)
+            & (plane < face - PARALLEL_DEG)
+            & (plane > upper + PARALLEL_DEG)
+            & (back > 0.0)
+        )
         lengths = (run + back) / np.cos(plane * _RADIAN)
         sizes = area, lengths, np.maximum(height, top), back
         return PlaneSizes(*(np.where(cuts, values, np.nan) for values in sizes))
@@ -212,12 +250,16 @@ class ColumnSizes:
 
 
 def column_sizes(
-    joint_dip_deg: ArrayLike, base_dip_deg: ArrayLike, face_dip_deg: ArrayLike, height_m: ArrayLike, width_m: ArrayLike,
+    joint_dip_deg: ArrayLike,
+    base_dip_deg: ArrayLike,
+    face_dip_deg: ArrayLike,
+    height_m: ArrayLike,
+    width_m: ArrayLike,
     reach_m: ArrayLike = math.inf,
-) -> ColumnSizes:  # fmt: skip
-    """Columns between joints that dip into the slope, on a base that dips out of it and daylights at the toe.
+) -> ColumnSizes:
+    """Return the sizes of columns between joints that dip into the slope, on a base that daylights at the toe.
 
-    Each stands alone: the push of those behind it is left out, as the first test of Goodman & Bray leaves it out.
+    The push of the columns behind is neglected, as in the first test of Goodman & Bray.
 
     Parameters
     ----------
@@ -233,10 +275,16 @@ def column_sizes(
     >>> found.columns.tolist(), found.slenderness.round(3).tolist()
     ([15.0, 3.0, 0.0], [5.924, 1.975, 0.74])
     """
-    columns, count = columns_of({
-        "joint": joint_dip_deg, "base": base_dip_deg, "face": face_dip_deg, "height_m": height_m, "width_m": width_m,
-        "reach_m": reach_m,
-    })  # fmt: skip
+    columns, count = float_columns(
+        {
+            "joint": joint_dip_deg,
+            "base": base_dip_deg,
+            "face": face_dip_deg,
+            "height_m": height_m,
+            "width_m": width_m,
+            "reach_m": reach_m,
+        }
+    )
     none = np.zeros(count)
     joint, base, face = ((columns[name] + none) * _RADIAN for name in ("joint", "base", "face"))
     height, width = columns["height_m"] + none, columns["width_m"] + none
@@ -245,18 +293,22 @@ def column_sizes(
         # down the side of a column whose top lies s behind the crest: d = (h - (h cot ψ_f + s) tan ψ_b) / share
         share = (1.0 + climb / np.tan(joint)) * np.sin(joint)
         first = np.maximum(0.0, (height - height / np.tan(face) * climb) / share)
-        needed = width / np.sin(joint + base) * np.cos(base) / np.cos(joint)  # the height that just turns over
-        apart = width / np.sin(joint)
-        lost = apart * climb / share  # of height from one column to the next
-        many = np.where(first > needed, np.ceil((first - needed) / lost), 0.0)
-        many = np.minimum(many, np.floor(columns["reach_m"] / apart * (1.0 + REACHES)))
-        last = np.maximum(0.0, first - lost * many)
-        area = many * width * (first + last) / 2.0  # between sides that are that high
-        setback, slender = many * apart, first / needed
-    return ColumnSizes(many, first, setback, area, slender)
+        needed = (
+            width / np.sin(joint + base) * np.cos(base) / np.cos(joint)
+        )  # the height that just turns over
+        spacing = width / np.sin(joint)
+        height_step = spacing * climb / share  # of height from one column to the next
+        toppling_count = np.where(first > needed, np.ceil((first - needed) / height_step), 0.0)
+        toppling_count = np.minimum(
+            toppling_count, np.floor(columns["reach_m"] / spacing * (1.0 + REACHES))
+        )
+        last = np.maximum(0.0, first - height_step * toppling_count)
+        area = toppling_count * width * (first + last) / 2.0  # between sides that are that high
+        setback, slender = toppling_count * spacing, first / needed
+    return ColumnSizes(toppling_count, first, setback, area, slender)
 
 
 def _up_the_face(dip_deg: Value, direction_deg: Value, height: Value) -> Vector:
-    """The crest straight up the dip of the face from the toe."""
+    """Return the point of the crest straight up the dip of the face from the toe, m."""
     back, to = height / np.tan(dip_deg * _RADIAN), direction_deg * _RADIAN
     return -np.sin(to) * back, -np.cos(to) * back, height

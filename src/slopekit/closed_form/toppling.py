@@ -61,21 +61,25 @@ class ColumnSlope:
 
     def __post_init__(self) -> None:
         if self.seismic < 0.0:
-            message = f"the seismic coefficient is {self.seismic:.6g}, it is 0 or more, out of the slope"
+            message = (
+                f"the seismic coefficient is {self.seismic:.6g}, it is 0 or more, out of the slope"
+            )
             raise DesignError([Fault("E260", message)])
         heights = np.array(self.heights_m, dtype=np.float64)
         heights.setflags(write=False)
         object.__setattr__(self, "heights_m", heights)
-        off = _ColumnRow.of(self).off
-        if not np.all(off > 0.0):
-            lifted = ", ".join(str(i + 1) for i in np.flatnonzero(off <= 0.0)[:5])
+        normal_load = _ColumnRow.from_slope(self).normal_load
+        if not np.all(normal_load > 0.0):
+            lifted = ", ".join(str(i + 1) for i in np.flatnonzero(normal_load <= 0.0)[:5])
             message = f"weight, earthquake and toe force together lift column {lifted} off its base"
-            raise DesignError([Fault("E260", message, "", "Give a smaller seismic coefficient or toe force.")])
+            raise DesignError(
+                [Fault("E260", message, "", "Give a smaller seismic coefficient or toe force.")]
+            )
 
 
 @dataclass(frozen=True, eq=False)
 class TopplingTable:
-    """The table of Goodman & Bray, a row for each column from the toe up; nan where a row has no such number.
+    """The table of Goodman & Bray (1976), one row for each column from the toe up; nan where a number is undefined.
 
     Attributes
     ----------
@@ -104,7 +108,7 @@ class TopplingTable:
 
 
 def toppling_table(slope: ColumnSlope, factor: float = 1.0) -> TopplingTable:
-    """Forces and modes of all columns with the strength (tan φ and c) divided by a factor.
+    """Return the forces and modes of all columns with the strength (tan φ and c) divided by a factor.
 
     Formula: P_t = (P_n (M_n - Δx tan φ_s) + (D_n y_n - N_n Δx) / 2) / L_n and
     P_s = P_n + (D_n - N_n tan φ - c Δx) / (1 - tan φ tan φ_s), P_(n-1) = max(P_t, P_s, 0); D and N are the loads along
@@ -117,29 +121,38 @@ def toppling_table(slope: ColumnSlope, factor: float = 1.0) -> TopplingTable:
     >>> round(table.toe_force_kn, 3), table.modes.count("topple"), table.modes[:3]
     (1.182, 10, ('slide', 'slide', 'slide'))
     """
-    row = _ColumnRow.of(slope)
-    topple, slide, force = (part[:, 0] for part in row.chain(np.array([factor])))
+    row = _ColumnRow.from_slope(slope)
+    topple, slide, force = (component[:, 0] for component in row.chain(np.array([factor])))
     above = np.append(force[1:], 0.0)
     with np.errstate(invalid="ignore"):  # infinite forces
-        normal = row.off + (above - force) * row.side / factor
+        normal = row.normal_load + (above - force) * row.side / factor
         shear = row.down + (above - force)
-        size = abs(row.off) + abs(row.down) + above + force
+        size = abs(row.normal_load) + abs(row.down) + above + force
         spare = normal * row.tangent / factor + row.bond / factor - abs(shear)
         holds = (normal >= -HOLDS * size) & (spare >= -HOLDS * size)
     modes = tuple(
         "stable" if p <= 0.0 else "topple" if s <= t < math.inf else "slide"
         for t, s, p in zip(topple, slide, force, strict=True)
     )
-    arrays = (row.heights, np.append(row.upper[:-1], np.nan), row.lower, np.append(np.nan, topple[1:]), slide, force)
+    arrays = (
+        row.heights,
+        np.append(row.upper[:-1], np.nan),
+        row.lower,
+        np.append(np.nan, topple[1:]),
+        slide,
+        force,
+    )
     for array in (*arrays, normal, shear, holds):
         array.setflags(write=False)
-    return TopplingTable(*arrays, modes, normal, shear, holds, max(float(topple[0]), float(slide[0])))
+    return TopplingTable(
+        *arrays, modes, normal, shear, holds, max(float(topple[0]), float(slide[0]))
+    )
 
 
 def toppling_factor_of_safety(slope: ColumnSlope) -> tuple[float | None, str]:
-    """The factor by which tan φ of bases and sides, and c, may be divided before column 1 needs a force at the toe.
+    """Return the factor by which tan φ and c may be divided before column 1 needs a force at the toe, and a status.
 
-    The toe force is an active load and stays. Only forces decide; look at `base_holds` of the table for the bases.
+    The toe force is an active load and is not reduced. Only forces decide; `base_holds` of the table checks the bases.
 
     Returns
     -------
@@ -153,7 +166,7 @@ def toppling_factor_of_safety(slope: ColumnSlope) -> tuple[float | None, str]:
     >>> round(factor, 4), status
     (1.0184, 'slides')
     """
-    row = _ColumnRow.of(slope)
+    row = _ColumnRow.from_slope(slope)
     low, high = first_loss(lambda factors: row.chain(factors)[2][0] <= 0.0)
     if math.isinf(high):
         return None, "held" if np.any(row.down > 0.0) else "no_driving_force"
@@ -162,9 +175,9 @@ def toppling_factor_of_safety(slope: ColumnSlope) -> tuple[float | None, str]:
 
 
 def toe_force_required(slope: ColumnSlope, factor: float = 1.0) -> float:
-    """The toe force (kN per metre, at the plunge and height of the slope's own) that gives a factor of safety.
+    """Return the toe force (kN per metre, with the slope's plunge and height) that gives a factor of safety.
 
-    0.0 where none is needed, inf where no pull in that direction is enough.
+    0.0 where none is needed, inf where no force in that direction is enough.
 
     Formula: the larger of T = (P_1 (1 - tan φ tan φ_s) + D_1 - N_1 tan φ - c Δx) / (cos(ψ + δ) + sin(ψ + δ) tan φ)
     and T = (P_1 (M_1 - Δx tan φ_s) + (D_1 y_1 - N_1 Δx) / 2) / (L_1 cos(ψ + δ)) (Wyllie & Mah 2004, §9.4.4).
@@ -173,25 +186,27 @@ def toe_force_required(slope: ColumnSlope, factor: float = 1.0) -> float:
     >>> round(toe_force_required(columns), 3)
     2012.857
     """
-    row = _ColumnRow.of(slope)
+    row = _ColumnRow.from_slope(slope)
     _, __, forces = row.chain(np.array([factor]))
     push = float(forces[1, 0]) if len(forces) > 1 else 0.0
     base, side = row.tangent / factor, row.side / factor
     along, into = row.pull
     hold = along + into * base
-    slid = push * (1.0 - base * side) + row.down[0] - row.off[0] * base - row.bond / factor
-    tipped = push * (row.upper[0] - row.width * side) + row.moment[0]
-    slid += slope.toe_force_kn * hold
-    tipped += slope.toe_force_kn * along * row.pull_height
+    sliding_excess = (
+        push * (1.0 - base * side) + row.down[0] - row.normal_load[0] * base - row.bond / factor
+    )
+    toppling_excess = push * (row.upper[0] - row.width * side) + row.moment[0]
+    sliding_excess += slope.toe_force_kn * hold
+    toppling_excess += slope.toe_force_kn * along * row.pull_height
     force = 0.0
-    for needed, gain in ((slid, hold), (tipped, along * row.pull_height)):
+    for needed, gain in ((sliding_excess, hold), (toppling_excess, along * row.pull_height)):
         if needed > 0.0:
             force = max(force, float(needed) / gain if gain > 0.0 else math.inf)
     return force
 
 
 def seismic_gain(slope: ColumnSlope) -> tuple[float, int]:
-    """How fast columns gain on shaken ground, at a seismic coefficient at which column 1 just needs no force.
+    """Return how fast columns accelerate relative to the ground at their yield coefficient, and the fastest column.
 
     Parameters
     ----------
@@ -199,12 +214,12 @@ def seismic_gain(slope: ColumnSlope) -> tuple[float, int]:
 
     Returns
     -------
-    acceleration of the centroid that moves fastest, in parts of (a - k_y g), and its column, 1 at the toe
+    acceleration of the centroid that moves fastest, as a multiple of (a - k_y g), and its column, 1 at the toe
 
-    The columns that need a force go with column 1: one that topples turns about its outer lower corner, one that slides
-    goes along its base, and where two touch they go equally fast: θ_n L_n or s_n = θ_(n-1) M_(n-1) or s_(n-1). Inertia
-    takes W (y² + Δx²) θ / 3 from the moment, W s from the load along the base. P_0 has a part that goes with k and one
-    that goes with the acceleration, and stays 0.
+    The columns that need a force move with column 1: one that topples rotates about its outer lower corner, one that
+    slides moves along its base, and where two touch their speeds are equal: θ_n L_n or s_n = θ_(n-1) M_(n-1) or
+    s_(n-1). Inertia takes W (y² + Δx²) θ / 3 from the moment, W s from the load along the base. P_0 is the sum of a
+    term in k and one in the acceleration, and stays 0.
 
     Formula: the recursion of `toppling_table` in increments (Goodman & Bray 1976, with d'Alembert's forces).
 
@@ -212,7 +227,7 @@ def seismic_gain(slope: ColumnSlope) -> tuple[float, int]:
     >>> round(seismic_gain(one)[0], 12), round(math.cos(math.radians(20.0 - 30.0)) / math.cos(math.radians(30.0)), 12)
     (1.137158042603, 1.137158042603)
     """
-    row = _ColumnRow.of(slope)
+    row = _ColumnRow.from_slope(slope)
     topple, slide, forces = row.chain(np.ones(1))
     topples = (topple >= slide)[:, 0]
     moving = 1 + int(np.argmin(np.append(forces[1:, 0] > 0.0, False)))
@@ -225,31 +240,35 @@ def seismic_gain(slope: ColumnSlope) -> tuple[float, int]:
     per_k = per_gain = 0.0  # of the force on the column above
     for i in range(moving - 1, -1, -1):
         height, weight = row.heights[i], weights[i]
-        down, off = weight * math.cos(dip), -weight * math.sin(dip)
+        down, normal_load = weight * math.cos(dip), -weight * math.sin(dip)
         if topples[i]:
-            arm, at = row.upper[i] - width * row.side, row.lower[i] if i else height
-            per_k = (per_k * arm + (down * height - off * width) / 2.0) / at
-            per_gain = (per_gain * arm - weight * (height * height + width * width) / 3.0 * rates[i]) / at
+            arm, lever = row.upper[i] - width * row.side, row.lower[i] if i else height
+            per_k = (per_k * arm + (down * height - normal_load * width) / 2.0) / lever
+            per_gain = (
+                per_gain * arm - weight * (height * height + width * width) / 3.0 * rates[i]
+            ) / lever
         else:
             locks = 1.0 - row.tangent * row.side
-            per_k += (down - off * row.tangent) / locks
+            per_k += (down - normal_load * row.tangent) / locks
             per_gain -= weight * rates[i] / locks
     radii = np.where(topples[:moving], np.hypot(row.heights[:moving], width) / 2.0, 1.0)
     speeds = rates * radii
-    fastest = int(np.argmax(np.where(speeds > (1.0 - ROUNDING) * speeds.max(), weights[:moving], 0.0)))  # the heaviest
+    fastest = int(
+        np.argmax(np.where(speeds > (1.0 - ROUNDING) * speeds.max(), weights[:moving], 0.0))
+    )  # the heaviest
     return float(-per_k / per_gain * speeds[fastest]), fastest + 1
 
 
 @dataclass(frozen=True, eq=False)
 class _ColumnRow:
-    """The slope as arrays in the frame of the bases: down along them, off square to them and into the rock."""
+    """The columns as arrays, with loads along the bases (down) and normal to them (into the rock)."""
 
     heights: Floats
     width: float
     upper: Floats
     lower: Floats
     down: Floats
-    off: Floats
+    normal_load: Floats
     moment: Floats
     tangent: float
     side: float
@@ -258,49 +277,84 @@ class _ColumnRow:
     pull_height: float
 
     @classmethod
-    def of(cls, slope: ColumnSlope) -> "_ColumnRow":
+    def from_slope(cls, slope: ColumnSlope) -> "_ColumnRow":
         heights = np.array(slope.heights_m, dtype=np.float64)
         dip, width = math.radians(slope.base_dip_deg), slope.width_m
         weight = slope.unit_weight_kn_m3 * width * heights
         down = weight * ((1.0 - slope.seismic_up) * math.sin(dip) + slope.seismic * math.cos(dip))
-        off = weight * ((1.0 - slope.seismic_up) * math.cos(dip) - slope.seismic * math.sin(dip))
-        moment = (down * heights - off * width) / 2.0
-        if slope.loads is not None:  # V₁, V₂, V₃ of Wyllie & Mah (2004), eqs. 9.13 to 9.16, whatever their shape
-            more = np.asarray(slope.loads, dtype=np.float64)
-            down, off, moment = down + more[:, 0], off + more[:, 1], moment + more[:, 2]
-        turned = dip + math.radians(slope.toe_force_plunge_deg)
-        pull = math.cos(turned), math.sin(turned)
-        at = heights[0] / 2.0 if slope.toe_force_height_m is None else slope.toe_force_height_m
+        normal_load = weight * (
+            (1.0 - slope.seismic_up) * math.cos(dip) - slope.seismic * math.sin(dip)
+        )
+        moment = (down * heights - normal_load * width) / 2.0
+        if (
+            slope.loads is not None
+        ):  # V₁, V₂, V₃ of Wyllie & Mah (2004), eqs. 9.13 to 9.16, whatever their shape
+            further_loads = np.asarray(slope.loads, dtype=np.float64)
+            down, normal_load, moment = (
+                down + further_loads[:, 0],
+                normal_load + further_loads[:, 1],
+                moment + further_loads[:, 2],
+            )
+        pull_angle = dip + math.radians(slope.toe_force_plunge_deg)
+        pull = math.cos(pull_angle), math.sin(pull_angle)
+        pull_height = (
+            heights[0] / 2.0 if slope.toe_force_height_m is None else slope.toe_force_height_m
+        )
         down[0] -= slope.toe_force_kn * pull[0]
-        off[0] += slope.toe_force_kn * pull[1]
-        moment[0] -= slope.toe_force_kn * pull[0] * at
+        normal_load[0] += slope.toe_force_kn * pull[1]
+        moment[0] -= slope.toe_force_kn * pull[0] * pull_height
         upper = np.minimum(heights, np.append(heights[1:], 0.0) + slope.step_m)
         lower = np.minimum(heights, np.append(0.0, heights[:-1]) - slope.step_m)
-        side = slope.friction_angle_deg if slope.side_friction_angle_deg is None else slope.side_friction_angle_deg
-        base_tangent, side_tangent = (math.tan(math.radians(angle)) for angle in (slope.friction_angle_deg, side))
+        side = (
+            slope.friction_angle_deg
+            if slope.side_friction_angle_deg is None
+            else slope.side_friction_angle_deg
+        )
+        base_tangent, side_tangent = (
+            math.tan(math.radians(angle)) for angle in (slope.friction_angle_deg, side)
+        )
         strength = base_tangent, side_tangent, slope.cohesion_kpa * width
-        return cls(heights, width, upper, lower, down, off, moment, *strength, pull, float(at))
+        return cls(
+            heights,
+            width,
+            upper,
+            lower,
+            down,
+            normal_load,
+            moment,
+            *strength,
+            pull,
+            float(pull_height),
+        )
 
     def chain(self, factors: Floats) -> tuple[Floats, Floats, Floats]:
-        """For each factor (m,) the forces (n, m) of the columns, see TopplingTable: P_t, P_s, P_(n-1)."""
+        """Return the forces P_t, P_s and P_(n-1) (n, m) of the columns at each factor (m,), see `TopplingTable`."""
         base, side, bond = self.tangent / factors, self.side / factors, self.bond / factors
         locks = 1.0 - base * side
         topple, slide, forces = (np.empty((self.heights.size, factors.size)) for _ in range(3))
         push = np.zeros(factors.size)
         for i in range(self.heights.size - 1, -1, -1):
-            down, off = self.down[i], self.off[i]
-            with np.errstate(invalid="ignore", divide="ignore"):  # sides that lock, forces without end
+            down, normal_load = self.down[i], self.normal_load[i]
+            with np.errstate(
+                invalid="ignore", divide="ignore"
+            ):  # sides that lock, forces without end
                 moment = push * (self.upper[i] - self.width * side) + self.moment[i]
-                size = push * (self.upper[i] + self.width * side) + abs(down) * self.heights[i] + abs(off) * self.width
+                size = (
+                    push * (self.upper[i] + self.width * side)
+                    + abs(down) * self.heights[i]
+                    + abs(normal_load) * self.width
+                )
                 moment = np.where(abs(moment) <= ROUNDING * size, 0.0, moment)
-                excess = push * locks + down - off * base - bond
-                size = push * (1.0 + base * side) + abs(down) + off * base + bond
+                excess = push * locks + down - normal_load * base - bond
+                size = push * (1.0 + base * side) + abs(down) + normal_load * base + bond
                 excess = np.where(abs(excess) <= ROUNDING * size, 0.0, excess)
                 endless = np.isinf(push)
                 moment, excess = (np.where(endless, np.inf, value) for value in (moment, excess))
                 topple[i] = moment / (self.lower[i] if i else self.heights[0])
                 slide[i] = np.where(
-                    locks > 0.0, excess / locks, np.where(excess == 0.0, 0.0, np.copysign(np.inf, excess))
+                    locks > 0.0,
+                    excess / locks,
+                    np.where(excess == 0.0, 0.0, np.copysign(np.inf, excess)),
                 )
             push = np.maximum(np.maximum(topple[i], slide[i]), 0.0)
             forces[i] = push

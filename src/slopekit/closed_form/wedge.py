@@ -13,7 +13,16 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from slopekit.closed_form.given import BlockLoads, Codes, Columns, Value, columns_of, counted, of_chunk, with_passive
+from slopekit.closed_form.inputs import (
+    BlockLoads,
+    Codes,
+    Columns,
+    Value,
+    counted,
+    float_columns,
+    selected_columns,
+    with_passive,
+)
 from slopekit.closed_form.tolerances import ALONG, DAYLIGHTS, SAME_DIRECTION, SMALL
 from slopekit.closed_form.wedge_sliding import (
     J1,
@@ -22,6 +31,7 @@ from slopekit.closed_form.wedge_sliding import (
     STATUSES,
     JointPair,
     Vector,
+    apply_passive_bolts,
     cross,
     dot,
     length,
@@ -29,23 +39,23 @@ from slopekit.closed_form.wedge_sliding import (
     plus,
     rows,
     times,
-    under_bolts,
-)  # fmt: skip
+)
 from slopekit.core.array_types import ArrayLike, Bools, Floats, NDArray
 
-#: What may become of a wedge: it slides, it loses contact, nothing drives it, or the planes cut none (`explain CODE`).
+#: Outcomes of a wedge: it slides, it loses contact, nothing drives it, or the planes form none (`explain CODE`).
 OUTCOMES: Final = (*STATUSES, "E201", "E203", "E204", "E205", "E206", "E207", "E208", "E209")
 _NUMBER: Final = {name: np.int8(number) for number, name in enumerate(OUTCOMES)}
 _E207, _E208 = _NUMBER["E207"], _NUMBER["E208"]
 _REFUSED: Final = _NUMBER["E201"]  # this code and those behind it: there is no wedge
 
-#: How many are taken at a time: of fewer the calls take the time, of more the cache does not hold the rows.
+#: Wedges in a chunk: with fewer the overhead of calls dominates, with more the rows do not fit into the cache.
 CHUNK: Final = 16384
-_KEPT: Final = 1 << 21  # 16 MB
+_HEAP_FLOATS: Final = 1 << 21  # 16 MB
 _RADIAN: Final = math.pi / 180.0
-_MOST: Final = 0.8  # of a chunk: where fewer cut a wedge, those are picked out first
+_MIN_FORMED_SHARE: Final = 0.8  # of a chunk: where fewer cut a wedge, those are picked out first
 _PLANES: Final = tuple(
-    (f"{name}_dip_deg", f"{name}_dip_direction_deg") for name in ("joint1", "joint2", "face", "upper", "crack")
+    (f"{name}_dip_deg", f"{name}_dip_direction_deg")
+    for name in ("joint1", "joint2", "face", "upper", "crack")
 )
 _FORCE: Final = ("force_east_kn", "force_north_kn", "force_up_kn")
 
@@ -83,14 +93,14 @@ class WedgePlanes:
 
 @dataclass(frozen=True, kw_only=True)
 class WedgeArrays(WedgePlanes, BlockLoads):
-    """Wedges with their strength and loads; forces and bolts have the parts east, north and up, in kN.
+    """Wedges with their strength and loads; forces and bolts have the components east, north and up, in kN.
 
     Attributes
     ----------
     cohesion1_kpa, cohesion2_kpa, friction1_deg, friction2_deg : of J1 and J2
     fill : of γ_w H/6 on J1 and J2, H the total height; with a crack of γ_w h₅/3 on all three, h₅ its depth
     pressures_kpa : mean pressures on J1, J2 and maybe the crack, instead of `fill`
-    crack_fill : the crack's own part of full pressure, None where it has what the joints have
+    crack_fill : the crack's own fraction of full pressure, None for that of the joints
     seismic_trend_deg : None for the trend of the line of intersection
     """
 
@@ -105,13 +115,13 @@ class WedgeArrays(WedgePlanes, BlockLoads):
 
 @dataclass(frozen=True)
 class ClosedFormWedges:
-    """What a closed form says of each of n wedges on k joints; numbers are nan where the planes cut none.
+    """Results of a closed form for n wedges on k joints; numbers are nan where the planes form none.
 
     Attributes
     ----------
     outcome : (n,) int8, an index into the `OUTCOMES` of the closed form
     factor : (n,) factor of safety, nan unless the block slides (or where passive bolts hold it whatever its strength)
-    normal_kn : (k, n) effective normal forces: what the joints' own strength carries, 0 off the joint
+    normal_kn : (k, n) effective normal forces on the joints, 0 without contact
     driving_kn, resisting_kn : (n,) along the direction of sliding; with passive bolts under their pull at that factor
     areas_m2, pressures_kpa : (k + 1, n) of the joints and the crack: areas, and mean pressures of the water
     volume_m3, weight_kn, total_height_m : (n,)
@@ -131,22 +141,24 @@ class ClosedFormWedges:
     line_m: Floats
 
     def counts(self) -> dict[str, int]:
-        """How many wedges on two joints there are of each outcome, the absent ones left out."""
+        """Return the number of wedges on two joints of each outcome, without outcomes that do not occur."""
         return counted(self.outcome, OUTCOMES)
 
     def line_trend_plunge_deg(self) -> tuple[Floats, Floats]:
-        """Trend and plunge (n,) of the lines of intersection, degrees."""
+        """Return the trend and plunge (n,) of the lines of intersection, degrees."""
         east, north, up = self.line_m
-        return np.degrees(np.arctan2(-east, -north)) % 360.0, np.degrees(np.arctan2(up, np.hypot(east, north)))
+        return np.degrees(np.arctan2(-east, -north)) % 360.0, np.degrees(
+            np.arctan2(up, np.hypot(east, north))
+        )
 
 
 def hoek_bray_wedges(wedges: WedgeArrays, *, forces: bool = True) -> ClosedFormWedges:
-    """Outcome, factor of safety and forces of wedges on two joints, maybe with a tension crack.
+    """Return outcome, factor of safety and forces of wedges on two joints, maybe with a tension crack.
 
     Parameters
     ----------
-    wedges : what is given of them
-    forces : False leaves out all but outcomes and factors: the other arrays are empty
+    wedges : planes, strength and loads
+    forces : False returns outcomes and factors only: the other arrays are empty
 
     Raises
     ------
@@ -167,65 +179,80 @@ def hoek_bray_wedges(wedges: WedgeArrays, *, forces: bool = True) -> ClosedFormW
     >>> [OUTCOMES[outcome] for outcome in found.outcome], found.factor.round(4).tolist()
     (['slides_on_both', 'slides_on_both', 'E203'], [1.5574, 1.039, nan])
     """
-    columns, count = columns_of_wedges(wedges, WedgeArrays, ("J1", "J2"))
+    columns, count = wedge_columns(wedges, WedgeArrays, ("J1", "J2"))
     outcome = np.empty(count, dtype=np.int8)
     numbers = np.empty((17 if forces else 1, count))
     # glibc hands what a chunk frees back to the system, to get it again page by page, which takes as long as to compute
     # with it: but not once a larger block was freed
-    np.empty(_KEPT if count > CHUNK else 0)
+    np.empty(_HEAP_FLOATS if count > CHUNK else 0)
     with np.errstate(all="ignore"):
         for first in range(0, count, CHUNK):
-            part = slice(first, first + CHUNK)
-            _solve(of_chunk(columns, part), outcome[part], numbers[:, part])
+            chunk = slice(first, first + CHUNK)
+            _solve(selected_columns(columns, chunk), outcome[chunk], numbers[:, chunk])
     rest = numbers if forces else np.empty((17, 0))
     return ClosedFormWedges(
-        outcome, numbers[0], rest[1:3], rest[3], rest[4], rest[5:8], rest[8:11], rest[11], rest[12], rest[13],
+        outcome,
+        numbers[0],
+        rest[1:3],
+        rest[3],
+        rest[4],
+        rest[5:8],
+        rest[8:11],
+        rest[11],
+        rest[12],
+        rest[13],
         rest[14:],
-    )  # fmt: skip
+    )
 
 
-def columns_of_wedges(wedges: WedgeArrays, of: type[WedgeArrays], joints: Sequence[str]) -> tuple[Columns, int]:
-    """What is given of wedges on these joints, the values of class `of`, by name; and how many there are.
+def wedge_columns(
+    wedges: WedgeArrays, array_class: type[WedgeArrays], joints: Sequence[str]
+) -> tuple[Columns, int]:
+    """Return the inputs of wedges on these joints by name, the fields of `array_class`, and the number of wedges.
 
     Raises
     ------
     ValueError
         The arrays do not fit together.
     """
-    given: dict[str, ArrayLike | None] = {field.name: getattr(wedges, field.name) for field in fields(of)}
-    for several in ("pressures_kpa", "force_kn", "passive_kn"):
-        del given[several]
+    inputs: dict[str, ArrayLike | None] = {
+        field.name: getattr(wedges, field.name) for field in fields(array_class)
+    }
+    for name in ("pressures_kpa", "force_kn", "passive_kn"):
+        del inputs[name]
     if (count := len(wedges.pressures_kpa)) not in (0, len(joints), len(joints) + 1):
-        raise ValueError(f"pressures_kpa holds {count} values: {', '.join(joints)} and maybe the crack")
-    given |= {f"pressure{k}_kpa": value for k, value in enumerate(wedges.pressures_kpa, 1)}
+        raise ValueError(
+            f"pressures_kpa holds {count} values: {', '.join(joints)} and maybe the crack"
+        )
+    inputs |= {f"pressure{k}_kpa": value for k, value in enumerate(wedges.pressures_kpa, 1)}
     if wedges.force_kn is not None:
-        given |= dict(zip(_FORCE, wedges.force_kn, strict=True))
+        inputs |= dict(zip(_FORCE, wedges.force_kn, strict=True))
     if (wedges.crack_dip_deg is None) != (wedges.crack_dip_direction_deg is None):
         raise ValueError("crack_dip_deg and crack_dip_direction_deg: give both or neither")
-    return with_passive(*columns_of(given), wedges.passive_kn)
+    return with_passive(*float_columns(inputs), wedges.passive_kn)
 
 
 def _solve(columns: Columns, outcome: Codes, numbers: Floats) -> None:
-    """Fill in what is asked of a chunk."""
+    """Write outcomes and numbers of a chunk of wedges into the arrays."""
     cut = planes_cut(columns, outcome.size)
-    those: Any = slice(None)
-    if np.count_nonzero(cut.formed) < _MOST * outcome.size:
-        those = np.flatnonzero(cut.formed)
-        columns = of_chunk(columns, those)
-    kept = cut if isinstance(those, slice) else cut.of(those)
-    outcome[those], kept_numbers = _moved(columns, kept)
-    for row, values in zip(numbers, kept_numbers, strict=False):
-        row[those] = values
-    others = np.flatnonzero(~cut.formed)
-    if others.size:
-        outcome[others] = _refused(cut.of(others))
+    formed: Any = slice(None)
+    if np.count_nonzero(cut.formed) < _MIN_FORMED_SHARE * outcome.size:
+        formed = np.flatnonzero(cut.formed)
+        columns = selected_columns(columns, formed)
+    formed_cut = cut if isinstance(formed, slice) else cut.selected(formed)
+    outcome[formed], formed_numbers = _slides(columns, formed_cut)
+    for row, values in zip(numbers, formed_numbers, strict=False):
+        row[formed] = values
+    unformed = np.flatnonzero(~cut.formed)
+    if unformed.size:
+        outcome[unformed] = _refusal_codes(cut.selected(unformed))
     refused = np.flatnonzero(outcome >= _REFUSED)
     if refused.size:
         for row in numbers:
             row[refused] = np.nan
 
 
-# -- do the planes cut a wedge at all (the tests of geometry.rock.rockmass, in its order) ----------------------------
+# -- whether the planes form a wedge (the tests of geometry.rock.rockmass, in its order) -----------------------------
 
 
 class PlanesCut(NamedTuple):
@@ -233,7 +260,7 @@ class PlanesCut(NamedTuple):
 
     `lines` are cross products of normals: the traces of J1 and J2 on the face, the line of intersection, the crest;
     `squares` of their lengths, `length` that of the line of intersection; `climbs` are n_upper · line of the first
-    three, `out` is n_face · line of intersection, `offset` of the upper slope.
+    three, `outward` is n_face · line of intersection, `offset` of the upper slope.
     """
 
     normals: Vector
@@ -241,16 +268,20 @@ class PlanesCut(NamedTuple):
     squares: Floats
     length: Floats
     climbs: Floats
-    out: Floats
+    outward: Floats
     high: Floats
     offset: Floats
     formed: Bools
 
-    def of(self, some: NDArray[np.intp]) -> "PlanesCut":
-        def part(values: Any) -> Any:
-            return tuple(map(part, values)) if isinstance(values, tuple) else values.take(some, axis=-1)
+    def selected(self, numbers: NDArray[np.intp]) -> "PlanesCut":
+        def select(values: Any) -> Any:
+            return (
+                tuple(map(select, values))
+                if isinstance(values, tuple)
+                else values.take(numbers, axis=-1)
+            )
 
-        return PlanesCut(*map(part, self))
+        return PlanesCut(*map(select, self))
 
 
 def planes_cut(columns: Columns, count: int) -> PlanesCut:
@@ -263,69 +294,94 @@ def planes_cut(columns: Columns, count: int) -> PlanesCut:
     sine, cosine = np.sin(angles), np.cos(angles)
     normals = sine[0] * sine[1], sine[0] * cosine[1], cosine[0]
 
-    room = np.empty((3, 4, count))
-    lines = room[0], room[1], room[2]
+    buffer = np.empty((3, 4, count))
+    lines = buffer[0], buffer[1], buffer[2]
     cross(rows(normals, slice(2)), rows(normals, _FACE), rows(lines, slice(2)))
-    cross(rows(normals, slice(J1, 4, 2)), rows(normals, slice(J2, 4, 2)), rows(lines, slice(_LINE, 4)))
+    cross(
+        rows(normals, slice(J1, 4, 2)), rows(normals, slice(J2, 4, 2)), rows(lines, slice(_LINE, 4))
+    )
     squares = dot(lines, lines)
     long = np.sqrt(squares[_LINE])
     climbs = dot(rows(normals, UPPER), rows(lines, slice(_CREST)))
-    out = dot(rows(normals, _FACE), rows(lines, _LINE))
+    outward = dot(rows(normals, _FACE), rows(lines, _LINE))
     trace1, rise = lines[2][J1], lines[2][_LINE]
     high = columns["height_m"] / trace1
     offset = dot(rows(normals, UPPER), times(rows(lines, J1), high))
     # into the rock the line climbs, out of the face and to the upper slope
-    least, toward = DAYLIGHTS * long, np.copysign(1.0, out)
-    formed = (np.minimum.reduce(squares) >= SAME_DIRECTION**2) & (np.abs(out) > least) & (rise * toward < -least)
-    formed &= (climbs[_LINE] * toward < -least) & (np.abs(trace1) >= SAME_DIRECTION) & (offset > 0.0)
+    least, toward = DAYLIGHTS * long, np.copysign(1.0, outward)
+    formed = (
+        (np.minimum.reduce(squares) >= SAME_DIRECTION**2)
+        & (np.abs(outward) > least)
+        & (rise * toward < -least)
+    )
+    formed &= (
+        (climbs[_LINE] * toward < -least) & (np.abs(trace1) >= SAME_DIRECTION) & (offset > 0.0)
+    )
     formed &= climbs[J2] * climbs[J2] >= SAME_DIRECTION**2 * squares[J2]
-    return PlanesCut(normals, lines, squares, long, climbs, out, high, offset, formed)
+    return PlanesCut(normals, lines, squares, long, climbs, outward, high, offset, formed)
 
 
-def _refused(cut: PlanesCut) -> Codes:
-    """Why planes cut no wedge: the first test that fails counts."""
-    climbs, out, rise = cut.climbs, cut.out, cut.lines[2][_LINE]
-    least, toward, parallel = DAYLIGHTS * cut.length, np.copysign(1.0, out), cut.squares < SAME_DIRECTION**2
-    daylights = (np.abs(out) > least) & (rise * toward < -least) & (climbs[_LINE] * toward < -least)
-    codes = np.full(out.size, _E208)
-    for where, code in (
+def _refusal_codes(cut: PlanesCut) -> Codes:
+    """Return the code of why planes form no wedge, (m,): that of the first test that fails."""
+    climbs, outward, rise = cut.climbs, cut.outward, cut.lines[2][_LINE]
+    least, toward, parallel = (
+        DAYLIGHTS * cut.length,
+        np.copysign(1.0, outward),
+        cut.squares < SAME_DIRECTION**2,
+    )
+    daylights = (
+        (np.abs(outward) > least) & (rise * toward < -least) & (climbs[_LINE] * toward < -least)
+    )
+    codes = np.full(outward.size, _E208)
+    for condition, code in (
         (climbs[J2] * climbs[J2] < SAME_DIRECTION**2 * cut.squares[J2], _NUMBER["E206"]),
         (cut.offset <= 0.0, _NUMBER["E209"]),
         (np.abs(cut.lines[2][J1]) < SAME_DIRECTION, _NUMBER["E206"]),
-        (~daylights, _hidden(rows(cut.lines, _LINE), rows(cut.normals, _FACE))),
+        (~daylights, _daylight_codes(rows(cut.lines, _LINE), rows(cut.normals, _FACE))),
         (parallel[J1] | parallel[J2], _NUMBER["E206"]),
         (parallel[_CREST], _NUMBER["E209"]),
         (parallel[_LINE], _NUMBER["E201"]),
     ):
-        codes = np.where(where, code, codes)
+        codes = np.where(condition, code, codes)
     return codes
 
 
-def _hidden(line: Vector, face: Vector) -> Codes:
-    """Why lines of intersection do not daylight: E204 into the slope, E203 too steep, E205 too flat."""
+def _daylight_codes(line: Vector, face: Vector) -> Codes:
+    """Return why lines of intersection do not daylight, (m,): E204 into the slope, E203 too steep, E205 too flat."""
     down = np.where(line[2] > 0.0, -1.0, 1.0)
     level, flat = np.hypot(line[0], line[1]), np.hypot(face[0], face[1])
     plunge = np.arctan2(np.abs(line[2]), level)
-    ahead = np.where(flat < SMALL, line[1], (line[0] * face[0] + line[1] * face[1]) * np.copysign(1.0, face[2]) / flat)
+    ahead = np.where(
+        flat < SMALL,
+        line[1],
+        (line[0] * face[0] + line[1] * face[1]) * np.copysign(1.0, face[2]) / flat,
+    )
     cosine = down * ahead / level
     apparent = np.arctan(flat / np.abs(face[2]) * cosine)
     codes = np.where(plunge >= apparent - math.radians(ALONG), _NUMBER["E203"], _NUMBER["E205"])
     codes[(plunge < math.radians(ALONG)) | (cosine <= 0.0)] = _NUMBER["E204"]
-    for one in np.flatnonzero(np.abs(cosine) < ALONG):
-        codes[one] = _along_the_slope(np.array([part[one] for part in line]), [float(part[one]) for part in face])
+    for number in np.flatnonzero(np.abs(cosine) < ALONG):
+        codes[number] = _along_the_slope(
+            np.array([component[number] for component in line]),
+            [float(component[number]) for component in face],
+        )
     return codes
 
 
 def _along_the_slope(across: Floats, face: Sequence[float]) -> np.int8:
-    """E203 or E204 (or E205) of a line just along the slope, as those of round angles are: the last bit decides.
+    """Return E203, E204 or E205 for a line just along the slope, as round angles give it: the last bit decides.
 
-    All is taken as geometry takes it, the length of the line by BLAS.
+    The computation repeats that of the geometry exactly, with the length of the line by BLAS.
     """
     line = across / math.sqrt(float(across @ across))
     east, north, up = (-line if line[2] > 0.0 else line).tolist()
     plunge = math.degrees(math.atan2(-up, math.hypot(east, north)))
     flat = math.hypot(face[0], face[1])
-    dip = (0.0, 1.0, 0.0) if flat < SMALL else (face[0] * face[2] / flat, face[1] * face[2] / flat, -flat)
+    dip = (
+        (0.0, 1.0, 0.0)
+        if flat < SMALL
+        else (face[0] * face[2] / flat, face[1] * face[2] / flat, -flat)
+    )
     steep = math.degrees(math.atan2(-dip[2], math.hypot(dip[0], dip[1])))
     trend, facing = (math.degrees(math.atan2(a, b)) % 360.0 for a, b in ((east, north), dip[:2]))
     cosine = math.cos(math.radians(trend - facing))
@@ -347,7 +403,9 @@ class _Shape(NamedTuple):
     total_height: Floats
     crack_depth: Floats | None
     line: Vector
-    code: Codes | None  # where the volume vanishes E208, where the crack misses the wedge E207, else 0; None for all 0
+    code: (
+        Codes | None
+    )  # where the volume vanishes E208, where the crack misses the wedge E207, else 0; None for all 0
 
 
 def _shape(columns: Columns, cut: PlanesCut) -> _Shape:
@@ -363,13 +421,15 @@ def _shape(columns: Columns, cut: PlanesCut) -> _Shape:
     inward = times(joints, np.copysign(1.0, dot(joints, rows(crests, slice(None, None, -1)))))
     code = None if (volume > 0.0).all() else np.where(volume > 0.0, 0, _E208).astype(np.int8)
     if "crack_dip_deg" in columns:
-        return _cracked(columns, cut, _Shape(areas, inward, volume, volume, None, back, code), crests)
-    return _Shape(areas, inward, volume, _reach(points[2]), None, back, code)
+        return _cracked(
+            columns, cut, _Shape(areas, inward, volume, volume, None, back, code), crests
+        )
+    return _Shape(areas, inward, volume, _height_range(points[2]), None, back, code)
 
 
-def _cracked(columns: Columns, cut: PlanesCut, whole: _Shape, crests: Vector) -> _Shape:
-    """What is left in front of the crack."""
-    crack, upper, back = rows(cut.normals, _CRACK), rows(cut.normals, UPPER), whole.line
+def _cracked(columns: Columns, cut: PlanesCut, uncut: _Shape, crests: Vector) -> _Shape:
+    """Return the shape of the wedge in front of the crack."""
+    crack, upper, back = rows(cut.normals, _CRACK), rows(cut.normals, UPPER), uncut.line
     crest1, distance = rows(crests, 0), columns["crack_distance_m"]
     trace = less(back, crest1)
     long = length(trace)
@@ -377,35 +437,46 @@ def _cracked(columns: Columns, cut: PlanesCut, whole: _Shape, crests: Vector) ->
     share = offset / crossing
     meets = (share > 1e-9) & (share < 1.0 - 1e-9) & (distance < long)
     meets &= np.abs(crossing) >= SAME_DIRECTION * length(back)
-    meets &= np.minimum.reduce(length(cross(crack, rows(cut.normals, [J1, J2, UPPER])))) >= SAME_DIRECTION
+    meets &= (
+        np.minimum.reduce(length(cross(crack, rows(cut.normals, [J1, J2, UPPER]))))
+        >= SAME_DIRECTION
+    )
 
-    bottom, ways = times(back, share), less(back, crests)
-    tops = plus(crests, times(ways, (offset - dot(crack, crests)) / dot(crack, ways)))
+    bottom, directions = times(back, share), less(back, crests)
+    tops = plus(crests, times(directions, (offset - dot(crack, crests)) / dot(crack, directions)))
     deep, high = less(bottom, back), less(tops, back)
     behind = np.abs(dot(deep, cross(rows(high, 0), rows(high, 1)))) / 6.0
     sides = less(tops, bottom)
-    own = length(cross(rows(sides, 0), rows(sides, 1))) / 2.0
+    crack_area = length(cross(rows(sides, 0), rows(sides, 1))) / 2.0
     turn = np.where(offset > 0.0, -1.0, 1.0)
-    inward = tuple(np.vstack([joints, row * turn]) for joints, row in zip(whole.inward, crack, strict=True))
-    code = np.where(meets, 0 if whole.code is None else whole.code, _E207).astype(np.int8)
+    inward = tuple(
+        np.vstack([joints, row * turn]) for joints, row in zip(uncut.inward, crack, strict=True)
+    )
+    code = np.where(meets, 0 if uncut.code is None else uncut.code, _E207).astype(np.int8)
     return _Shape(
-        np.vstack([whole.areas - length(cross(deep, high)) / 2.0, own]), (inward[0], inward[1], inward[2]),
-        whole.volume - behind, _reach(np.vstack([crests[2], bottom[2], tops[2]])),
-        (cut.offset - dot(upper, bottom)) / upper[2], bottom, code,
-    )  # fmt: skip
+        np.vstack([uncut.areas - length(cross(deep, high)) / 2.0, crack_area]),
+        (inward[0], inward[1], inward[2]),
+        uncut.volume - behind,
+        _height_range(np.vstack([crests[2], bottom[2], tops[2]])),
+        (cut.offset - dot(upper, bottom)) / upper[2],
+        bottom,
+        code,
+    )
 
 
-def _reach(heights: Floats) -> Floats:
-    """From the lowest to the highest of the corners (k, m), the toe at 0 among them."""
-    reach: Floats = np.maximum(np.maximum.reduce(heights), 0.0) - np.minimum(np.minimum.reduce(heights), 0.0)
+def _height_range(heights: Floats) -> Floats:
+    """Return the height from the lowest to the highest of the corners (k, m), with the toe at 0."""
+    reach: Floats = np.maximum(np.maximum.reduce(heights), 0.0) - np.minimum(
+        np.minimum.reduce(heights), 0.0
+    )
     return reach
 
 
 # -- how it moves -------------------------------------------------------------------------------------
 
 
-def _moved(columns: Columns, cut: PlanesCut) -> tuple[Codes, Sequence[Floats | float]]:
-    """Outcomes, and the numbers of `ClosedFormWedges`, of wedges that the planes cut."""
+def _slides(columns: Columns, cut: PlanesCut) -> tuple[Codes, Sequence[Floats | float]]:
+    """Return outcomes and the numbers of `ClosedFormWedges`, of wedges that the planes form."""
     shape = _shape(columns, cut)
     weight = columns["unit_weight_kn_m3"] * shape.volume
     pressures = mean_pressures(columns, 2, shape.total_height, shape.crack_depth)
@@ -415,47 +486,70 @@ def _moved(columns: Columns, cut: PlanesCut) -> tuple[Codes, Sequence[Floats | f
     between = dot(rows(joints, J1), rows(joints, J2))
     strength = np.empty((2, 2, weight.size))
     for joint, number in ((J1, 1), (J2, 2)):
-        strength[0, joint], strength[1, joint] = columns[f"cohesion{number}_kpa"], columns[f"friction{number}_deg"]
-    bed = JointPair(
-        joints, line, between, 1.0 - between * between, strength[0] * shape.areas[:2], np.tan(strength[1] * _RADIAN),
+        strength[0, joint], strength[1, joint] = (
+            columns[f"cohesion{number}_kpa"],
+            columns[f"friction{number}_deg"],
+        )
+    pair = JointPair(
+        joints,
+        line,
+        between,
+        1.0 - between * between,
+        strength[0] * shape.areas[:2],
+        np.tan(strength[1] * _RADIAN),
         size,
-    )  # fmt: skip
+    )
 
-    slide = bed.slide(load)
+    slide = pair.slide(load)
     outcome, normal, driving, resisting, _ = slide
     factor = resisting / driving
-    none = outcome > SLIDES_UP
-    if none.any():
-        factor[none], driving[none] = np.nan, 0.0
-    under_bolts(bed, load, columns, cut.formed, slide, factor)
+    is_stable = outcome > SLIDES_UP
+    if is_stable.any():
+        factor[is_stable], driving[is_stable] = np.nan, 0.0
+    apply_passive_bolts(pair, load, columns, cut.formed, slide, factor)
     driving[outcome > SLIDES_UP] = 0.0
     if shape.code is not None:
         outcome = np.where(shape.code, shape.code, outcome)
     areas = shape.areas if len(shape.areas) == 3 else [*shape.areas, 0.0]
-    return outcome, [factor, *normal, driving, resisting, *areas, *pressures, shape.volume, weight, shape.total_height,
-                     *shape.line]  # fmt: skip
+    return outcome, [
+        factor,
+        *normal,
+        driving,
+        resisting,
+        *areas,
+        *pressures,
+        shape.volume,
+        weight,
+        shape.total_height,
+        *shape.line,
+    ]
 
 
-def mean_pressures(columns: Columns, joints: int, height: Floats, crack_depth: Floats | None) -> list[Value]:
-    """Mean pressures on so many joints and the crack: γ_w H/6, with a crack γ_w h₅/3 on all."""
+def mean_pressures(
+    columns: Columns, joints: int, height: Floats, crack_depth: Floats | None
+) -> list[Value]:
+    """Return the mean pressures (kPa) on so many joints and the crack: γ_w H/6, with a crack γ_w h₅/3 on all."""
     water = columns["water_unit_weight_kn_m3"]
     full = 0.0 if crack_depth is None else water * crack_depth / 3.0
-    own = columns["crack_fill"] * full if "crack_fill" in columns else None
+    crack_pressure = columns["crack_fill"] * full if "crack_fill" in columns else None
     if "pressure1_kpa" in columns:
-        given = columns.get(f"pressure{joints + 1}_kpa", 0.0)
-        return [*(columns[f"pressure{k}_kpa"] for k in range(1, joints + 1)), given if own is None else own]
+        crack_input = columns.get(f"pressure{joints + 1}_kpa", 0.0)
+        return [
+            *(columns[f"pressure{k}_kpa"] for k in range(1, joints + 1)),
+            crack_input if crack_pressure is None else crack_pressure,
+        ]
     if crack_depth is None:
         return [*[columns["fill"] * water * height / 6.0] * joints, 0.0]
     mean = columns["fill"] * full
-    return [*[mean] * joints, mean if own is None else own]
+    return [*[mean] * joints, mean if crack_pressure is None else crack_pressure]
 
 
 def _load(
     columns: Columns, cut: PlanesCut, shape: _Shape, weight: Floats, pressures: list[Value]
 ) -> tuple[Vector, Floats]:
-    """The resultant of all loads, and the sum of their sizes."""
+    """Return the resultant of all loads (kN), and the sum of their magnitudes."""
     load: Vector = (0.0, 0.0, -weight)
-    if not _is_none(columns["seismic"]):
+    if not _is_zero(columns["seismic"]):
         if "seismic_trend_deg" in columns:
             trend = np.radians(columns["seismic_trend_deg"])
         else:
@@ -467,11 +561,16 @@ def _load(
 
 
 def with_water_and_forces(
-    columns: Columns, load: Vector, size: Floats, pressures: list[Value], areas: Floats, inward: Vector
+    columns: Columns,
+    load: Vector,
+    size: Floats,
+    pressures: list[Value],
+    areas: Floats,
+    inward: Vector,
 ) -> tuple[Vector, Floats]:
-    """A load with the water on each plane and the forces, and the sum of their sizes with its own."""
+    """Return a load plus the water on each plane and the forces, and the sum of all their magnitudes (kN)."""
     for pressure, area, *normal in zip(pressures, areas, *inward, strict=False):
-        if not _is_none(pressure):
+        if not _is_zero(pressure):
             push = pressure * area
             load = plus(load, times((normal[0], normal[1], normal[2]), push))
             size = size + np.abs(push)
@@ -481,5 +580,5 @@ def with_water_and_forces(
     return load, size
 
 
-def _is_none(value: Value) -> bool:
+def _is_zero(value: Value) -> bool:
     return isinstance(value, float) and value == 0.0

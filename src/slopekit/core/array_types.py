@@ -4,7 +4,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 import numpy as np
 
-if TYPE_CHECKING:  # numpy.typing takes a millisecond of a cold run, to write the docstring of its NDArray
+if (
+    TYPE_CHECKING
+):  # numpy.typing takes a millisecond of a cold run, to write the docstring of its NDArray
     from numpy.typing import ArrayLike as ArrayLike
 else:
     ArrayLike = Any

@@ -22,7 +22,21 @@ T = TypeVar("T")
 NO_JSON: Mapping[str, Any] = {"json": None}
 _PLAIN = (str, bool, int, NoneType)
 _JSON = (NoneType, str, int, float, list, tuple, dict)
-_OF_ARRAYS = ("astype", "shape", "size", "ndim", "reshape", "tolist", "any", "all", "min", "max", "sum", "copy", "T")
+_ARRAY_ATTRIBUTES = (
+    "astype",
+    "shape",
+    "size",
+    "ndim",
+    "reshape",
+    "tolist",
+    "any",
+    "all",
+    "min",
+    "max",
+    "sum",
+    "copy",
+    "T",
+)
 #: What reading a document can raise where its values are not what they should be; see `is_of_document`.
 MISREAD = (KeyError, IndexError, TypeError, ValueError, AttributeError, ArithmeticError)
 
@@ -84,13 +98,20 @@ def finite(text: str) -> float:
 
 def record_of(value: Any) -> dict[str, Any]:
     """The fields of a dataclass as JSON values, and what it lists besides."""
-    record = {name: json_of(getattr(value, own)) for own, name in _names(type(value))}
-    return record | {name: json_of(getattr(value, name)) for name in getattr(type(value), "JSON_ALSO", ())}
+    record = {
+        name: json_of(getattr(value, field_name)) for field_name, name in _json_names(type(value))
+    }
+    return record | {
+        name: json_of(getattr(value, name)) for name in getattr(type(value), "JSON_ALSO", ())
+    }
 
 
-def _names(kind: Any) -> tuple[tuple[str, str], ...]:
-    named = ((own.name, own.metadata.get("json", own.name)) for own in fields(kind))
-    return tuple((own, name) for own, name in named if name is not None)
+def _json_names(kind: Any) -> tuple[tuple[str, str], ...]:
+    pairs = (
+        (record_field.name, record_field.metadata.get("json", record_field.name))
+        for record_field in fields(kind)
+    )
+    return tuple((record_field, name) for record_field, name in pairs if name is not None)
 
 
 def from_json(kind: type[T], value: Mapping[str, Any]) -> T:
@@ -102,22 +123,28 @@ def from_json(kind: type[T], value: Mapping[str, Any]) -> T:
         Where the values are not those of such a dataclass.
     """
     hints = get_type_hints(kind)
-    return kind(**{own: _back(hints[own], value[name]) for own, name in _names(kind) if name in value})
+    return kind(
+        **{
+            field_name: _value_from_json(hints[field_name], value[name])
+            for field_name, name in _json_names(kind)
+            if name in value
+        }
+    )
 
 
-def _back(hint: Any, value: Any) -> Any:
+def _value_from_json(hint: Any, value: Any) -> Any:
     origin, inner = get_origin(hint), get_args(hint)
     if value is None:
         if hint is NoneType or NoneType in inner or hint is Any:
             return None
         raise TypeError(f"null where {hint} is needed")
     if origin in (Union, UnionType):
-        return _back(next(one for one in inner if one is not NoneType), value)
+        return _value_from_json(next(kind for kind in inner if kind is not NoneType), value)
     if origin in (tuple, list):
         kinds = [inner[0]] * len(value) if origin is list or inner[-1] is ... else inner
-        return origin(_back(one, item) for one, item in zip(kinds, value, strict=True))
+        return origin(_value_from_json(kind, item) for kind, item in zip(kinds, value, strict=True))
     if origin is not None and issubclass(origin, Mapping):
-        return {name: _back(inner[1], item) for name, item in value.items()}
+        return {name: _value_from_json(inner[1], item) for name, item in value.items()}
     if is_dataclass(hint) and isinstance(hint, type):
         return from_json(hint, value)
     if hint is float and isinstance(value, int) and not isinstance(value, bool):
@@ -145,9 +172,21 @@ def is_of_document(error: Exception) -> bool:
     """
     if isinstance(error, AttributeError):
         name = str(error.name)
-        is_of_other = name in _OF_ARRAYS or any(hasattr(kind, name) for kind in (dict, list, str, float))
+        is_of_other = name in _ARRAY_ATTRIBUTES or any(
+            hasattr(kind, name) for kind in (dict, list, str, float)
+        )
         return isinstance(error.obj, _JSON) and is_of_other
     return isinstance(error, MISREAD)
 
 
-__all__ = ["MISREAD", "NO_JSON", "dataclass", "field", "finite", "from_json", "is_of_document", "json_of", "record_of"]
+__all__ = [
+    "MISREAD",
+    "NO_JSON",
+    "dataclass",
+    "field",
+    "finite",
+    "from_json",
+    "is_of_document",
+    "json_of",
+    "record_of",
+]

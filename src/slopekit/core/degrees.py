@@ -2,9 +2,8 @@
 
 import re
 
-_MINUTES = (
-    r"(\d+)\s*°\s*([0-5]?\d(?:\.\d+)?)\s*['′’´](?:\s*([0-5]?\d(?:\.\d+)?)\s*(?:[\"″”]|''))?"  # compiled when first used
-)
+# a text, which is compiled when it is first used
+_MINUTES = r"(\d+)\s*°\s*([0-5]?\d(?:\.\d+)?)\s*['′’´](?:\s*([0-5]?\d(?:\.\d+)?)\s*(?:[\"″”]|''))?"
 
 
 def decimal_degrees(text: str) -> str:
@@ -17,5 +16,5 @@ def decimal_degrees(text: str) -> str:
 
 
 def _in_decimals(match: re.Match[str]) -> str:
-    degrees, minutes, seconds = (float(part or 0.0) for part in match.groups())
+    degrees, minutes, seconds = (float(group or 0.0) for group in match.groups())
     return f"{degrees + minutes / 60.0 + seconds / 3600.0:.10g}"

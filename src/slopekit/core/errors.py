@@ -173,7 +173,7 @@ class Faults(list[Fault]):
     """Faults gathered while the rest is read: all of them are said at once."""
 
     @contextmanager
-    def kept(self) -> Iterator[None]:
+    def collecting(self) -> Iterator[None]:
         """Keep the faults of what is raised within, and go on behind it."""
         try:
             yield
@@ -216,15 +216,17 @@ def did_you_mean(name: str, known: Iterable[str], otherwise: str = "", cutoff: f
     """
     from slopekit.core.synonyms import nearest  # what has no slip does not pay for it
 
-    near = nearest(name, known, cutoff=cutoff)
-    return f"Did you mean {near[0]}?" if near else otherwise
+    matches = nearest(name, known, cutoff=cutoff)
+    return f"Did you mean {matches[0]}?" if matches else otherwise
 
 
 @contextmanager
-def writing(path: object, what: str = "") -> Iterator[None]:
-    """E129 where what is done within cannot write to a path, or to `what` it is."""
+def writing(path: object, label: str = "") -> Iterator[None]:
+    """E129 where what is done within cannot write to a path, or to `label` it is."""
     try:
         yield
     except OSError as error:
         reason = error.strerror or str(error)
-        raise DesignError([Fault("E129", f"{what}{path} cannot be written: {reason}", str(path))]) from None
+        raise DesignError(
+            [Fault("E129", f"{label}{path} cannot be written: {reason}", str(path))]
+        ) from None

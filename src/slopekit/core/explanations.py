@@ -27,10 +27,10 @@ def explanation(code: str) -> str:
     >>> explanation("e203").splitlines()[0]
     'E203'
     """
-    wanted, texts = code.strip().upper(), explanations()
-    if wanted not in texts:
-        digits = wanted[:1] + wanted[1:].replace("O", "0").replace("I", "1").replace("L", "1")
-        near = [digits] if digits in texts else get_close_matches(wanted, texts, n=1)
-        advice = f"Did you mean {near[0]}?" if near else ""
+    key, texts = code.strip().upper(), explanations()
+    if key not in texts:
+        digits = key[:1] + key[1:].replace("O", "0").replace("I", "1").replace("L", "1")
+        matches = [digits] if digits in texts else get_close_matches(key, texts, n=1)
+        advice = f"Did you mean {matches[0]}?" if matches else ""
         raise DesignError([Fault("E142", f"{code} is not a code of slopekit", "", advice)])
-    return f"{wanted}\n{texts[wanted]}"
+    return f"{key}\n{texts[key]}"

@@ -69,7 +69,11 @@ class Argument:
 
 
 #: A design: a file on the command line, with `--set`.
-DESIGN = Argument("A design file (YAML).", "DESIGN", takes="the path of a design file, the same as a dict, or a design")
+DESIGN = Argument(
+    "A design file (YAML).",
+    "DESIGN",
+    takes="the path of a design file, the same as a dict, or a design",
+)
 
 
 def _silent(_done: int) -> None:
@@ -93,19 +97,28 @@ class Workplace:
 DESK = Workplace()
 
 
-def given_by(parameter: inspect.Parameter) -> Option | Argument | None:
+def declared_option(parameter: inspect.Parameter) -> Option | Argument | None:
     """How a command line gives a parameter; None where it does not."""
-    return next((one for one in get_args(parameter.annotation)[1:] if isinstance(one, Option | Argument)), None)
+    return next(
+        (
+            declaration
+            for declaration in get_args(parameter.annotation)[1:]
+            if isinstance(declaration, Option | Argument)
+        ),
+        None,
+    )
 
 
 def documented(function: Function) -> Function:
     """Add to the docstring what the parameters are, as they say themselves."""
     rows = []
     for name, parameter in inspect.signature(function).parameters.items():
-        how = given_by(parameter)
-        if how is not None:
-            rows.append(f"{name} : {how.help}")
-    head, *behind = re.split(r"\n(?=(?:Returns|Raises)\n)", inspect.cleandoc(function.__doc__ or ""), maxsplit=1)
+        declaration = declared_option(parameter)
+        if declaration is not None:
+            rows.append(f"{name} : {declaration.help}")
+    head, *sections = re.split(
+        r"\n(?=(?:Returns|Raises)\n)", inspect.cleandoc(function.__doc__ or ""), maxsplit=1
+    )
     listed = "\n".join(["Parameters", "----------", *rows])
-    function.__doc__ = "\n".join([f"{head.rstrip()}\n", f"{listed}\n", *behind])
+    function.__doc__ = "\n".join([f"{head.rstrip()}\n", f"{listed}\n", *sections])
     return function

@@ -13,7 +13,24 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault
 
-_COMPASS = ("N", "NNE", "NE", "ENE", "E", "ESE", "SE", "SSE", "S", "SSW", "SW", "WSW", "W", "WNW", "NW", "NNW")
+_COMPASS = (
+    "N",
+    "NNE",
+    "NE",
+    "ENE",
+    "E",
+    "ESE",
+    "SE",
+    "SSE",
+    "S",
+    "SSW",
+    "SW",
+    "WSW",
+    "W",
+    "WNW",
+    "NW",
+    "NNW",
+)
 # texts: re compiles each when it is first used, and keeps it; a plain wedge uses the first
 _PAIR = r"^\s*([^/\s]+)\s*/\s*([^/\s]+)\s*$"
 _QUADRANT = r"^\s*[NSns]\s*\d+(\.\d+)?\s*[°]?\s*[EWew]|\d\s*[NESWnesw]{1,2}\s*$"
@@ -42,7 +59,9 @@ class Plane:
     def in_words(self) -> str:
         """The plane as an engineer would say it."""
         direction = self.dip_direction_deg
-        return f"dips {number(self.dip_deg)}° toward {bearing(direction)} ({compass_point(direction)})"
+        return (
+            f"dips {number(self.dip_deg)}° toward {bearing(direction)} ({compass_point(direction)})"
+        )
 
     def __str__(self) -> str:
         return f"{number(self.dip_deg)}/{bearing(self.dip_direction_deg)}"
@@ -63,7 +82,10 @@ class Line:
         """Unit vector (east, north, up), shape (3,); (n, 3) of angles that are arrays (n,)."""
         trend, plunge = np.radians(self.trend_deg), np.radians(self.plunge_deg)
         level = np.cos(plunge)
-        return np.stack(np.broadcast_arrays(np.sin(trend) * level, np.cos(trend) * level, -np.sin(plunge)), axis=-1)
+        return np.stack(
+            np.broadcast_arrays(np.sin(trend) * level, np.cos(trend) * level, -np.sin(plunge)),
+            axis=-1,
+        )
 
     def __str__(self) -> str:
         return f"{bearing(self.trend_deg)}/{self.plunge_deg:.1f}"
@@ -156,8 +178,8 @@ def bearing(degrees: float) -> str:
     >>> bearing(25.0), bearing(179.9)
     ('025', '179.9')
     """
-    whole, _, decimals = number(degrees % 360.0 if degrees != 360.0 else 360.0).partition(".")
-    return whole.zfill(3) + (f".{decimals}" if decimals else "")
+    integer, _, decimals = number(degrees % 360.0 if degrees != 360.0 else 360.0).partition(".")
+    return integer.zfill(3) + (f".{decimals}" if decimals else "")
 
 
 def compass_point(degrees: float) -> str:
@@ -196,7 +218,9 @@ def parse_strike(text: str) -> float | None:
     if float(angle) > 90.0:
         return None
     clockwise = (end.upper() == "N") == (turn.upper() == "E")
-    return ((0.0 if end.upper() == "N" else 180.0) + (float(angle) if clockwise else -float(angle))) % 360.0
+    return (
+        (0.0 if end.upper() == "N" else 180.0) + (float(angle) if clockwise else -float(angle))
+    ) % 360.0
 
 
 def _strike_by_points(text: str) -> float | None:
@@ -243,12 +267,12 @@ def plane_by_side(strike_deg: float, dip: str, side: str = "") -> Plane | None:
     toward = None if match is None else azimuth_of(match.group(2))
     if match is None or toward is None or float(match.group(1)) > 90.0:
         return None
-    off, direction = min(
+    deviation, direction = min(
         (abs((candidate - toward + 180.0) % 360.0 - 180.0), candidate)
         for candidate in ((strike_deg + 90.0) % 360.0, (strike_deg - 90.0) % 360.0)
     )
-    most = 90.0 - 1e-9 if len(match.group(2)) == 1 else 45.0 + 1e-9
-    return Plane(float(match.group(1)), direction) if off <= most else None
+    largest_deviation = 90.0 - 1e-9 if len(match.group(2)) == 1 else 45.0 + 1e-9
+    return Plane(float(match.group(1)), direction) if deviation <= largest_deviation else None
 
 
 def parse_quadrants(text: str) -> Plane | None:
@@ -296,26 +320,32 @@ def parse_plane(value: object, name: str, where: str = "") -> Plane:
         match = re.match(_PAIR, value)
         if match is None:
             raise DesignError([_not_a_plane(value, name, where)])
-        parts: tuple[object, ...] = match.groups()
+        angles: tuple[object, ...] = match.groups()
     elif isinstance(value, list | tuple | np.ndarray) and len(value) == 2:
-        parts = tuple(value)
+        angles = tuple(value)
     else:
         raise DesignError([_not_a_plane(value, name, where)])
     numbers = []
-    for part in parts:
+    for angle in angles:
         try:
-            numbers.append(float(str(part).rstrip("°")))
+            numbers.append(float(str(angle).rstrip("°")))
         except ValueError:
             raise DesignError([_not_a_plane(value, name, where)]) from None
-    plane = _checked_plane(numbers[0], numbers[1], name, where, is_written_as_bearing(str(parts[1])))
+    plane = _checked_plane(
+        numbers[0], numbers[1], name, where, is_written_as_bearing(str(angles[1]))
+    )
     if (
         isinstance(value, str)
         and look_like_radians(*numbers)
-        and all(re.search(_DECIMALS, str(part)) for part in parts)
+        and all(re.search(_DECIMALS, str(angle)) for angle in angles)
     ):
-        meant = Plane(round(math.degrees(numbers[0]), 1), round(math.degrees(numbers[1]) % 360.0, 1))
+        meant = Plane(
+            round(math.degrees(numbers[0]), 1), round(math.degrees(numbers[1]) % 360.0, 1)
+        )
         advice = f"In degrees that would be {meant}; if degrees are meant, write one decimal."
-        raise DesignError([Fault("E113", f"{name} is {value}, that looks like radians", where, advice)])
+        raise DesignError(
+            [Fault("E113", f"{name} is {value}, that looks like radians", where, advice)]
+        )
     return plane
 
 
@@ -335,21 +365,31 @@ def _checked_plane(dip: float, direction: float, name: str, where: str, is_beari
     if not 0.0 <= dip <= 90.0:
         if dip > 90.0 and 0.0 <= direction <= 90.0 and dip <= 360.0 and not is_bearing:
             struck = Plane(direction, (dip + 90.0) % 360.0)
-            overturned = f" An overturned plane is written {overturned_plane(dip, direction)}." if dip <= 180.0 else ""
+            overturned = (
+                f" An overturned plane is written {overturned_plane(dip, direction)}."
+                if dip <= 180.0
+                else ""
+            )
             advice = (
                 f"Dip comes first: did you mean {number(direction)}/{bearing(dip)}? If {bearing(dip)} is a "
                 f"strike by the right-hand rule, it is {struck}.{overturned}"
             )
-            message = f"{name} is {number(dip)}/{number(direction)}: dip and dip direction look swapped"
+            message = (
+                f"{name} is {number(dip)}/{number(direction)}: dip and dip direction look swapped"
+            )
             raise DesignError([Fault("E103", message, where, advice)])
         advice = ""
         if 90.0 < dip <= 180.0:
             meant = overturned_plane(dip, direction)
-            advice = f"A plane that dips {number(dip)}° toward {bearing(direction)} is written {meant}."
+            advice = (
+                f"A plane that dips {number(dip)}° toward {bearing(direction)} is written {meant}."
+            )
         message = f"dip of {name} is {number(dip)}, a dip lies between 0 and 90"
         raise DesignError([Fault("E101", message, where, advice)])
     if not 0.0 <= direction <= 360.0:
-        message = f"dip direction of {name} is {number(direction)}, a direction lies between 0 and 360"
+        message = (
+            f"dip direction of {name} is {number(direction)}, a direction lies between 0 and 360"
+        )
         advice = f"{number(direction)} is the same direction as {bearing(direction % 360.0)}."
         raise DesignError([Fault("E102", message, where, advice)])
     return Plane(dip, direction)
@@ -366,15 +406,15 @@ def _not_a_plane(value: object, name: str, where: str) -> Fault:
             if meant is None
             else f"This looks like a strike and the side of the dip: write {meant}."
         )
-    return Fault("E104", message, where, _ready_answer(text) or advice)
+    return Fault("E104", message, where, _spelling_advice(text) or advice)
 
 
-def _ready_answer(text: str) -> str:
+def _spelling_advice(text: str) -> str:
     """What to type for a plane whose two angles are told apart by something else than a slash; empty where unclear.
 
-    >>> _ready_answer("45-115"), _ready_answer("45,5/115"), _ready_answer("45SE"), _ready_answer("115 45")
+    >>> _spelling_advice("45-115"), _spelling_advice("45,5/115"), _spelling_advice("45SE"), _spelling_advice("115 45")
     ('Write 45/115.', 'Write 45.5/115.', 'Write 45/135.', 'Write 45/115: the dip comes first.')
-    >>> _ready_answer("S45E/45")
+    >>> _spelling_advice("S45E/45")
     'Where S45E is the dip direction, write 45/135; where it is the strike, 45/045 or 45/225, by the side it dips to.'
     """
     if parse_quadrants(text) is not None:
@@ -382,10 +422,11 @@ def _ready_answer(text: str) -> str:
     plain = re.sub(r"(?i)°|\bdeg(?:rees?)?\b|^\s*\w+\s*=", " ", text)
     pair = re.match(
         r"(?i)^\s*(?:dip\s*[:=]?)?\s*(\d+(?:\.\d+)?)(?:\s*[-–,;:/|@>→]\s*|\s+(?:to|towards?)\s+|\s+)"
-        r"(?:(?:dd|dip[ _]?dir(?:ection)?|azimuth)\s*[:=]?\s*)?(\d+(?:\.\d+)?)\s*$", plain,
-    ) or re.match(r"^\s*(\d+,\d+|\d+(?=/\d+,))\s*/\s*(\d+(?:,\d+)?)\s*$", plain)  # fmt: skip
+        r"(?:(?:dd|dip[ _]?dir(?:ection)?|azimuth)\s*[:=]?\s*)?(\d+(?:\.\d+)?)\s*$",
+        plain,
+    ) or re.match(r"^\s*(\d+,\d+|\d+(?=/\d+,))\s*/\s*(\d+(?:,\d+)?)\s*$", plain)
     if pair is not None:
-        dip, direction = (float(part.replace(",", ".")) for part in pair.groups())
+        dip, direction = (float(angle.replace(",", ".")) for angle in pair.groups())
         is_swapped = dip > 90.0 >= direction
         dip, direction = (direction, dip) if is_swapped else (dip, direction)
         if dip > 90.0 or direction > 360.0:
@@ -395,22 +436,26 @@ def _ready_answer(text: str) -> str:
     toward = None if side is None else azimuth_of(side.group(2))
     if side is not None and toward is not None and float(side.group(1)) <= 90.0:
         return f"Write {Plane(float(side.group(1)), toward)}."
-    return _of_quadrant_and_dip(plain)
+    return _quadrant_advice(plain)
 
 
-def _of_quadrant_and_dip(text: str) -> str:
+def _quadrant_advice(text: str) -> str:
     """What to type for a bearing in quadrants and a dip of which nothing says to which side: `S45E/45`, `45/S45E`."""
     quadrant = r"([NSns]\s*\d+(?:\.\d+)?\s*[EWew])"
     match = re.match(rf"^\s*{quadrant}[\s/,;]+(\d+(?:\.\d+)?)\s*$", text)
     bearing_text, dip_text = match.groups() if match is not None else ("", "")
-    if match is None and (match := re.match(rf"^\s*(\d+(?:\.\d+)?)[\s/,;]+{quadrant}\s*$", text)) is not None:
+    if (
+        match is None
+        and (match := re.match(rf"^\s*(\d+(?:\.\d+)?)[\s/,;]+{quadrant}\s*$", text)) is not None
+    ):
         dip_text, bearing_text = match.groups()
     azimuth = parse_strike(bearing_text) if match is not None else None
     if azimuth is None or float(dip_text) > 90.0:
         return ""
     dip = float(dip_text)
     sides = " or ".join(
-        str(Plane(dip, direction)) for direction in sorted(((azimuth + 90) % 360, (azimuth - 90) % 360))
+        str(Plane(dip, direction))
+        for direction in sorted(((azimuth + 90) % 360, (azimuth - 90) % 360))
     )
     return (
         f"Where {bearing_text.strip()} is the dip direction, write {Plane(dip, azimuth)}; "
@@ -431,21 +476,34 @@ def parse_face(value: object, name: str, where: str = "") -> Plane:
     try:
         return parse_plane(value, name, where)
     except DesignError as error:
-        raise DesignError([_of_a_face(fault, value, name) for fault in error.faults]) from None
+        raise DesignError([_face_fault(fault, value, name) for fault in error.faults]) from None
 
 
-def _of_a_face(fault: Fault, value: object, name: str) -> Fault:
+def _face_fault(fault: Fault, value: object, name: str) -> Fault:
     """What is wrong with a face, with an advice that keeps its rock on the same side."""
-    parts = value.split("/") if isinstance(value, str) else list(value) if isinstance(value, list | tuple) else []
-    if fault.code not in ("E101", "E103") or len(parts) != 2:
+    angles = (
+        value.split("/")
+        if isinstance(value, str)
+        else list(value)
+        if isinstance(value, list | tuple)
+        else []
+    )
+    if fault.code not in ("E101", "E103") or len(angles) != 2:
         return fault
-    dip, direction = (float(str(part).strip().rstrip("°")) for part in parts)
+    dip, direction = (float(str(angle).strip().rstrip("°")) for angle in angles)
     if not 90.0 < dip <= 180.0:
         return fault
     overhang = "A slope whose face overhangs is given by meshes, kind: blocks."
     if fault.code == "E103":
-        return Fault("E103", fault.message, fault.where, f"Dip comes first: did you mean {Plane(direction, dip)}?")
-    return Fault("E101", f"dip of {name} is {number(dip)}, more than 90: it overhangs", fault.where, overhang)
+        return Fault(
+            "E103",
+            fault.message,
+            fault.where,
+            f"Dip comes first: did you mean {Plane(direction, dip)}?",
+        )
+    return Fault(
+        "E101", f"dip of {name} is {number(dip)}, more than 90: it overhangs", fault.where, overhang
+    )
 
 
 def opposite(trend_deg: float) -> float:

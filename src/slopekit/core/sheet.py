@@ -82,7 +82,7 @@ class Column(Generic[Row]):
             return self.show.format(value)
         return format(value, self.show) if isinstance(value, int | float) else str(value)
 
-    def _written(self, value: Any) -> str:
+    def _csv_cell(self, value: Any) -> str:
         """A cell in CSV."""
         if not isinstance(value, float):  # most are
             value = json_of(value)
@@ -96,7 +96,8 @@ class Column(Generic[Row]):
         """The cells of many rows in CSV; floats that are written with every digit as they are."""
         values, exact, finite = [self.of(row) for row in rows], self.exact, math.isfinite
         return [
-            value if type(value) is float and finite(value) and not exact else self._written(value) for value in values
+            value if type(value) is float and finite(value) and not exact else self._csv_cell(value)
+            for value in values
         ]
 
     def padded(self, text: str) -> str:
@@ -107,16 +108,16 @@ class Column(Generic[Row]):
         return f"{text:<{-self.width}}" if self.width < 0 else f"{text:>{self.width}}"
 
 
-def _reader(of: Any) -> Callable[[Any], Any]:
+def _reader(source: Any) -> Callable[[Any], Any]:
     """Return the function that reads a cell from a row: from the path of its value, or from the values of all rows.
 
     >>> _reader("axes.k")({"axes": {"k": 3.0}}), _reader("axes.k")({"axes": None}), _reader([1.0, 2.0])(1)
     (3.0, None, 2.0)
     """
-    if isinstance(of, str):
-        return partial(value_at, of.split("."))
-    values = of.tolist() if hasattr(of, "tolist") else of
-    read: Callable[[Any], Any] = of if callable(of) else values.__getitem__
+    if isinstance(source, str):
+        return partial(value_at, source.split("."))
+    values = source.tolist() if hasattr(source, "tolist") else source
+    read: Callable[[Any], Any] = source if callable(source) else values.__getitem__
     return read
 
 
@@ -169,17 +170,26 @@ class Table(Generic[Row]):
         if self.said is not None:
             return [self.said] if self.said else []
         columns = [column for column in self.columns if column.width]
-        lines = ["".join(column.padded(column.shown(row)) for column in columns).rstrip() for row in self._shown]
+        lines = [
+            "".join(column.padded(column.shown(row)) for column in columns).rstrip()
+            for row in self._visible_rows
+        ]
         if self.ends is None:
             lines += [self.rest] if self.rest else []
         elif self.left_out:
             lines[self.ends[0] : len(lines) - self.ends[1]] = [self.rest]
-        return lines if self.headless else ["".join(column.padded(column.title) for column in columns).rstrip(), *lines]
+        return (
+            lines
+            if self.headless
+            else ["".join(column.padded(column.title) for column in columns).rstrip(), *lines]
+        )
 
     @property
     def left_out(self) -> Sequence[Row]:
         """The rows between the ends; none where the line that says so would save nothing."""
-        between = () if self.ends is None else self.rows[self.ends[0] : len(self.rows) - self.ends[1]]
+        between = (
+            () if self.ends is None else self.rows[self.ends[0] : len(self.rows) - self.ends[1]]
+        )
         return between if len(between) > 1 else ()
 
     def csv(self) -> str:
@@ -195,31 +205,40 @@ class Table(Generic[Row]):
         columns = [column for column in self.columns if column.key]
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([without_formula(column.key) for column in columns])
-        for rows in self._pieces():
+        for rows in self._row_chunks():
             writer.writerows(zip(*(column.cells(rows) for column in columns), strict=True))
 
     def records(self) -> list[dict[str, Any]]:
         """Every row by the keys of its columns: what data frames are made of."""
         columns = [column for column in self.columns if column.key]
-        return [{column.key: json_of(column.of(row)) for column in columns} for rows in self._pieces() for row in rows]
+        return [
+            {column.key: json_of(column.of(row)) for column in columns}
+            for rows in self._row_chunks()
+            for row in rows
+        ]
 
-    def _pieces(self) -> Iterator[Sequence[Row]]:
+    def _row_chunks(self) -> Iterator[Sequence[Row]]:
         return (self.rows[start : start + _AT_ONCE] for start in range(0, len(self.rows), _AT_ONCE))
 
     def to_dict(self) -> dict[str, Any]:
         """What a person is shown as JSON values: heads with units, cells as numbers and as they are shown."""
-        columns = [column for column in self.columns if (column.width or column.title) and not column.timed]
+        columns = [
+            column for column in self.columns if (column.width or column.title) and not column.timed
+        ]
         return {
             "columns": [
-                {"title": column.title.strip(), "key": column.key or None, "unit": column.unit} for column in columns
+                {"title": column.title.strip(), "key": column.key or None, "unit": column.unit}
+                for column in columns
             ],
-            "rows": [[json_of(column.of(row)) for column in columns] for row in self._shown],
-            "shown": [[column.shown(row).strip() for column in columns] for row in self._shown],
+            "rows": [[json_of(column.of(row)) for column in columns] for row in self._visible_rows],
+            "shown": [
+                [column.shown(row).strip() for column in columns] for row in self._visible_rows
+            ],
             "rest": "" if self.ends else self.rest,
         }
 
     @property
-    def _shown(self) -> Sequence[Row]:
+    def _visible_rows(self) -> Sequence[Row]:
         return self.rows if self.shown is None else self.shown
 
 
@@ -303,7 +322,9 @@ class Sheet:
         return self._text(is_full=True)
 
     def _text(self, is_full: bool) -> str:
-        lines = _folded(self.head + (f"   sha {self.sha[:6]}" if is_full and self.sha else ""), " " * LABEL)
+        lines = _folded(
+            self.head + (f"   sha {self.sha[:6]}" if is_full and self.sha else ""), " " * LABEL
+        )
         for section in self.sections:
             if is_full or section.label != TIME:
                 lines += section.lines(is_full)
@@ -325,11 +346,14 @@ def sheet_html(head: str, sections: Mapping[str, Sequence[Any]]) -> str:
     """A sheet as HTML of its JSON values: sections with a heading, entries as paragraphs, tables as tables."""
     from html import escape
 
-    parts = [f'<div class="slopekit-sheet"><p><code>{escape(head)}</code></p>']
+    blocks = [f'<div class="slopekit-sheet"><p><code>{escape(head)}</code></p>']
     for label, entries in sections.items():
-        parts.append(f"<h4>{escape(label)}</h4>")
-        parts += [f"<p>{escape(entry)}</p>" if isinstance(entry, str) else _entry_html(entry) for entry in entries]
-    return "\n".join([*parts, "</div>"])
+        blocks.append(f"<h4>{escape(label)}</h4>")
+        blocks += [
+            f"<p>{escape(entry)}</p>" if isinstance(entry, str) else _entry_html(entry)
+            for entry in entries
+        ]
+    return "\n".join([*blocks, "</div>"])
 
 
 def _entry_html(table: Mapping[str, Any]) -> str:
@@ -338,7 +362,10 @@ def _entry_html(table: Mapping[str, Any]) -> str:
     if "verbatim" in table:
         return f"<pre>{escape(table['verbatim'])}</pre>"
     heads = "".join(f"<th>{escape(head_of(column))}</th>" for column in table["columns"])
-    rows = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>" for cells in table["shown"])
+    rows = "".join(
+        "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>"
+        for cells in table["shown"]
+    )
     rest = f"<p>{escape(table['rest'])}</p>" if table["rest"] else ""
     return f"<table><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>{rest}"
 
@@ -361,7 +388,9 @@ def block(label: str, entries: Sequence[str], hang: int = 3) -> list[str]:
 
 def _folded(text: str, indent: str) -> list[str]:
     """A text in lines no wider than a sheet; nothing for a blank one."""
-    if len(text) <= WIDTH and text.isprintable():  # most lines: no tabs, no ends of lines, nothing to fold
+    if (
+        len(text) <= WIDTH and text.isprintable()
+    ):  # most lines: no tabs, no ends of lines, nothing to fold
         return [text.rstrip(" ")] if text.strip() else []
     return textwrap.wrap(text, WIDTH, subsequent_indent=indent)
 
@@ -379,13 +408,13 @@ def factor_text(value: float | None) -> str:
     return f"{value:.{digits}f}" if value < 1e3 else f"{value:.4g}"
 
 
-def counted(count: int, one: str, many: str = "") -> str:
+def counted(count: int, singular: str, plural: str = "") -> str:
     """A count with its word.
 
     >>> counted(1, "block"), counted(3, "block"), counted(2, "mass", "masses")
     ('1 block', '3 blocks', '2 masses')
     """
-    return f"{count} {one if count == 1 else many or one + 's'}"
+    return f"{count} {singular if count == 1 else plural or singular + 's'}"
 
 
 def is_number(value: float | None) -> bool:

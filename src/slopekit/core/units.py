@@ -20,25 +20,57 @@ _UNITS: Mapping[str, Mapping[str, float]] = {
         "psf": 0.04788025898,
         "psi": 6.894757293,
     },
-    "unit weight": {"kn/m3": 1.0, "n/m3": 1e-3, "mn/m3": 1e3, "pcf": 0.1570874638, "lbf/ft3": 0.1570874638},
+    "unit weight": {
+        "kn/m3": 1.0,
+        "n/m3": 1e-3,
+        "mn/m3": 1e3,
+        "pcf": 0.1570874638,
+        "lbf/ft3": 0.1570874638,
+    },
     "density": {"kg/m3": 1.0, "t/m3": 1e3, "g/cm3": 1e3},
-    "force": {"kn": 1.0, "n": 1e-3, "mn": 1e3, "tf": 9.80665, "lbf": 4.4482216e-3, "kip": 4.4482216},
+    "force": {
+        "kn": 1.0,
+        "n": 1e-3,
+        "mn": 1e3,
+        "tf": 9.80665,
+        "lbf": 4.4482216e-3,
+        "kip": 4.4482216,
+    },
     "angle": {"deg": 1.0, "°": 1.0, "degrees": 1.0, "rad": math.degrees(1.0)},
     "stiffness": {"kn/m3": 1.0, "kpa/m": 1.0, "mpa/m": 1e3, "gpa/m": 1e6},
     "acceleration": {"m/s2": 1.0},
     "ratio": {"%": 1e-2, "g": 1.0},
 }
 _BARE = {
-    "length": "m", "volume": "m3", "pressure": "kPa", "unit weight": "kN/m3", "density": "kg/m3", "force": "kN",
-    "angle": "degrees", "stiffness": "kN/m3", "acceleration": "m/s2", "ratio": "no unit",
-}  # fmt: skip
+    "length": "m",
+    "volume": "m3",
+    "pressure": "kPa",
+    "unit weight": "kN/m3",
+    "density": "kg/m3",
+    "force": "kN",
+    "angle": "degrees",
+    "stiffness": "kN/m3",
+    "acceleration": "m/s2",
+    "ratio": "no unit",
+}
 #: A larger number is no quantity of anything on Earth.
 LARGEST = 1e18
 _SPELLED = {
-    "kpa": "kPa", "pa": "Pa", "mpa": "MPa", "gpa": "GPa",
-    "kn/m2": "kN/m2", "kn/m3": "kN/m3", "n/m3": "N/m3", "mn/m3": "MN/m3",
-    "kn": "kN", "n": "N", "mn": "MN", "kpa/m": "kPa/m", "mpa/m": "MPa/m", "gpa/m": "GPa/m",
-}  # fmt: skip
+    "kpa": "kPa",
+    "pa": "Pa",
+    "mpa": "MPa",
+    "gpa": "GPa",
+    "kn/m2": "kN/m2",
+    "kn/m3": "kN/m3",
+    "n/m3": "N/m3",
+    "mn/m3": "MN/m3",
+    "kn": "kN",
+    "n": "N",
+    "mn": "MN",
+    "kpa/m": "kPa/m",
+    "mpa/m": "MPa/m",
+    "gpa/m": "GPa/m",
+}
 _QUANTITY = r"(?i)^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|[+-]?inf|nan)\s*(.*?)\s*$"  # compiled when first used
 
 
@@ -74,7 +106,9 @@ def quantity(value: object, kind: str, name: str, where: str = "") -> float:
         raise DesignError([Fault("E106", f"{name} is {text!r}, a number is needed", where, advice)])
     result = float(match.group(1)) * _factor(match.group(2), kind, name, where)
     if abs(result) > LARGEST and math.isfinite(result):
-        raise DesignError([Fault("E105", f"{name} is {text.strip()}, larger than anything on Earth", where)])
+        raise DesignError(
+            [Fault("E105", f"{name} is {text.strip()}, larger than anything on Earth", where)]
+        )
     if not math.isfinite(result):
         raise DesignError([Fault("E105", f"{name} is {text.strip()}, not a finite number", where)])
     return result
@@ -119,11 +153,20 @@ def _factor(unit: str, kind: str, name: str, where: str) -> float:
         return 1.0
     if spelled in _UNITS[kind]:
         return _UNITS[kind][spelled]
-    other = [other for other, units in _UNITS.items() if spelled in units]
-    if other:
-        message = f"{name} has the unit {unit}, which measures {_a(other[0])}, not {_a(kind)}"
-        raise DesignError([Fault("E107", message, where, f"A bare number here is in {_BARE[kind]}.")])
-    known = ", ".join(_SPELLED.get(unit, unit) for unit in _UNITS[kind])
+    kinds = [kinds for kinds, units in _UNITS.items() if spelled in units]
+    if kinds:
+        message = f"{name} has the unit {unit}, which measures {_a(kinds[0])}, not {_a(kind)}"
+        raise DesignError(
+            [Fault("E107", message, where, f"A bare number here is in {_BARE[kind]}.")]
+        )
+    unit_names = ", ".join(_SPELLED.get(unit, unit) for unit in _UNITS[kind])
     raise DesignError(
-        [Fault("E108", f"{name} has the unknown unit {unit!r}", where, f"Known for {_a(kind)}: {known}.")]
+        [
+            Fault(
+                "E108",
+                f"{name} has the unknown unit {unit!r}",
+                where,
+                f"Known for {_a(kind)}: {unit_names}.",
+            )
+        ]
     )

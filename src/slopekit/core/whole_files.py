@@ -34,7 +34,11 @@ def whole_files(folder: Path, new: bool = False) -> Iterator[Path]:
     staging = Path(tempfile.mkdtemp(prefix=".slopekit-", dir=folder))
     try:
         yield staging
-        moves = [(file, folder / file.relative_to(staging)) for file in sorted(staging.rglob("*")) if file.is_file()]
+        moves = [
+            (file, folder / file.relative_to(staging))
+            for file in sorted(staging.rglob("*"))
+            if file.is_file()
+        ]
         for _, target in moves:
             _refuse_unwritable(target, new)
         for file, target in moves:
@@ -75,7 +79,9 @@ def _put(file: Path, target: Path, new: bool) -> None:
     """Rename a file to its place, with the permissions of the file that it replaces."""
     if new:
         try:
-            os.link(file, target)  # unlike a rename it leaves a file alone that came in the meantime
+            os.link(
+                file, target
+            )  # unlike a rename it leaves a file alone that came in the meantime
         except FileExistsError:
             raise
         except OSError:  # a file system without links

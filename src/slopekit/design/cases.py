@@ -23,109 +23,151 @@ _NAME = re.compile(r"[^\W_](?:[\w -]{0,38}\w)?")  # of files and folders on ever
 def read_cases(
     document: Document, wrong: Sequence[Fault], design_of: Callable[[Document, bool], Design]
 ) -> tuple[Document, tuple[LoadCase, ...], list[Fault]]:
-    """The cases of a document.
+    """Read the load cases of a document.
 
     Parameters
     ----------
-    wrong : what is wrong with the design itself, which is not said again of each case
-    design_of : reads a document with values put over those of a sound design
+    wrong : faults of the design itself, which are not repeated for each case
+    design_of : reads a document in which values of a sound design are replaced
 
     Returns
     -------
-    the document without its cases, the cases, and every fault of theirs: E471 a case that says nothing, E146 two names
-    that files cannot tell apart, E146 a name that no file can have, E471 a key that no case can set, and what the
-    design with these values is wrong in
+    the document without its cases, the cases, and their faults: E471 an empty case, E146 a name that cannot be the name
+    of a file or that differs from another in capitals alone, E471 a key that a case cannot set, and the faults of the
+    design with the case's values
     """
     group = document.root.get("cases")
-    bare = replace(document, root=replace(document.root, value={
-        key: node for key, node in document.root.items() if key != "cases"
-    }))  # fmt: skip
+    bare = replace(
+        document,
+        root=replace(
+            document.root,
+            value={key: node for key, node in document.root.items() if key != "cases"},
+        ),
+    )
     cases, faults, names = list[LoadCase](), list[Fault](), dict[str, str]()
     for name, node in group.items():
         if not node.is_mapping and node.value is not None:
-            continue  # the structure says what it is
-        own = [*_misnamed(name, node, names), *_unsettable(name, node)]
+            continue  # a fault of the structure, reported there
+        case_faults = [*_misnamed(name, node, names), *_unsettable(name, node)]
         case = None
-        if not own:
+        if not case_faults:
             try:
                 case = _case(bare, name, node, design_of)
             except DesignError as error:
-                own = _of_case(name, node, [fault for fault in error.faults if fault not in wrong])
-        faults += own
+                case_faults = _faults_of_case(
+                    name, node, [fault for fault in error.faults if fault not in wrong]
+                )
+        faults += case_faults
         if case is not None:
             cases.append(case)
     return bare, tuple(cases), faults
 
 
 def case_named(design: Design, name: str) -> LoadCase:
-    """A case by its name: E197 for another, with the nearest; E313 where there are none."""
-    known = {case.name: case for case in design.cases}
-    if not known:
+    """Return the load case of a name. Raises DesignError: E197 unknown name, E313 no load cases."""
+    cases = {case.name: case for case in design.cases}
+    if not cases:
         message = f"the design has no load cases, {name} is none"
-        raise DesignError([Fault("E313", message, f"--case {name}", "Leave --case out, or write cases: in the file.")])
-    if name not in known:
-        advice = did_you_mean(name, known, f"There are: {', '.join(known)}.")
-        raise DesignError([Fault("E197", f"{name} is no load case of this design", f"--case {name}", advice)])
-    return known[name]
+        raise DesignError(
+            [
+                Fault(
+                    "E313",
+                    message,
+                    f"--case {name}",
+                    "Leave --case out, or write cases: in the file.",
+                )
+            ]
+        )
+    if name not in cases:
+        advice = did_you_mean(name, cases, f"There are: {', '.join(cases)}.")
+        raise DesignError(
+            [Fault("E197", f"{name} is no load case of this design", f"--case {name}", advice)]
+        )
+    return cases[name]
 
 
 def _misnamed(name: str, node: Node, names: dict[str, str]) -> Iterator[Fault]:
-    where = str(node.key_place)
-    if not _NAME.fullmatch(name) and not re.search(r"[./]", name):  # of those the structure says so
+    location = str(node.key_place)
+    if not _NAME.fullmatch(name) and not re.search(
+        r"[./]", name
+    ):  # names with . or / are faults of the structure
         message = f"{cut(repr(name))} cannot be the name of a load case: files are named after it"
-        yield Fault("E146", message, where, "Letters, digits, blanks, - and _, at most 40, a letter or digit first.")
+        yield Fault(
+            "E146",
+            message,
+            location,
+            "Letters, digits, blanks, - and _, at most 40, a letter or digit first.",
+        )
     first = names.setdefault(name.casefold(), name)
     if first != name:
         message = f"the load cases {first} and {name} differ in capitals alone"
-        yield Fault("E146", message, where, "Files are named after them, and many systems do not tell these apart.")
+        yield Fault(
+            "E146",
+            message,
+            location,
+            "Files are named after them, and many systems do not tell these apart.",
+        )
 
 
 def _unsettable(name: str, node: Node) -> Iterator[Fault]:
     sets, accept = node.get("set"), node.get("accept")
     if not sets.value and not accept.value:
         message = f"the load case {name} is empty: it sets no key and accepts nothing of its own"
-        advice = f'Write {name}: {{set: {{loads.seismic.k: 0.1}}}}, or {name}: {{accept: "fos >= 1.5"}}'
+        advice = (
+            f'Write {name}: {{set: {{loads.seismic.k: 0.1}}}}, or {name}: {{accept: "fos >= 1.5"}}'
+        )
         yield Fault("E471", message, str(node.key_place), advice)
     for path, below in sets.items():
         if (top := path.partition(".")[0].strip()) in _NOT_SET:
-            what = "cases within a case" if top == "cases" else f"{top} of the design"
+            subject = "cases within a case" if top == "cases" else f"{top} of the design"
             advice = "A case sets keys of the one design: its slope, strengths, water, loads, support, analysis."
-            yield Fault("E471", f"the load case {name} cannot set {what}", str(below.key_place), advice)
+            yield Fault(
+                "E471", f"the load case {name} cannot set {subject}", str(below.key_place), advice
+            )
 
 
 def _case(
     bare: Document, name: str, node: Node, design_of: Callable[[Document, bool], Design]
-) -> LoadCase | None:  # fmt: skip
+) -> LoadCase | None:
     sets, accept, title = node.get("set"), node.get("accept"), bare.root.get("title")
     if (sets.value is not None and not sets.is_mapping) or accept.is_mapping:
-        return None  # the structure says so
+        return None  # a fault of the structure, reported there
     values: list[tuple[str, object]] = [(path.strip(), below) for path, below in sets.items()]
-    shown = tuple((path, _shown(below)) for path, below in sets.items())
+    set_texts = tuple((path, _value_text(below)) for path, below in sets.items())
     if accept.value:
         values.append(("acceptance.rules", accept))
     elif any(
-        f"{path}.".startswith("analysis.partial_factors.") and below.value for path, below in sets.items()
+        f"{path}.".startswith("analysis.partial_factors.") and below.value
+        for path, below in sets.items()
     ):  # the design's rules ask for a factor of safety, this for 1
         values.append(("acceptance", None))
-    said = f"{title.text}, " if title.text else ""
+    title_prefix = f"{title.text}, " if title.text else ""
     if not any(path == "title" for path, _ in values):
-        values.append(("title", replace(title or node, value=f"{said}case {name}")))
+        values.append(("title", replace(title or node, value=f"{title_prefix}case {name}")))
     document = with_overrides(bare, values)
-    return LoadCase(name, shown, replace(design_of(document, True), source=document))
+    return LoadCase(name, set_texts, replace(design_of(document, True), source=document))
 
 
-def _of_case(name: str, node: Node, faults: Sequence[Fault]) -> list[Fault]:
-    """Faults of a case; those that do not stand in it say whose they are."""
-    places = {str(place) for part in node.walk() for place in (part.place, part.key_place)}
+def _faults_of_case(name: str, node: Node, faults: Sequence[Fault]) -> list[Fault]:
+    """Return the faults of a case; a fault at a place outside the case gets the case's name in its message."""
+    places = {
+        str(place)
+        for descendant in node.walk()
+        for place in (descendant.place, descendant.key_place)
+    }
     return [
-        fault if fault.where in places else replace(fault, message=f"{fault.message} (load case {name})")
+        fault
+        if fault.where in places
+        else replace(fault, message=f"{fault.message} (load case {name})")
         for fault in faults
     ]
 
 
-def _shown(node: Node) -> str:
+def _value_text(node: Node) -> str:
     if isinstance(node.value, dict):
-        return f"{{{', '.join(f'{key}: {_shown(below)}' for key, below in node.value.items())}}}"
+        return (
+            f"{{{', '.join(f'{key}: {_value_text(below)}' for key, below in node.value.items())}}}"
+        )
     if isinstance(node.value, list):
-        return f"[{', '.join(_shown(below) for below in node.value)}]"
+        return f"[{', '.join(_value_text(below) for below in node.value)}]"
     return "null" if node.value is None else node.value

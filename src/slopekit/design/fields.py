@@ -1,4 +1,4 @@
-"""Every value of a design, declared once: where it stands, what it measures, which values it takes.
+"""Every value of a design file, declared once: its key, the quantity it measures and the values it may have.
 
 A declaration is the metadata of a dataclass field. The structure of design files, the reader and its messages, what may
 scatter, the keys of studies with their limits and the key reference of the documentation all follow from it.
@@ -18,50 +18,68 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields, make_dataclass, replace
 from functools import cache
 from inspect import get_annotations
-from math import inf, isfinite
+from math import degrees, inf, isfinite, pi
 from typing import Any, Literal, TypeVar, cast
 
 from slopekit.core.errors import DesignError, Fault
-from slopekit.core.orientation import number as shown
+from slopekit.core.orientation import number as number_text
 from slopekit.core.units import quantity, unit_of
 from slopekit.design.reading.nodes import NOTHING, Node
 from slopekit.design.reading.structure import ANGLES, VALUE, OrientationKind, Spec, either
 
-#: What a number is: of the slope itself, a coordinate, how something scatters, or how the analysis is done.
+#: What a number describes: the slope itself, a coordinate, a distribution, or a setting of the analysis.
 Role = Literal["quantity", "coordinate", "scatter", "setting"]
 #: How a group of keys repeats: as a list, under names, or under names with slashes (B1/B2).
 Many = Literal["", "list", "names", "pairs"]
-#: What a value is beside a number: its angles, its coordinates, a word of the language, a name of the user's.
+#: Values that are no single number: orientations, coordinates, texts (a word of the language or a user's name), groups.
 NOT_NUMBERS = ("plane", "line", "point", "text", "group")
 UNITS: Mapping[str, str] = {
-    "length": "m", "volume": "m³", "pressure": "kPa", "unit weight": "kN/m³", "density": "kg/m³", "force": "kN",
-    "angle": "°", "stiffness": "kN/m³", "acceleration": "m/s²", "ratio": "",
-}  # fmt: skip
-#: The least that is more than nothing, and the most that slopes have, by what a number measures.
+    "length": "m",
+    "volume": "m³",
+    "pressure": "kPa",
+    "unit weight": "kN/m³",
+    "density": "kg/m³",
+    "force": "kN",
+    "angle": "°",
+    "stiffness": "kN/m³",
+    "acceleration": "m/s²",
+    "ratio": "",
+}
+#: Smallest positive and largest values that a study searches, by what a number measures (units as in UNITS).
 _LEAST: Mapping[str, float] = {"length": 1e-3, "force": 1e-6, "stiffness": 1.0, "angle": 1e-3}
-_MOST: Mapping[str, float] = {"length": 1e5, "pressure": 1e5, "force": 1e9, "stiffness": 1e12, "volume": 1e5}
-_JUST_BELOW = 0.01  # degrees: how near to a limit that it does not reach a study takes an angle
+_MOST: Mapping[str, float] = {
+    "length": 1e5,
+    "pressure": 1e5,
+    "force": 1e9,
+    "stiffness": 1e12,
+    "volume": 1e5,
+}
+_ANGLE_GAP_DEG = (
+    0.01  # how near a study goes to the limit of an angle that the limit itself is excluded from
+)
 _KEY, _PART = "field", "part"
 F = TypeVar("F", bound=Callable[..., Any])
 
-#: A judgement of a number in the words of its own subject: value, name, what was written, how keys are called.
+#: A check with messages of its own. Arguments: value, name, text as written, and a function from a key's path to the
+#: name under which the user writes it. Returns code, message and advice of the fault, or None.
 Check = Callable[[float, str, str, Callable[[str], str]], tuple[str, str, str] | None]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """Which numbers a value takes: from `least` to `most`, themselves not where `above`, `below`.
+    """The interval of numbers that a value may have, and the message for a number outside it.
 
-    `whole` says that it counts something, `is_odd` in odd numbers; `turns`, that beyond its limits it is the same plane
-    or line, written otherwise. What lies beyond, and what is no number, is refused by `code`, in the words of `says`
-    and `advice` or of `check`, which judges a number in the words of its own subject.
+    The interval runs from `least` to `most`; `above` and `below` exclude these limits themselves. `is_integer` allows
+    integers only, `is_odd` odd ones only; `turns` marks an angle for which a value beyond the limits is another way to
+    write the same plane or line. The fault has the code `code` and the texts `says` and `advice`, unless `check`
+    returns a fault with a text of its own.
     """
 
     least: float = -inf
     most: float = inf
     above: bool = False
     below: bool = False
-    whole: bool = False
+    is_integer: bool = False
     is_odd: bool = False
     turns: bool = False
     code: str = "E105"
@@ -70,43 +88,50 @@ class Limits:
     check: Check | None = None
 
     def takes(self, value: float) -> bool:
-        """Whether a number lies between them."""
+        """Return whether a number lies within these limits."""
         low = value > self.least if self.above else value >= self.least
         high = value < self.most if self.below else value <= self.most
-        return low and high and (not self.whole or (value == int(value) and (value % 2 == 1 or not self.is_odd)))
+        return (
+            low
+            and high
+            and (
+                not self.is_integer or (value == int(value) and (value % 2 == 1 or not self.is_odd))
+            )
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
 class Shape:
-    """How a value is written beside a number, a text or a group of keys.
+    """The forms in which a design file may write a value, besides a single number, a text or a group of keys.
 
     Attributes
     ----------
-    at_least, at_most : entries of a list; forms, without : of a group: other ways to write it, keys that it lacks
-    each : a number for all, or one for each as a list or by name
-    coordinates : how deep its lists of coordinates are: 1 of a point, 2 of a polygon
-    or_measures : what else it measures where its unit says so
+    at_least, at_most : bounds of the number of entries of a list
+    forms, omitted_keys : of a group: other ways to write it; keys that it does not have
+    per_interface : whether it is one number for all interfaces, or a number per interface as a list or by name
+    coordinates : nesting depth of its lists of coordinates: 1 of a point, 2 of a polygon
+    or_measures : other quantities that it may measure; the unit written with the value decides
     """
 
     at_least: int = 0
     at_most: int | None = None
     forms: tuple[Spec, ...] = ()
-    without: tuple[str, ...] = ()
-    each: bool = False
+    omitted_keys: tuple[str, ...] = ()
+    per_interface: bool = False
     coordinates: int = 0
     or_measures: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
 class KeyTexts:
-    """What is said of a key.
+    """The texts about a key, for messages, axes and the key reference.
 
     Attributes
     ----------
-    example, label : as it is written; in words for messages
-    axis : in words for axes and reports, where that is another; of an orientation what it is one of
-    doc, left_out : what it is, and what is taken where it is left out, for the key reference
-    taken : attribute that says what is taken where its own is None
+    example, label : an example as a design file has it; the name in messages
+    axis : the name on axes and in reports, where it differs from `label`; of an orientation the surface it belongs to
+    doc, left_out : the description and the default, for the key reference
+    value_attribute : attribute that holds the value in use where the field's own attribute is None
     """
 
     example: str = ""
@@ -114,22 +139,25 @@ class KeyTexts:
     axis: str = ""
     doc: str = ""
     left_out: str = ""
-    taken: str = ""
+    value_attribute: str = ""
 
 
 @dataclass(frozen=True)
 class Field(Limits, Shape, KeyTexts):
-    """One value of a design, as `declare` makes it.
+    """The declaration of one value of a design, as `declare` makes it.
 
     Attributes
     ----------
-    path : dotted, within its record; * is a name of the user's or the number of a list item
+    path : dotted path within its record; * stands for a user's name or the number of a list item
     measures : a kind of `slopekit.core.units.quantity`, or plane, line, point, text, group
-    words : that may stand for a number (`middle`)
-    is_required, default : whether it has to be given, else what it is; `may_lack`: other values may stand for it
-    scatters : whether a distribution may stand there; role : for studies
-    of, many : a group: its record, how it repeats
-    is_attribute : of its record; else it is read into others; `is_refused`: known so that the reader can say why not
+    words : texts allowed instead of a number (`middle`)
+    is_required, default : whether the key is required, else its default
+    may_lack : whether the key may be missing because other keys can replace it
+    scatters : whether a distribution is allowed
+    role : what the number describes, for studies
+    record_type, many : of a group: its record, and how it repeats
+    is_attribute : whether the record has an attribute of this name; else the key is read into other attributes
+    is_refused : whether the key is known only to explain why it is refused
     """
 
     path: str
@@ -140,115 +168,150 @@ class Field(Limits, Shape, KeyTexts):
     default: Any = None
     scatters: bool = True
     role: Role = "quantity"
-    of: type | None = None
+    record_type: type | None = None
     many: Many = ""
     is_attribute: bool = False
     is_refused: bool = False
 
     @property
     def key(self) -> str:
-        """The last part of the path."""
+        """The last key of the path."""
         return self.path.rpartition(".")[2]
 
     @property
     def is_number(self) -> bool:
-        """Whether it is one number with a unit."""
+        """Whether the value is a single number with a unit."""
         return self.measures not in NOT_NUMBERS
 
     @property
     def unit(self) -> str:
-        """The unit of bare numbers, empty where there is none."""
+        """The unit of a number written without one; empty where the quantity has none."""
         return UNITS[self.measures]
 
     @property
     def in_words(self) -> str:
-        """What it is, for messages."""
+        """The name of the value in messages."""
         return self.label or self.key
 
     @property
     def period(self) -> float | None:
-        """After which it is the same again; None of all but directions."""
+        """The period of a direction in degrees (360); None for any other value."""
         return 360.0 if self.turns and self.most == 360.0 else None
 
     def limits_in_words(self) -> str:
-        """What a value has to be.
+        """Return the clause of a message that states the limits of this value.
 
         >>> declare("fill", least=0.0, most=1.0).limits_in_words()
         'it lies between 0 and 1'
         >>> declare("height", "length", 0.0, above=True).limits_in_words()
         'it must be more than 0'
         """
-        low, high = shown(self.least), shown(self.most)
+        low, high = number_text(self.least), number_text(self.most)
         if self.says:
             return self.says.format(least=low, most=high)
-        if self.whole:
-            what = "an odd" if self.is_odd else "a whole"
-            return f"it must be {what} number from {int(self.least)} to {int(self.most)}"
+        if self.is_integer:
+            number_kind = "an odd" if self.is_odd else "a whole"
+            return f"it must be {number_kind} number from {int(self.least)} to {int(self.most)}"
         if not isfinite(self.most):
             return f"it must be more than {low}" if self.above else "it is never negative"
         return f"it lies between {low} and {high}"
 
     def checked(
-        self, value: float, name: str, where: str, written: str = "", called: Callable[[str], str] = str
+        self,
+        value: float,
+        name: str,
+        location: str,
+        written: str = "",
+        written_key: Callable[[str], str] = str,
     ) -> float:
-        """The value, where it is one that a design takes.
+        """Return the value if it lies within the limits of this field; an integer if the field counts something.
 
         Parameters
         ----------
-        name : what it is, for the message
-        where : its place
-        written : as the user wrote it; called : how a path is called where it was written
+        name : the value's name in the message
+        location : line of the file, or option, that the fault points to
+        written : the value as the user wrote it
+        written_key : gives the name under which the user writes the key of a path
 
         Raises
         ------
         DesignError
             The field's code, or that of its `check`.
         """
-        wrong = None if self.check is None else self.check(value, name, written, called)
+        wrong = None if self.check is None else self.check(value, name, written, written_key)
         if wrong is not None:
             code, message, advice = wrong
-            raise DesignError([Fault(code, message, where, advice)])
+            raise DesignError([Fault(code, message, location, advice)])
         if not self.takes(value):
             unit = "" if self.above and not isfinite(self.most) else self.unit
-            size = shown(value) + (unit if unit in ("", "°") else f" {unit}")
-            raise DesignError([Fault(self.code, f"{name} is {size}, {self.limits_in_words()}", where, self.advice)])
-        return int(value) if self.whole else value
+            size = number_text(value) + (unit if unit in ("", "°") else f" {unit}")
+            raise DesignError(
+                [
+                    Fault(
+                        self.code,
+                        f"{name} is {size}, {self.limits_in_words()}",
+                        location,
+                        self.advice,
+                    )
+                ]
+            )
+        return int(value) if self.is_integer else value
 
     def read(
-        self, value: object, name: str, where: str, written: str = "", called: Callable[[str], str] = str
+        self,
+        value: object,
+        name: str,
+        location: str,
+        written: str = "",
+        written_key: Callable[[str], str] = str,
     ) -> float:
-        """The number that a value with a unit says, where it is one that a design takes: see `checked`."""
-        return self.checked(quantity(value, self.measures, name, where), name, where, written, called)
+        """Convert a value with a unit to a number in the field's unit and check its limits as `checked` does."""
+        return self.checked(
+            quantity(value, self.measures, name, location), name, location, written, written_key
+        )
 
     @property
     def sought(self) -> tuple[float, float]:
-        """Between what a study looks for it: what it may be, and what slopes have."""
-        far = _MOST.get(self.measures, inf)
-        low = self.least if isfinite(self.least) else -far
+        """The interval that a study searches: the limits of the field, cut to sizes that real slopes have."""
+        largest = _MOST.get(self.measures, inf)
+        low = self.least if isfinite(self.least) else -largest
         if (self.above or low > 0.0) and not self.turns:
             low = max(low, _LEAST.get(self.measures, 0.0))
-        high = self.most - _JUST_BELOW if self.below and self.measures == "angle" else self.most
-        return low, min(high, far)
+        high = self.most - _ANGLE_GAP_DEG if self.below and self.measures == "angle" else self.most
+        return low, min(high, largest)
 
 
 # -- declaring --------------------------------------------------------------------------------------------------------
 
 
-def declare(path: str, measures: str = "ratio", least: float = -inf, most: float = inf, **said: Any) -> Field:
-    """A field; `said` as its attributes.
+def declare(
+    path: str, measures: str = "ratio", least: float = -inf, most: float = inf, **attributes: Any
+) -> Field:
+    """Declare a field; `attributes` are those of `Field`.
 
     >>> declare("fill", "ratio", 0.0, 1.0, code="E118").most
     1.0
     """
-    return Field(path, measures, least=least, most=most, **said)
+    return Field(path, measures, least=least, most=most, **attributes)
 
 
-def _declared(path: str, measures: str, default: Any, *, may_lack: bool = False, **more: Any) -> Any:
+def _declared(
+    path: str, measures: str, default: Any, *, may_lack: bool = False, **attributes: Any
+) -> Any:
     if default is MISSING:
-        made = declare(path, measures, is_attribute=True, is_required=not may_lack, may_lack=may_lack, **more)
-        return field(metadata={_KEY: made})
-    made = declare(path, measures, is_attribute=True, default=default, may_lack=may_lack, **more)
-    return field(default=default, metadata={_KEY: made})
+        declaration = declare(
+            path,
+            measures,
+            is_attribute=True,
+            is_required=not may_lack,
+            may_lack=may_lack,
+            **attributes,
+        )
+        return field(metadata={_KEY: declaration})
+    declaration = declare(
+        path, measures, is_attribute=True, default=default, may_lack=may_lack, **attributes
+    )
+    return field(default=default, metadata={_KEY: declaration})
 
 
 def number(
@@ -260,134 +323,224 @@ def number(
     above: float | None = None,
     most: float = inf,
     below: float | None = None,
-    **more: Any,
+    **overrides: Any,
 ) -> Any:
-    """A number with a unit; `above`, `below` are limits that are not taken themselves. `more` as `Field`."""
+    """Declare a number with a unit; `above`, `below` are limits that are excluded. `overrides`: as of `Field`."""
     low = least if above is None else above
-    given = {"least": low, "most": most if below is None else below, "above": above is not None,
-             "below": below is not None} | ({"role": "coordinate"} if low == -inf else {}) | more  # fmt: skip
-    return _declared(path, measures, default, **given)
+    attributes = (
+        {
+            "least": low,
+            "most": most if below is None else below,
+            "above": above is not None,
+            "below": below is not None,
+        }
+        | ({"role": "coordinate"} if low == -inf else {})
+        | overrides
+    )
+    return _declared(path, measures, default, **attributes)
 
 
-def count(path: str, least: float, most: float, *, default: Any = MISSING, **more: Any) -> Any:
-    """A whole number, which cannot scatter."""
-    given = {"code": "E137", "role": "setting"} | more
-    return _declared(path, "ratio", default, least=least, most=most, whole=True, scatters=False, **given)
+def count(path: str, least: float, most: float, *, default: Any = MISSING, **overrides: Any) -> Any:
+    """Declare an integer, which cannot have a distribution."""
+    attributes = {"code": "E137", "role": "setting"} | overrides
+    return _declared(
+        path,
+        "ratio",
+        default,
+        least=least,
+        most=most,
+        is_integer=True,
+        scatters=False,
+        **attributes,
+    )
 
 
-def orientation(path: str, of: OrientationKind = "plane", *, default: Any = MISSING, **more: Any) -> Any:
-    """A plane (dip / dip direction) or a line (trend / plunge)."""
-    return _declared(path, of, default, **more)
+def orientation(
+    path: str, kind: OrientationKind = "plane", *, default: Any = MISSING, **overrides: Any
+) -> Any:
+    """Declare a plane (dip / dip direction) or a line (trend / plunge), in degrees."""
+    return _declared(path, kind, default, **overrides)
 
 
-def point(path: str, *, default: Any = MISSING, **more: Any) -> Any:
-    """East, north, up in m."""
-    given = {"example": "[0, -3, 6]"} | more
-    return _declared(path, "point", default, role="coordinate", coordinates=1, **given)
+def point(path: str, *, default: Any = MISSING, **overrides: Any) -> Any:
+    """Declare a point: east, north, up in m."""
+    attributes = {"example": "[0, -3, 6]"} | overrides
+    return _declared(path, "point", default, role="coordinate", coordinates=1, **attributes)
 
 
-def text(path: str, *, default: Any = MISSING, **more: Any) -> Any:
-    """A word: a name, a file, one of `words`."""
-    return _declared(path, "text", default, **more)
+def text(path: str, *, default: Any = MISSING, **overrides: Any) -> Any:
+    """Declare a text: a name, a file, or one of `words`."""
+    return _declared(path, "text", default, **overrides)
 
 
-def group(path: str, of: type | None = None, *, default: Any = MISSING, **more: Any) -> Any:
-    """A record of its own, or many of them; `forms` are other ways of writing one."""
-    return _declared(path, "group", default, of=of, **more)
+def group(
+    path: str, record_type: type | None = None, *, default: Any = MISSING, **overrides: Any
+) -> Any:
+    """Declare a group of keys that is read into a record, or several of them; `forms` are other ways to write it."""
+    return _declared(path, "group", default, record_type=record_type, **overrides)
 
 
 def keys_of(name: str, *declared: Field) -> type:
-    """A group of keys that are read into attributes of other records."""
-    return make_dataclass(name, (), namespace={"ALSO": declared})
+    """Return a record type for a group of keys whose values are read into attributes of other records."""
+    return make_dataclass(name, (), namespace={"EXTRA_KEYS": declared})
 
 
-def part(of: type) -> Any:
-    """A record that holds some of the fields of its holder, whose paths are those from the holder."""
-    return field(default=of(), metadata={_PART: of})
+def nested_record(record_type: type) -> Any:
+    """Declare an attribute whose record holds some of the keys of its holder; their paths start at the holder."""
+    return field(default=record_type(), metadata={_PART: record_type})
 
 
-def _remembered(function: F) -> F:
-    """`functools.cache` that keeps the signature."""
+def _cached(function: F) -> F:
+    """Cache a function as `functools.cache` does, but keep its signature for type checkers."""
     return cast(F, cache(function))
 
 
 # -- looking up -------------------------------------------------------------------------------------------------------
 
 
-@_remembered
-def parts_of(record: Any) -> Mapping[str, type]:
-    """The records that hold some of the fields of a dataclass, by attribute: `rock` and `analysis` of a design."""
-    return {one.name: one.metadata[_PART] for one in fields(record) if _PART in one.metadata}
+@_cached
+def nested_records(record: Any) -> Mapping[str, type]:
+    """Return the nested record types of a dataclass by attribute: `rock` and `analysis` of a design."""
+    return {
+        attribute.name: attribute.metadata[_PART]
+        for attribute in fields(record)
+        if _PART in attribute.metadata
+    }
 
 
 def value_of(record: Any, name: str) -> Any:
-    """The value of a declared field by its name, of a record or of the part that holds it."""
-    part = next((part for part, of in parts_of(type(record)).items() if name in fields_of(of)), None)
-    return getattr(record if part is None else getattr(record, part), name)
+    """Return the value of a declared field by its name, from the record itself or from its nested records."""
+    attribute = next(
+        (
+            attribute
+            for attribute, record_type in nested_records(type(record)).items()
+            if name in fields_of(record_type)
+        ),
+        None,
+    )
+    return getattr(record if attribute is None else getattr(record, attribute), name)
 
 
-def with_parts(record: Any, values: Mapping[str, Any]) -> dict[str, Any]:
-    """The values of the declared fields of a dataclass by name, put into its parts as its constructor takes them."""
-    given = dict(values)
-    for name, of in parts_of(record).items():
-        given[name] = of(**{own: given.pop(own) for own in fields_of(of) if own in given})
-    return given
+def with_nested_records(record: Any, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the keyword arguments of a dataclass's constructor: `values` by field, grouped into its nested records."""
+    arguments = dict(values)
+    for name, record_type in nested_records(record).items():
+        arguments[name] = record_type(
+            **{
+                field_name: arguments.pop(field_name)
+                for field_name in fields_of(record_type)
+                if field_name in arguments
+            }
+        )
+    return arguments
 
 
-@_remembered
+@_cached
 def fields_of(record: Any) -> Mapping[str, Field]:
-    """The declared fields of a dataclass by attribute, its own before those that it inherits.
+    """Return the declared fields of a dataclass by attribute, its own before the inherited ones.
 
-    `ALSO` of a class are keys that are read into attributes of other names, `WITHOUT` keys that it lacks.
+    `EXTRA_KEYS` of a class adds keys that are read into attributes of other names, `WITHOUT` removes inherited keys.
     """
-    also: dict[str, Field] = {}
-    for one in reversed(record.__mro__):
-        also |= {made.path: made for made in one.__dict__.get("ALSO", ())}
-    held = {name: fields_of(of) for name, of in parts_of(record).items()}
-    held |= {one.name: {one.name: one.metadata[_KEY]} for one in fields(record) if _KEY in one.metadata}
-    declared = {name: made for one in fields(record) for name, made in held.get(one.name, {}).items()}
-    own = [name for one in get_annotations(record) for name in held.get(one, ())]
-    order = {name: (declared | also)[name] for name in (*own, *also, *declared)}
-    without = set(getattr(record, "WITHOUT", ()))
-    return {name: one for name, one in order.items() if without.isdisjoint((one.path, one.path.partition(".")[0]))}
+    extra_keys: dict[str, Field] = {}
+    for base in reversed(record.__mro__):
+        extra_keys |= {
+            declaration.path: declaration for declaration in base.__dict__.get("EXTRA_KEYS", ())
+        }
+    declared_of_attribute = {
+        name: fields_of(record_type) for name, record_type in nested_records(record).items()
+    }
+    declared_of_attribute |= {
+        attribute.name: {attribute.name: attribute.metadata[_KEY]}
+        for attribute in fields(record)
+        if _KEY in attribute.metadata
+    }
+    declared = {
+        name: declaration
+        for attribute in fields(record)
+        for name, declaration in declared_of_attribute.get(attribute.name, {}).items()
+    }
+    annotated = [
+        name
+        for attribute in get_annotations(record)
+        for name in declared_of_attribute.get(attribute, ())
+    ]
+    order = {name: (declared | extra_keys)[name] for name in (*annotated, *extra_keys, *declared)}
+    omitted_paths = set(getattr(record, "WITHOUT", ()))
+    return {
+        name: declaration
+        for name, declaration in order.items()
+        if omitted_paths.isdisjoint((declaration.path, declaration.path.partition(".")[0]))
+    }
 
 
-def _angle(above: Field, key: str) -> Field:
+def _angle(orientation_field: Field, key: str) -> Field:
     low, high = {"dip": (0.0, 90.0), "plunge": (-90.0, 90.0)}.get(key, (0.0, 360.0))
-    of = f" of {above.axis}" if above.axis else ""
-    return replace(above, path=f"{above.path}.{key}", measures="angle", least=low, most=high, turns=True, label="",
-                   axis=f"{key.replace('_', ' ')}{of}")  # fmt: skip
+    subject = f" of {orientation_field.axis}" if orientation_field.axis else ""
+    return replace(
+        orientation_field,
+        path=f"{orientation_field.path}.{key}",
+        measures="angle",
+        least=low,
+        most=high,
+        turns=True,
+        label="",
+        axis=f"{key.replace('_', ' ')}{subject}",
+    )
 
 
 def every_field(record: Any, path: str = "") -> Iterator[Field]:
-    """All fields of a record and of the groups in it, by their full paths; planes and lines by their angles too."""
-    more = getattr(record, "more_fields", None)
-    for one in (*fields_of(record).values(), *(() if more is None else more())):
-        own = replace(one, path=f"{path}.{one.path}" if path else one.path)
-        yield own
-        if one.measures in ANGLES:
-            angles = ANGLES[one.measures]
-            yield from (_angle(own, key) for key in angles)
-        if one.is_number and (one.many or one.each):
-            yield replace(own, path=f"{own.path}.*")
-        if one.coordinates:
-            measures = one.measures if one.is_number else next(iter(one.or_measures), "length")
-            below = own.path + ".*" * one.coordinates
-            yield replace(own, path=below, measures=measures, role="coordinate", coordinates=0, scatters=False)
-        if one.of is not None:
-            below = own.path + {"": "", "list": ".*", "names": ".*", "pairs": ".*"}[one.many]
-            yield from (part for part in every_field(one.of, below) if part.key not in one.without)
+    """Yield the fields of a record and of its groups with their full paths; planes and lines also by their angles."""
+    law_fields = getattr(record, "more_fields", None)
+    for declaration in (*fields_of(record).values(), *(() if law_fields is None else law_fields())):
+        full_declaration = replace(
+            declaration, path=f"{path}.{declaration.path}" if path else declaration.path
+        )
+        yield full_declaration
+        if declaration.measures in ANGLES:
+            angles = ANGLES[declaration.measures]
+            yield from (_angle(full_declaration, key) for key in angles)
+        if declaration.is_number and (declaration.many or declaration.per_interface):
+            yield replace(full_declaration, path=f"{full_declaration.path}.*")
+        if declaration.coordinates:
+            measures = (
+                declaration.measures
+                if declaration.is_number
+                else next(iter(declaration.or_measures), "length")
+            )
+            member_path = full_declaration.path + ".*" * declaration.coordinates
+            yield replace(
+                full_declaration,
+                path=member_path,
+                measures=measures,
+                role="coordinate",
+                coordinates=0,
+                scatters=False,
+            )
+        if declaration.record_type is not None:
+            member_path = (
+                full_declaration.path
+                + {"": "", "list": ".*", "names": ".*", "pairs": ".*"}[declaration.many]
+            )
+            yield from (
+                member
+                for member in every_field(declaration.record_type, member_path)
+                if member.key not in declaration.omitted_keys
+            )
 
 
-@_remembered
+@_cached
 def _paths(record: Any) -> Mapping[tuple[str, ...], Field]:
-    numbers = (one for one in every_field(record) if one.is_number and (not one.many or one.path.endswith("*")))
-    return {tuple(one.path.split(".")): one for one in numbers}
+    numbers = (
+        declaration
+        for declaration in every_field(record)
+        if declaration.is_number and (not declaration.many or declaration.path.endswith("*"))
+    )
+    return {tuple(declaration.path.split(".")): declaration for declaration in numbers}
 
 
-@_remembered
+@_cached
 def field_at(record: Any, path: str) -> Field | None:
-    """The number that stands at a dotted path of a design; None where there is none.
+    """Return the declaration of the number at a dotted path of a design; None where the path is no number.
 
     Parameters
     ----------
@@ -397,42 +550,50 @@ def field_at(record: Any, path: str) -> Field | None:
     >>> field_at(Design, "strength.weak.phi").measures
     'angle'
     """
-    parts = ("correlation", "*") if path.startswith("correlation.") else tuple(path.split("."))
-    known = _paths(record)
-    if parts in known:
-        return known[parts]
+    keys = ("correlation", "*") if path.startswith("correlation.") else tuple(path.split("."))
+    numbers = _paths(record)
+    if keys in numbers:
+        return numbers[keys]
     fitting = [
-        (names.count("*"), one) for names, one in known.items()
-        if len(names) == len(parts) and all(name in ("*", part) for name, part in zip(names, parts, strict=True))
-    ]  # fmt: skip
+        (names.count("*"), declaration)
+        for names, declaration in numbers.items()
+        if len(names) == len(keys)
+        and all(name in ("*", key) for name, key in zip(names, keys, strict=True))
+    ]
     return min(fitting, key=lambda pair: pair[0])[1] if fitting else None
 
 
 def field_in(record: Any, root: Node | None, path: str) -> Field | None:
-    """The number that stands at a dotted path of a design with this tree; of a strength, as the law it names has it.
+    """Return the declaration of the number at a dotted path, for a strength that of the strength law in `root`.
 
-    `field_at` knows the kind of a design alone: two laws may have a key of one name with limits of their own.
+    `field_at` knows only the kind of design; two strength laws may have the same key with different limits.
     """
-    parts = path.split(".")
-    law = NOTHING if root is None or len(parts) != 3 else root.at(f"strength.{parts[1]}.law")
-    if law and parts[0] == "strength":
+    keys = path.split(".")
+    law = NOTHING if root is None or len(keys) != 3 else root.find(f"strength.{keys[1]}.law")
+    if law and keys[0] == "strength":
         from slopekit.design.strength_laws import key_of_law  # most designs name no law
 
-        declared = key_of_law(law.text, parts[2])
+        declared = key_of_law(law.text, keys[2])
         if declared is not None:
-            return replace(declared, path=f"strength.*.{parts[2]}")
+            return replace(declared, path=f"strength.*.{keys[2]}")
     return field_at(record, path)
 
 
-#: What an item is called, of lists that have no names.
-_LISTED = {"bolts": "bolt", "forces": "force"}
-_SHORT = 2  # spaces in what a number is, that "of" may follow
-#: What the numbers of a distribution are, in words.
-_OF_SCATTER = {"mean": "mean", "sd": "standard deviation of", "min": "least", "max": "largest", "mode": "mode of"}
+#: The word for an entry, of lists whose entries have no names.
+_LIST_ENTRY_WORDS = {"bolts": "bolt", "forces": "force"}
+_MAX_SPACES_BEFORE_OF = 2  # a label with more spaces is followed by a comma, not by "of"
+#: The parameters of a distribution, in words.
+_DISTRIBUTION_WORDS = {
+    "mean": "mean",
+    "sd": "standard deviation of",
+    "min": "least",
+    "max": "largest",
+    "mode": "mode of",
+}
 
 
 def words_of(record: Any, path: str) -> str:
-    """A number by its dotted path as axes and reports have it: what it is, and of what; the path where it is none.
+    """Return the label of a number on axes and in reports, by its dotted path; the path itself if it is no number.
 
     >>> from slopekit.kinds.wedge.design import WedgeDesign
     >>> words_of(WedgeDesign, "strength.weak.phi"), words_of(WedgeDesign, "slope.upper.dip")
@@ -444,99 +605,140 @@ def words_of(record: Any, path: str) -> str:
     above, _, last = path.rpartition(".")
     declared = field_at(record, path)
     if declared is None:
-        angle = next((angle for angle in ("dip", "plunge") if field_at(record, f"{above}.{angle}") is not None), "")
+        angle = next(
+            (
+                angle
+                for angle in ("dip", "plunge")
+                if field_at(record, f"{above}.{angle}") is not None
+            ),
+            "",
+        )
         if last == "k" and angle:
             return f"concentration of {words_of(record, f'{above}.{angle}').removeprefix(f'{angle} of ')}"
-        known = last in _OF_SCATTER and field_at(record, above) is not None
-        return f"{_OF_SCATTER[last]} {words_of(record, above)}" if known else path
+        is_known = last in _DISTRIBUTION_WORDS and field_at(record, above) is not None
+        return f"{_DISTRIBUTION_WORDS[last]} {words_of(record, above)}" if is_known else path
     names, numbers = declared.path.split("."), list[int]()
-    parts = path.split(".", 1 if names[0] == "correlation" else -1)
-    while names[-1] == "*" and parts[-1].isdigit():  # of a list of numbers, of a point
-        numbers.insert(0, int(parts.pop()) + 1)
+    keys = path.split(".", 1 if names[0] == "correlation" else -1)
+    while names[-1] == "*" and keys[-1].isdigit():  # of a list of numbers, of a point
+        numbers.insert(0, int(keys.pop()) + 1)
         names.pop()
-    what = next(name for name in reversed(names) if name != "*").replace("_", " ")
-    said = declared.axis or declared.label.format(k=str(numbers[:1])[1:-1]).replace("_", " ") or what
+    last_name = next(name for name in reversed(names) if name != "*").replace("_", " ")
+    label = (
+        declared.axis
+        or declared.label.format(k=str(numbers[:1])[1:-1]).replace("_", " ")
+        or last_name
+    )
     first = names.index("*") if "*" in names else 0
     if first:
-        own, item = parts[first], _LISTED.get(parts[first - 1])
-        own = f"{item} {int(own) + 1}" if item and own.isdigit() else own
-        said += f"{', ' if ' of ' in said or said.count(' ') > _SHORT else ' of '}{own}"
-    elif len(parts) > 1 and not (declared.axis or declared.label) and (declared.role == "quantity" or numbers):
-        said += f" of the {parts[-2].replace('_', ' ')}"
+        owner, item = keys[first], _LIST_ENTRY_WORDS.get(keys[first - 1])
+        owner = f"{item} {int(owner) + 1}" if item and owner.isdigit() else owner
+        label += f"{', ' if ' of ' in label or label.count(' ') > _MAX_SPACES_BEFORE_OF else ' of '}{owner}"
+    elif (
+        len(keys) > 1
+        and not (declared.axis or declared.label)
+        and (declared.role == "quantity" or numbers)
+    ):
+        label += f" of the {keys[-2].replace('_', ' ')}"
     if not numbers or "{k}" in declared.label:
-        return said
-    each = ("point", "coordinate") if declared.role == "coordinate" else ("number", "number")
-    return said + "".join(f", {one} {k}" for one, k in zip(each[-len(numbers) :], numbers, strict=True))
+        return label
+    coordinate_words = (
+        ("point", "coordinate") if declared.role == "coordinate" else ("number", "number")
+    )
+    return label + "".join(
+        f", {word} {k}" for word, k in zip(coordinate_words[-len(numbers) :], numbers, strict=True)
+    )
 
 
 # -- the structure of a design file -----------------------------------------------------------------------------------
 
 
-@_remembered
-def record_spec(record: Any, required: tuple[str, ...] = (), without: tuple[str, ...] = ()) -> Spec:
-    """Which keys a record may have: what `check_structure` goes by.
+@_cached
+def record_spec(
+    record: Any, required: tuple[str, ...] = (), omitted_paths: tuple[str, ...] = ()
+) -> Spec:
+    """Return the specification of the keys that a record may have, for `check_structure`.
 
     Parameters
     ----------
-    required : top keys that must be there beside those of required fields
+    required : top-level keys that are required in addition to those of required fields
+    omitted_paths : paths of fields that the record does not have here
     """
-    more = getattr(record, "more_fields", None)
-    every = (*fields_of(record).values(), *(() if more is None else more()))
-    parts = [([part for part in one.path.split(".") if part != "*"], one) for one in every if one.path not in without]
-    needed = dict.fromkeys((*required, *(path[0] for path, one in parts if one.is_required)))
-    group = _section(parts)  # an example of one key of many would be taken for all that is needed
+    law_fields = getattr(record, "more_fields", None)
+    declarations = (*fields_of(record).values(), *(() if law_fields is None else law_fields()))
+    key_paths = [
+        ([key for key in declaration.path.split(".") if key != "*"], declaration)
+        for declaration in declarations
+        if declaration.path not in omitted_paths
+    ]
+    needed = dict.fromkeys(
+        (*required, *(path[0] for path, declaration in key_paths if declaration.is_required))
+    )
+    group = _section(
+        key_paths
+    )  # no example for an optional group: it would read as if that key were required
     return replace(group, required=tuple(needed), example=group.example if group.required else "")
 
 
-def _section(parts: Sequence[tuple[Sequence[str], Field]]) -> Spec:
-    """The group of keys of fields with the parts of their paths in it: a key may be a field, and hold further ones."""
+def _section(key_paths: Sequence[tuple[Sequence[str], Field]]) -> Spec:
+    """Return the specification of a group of keys from the paths (split at dots) and declarations of its fields."""
     members: dict[str, list[tuple[Sequence[str], Field]]] = {}
-    for (key, *below), one in parts:
-        members.setdefault(key, []).append((below, one))
+    for (key, *below), declaration in key_paths:
+        members.setdefault(key, []).append((below, declaration))
     keys, required, examples = dict[str, Spec](), list[str](), dict[str, str]()
     for key, fields_below in members.items():
-        inner = _section([(below, one) for below, one in fields_below if below])
+        inner = _section([(below, declaration) for below, declaration in fields_below if below])
         keys[key] = inner
-        for one in [one for below, one in fields_below if not below]:
-            spec = _spec(one)
+        for declaration in [declaration for below, declaration in fields_below if not below]:
+            spec = _spec(declaration)
             keys[key] = replace(spec, keys={**spec.keys, **inner.keys}) if inner.keys else spec
-            required += [key] if one.is_required else []
-            examples |= {key: f"{key}: {one.example}"} if one.example else {}
-    shown_ones = [examples[key] for key in required if key in examples] or list(examples.values())[:1]
-    return Spec(keys=keys, required=tuple(required), example=f"{{{', '.join(shown_ones)}}}" if shown_ones else "")
+            required += [key] if declaration.is_required else []
+            examples |= {key: f"{key}: {declaration.example}"} if declaration.example else {}
+    entries = [examples[key] for key in required if key in examples] or list(examples.values())[:1]
+    return Spec(
+        keys=keys,
+        required=tuple(required),
+        example=f"{{{', '.join(entries)}}}" if entries else "",
+    )
 
 
-def _spec(one: Field) -> Spec:
-    """What may stand at the key of a field."""
-    forms = one.forms if one.many not in ("names", "pairs") else ()
-    if one.measures in ANGLES:
-        return orientation_spec(one)
-    if one.measures == "point":
-        return Spec(items=VALUE, at_least=3, at_most=3, example=one.example)
+def _spec(declaration: Field) -> Spec:
+    """Return the specification of what a design file may write at the key of a field."""
+    forms = declaration.forms if declaration.many not in ("names", "pairs") else ()
+    if declaration.measures in ANGLES:
+        return orientation_spec(declaration)
+    if declaration.measures == "point":
+        return Spec(items=VALUE, at_least=3, at_most=3, example=declaration.example)
     spec = Spec()
-    if one.is_number:
-        spec = Spec("number" if one.scatters else "value")
-    elif one.of is None and not one.forms:
+    if declaration.is_number:
+        spec = Spec("number" if declaration.scatters else "value")
+    elif declaration.record_type is None and not declaration.forms:
         spec = VALUE
-    own = Spec() if one.of is None else record_spec(one.of, without=one.without)
-    spec = either(spec, *forms, own)
-    if one.each:
+    record_keys = (
+        Spec()
+        if declaration.record_type is None
+        else record_spec(declaration.record_type, omitted_paths=declaration.omitted_keys)
+    )
+    spec = either(spec, *forms, record_keys)
+    if declaration.per_interface:
         spec = replace(spec, names=spec, items=spec, at_least=1)
-    elif one.many == "list":
-        spec = Spec(items=spec, at_least=one.at_least, at_most=one.at_most)
-    elif one.many:
-        spec = Spec(names=spec, at_least=one.at_least, pairs=one.many == "pairs")
-        spec = either(spec, *one.forms)
-    return replace(spec, example=one.example) if one.example else spec
+    elif declaration.many == "list":
+        spec = Spec(items=spec, at_least=declaration.at_least, at_most=declaration.at_most)
+    elif declaration.many:
+        spec = Spec(names=spec, at_least=declaration.at_least, pairs=declaration.many == "pairs")
+        spec = either(spec, *declaration.forms)
+    return replace(spec, example=declaration.example) if declaration.example else spec
 
 
-def orientation_spec(one: Field) -> Spec:
-    """Two angles with a slash, a pair, a distribution, or the two angles by name, each a number or a distribution."""
-    of: OrientationKind = "plane" if one.measures == "plane" else "line"
-    first, _, second = one.example.partition("/")
-    examples = (first, second) if of == "plane" else (second, first)
-    angles = {key: Spec("number", example=value) for key, value in zip(ANGLES[of], examples, strict=True)}
-    return Spec("orientation", keys=angles, required=ANGLES[of], example=one.example)
+def orientation_spec(declaration: Field) -> Spec:
+    """Return the specification of an orientation: `45/115`, a pair, a distribution, or the two angles by name."""
+    kind: OrientationKind = "plane" if declaration.measures == "plane" else "line"
+    first, _, second = declaration.example.partition("/")
+    examples = (first, second) if kind == "plane" else (second, first)
+    angles = {
+        key: Spec("number", example=value)
+        for key, value in zip(ANGLES[kind], examples, strict=True)
+    }
+    return Spec("orientation", keys=angles, required=ANGLES[kind], example=declaration.example)
 
 
 # -- checks that several fields share ---------------------------------------------------------------------------------
@@ -544,18 +746,22 @@ def orientation_spec(one: Field) -> Spec:
 _DEGREES = ("deg", "°", "degrees", "rad")
 
 
-def in_degrees(value: float, name: str, written: str, called: Callable[[str], str]) -> tuple[str, str, str] | None:
-    """E113: a friction angle that was written in radians; who writes the unit means it."""
-    from math import degrees, pi
-
+def in_degrees(
+    value: float, name: str, written: str, written_key: Callable[[str], str]
+) -> tuple[str, str, str] | None:
+    """Return fault E113 for an angle that looks like radians, unless its unit is written."""
     if not 0.0 < value < pi / 2 or value == int(value) or unit_of(written) in _DEGREES:
         return None
-    advice = f"{shown(value)} rad is {degrees(value):.1f}°; write {shown(value)} deg if degrees are meant."
-    return "E113", f"{name} is {shown(value)}°, that looks like radians", advice
+    advice = f"{number_text(value)} rad is {degrees(value):.1f}°; write {number_text(value)} deg if degrees are meant."
+    return "E113", f"{name} is {number_text(value)}°, that looks like radians", advice
 
 
 def more_than_nothing(
-    value: float, name: str, written: str, called: Callable[[str], str]
+    value: float, name: str, written: str, written_key: Callable[[str], str]
 ) -> tuple[str, str, str] | None:
-    """E116: a size of a block."""
-    return None if value > 0.0 else ("E116", f"{name} is {shown(value)}, it must be more than 0", "")
+    """Return fault E116 for a size of a block that is not positive."""
+    return (
+        None
+        if value > 0.0
+        else ("E116", f"{name} is {number_text(value)}, it must be more than 0", "")
+    )

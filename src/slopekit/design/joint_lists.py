@@ -1,4 +1,4 @@
-"""Joints for studies of whole surveys: a file, a frame, or planes from Python, with every fault at once."""
+"""Joint lists for studies of a survey: from a file, a data frame or planes in Python, with all faults at once."""
 
 import os
 from collections import Counter
@@ -17,24 +17,31 @@ from slopekit.design.survey.columns import checked_convention
 from slopekit.design.survey.joint_list import BadRow, grouped_faults
 from slopekit.design.survey.tables import is_frame
 
-_GIVE = 'Give "joints.csv" or ["45/115", "45/245"].'
+_SOURCE_ADVICE = 'Give "joints.csv" or ["45/115", "45/245"].'
 MOST_JOINTS = 3000  # 4.5 million pairs
 
 
 def joint_list(
-    source: Any, convention: str | None = None, skip_bad: bool = False, at_least: int = 1,
-    option: str = "convention =", sizes: bool = False, most: int = MOST_JOINTS,
+    source: Any,
+    convention: str | None = None,
+    skip_bad: bool = False,
+    at_least: int = 1,
+    option: str = "convention =",
+    sizes: bool = False,
+    most: int = MOST_JOINTS,
     columns: str | Sequence[str] | None = None,
-) -> JointList:  # fmt: skip
-    """The joints of a survey.
+) -> JointList:
+    """Return the joints of a survey.
 
     Parameters
     ----------
     source : path of a file, see `read_joints`; a frame of pandas or polars with such columns; or planes ("45/115",
         (45, 115), `Plane`, `MeasuredJoint`), an (n, 2) array, or {name: plane}
-    convention : of a strike column, see `read_joints`; skip_bad : leave bad rows of a file out, listed
-    option : how `convention` is called where the user can give it
-    at_least, most : how many joints the study needs, and takes; sizes, columns : see `read_joints`
+    convention : of a strike column, see `read_joints`
+    skip_bad : whether to skip bad rows of a file and list them
+    option : the name of `convention` in messages
+    at_least, most : smallest and largest number of joints for the study
+    sizes, columns : see `read_joints`
 
     Raises
     ------
@@ -54,7 +61,9 @@ def joint_list(
         joints = JointList("joints", _from_python(source))
     if len(joints) < at_least:
         advice = "Every pair is looked at: two joints make the first."
-        fail("E190", f"{joints.name} holds {len(joints)} joint, two are needed", joints.name, advice)
+        fail(
+            "E190", f"{joints.name} holds {len(joints)} joint, two are needed", joints.name, advice
+        )
     if len(joints) > most:
         pairs = f", {len(joints) * (len(joints) - 1) // 2:,} pairs" if most == MOST_JOINTS else ""
         message = f"{joints.name} holds {len(joints)} joints{pairs}: more than {most} joints are not taken"
@@ -65,17 +74,21 @@ def joint_list(
 def _from_python(source: Any) -> tuple[MeasuredJoint, ...]:
     values = source.tolist() if hasattr(source, "tolist") else source
     if isinstance(values, Mapping):
-        named = [(str(name), value) for name, value in values.items()]
+        named_planes = [(str(name), value) for name, value in values.items()]
     elif isinstance(values, Sequence):
-        named = [(f"J{k}", value) for k, value in enumerate(values, 1)]
+        named_planes = [(f"J{k}", value) for k, value in enumerate(values, 1)]
     else:
         message = f"joints are {type(source).__name__}, a path, a frame, a list of planes or {{name: plane}} is needed"
-        fail("E405", message, "joints", _GIVE)
+        fail("E405", message, "joints", _SOURCE_ADVICE)
     faults, bad = Faults(), list[BadRow]()
     joints: list[MeasuredJoint] = []
-    for line, (name, value) in enumerate(named, 1):
+    for line, (name, value) in enumerate(named_planes, 1):
         try:
-            joint = value if isinstance(value, MeasuredJoint) else MeasuredJoint(name, parse_plane(value, name), line)
+            joint = (
+                value
+                if isinstance(value, MeasuredJoint)
+                else MeasuredJoint(name, parse_plane(value, name), line)
+            )
             joints.append(joint)
         except DesignError as error:
             bad.append((line, name, error.faults))
@@ -83,37 +96,51 @@ def _from_python(source: Any) -> tuple[MeasuredJoint, ...]:
     for name, times in Counter(joint.name for joint in joints).items():
         if times > 1:
             faults.append(Fault("E151", f"{name} is the name of {times} joints", "joints"))
-    if not named:
-        faults.append(Fault("E405", "there are no joints", "joints", _GIVE))
+    if not named_planes:
+        faults.append(Fault("E405", "there are no joints", "joints", _SOURCE_ADVICE))
     faults.refuse()
     return tuple(joints)
 
 
-def own_or_given(
-    joints: JointList, key: Literal["c", "phi"], given: float | None, option: str
+def measured_or_common(
+    joints: JointList, key: Literal["c", "phi"], common_value: float | None, option: str
 ) -> tuple[Floats, int, Fault | None]:
-    """A strength of every joint: from its own column where that is filled, else what is given for all.
+    """Return c (kPa) or φ (degrees) of every joint: measured values, else the common value.
 
     Returns
     -------
-    (n,) values, how many have their own, and the fault E143 that names the joints which have neither
+    (n,) values, the number of measured values, and fault E143 if joints have neither
     """
-    own = [joint.cohesion_kpa if key == "c" else joint.friction_angle_deg for joint in joints.joints]
-    missing = [joint for joint, value in zip(joints.joints, own, strict=True) if value is None]
-    values = np.array([np.nan if value is None else value for value in own])
-    measured = len(own) - len(missing)
-    if not missing or given is not None:
-        return np.where(np.isnan(values), np.nan if given is None else given, values), measured, None
+    column = [
+        joint.cohesion_kpa if key == "c" else joint.friction_angle_deg for joint in joints.joints
+    ]
+    missing = [joint for joint, value in zip(joints.joints, column, strict=True) if value is None]
+    values = np.array([np.nan if value is None else value for value in column])
+    measured = len(column) - len(missing)
+    if not missing or common_value is not None:
+        return (
+            np.where(np.isnan(values), np.nan if common_value is None else common_value, values),
+            measured,
+            None,
+        )
     if measured == 0:
-        return values, 0, Fault("E143", f"{key} is missing: {joints.name} has none", option, f"Give {option}.")
-    shown = ", ".join(f"{joint.name} (line {joint.line})" for joint in missing[:8])
+        return (
+            values,
+            0,
+            Fault("E143", f"{key} is missing: {joints.name} has none", option, f"Give {option}."),
+        )
+    examples = ", ".join(f"{joint.name} (line {joint.line})" for joint in missing[:8])
     more = f" and {len(missing) - 8} more" if len(missing) > 8 else ""
-    message = f"{key} is missing for {len(missing)} of {len(own)} joints: {shown}{more}"
-    return values, measured, Fault("E143", message, joints.name, f"Fill in the column {key}, or give {option}.")
+    message = f"{key} is missing for {len(missing)} of {len(column)} joints: {examples}{more}"
+    return (
+        values,
+        measured,
+        Fault("E143", message, joints.name, f"Fill in the column {key}, or give {option}."),
+    )
 
 
-def plane_of(value: object, name: str, where: str) -> Plane:
-    """A plane of the slope, where it must be given."""
+def slope_plane(value: object, name: str, option: str) -> Plane:
+    """Return a plane of the slope; raise DesignError E143 where the option is missing."""
     if value is None:
-        fail("E143", f"{where} is missing", where, f"Give {where} as dip/dip direction: 65/180.")
-    return parse_face(value, name, f"{where} {value}")
+        fail("E143", f"{option} is missing", option, f"Give {option} as dip/dip direction: 65/180.")
+    return parse_face(value, name, f"{option} {value}")

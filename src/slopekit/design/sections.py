@@ -1,4 +1,4 @@
-"""What designs of every kind share, read from their documents: weight, loads, strengths, stiffness, water."""
+"""Readers of the groups of keys that all kinds of design share: weight, loads, strengths, stiffness, water."""
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -6,7 +6,7 @@ from typing import Any
 
 from slopekit.core.errors import Fault
 from slopekit.core.orientation import Line
-from slopekit.core.orientation import number as shown
+from slopekit.core.orientation import number as number_text
 from slopekit.design import words
 from slopekit.design.common import BEDROCK, Design
 from slopekit.design.fields import fields_of, record_spec
@@ -24,111 +24,147 @@ from slopekit.design.parts import (
 )
 from slopekit.design.reading.nodes import NOTHING, Node
 from slopekit.design.reading.reader import Reader
-from slopekit.design.reading.structure import is_distribution, spread, without_name
+from slopekit.design.reading.structure import expand_short_form, is_distribution, nameless_keys
 
 _MOST_FACTORS = 200
 
-# -- what every kind has ------------------------------------------------------------------------------------------
+# -- attributes of every kind -------------------------------------------------------------------------------------
 
 
 def read_common(reader: Reader, on_blocks: bool = False) -> dict[str, Any]:
-    """The values that every kind of design has, by attribute; call it after the kind's own.
+    """Read the attributes that every kind of design has; call it after reading those of the kind.
 
     Parameters
     ----------
-    on_blocks : whether forces and bolts name their blocks, and are read with them
+    on_blocks : whether forces and bolts name their blocks, and are read with these
     """
-    attributes = reader.fields(Design, only=(
-        "gravity_m_s2", "water_unit_weight_kn_m3", "criterion", "agree_within",
-        "modulus_kpa", "poisson", "elastic_edge_m",
-    ))  # fmt: skip
-    reader.field(BEDROCK, reader.at(BEDROCK.path))
+    attributes = reader.fields(
+        Design,
+        only=(
+            "gravity_m_s2",
+            "water_unit_weight_kn_m3",
+            "criterion",
+            "agree_within",
+            "modulus_kpa",
+            "poisson",
+            "elastic_edge_m",
+        ),
+    )
+    reader.field(BEDROCK, reader.find(BEDROCK.path))
     attributes |= read_weight(reader, attributes["gravity_m_s2"])
-    own = fields_of(reader.record)
-    if "seismic" in own:
+    declared_fields = fields_of(reader.record)
+    if "seismic" in declared_fields:
         attributes["seismic"] = read_seismic(reader)
-    if "forces" in own and not on_blocks:
+    if "forces" in declared_fields and not on_blocks:
         attributes["forces"] = reader.many("loads.forces", read_force)
         attributes["bolts"] = reader.many("support.bolts", read_bolt)
     attributes["rules"] = reader.many("acceptance.rules", read_rule)
-    attributes["factors"] = read_factors(reader) if "factors" in own else ()
+    attributes["factors"] = read_factors(reader) if "factors" in declared_fields else ()
     return attributes | {
-        "title": reader.at("title").text or "",
-        "project": Project(**reader.fields(Project, reader.at("project"))),
+        "title": reader.find("title").text or "",
+        "project": Project(**reader.fields(Project, reader.find("project"))),
         "stiffness": read_stiffness(reader),
     }
 
 
 def read_weight(reader: Reader, gravity: float | None) -> dict[str, Any]:
-    """Unit weight (kN/m³) and, where that was given, the density (kg/m³): one of the two, E112."""
-    own = fields_of(reader.record)
-    weight, density = reader.at("rock.unit_weight"), reader.at("rock.density")
+    """Read the unit weight (kN/m³) or the density (kg/m³) of the rock; fault E112 if both are given."""
+    declared_fields = fields_of(reader.record)
+    weight, density = reader.find("rock.unit_weight"), reader.find("rock.density")
     if weight and density:
-        where = f"{density.place}, {weight.place}"
-        reader.faults.append(Fault("E112", "density and unit weight are both given", where, "Give one of the two."))
+        location = f"{density.place}, {weight.place}"
+        reader.faults.append(
+            Fault(
+                "E112", "density and unit weight are both given", location, "Give one of the two."
+            )
+        )
         return {"unit_weight_kn_m3": None, "density_kg_m3": None}
     if weight:
-        return {"unit_weight_kn_m3": reader.field(own["unit_weight_kn_m3"], weight), "density_kg_m3": None}
-    density_kg_m3 = reader.field(own["density_kg_m3"], density)
-    if not density and density_kg_m3 is None and reader.at("rock") and "rock" in reader.record.REQUIRED:
-        reader.fault("E143", "rock.density is missing", reader.at("rock"), "Give rock.density.")
-    by_density = None if density_kg_m3 is None or gravity is None else density_kg_m3 * gravity / 1e3
-    return {"unit_weight_kn_m3": by_density, "density_kg_m3": density_kg_m3}
+        return {
+            "unit_weight_kn_m3": reader.field(declared_fields["unit_weight_kn_m3"], weight),
+            "density_kg_m3": None,
+        }
+    density_kg_m3 = reader.field(declared_fields["density_kg_m3"], density)
+    if (
+        not density
+        and density_kg_m3 is None
+        and reader.find("rock")
+        and "rock" in reader.record.REQUIRED
+    ):
+        reader.fault("E143", "rock.density is missing", reader.find("rock"), "Give rock.density.")
+    unit_weight = (
+        None if density_kg_m3 is None or gravity is None else density_kg_m3 * gravity / 1e3
+    )
+    return {"unit_weight_kn_m3": unit_weight, "density_kg_m3": density_kg_m3}
 
 
 def read_seismic(reader: Reader) -> Seismic:
-    """The seismic load as a number, in words (0.1@180), or by its keys."""
-    node = reader.at("loads.seismic")
+    """Read the seismic load from a number, from the short form 0.1@180, or by its keys."""
+    node = reader.find("loads.seismic")
     if node.value is None:
         return Seismic()
-    own = fields_of(Seismic)
-    given = spread(node, "loads.seismic")
-    k = given.get("k") if given.is_mapping and not is_distribution(node) else node
+    declared_fields = fields_of(Seismic)
+    keys = expand_short_form(node, "loads.seismic")
+    k = keys.get("k") if keys.is_mapping and not is_distribution(node) else node
     if not k:
         advice = "Add k: 0.1, a fraction of gravity, or leave loads.seismic out."
         reader.fault("E143", "loads.seismic.k is missing", node, advice)
-    coefficient = reader.field(own["coefficient"], k) if k else None
-    toward = given.get("toward")
-    trend = reader.field(own["trend_deg"], toward)
+    coefficient = reader.field(declared_fields["coefficient"], k) if k else None
+    toward = keys.get("toward")
+    trend = reader.field(declared_fields["trend_deg"], toward)
     if coefficient and not toward:
         reader.defaults.append("seismic.trend")
-    return Seismic() if coefficient is None or (toward and trend is None) else Seismic(coefficient, trend)
+    return (
+        Seismic()
+        if coefficient is None or (toward and trend is None)
+        else Seismic(coefficient, trend)
+    )
 
 
 def read_rule(reader: Reader, node: Node) -> Rule | None:
-    """An acceptance rule."""
+    """Read an acceptance rule."""
     return reader.faults.of(words.rule, reader.written(node), str(node.place))
 
 
 def read_force(reader: Reader, node: Node) -> Force | None:
-    """A force: its components, or its size and direction, in words or by its keys."""
-    own, keys = fields_of(Force), spread(node, "loads.forces.0")
+    """Read a force from its components, or from its size and direction in short form or by keys."""
+    declared_fields, keys = fields_of(Force), expand_short_form(node, "loads.forces.0")
     size, toward = keys.get("force") if keys.is_mapping else node, keys.get("toward")
-    if size and not toward:  # force: 300 kN@180/10, with its place beside it
-        written = spread(size, "loads.forces.0")
+    if size and not toward:  # force: 300 kN@180/10, next to the key `at` of its point
+        written = expand_short_form(size, "loads.forces.0")
         size, toward = written.get("force") or size, written.get("toward")
     components: Any = None
     line: Line | None = None
     if size and toward:
-        amount, line = reader.number(own["components_kn"], size, "force"), reader.field(own["toward"], toward)
-        components = None if amount is None or line is None else tuple((amount * line.vector()).tolist())
-    elif size.elements and _has_keys_of(keys, Force):
-        components = reader.faults.of(words.point, reader.value(size), "force", str(node.place), "force")
+        amount, line = (
+            reader.number(declared_fields["components_kn"], size, "force"),
+            reader.field(declared_fields["toward"], toward),
+        )
+        components = (
+            None if amount is None or line is None else tuple((amount * line.vector()).tolist())
+        )
+    elif size.elements and _has_only_keys_of(keys, Force):
+        components = reader.faults.of(
+            words.point, reader.value(size), "force", str(node.place), "force"
+        )
     else:
         message = (
-            f"force is {words.shown(reader.written(size or node))}, it is written 500kN@180/10 or (east, north, up)"
+            f"force is {words.value_text(reader.written(size or node))}, it is written "
+            "500kN@180/10 or (east, north, up)"
         )
         reader.fault("E123", message, node)
-    at_m = reader.field(own["at_m"], keys.get("at"))
+    at_m = reader.field(declared_fields["at_m"], keys.get("at"))
     return None if components is None else Force(components, at_m, toward=line)
 
 
 def read_bolt(reader: Reader, node: Node) -> Bolt | None:
-    """A bolt in words or by its keys."""
-    keys = spread(node, "support.bolts.0")
-    if not keys.is_mapping or not _has_keys_of(keys, Bolt):
-        said = "it is written 200kN@000/10,passive or as force, toward, acts, head, length"
-        reader.fault("E124", f"bolt is {words.shown(reader.written(node))}, {said}", node)
+    """Read a bolt from its short form or by its keys."""
+    keys = expand_short_form(node, "support.bolts.0")
+    if not keys.is_mapping or not _has_only_keys_of(keys, Bolt):
+        expected_form = "it is written 200kN@000/10,passive or as force, toward, acts, head, length"
+        reader.fault(
+            "E124", f"bolt is {words.value_text(reader.written(node))}, {expected_form}", node
+        )
         return None
     values = reader.fields(Bolt, keys)
     if values["length_m"] is not None and not keys.get("head"):
@@ -137,18 +173,22 @@ def read_bolt(reader: Reader, node: Node) -> Bolt | None:
     return None if None in needed else Bolt(**values)
 
 
-def _has_keys_of(node: Node, record: type) -> bool:
-    """Whether all keys are those of a record: nobody else has looked at those of a call."""
-    known = {field.path for field in fields_of(record).values()}
-    return all(key in known for key, _ in node.items())
+def _has_only_keys_of(node: Node, record: type) -> bool:
+    """Return whether all keys are those of a record; the keys of a call's values are checked only here."""
+    paths = {field.path for field in fields_of(record).values()}
+    return all(key in paths for key, _ in node.items())
 
 
 def read_factors(reader: Reader) -> tuple[float, ...]:
-    """Strength reduction factors of the series, sorted."""
-    node = reader.at("analysis.factors")
+    """Read the strength reduction factors of the series, sorted, without repeats."""
+    node = reader.find("analysis.factors")
     factors = reader.field(fields_of(Design)["factors"], node)
     if len(factors) > _MOST_FACTORS:
-        reader.fault("E127", f"{len(factors)} factors are too many for one series (most: {_MOST_FACTORS})", node)
+        reader.fault(
+            "E127",
+            f"{len(factors)} factors are too many for one series (most: {_MOST_FACTORS})",
+            node,
+        )
     return tuple(sorted(set(factors)))
 
 
@@ -159,20 +199,22 @@ def read_strength(
     reader: Reader,
     node: Node,
     owner: str,
-    standard: Mapping[str, float] | None = None,
+    defaults: Mapping[str, float] | None = None,
     listed: Mapping[str, float | None] | None = None,
-    beside: Node = NOTHING,
+    joint_list: Node = NOTHING,
 ) -> Strength | None:
-    """One strength: E143 without c or φ, E115 a dilation above φ.
+    """Read a strength; faults: E143 without c or φ, E115 a dilation angle above φ.
 
     Parameters
     ----------
-    owner : its name; standard : what it takes by key where it says nothing
-    listed : what a joint list says in its place, from the file `beside`
+    owner : name of the strength, for messages
+    defaults : values of missing keys
+    listed : values of a joint list, which replace those of the design
+    joint_list : node of the joint list's file
     """
-    if not node.is_mapping and not listed and not standard:
+    if not node.is_mapping and not listed and not defaults:
         return None
-    peak = _peak_strength(reader, node, owner, standard, listed, beside)
+    peak = _peak_strength(reader, node, owner, defaults, listed, joint_list)
     return _with_residual(reader, node.get("residual"), owner, peak)
 
 
@@ -180,9 +222,9 @@ def _peak_strength(
     reader: Reader,
     node: Node,
     owner: str,
-    standard: Mapping[str, float] | None,
+    defaults: Mapping[str, float] | None,
     listed: Mapping[str, float | None] | None,
-    beside: Node,
+    joint_list: Node,
 ) -> Strength | None:
     is_curved = _is_curved(node)
     if is_curved:
@@ -193,41 +235,55 @@ def _peak_strength(
         refuse_keys(reader, node)
     attributes = reader.fields(Strength, node, owner)
     for name, field in fields_of(Strength).items():
-        given = node.get(field.path)
+        key_node = node.get(field.path)
         if listed and field.path in listed:
             attributes[name] = listed[field.path]
-        elif not given and standard and field.path in standard:
-            attributes[name] = standard[field.path]
-        elif not given and field.may_lack and (node or not (listed and beside)):
+        elif not key_node and defaults and field.path in defaults:
+            attributes[name] = defaults[field.path]
+        elif not key_node and field.may_lack and (node or not (listed and joint_list)):
             path = f"{node.path}.{field.path}" if node else f"{field.path} of {owner}"
-            reader.fault("E143", f"{path} is missing", node or beside, f"Add {field.path}.")
+            reader.fault("E143", f"{path} is missing", node or joint_list, f"Add {field.path}.")
     friction, dilation = attributes["friction_angle_deg"], attributes["dilation_deg"]
     below = node.get("dilation")
     if friction is not None and dilation is not None and below and dilation > friction:
-        message = f"dilation of {owner} is {shown(dilation)}°, it lies between 0 and the friction angle"
-        reader.fault("E115", f"{message} {shown(friction)}°", below)
+        message = f"dilation of {owner} is {number_text(dilation)}°, it lies between 0 and the friction angle"
+        reader.fault("E115", f"{message} {number_text(friction)}°", below)
     straight = None if None in attributes.values() else Strength(**attributes)
-    return with_waves(reader, node, owner, straight) if is_curved and straight is not None else straight
+    return (
+        with_waves(reader, node, owner, straight)
+        if is_curved and straight is not None
+        else straight
+    )
 
 
-def _with_residual(reader: Reader, below: Node, owner: str, peak: Strength | None) -> Strength | None:
-    """A strength with what is left of it after slip: E453 where that is more than the peak."""
+def _with_residual(
+    reader: Reader, below: Node, owner: str, peak: Strength | None
+) -> Strength | None:
+    """Return the strength with its residual strength; fault E453 where the residual exceeds the peak."""
     attributes = reader.fields(Residual, below, f"residual {owner}") if below.is_mapping else {}
     if not attributes or None in attributes.values() or peak is None:
         return peak
     residual = Residual(**attributes)
-    for value, most, what, unit in (
+    for value, peak_value, quantity, unit in (
         (residual.cohesion_kpa, peak.cohesion_kpa, "cohesion", " kPa"),
         (residual.friction_angle_deg, peak.friction_angle_deg, "friction angle", "°"),
     ):
-        if value > most and peak.law is None:
-            message = f"the residual {what} of {owner} is {shown(value)}{unit}, its peak {shown(most)}{unit}"
-            reader.fault("E453", message, below, "Residual strength is what is left after slip: at most the peak.")
+        if value > peak_value and peak.law is None:
+            message = (
+                f"the residual {quantity} of {owner} is {number_text(value)}{unit}, "
+                f"its peak {number_text(peak_value)}{unit}"
+            )
+            reader.fault(
+                "E453",
+                message,
+                below,
+                "Residual strength is what is left after slip: at most the peak.",
+            )
     return replace(peak, residual=residual)
 
 
 def _is_curved(node: Node) -> bool:
-    """Whether a strength has keys beside those of a straight line."""
+    """Return whether a strength has keys besides those of a linear (Mohr-Coulomb) envelope."""
     straight = {field.path for field in fields_of(Strength).values()} - {"law"}
     return any(key not in straight for key, _ in node.items())
 
@@ -236,129 +292,175 @@ def _curved_strength(reader: Reader, node: Node, owner: str) -> Strength | None:
     from slopekit.design.strength_laws import read_law, with_waves
 
     law = read_law(reader, node, owner)
-    own = {name: reader.field(fields_of(Strength)[name], node.get(name.partition("_")[0]), owner)
-           for name in ("dilation_deg", "tension_kpa")}  # fmt: skip
-    if law is None or None in own.values():
-        with_waves(reader, node, owner, Strength(0.0, 0.0))  # what is wrong with them is said all the same
+    values = {
+        name: reader.field(fields_of(Strength)[name], node.get(name.partition("_")[0]), owner)
+        for name in ("dilation_deg", "tension_kpa")
+    }
+    if law is None or None in values.values():
+        with_waves(
+            reader, node, owner, Strength(0.0, 0.0)
+        )  # reports the faults of its waviness too
         return None
-    return with_waves(reader, node, owner, Strength.by_law(law, own["dilation_deg"], own["tension_kpa"]))
+    return with_waves(
+        reader, node, owner, Strength.by_law(law, values["dilation_deg"], values["tension_kpa"])
+    )
 
 
-def standard_strength(reader: Reader, nodes: Iterable[Node], beside: Collection[str] = ()) -> dict[str, float]:
-    """What c and φ are, by key, where none of the strengths says so: a wedge takes the paper's."""
-    given = [node for node in nodes if not node.get("law") or node.get("c")]
-    if not given and list(nodes):
+def default_strength_values(
+    reader: Reader, nodes: Iterable[Node], measured_keys: Collection[str] = ()
+) -> dict[str, float]:
+    """Return the defaults of c (kPa) and φ (degrees) by key if no strength gives them: a wedge's example values."""
+    straight_nodes = [node for node in nodes if not node.get("law") or node.get("c")]
+    if not straight_nodes and list(nodes):
         return {}
     defaults = {
-        key: value for key, value in reader.record.DEFAULTS.items()
-        if key in ("c", "phi") and key not in beside and not any(node.get(key) for node in given)
-    }  # fmt: skip
+        key: value
+        for key, value in reader.record.DEFAULTS.items()
+        if key in ("c", "phi")
+        and key not in measured_keys
+        and not any(node.get(key) for node in straight_nodes)
+    }
     reader.defaults += defaults
     return defaults
 
 
 def strength_names(reader: Reader, users: Sequence[tuple[str, Node, Node]]) -> list[str | None]:
-    """The name of each interface's strength: the one it names, or the only one there is; E176, E195.
+    """Return the name of each interface's strength: the one it names, or the only strength; None without any.
 
-    None where it has none, as all have none where the design gives no strengths.
+    Faults: E176 an unknown name or no name among several strengths, E195 a strength that no interface uses.
 
     Parameters
     ----------
     users : name of the interface, the node of its `strength` key, the node of the interface itself
     """
-    strengths = reader.at("strength")
-    if not strengths or without_name(strengths, record_spec(Strength)):  # the structure says so
+    strengths = reader.find("strength")
+    if not strengths or nameless_keys(
+        strengths, record_spec(Strength)
+    ):  # a fault of the structure, reported there
         return [None] * len(users)
-    named = {wanted.text for _, wanted, _ in users}
-    slips = [name for name, node in strengths.items() if str(node.key_place).startswith("--set") and name not in named]
-    names = [name for name, _ in strengths.items() if name not in slips] or slips
+    used_names = {strength_key.text for _, strength_key, _ in users}
+    unused_overrides = [
+        name
+        for name, node in strengths.items()
+        if str(node.key_place).startswith("--set") and name not in used_names
+    ]
+    names = [
+        name for name, _ in strengths.items() if name not in unused_overrides
+    ] or unused_overrides
     assigned: list[str | None] = []
-    for user, wanted, own in users:
+    for user, strength_key, interface_node in users:
         name = names[0] if len(names) == 1 else None
-        if wanted.text is not None:
-            name = wanted.text if wanted.text in names else None
+        if strength_key.text is not None:
+            name = strength_key.text if strength_key.text in names else None
             if name is None:
-                message = f"{user} has the strength {wanted.text}, which is not under strength"
-                reader.fault("E176", message, wanted, reader.nearest(wanted.text, names))
+                message = (
+                    f"{user} has the strength {strength_key.text}, which is not under strength"
+                )
+                reader.fault(
+                    "E176", message, strength_key, reader.nearest(strength_key.text, names)
+                )
         elif len(names) > 1:
             message = f"{user} names no strength, and there are {len(names)}"
-            reader.fault("E176", message, own, f"Add strength: {' or '.join(names[:4])}.")
+            reader.fault(
+                "E176", message, interface_node, f"Add strength: {' or '.join(names[:4])}."
+            )
         assigned.append(name)
     for name, node in strengths.items() if users else ():
         is_idle = len(names) > 1 and None not in assigned and name not in assigned
-        if name not in names or is_idle:  # a name that was typed beside those of the file; one that nothing has
+        if (
+            name not in names or is_idle
+        ):  # a misspelt name of --set, or a strength that no interface uses
             advice = "Use it or take it out." if name in names else reader.nearest(name, names)
             reader.fault("E195", f"the strength {name} is used by no interface", node, advice)
     return assigned
 
 
-def read_strengths(reader: Reader, users: Sequence[tuple[str, Node, Node]]) -> list[Strength | None]:
-    """The strength of each interface."""
+def read_strengths(
+    reader: Reader, users: Sequence[tuple[str, Node, Node]]
+) -> list[Strength | None]:
+    """Read the strength of each interface; None where it has none or a faulty one."""
     names = strength_names(reader, users)
-    strengths = reader.at("strength")
+    strengths = reader.find("strength")
     nodes = {name: node for name in names if name is not None and (node := strengths.get(name))}
-    standard = standard_strength(reader, nodes.values()) if None not in names else {}
-    read = {name: read_strength(reader, node, name, standard) for name, node in nodes.items()}
+    defaults = default_strength_values(reader, nodes.values()) if None not in names else {}
+    read = {name: read_strength(reader, node, name, defaults) for name, node in nodes.items()}
     return [None if name is None else read.get(name) for name in names]
 
 
 def read_stiffness(reader: Reader) -> Stiffness:
-    """The stiffness that is one for all strengths; E112 where it is not."""
-    given = [node for _, own in reader.names("strength") if (node := own.get("stiffness"))]
-    if len({str(node.plain()) for node in given}) > 1:
+    """Read the stiffness, which must be the same for all strengths; fault E112 where it is not."""
+    stiffness_nodes = [
+        node
+        for _, strength_node in reader.names("strength")
+        if (node := strength_node.get("stiffness"))
+    ]
+    if len({str(node.plain()) for node in stiffness_nodes}) > 1:
         advice = "Give both strengths the same stiffness; the limit factor does not depend on it."
         message = "the strengths have different stiffness: displacements take one for all"
-        reader.fault("E112", message, given[-1], advice)
-    if not given or len({str(node.plain()) for node in given}) > 1:
+        reader.fault("E112", message, stiffness_nodes[-1], advice)
+    if not stiffness_nodes or len({str(node.plain()) for node in stiffness_nodes}) > 1:
         return Stiffness()
-    own = fields_of(Stiffness)
-    normal = reader.field(own["normal_kn_m3"], given[0].get("normal")) or Stiffness().normal_kn_m3
-    shear = given[0].get("shear")
+    declared_fields = fields_of(Stiffness)
+    normal = (
+        reader.field(declared_fields["normal_kn_m3"], stiffness_nodes[0].get("normal"))
+        or Stiffness().normal_kn_m3
+    )
+    shear = stiffness_nodes[0].get("shear")
     if shear.is_mapping and not is_distribution(shear):
         law = shear.get("law")
         if law and str(law.text).lower() != "clough-duncan":
             advice = "Leave law out: it is clough-duncan (k1, n, Rf, phi)."
             reader.fault("E127", f"{law.text} is no shear law", law, advice)
-        return Stiffness(normal, None, HyperbolaParameters(**reader.fields(HyperbolaParameters, shear)))
-    return Stiffness(normal, reader.field(own["shear_kn_m3"], shear))
+        return Stiffness(
+            normal, None, HyperbolaParameters(**reader.fields(HyperbolaParameters, shear))
+        )
+    return Stiffness(normal, reader.field(declared_fields["shear_kn_m3"], shear))
 
 
 # -- water --------------------------------------------------------------------------------------------------------
 
 
 def read_water(reader: Reader, order: Sequence[str], joints: int) -> tuple[Water, Node]:
-    """Water of the interfaces in `order`: dry, a fraction of full, or pressures; and where it stands.
+    """Read the water of the interfaces in `order` (dry, a fraction of full, or pressures), with its node.
 
     Parameters
     ----------
-    joints : of how many of the first interfaces one pressure is
+    joints : number of the first interfaces that a single pressure applies to
     """
-    node = reader.at("water")
+    node = reader.find("water")
     if node.value is None:
         return Water(), NOTHING
-    said = {key: below for key in ("mode", "fill", "pressures") if (below := node.get(key))}
-    said = said if node.is_mapping else {"mode": node}
-    if said.keys() == {"mode", "fill"} and said["mode"].text == "full":
-        del said["mode"]  # so much of full
-    if len(said) > 1:
-        second = list(said)[1]
-        message = f"water has {' and '.join(said)}: they exclude each other"
-        reader.fault("E112", message, said[second], "Keep one of them.")
-    if len(said) != 1:
+    forms = {key: below for key in ("mode", "fill", "pressures") if (below := node.get(key))}
+    forms = forms if node.is_mapping else {"mode": node}
+    if forms.keys() == {"mode", "fill"} and forms["mode"].text == "full":
+        del forms["mode"]  # a fraction of full
+    if len(forms) > 1:
+        second = list(forms)[1]
+        message = f"water has {' and '.join(forms)}: they exclude each other"
+        reader.fault("E112", message, forms[second], "Keep one of them.")
+    if len(forms) != 1:
         return Water(), node
-    ((key, only),) = said.items()
-    pressures = only if key == "pressures" or only.elements else spread(only, "water").get("pressures")
+    ((key, only),) = forms.items()
+    pressures = (
+        only
+        if key == "pressures" or only.elements
+        else expand_short_form(only, "water").get("pressures")
+    )
     if pressures:
-        return _by_pressures(reader, pressures, order, joints), only
+        return _water_of_pressures(reader, pressures, order, joints), only
     value = reader.value(only)
-    part = None if value is None else reader.faults.of(words.fill, value, str(only.place))
-    return (Water("full", part) if part else Water()), only
+    fraction = None if value is None else reader.faults.of(words.fill, value, str(only.place))
+    return (Water("full", fraction) if fraction else Water()), only
 
 
-def _by_pressures(reader: Reader, node: Node, order: Sequence[str], joints: int) -> Water:
-    """Water by its mean pressures: one of the first `joints` interfaces, a list, or by the names of the interfaces."""
-    values = reader.each(fields_of(Water)["pressures_kpa"], node, order)
+def _water_of_pressures(reader: Reader, node: Node, order: Sequence[str], joints: int) -> Water:
+    """Read mean water pressures (kPa): one for the first `joints` interfaces, a list, or by interface name."""
+    values = reader.per_interface(fields_of(Water)["pressures_kpa"], node, order)
     values = values * joints if len(values) == 1 else values
-    while len(values) > joints and values[-1] is None:  # what says nothing of the crack leaves it to the design
+    while (
+        len(values) > joints and values[-1] is None
+    ):  # without a pressure in the crack, the design's own water of the crack applies
         values.pop()
-    return Water("pressures", 0.0, tuple(value or 0.0 for value in values)) if any(values) else Water()
+    return (
+        Water("pressures", 0.0, tuple(value or 0.0 for value in values)) if any(values) else Water()
+    )

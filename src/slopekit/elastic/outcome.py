@@ -1,4 +1,4 @@
-"""What elastic blocks come to, beside the rigid ones: the records of a result and its JSON."""
+"""Records of a result with elastic blocks, compared with rigid ones, and their JSON."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from slopekit.core.codec import record_of
 
 @dataclass(frozen=True)
 class OnElasticJoint:
-    """A joint of elastic blocks beside the same of rigid ones: kPa from the lowest to the highest, compression +."""
+    """Normal tractions on one joint of elastic and of rigid blocks: (lowest, highest) kPa, compression positive."""
 
     elastic_kpa: tuple[float, float]
     rigid_kpa: tuple[float, float]
@@ -19,13 +19,15 @@ class OnElasticJoint:
 
 @dataclass(frozen=True)
 class ElasticMesh:
-    """What elastic blocks were solved on.
+    """The finite element mesh and the accuracy of a solution with elastic blocks.
 
     Attributes
     ----------
-    failed_pairs : node pairs that slip or are open; unknowns : of the finite elements, with three a pair and those of
-        the blocks; cells : the finite elements, of an `order` and edges up to `edge_m`
-    taken : which of the numbers of the rock were not given; residual : of balance and displacements, in parts
+    failed_pairs : node pairs that slip or are open
+    unknowns : of the finite elements, with three for each node pair and those of the blocks
+    cells : number of finite elements, of an `order` and with edges up to `edge_m`
+    taken : names of the rock's properties that are defaults
+    residual : of forces, as a fraction of the load
     """
 
     failed_pairs: int
@@ -40,17 +42,19 @@ class ElasticMesh:
 
 @dataclass(frozen=True)
 class ElasticBlocks:
-    """Elastic blocks beside the rigid ones.
+    """The outcome of elastic blocks, compared with rigid ones.
 
     Attributes
     ----------
-    limit : the rigid limit without the cohesion of the pairs that elastic blocks pull open, `rigid_limit` that without
-        what rigid ones pull open in the same state (a sliding block: nothing), on the same node pairs
-    factor : the strength reduction factor of the state below: 1, or less than the limit where that is below 1
-    opened_share, rigid_opened_share : of the area of all contacts; lost_share, rigid_lost_share : of it what had
-        cohesion to lose there; joints : by name
-    displacement_m, rigid_displacement_m : (3,) mean of the block, of many blocks of the one that moves most: `block`
-    modulus_kpa, poisson : of the rock; steps : of Newton's method, in all
+    limit : the rigid limit without the cohesion of the node pairs that elastic blocks pull open
+    rigid_limit : the same without the cohesion that rigid blocks lose in the same state (a sliding block: none)
+    factor : strength reduction factor of the state below: 1, or less than the limit where that is below 1
+    opened_share, rigid_opened_share : open fraction of the area of all contacts
+    lost_share, rigid_lost_share : fraction of that area whose cohesion is lost
+    joints : tractions by the joint's name
+    displacement_m, rigid_displacement_m : (3,) mean of the block; of many blocks that of `block`, which moves most
+    modulus_kpa, poisson : of the rock
+    steps : of Newton's method, in all
     """
 
     limit: float | None
@@ -70,7 +74,7 @@ class ElasticBlocks:
     mesh: ElasticMesh
 
     def to_dict(self) -> dict[str, Any]:
-        """The record as JSON values, its mesh with the rest."""
+        """Return the record as JSON values, with the fields of its mesh among them."""
         record = record_of(self)
         mesh: dict[str, Any] = record.pop("mesh")
         return record | mesh

@@ -43,7 +43,10 @@ class WrittenBlock:
 def block_bodies(scene: BlockScene) -> tuple[WrittenBlock, ...]:
     """Every block of a scene with its surface."""
     shapes = scene.shapes
-    return tuple(WrittenBlock(k, name, *shapes.solids.of(k)) for k, name in enumerate(shapes.names))
+    return tuple(
+        WrittenBlock(k, name, *shapes.solids.block_surface(k))
+        for k, name in enumerate(shapes.names)
+    )
 
 
 def mechanism_state(scene: BlockScene, body: WrittenBlock) -> int:
@@ -58,8 +61,8 @@ def line_of_intersection(scene: BlockScene) -> Floats | None:
         return None
     first, second = (contacts.corners[contacts.first[k] : contacts.first[k + 1]] for k in range(2))
     size = float(np.ptp(contacts.corners, axis=0).max())
-    near = np.sqrt(((first[:, None] - second[None]) ** 2).sum(axis=2)) <= 1e-9 * size + 1e-8
-    shared = first[near.any(axis=1)]
+    coincides = np.sqrt(((first[:, None] - second[None]) ** 2).sum(axis=2)) <= 1e-9 * size + 1e-8
+    shared = first[coincides.any(axis=1)]
     return shared if len(shared) == 2 else None
 
 
@@ -82,4 +85,6 @@ def areas_of(contacts: Contacts) -> Floats:
     triangles, panel = triangles_of(contacts)
     a, b, c = (contacts.corners[triangles[:, k]] for k in range(3))
     twice = cross(b - a, c - a)
-    return np.bincount(panel, np.sqrt((twice * twice).sum(axis=1)) / 2.0, len(contacts)).astype(np.float64)
+    return np.bincount(panel, np.sqrt((twice * twice).sum(axis=1)) / 2.0, len(contacts)).astype(
+        np.float64
+    )

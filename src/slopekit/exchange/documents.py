@@ -31,7 +31,9 @@ def load_document(source: Any) -> tuple[Document, Path | None]:
     document = to_dict() if callable(to_dict) and not isinstance(source, type) else source
     name = type(source).__name__
     if not isinstance(document, Mapping):
-        raise DesignError([Fault("E340", f"{name} is not a result of slopekit, its JSON or its path", name, MAKE)])
+        raise DesignError(
+            [Fault("E340", f"{name} is not a result of slopekit, its JSON or its path", name, MAKE)]
+        )
     return checked_document(document, name), None
 
 
@@ -45,7 +47,9 @@ def read_document(path: Path) -> Document:
     """
     content = read_bytes(path, _MOST_BYTES)
     try:
-        document = json.loads(content.decode("utf-8-sig"), parse_float=finite, parse_constant=finite)
+        document = json.loads(
+            content.decode("utf-8-sig"), parse_float=finite, parse_constant=finite
+        )
     except (ValueError, RecursionError) as error:  # UnicodeDecodeError among them
         raise DesignError([_no_json(path, content, error)]) from None
     return checked_document(document, path.name)
@@ -53,7 +57,7 @@ def read_document(path: Path) -> Document:
 
 def _no_json(path: Path, content: bytes, error: Exception) -> Fault:
     """E340, with what the file is in place of JSON."""
-    said = f"{path.name} is not JSON: {error}" if content.strip() else f"{path.name} is empty"
+    message = f"{path.name} is not JSON: {error}" if content.strip() else f"{path.name} is empty"
     advice = "slopekit run design.yaml -o DIR writes result.json; --json > file.json will do too."
     if path.suffix.lower() in (".yaml", ".yml"):
         advice = f"It looks like a design: slopekit run {path} -o DIR writes result.json, which can be drawn."
@@ -61,7 +65,7 @@ def _no_json(path: Path, content: bytes, error: Exception) -> Fault:
         advice = "Was it written to the end? Make it again."
     elif path.suffix.lower() == ".csv":
         advice = f"It is a table: give the JSON that was written beside it. {advice}"
-    return Fault("E340", said, str(path), advice)
+    return Fault("E340", message, str(path), advice)
 
 
 def document_file(path: Path) -> Path:
@@ -77,14 +81,18 @@ def document_file(path: Path) -> Path:
             return path
         if (path / "result.json").is_file():
             return path / "result.json"
-        held = sorted(file for file in path.iterdir() if file.suffix.lower() == ".json" and file.is_file())
-        own = [file for file in held if b'"slopekit"' in _begin(file)]
+        json_files = sorted(
+            file for file in path.iterdir() if file.suffix.lower() == ".json" and file.is_file()
+        )
+        slopekit_files = [file for file in json_files if b'"slopekit"' in _begin(file)]
     except OSError as error:
-        message = f"{cut(str(path))} cannot be read: {(error.strerror or 'the system refuses').lower()}"
+        message = (
+            f"{cut(str(path))} cannot be read: {(error.strerror or 'the system refuses').lower()}"
+        )
         raise DesignError([Fault("E148", message, cut(str(path)))]) from None
-    if len(own) == 1:
-        return own[0]
-    names = [file.name for file in own or held]
+    if len(slopekit_files) == 1:
+        return slopekit_files[0]
+    names = [file.name for file in slopekit_files or json_files]
     more = f" and {len(names) - 6} more" if len(names) > 6 else ""
     advice = f"It holds {', '.join(names[:6])}{more}." if names else "It holds no JSON."
     raise DesignError([Fault("E148", f"{path} is a folder, a file is needed", str(path), advice)])
@@ -99,12 +107,18 @@ def checked_document(document: Any, name: str) -> Document:
     """A document if slopekit has written it, else E340."""
     if not isinstance(document, Mapping) or "slopekit" not in document:
         message = f"{name} is not of slopekit: it has no key slopekit"
-        raise DesignError([Fault("E340", message, name, "Give a file that slopekit wrote with -o or --json.")])
+        raise DesignError(
+            [Fault("E340", message, name, "Give a file that slopekit wrote with -o or --json.")]
+        )
     if "errors" in document and "kind" not in document:
-        codes = [str(fault.get("code")) for fault in document["errors"] if isinstance(fault, Mapping)]
+        codes = [
+            str(fault.get("code")) for fault in document["errors"] if isinstance(fault, Mapping)
+        ]
         message = f"{name} holds the faults of a run that failed ({', '.join(codes)}), no result"
         raise DesignError([Fault("E340", message, name, "Repair its input, and run it again.")])
-    if not isinstance(document.get("kind", ""), str) or ("version" in document and "kind" not in document):
+    if not isinstance(document.get("kind", ""), str) or (
+        "version" in document and "kind" not in document
+    ):
         raise DesignError([Fault("E340", f"{name} is no result of slopekit", name)])
     return document
 
@@ -116,5 +130,6 @@ def by_case(document: Document, case: str | None = None, name: str = "") -> dict
     if document.get("study") != "cases" and case is None:
         return {"": document}
     return {
-        own: checked_document(below, f"{name}, case {own}") for own, below in of_cases(document, case, name).items()
+        case_name: checked_document(case_document, f"{name}, case {case_name}")
+        for case_name, case_document in of_cases(document, case, name).items()
     }

@@ -8,7 +8,12 @@ import numpy as np
 
 from slopekit.block_scene import Bolts
 from slopekit.bolts import nearest
-from slopekit.exchange.bodies import WrittenBlock, block_bodies, line_of_intersection, mechanism_state
+from slopekit.exchange.bodies import (
+    WrittenBlock,
+    block_bodies,
+    line_of_intersection,
+    mechanism_state,
+)
 from slopekit.exchange.solids import Files
 from slopekit.exchange.source import ExportSource
 
@@ -55,7 +60,9 @@ def write_dxf(path: Path, source: ExportSource) -> Files:
     corners = scene.shapes.solids.vertices
     low, high = corners.min(axis=0), corners.max(axis=0)
     drawing.header["$EXTMIN"], drawing.header["$EXTMAX"] = tuple(low.tolist()), tuple(high.tolist())
-    drawing.set_modelspace_vport(height=1.5 * float((high - low)[:2].max()), center=tuple(((low + high) / 2)[:2]))
+    drawing.set_modelspace_vport(
+        height=1.5 * float((high - low)[:2].max()), center=tuple(((low + high) / 2)[:2])
+    )
     drawing.saveas(path)
     return [path], "text, every digit of a double; $INSUNITS metres"
 
@@ -76,12 +83,22 @@ def _add_bolts(space: Any, bolts: Bolts, layer: str) -> None:
     attributes = {"layer": layer}
     height = min(0.3, 0.25 * nearest(bolts.heads_m))  # m: numbers do not lie on each other
     for k in range(len(bolts)):
-        head, end = ([round(part, 3) for part in place[k].tolist()] for place in (bolts.heads_m, bolts.ends_m))
+        head, end = (
+            [round(coordinate, 3) for coordinate in place[k].tolist()]
+            for place in (bolts.heads_m, bolts.ends_m)
+        )
         point = space.add_point(head, dxfattribs=attributes)
         acts = "passive" if bolts.passive[k] else "active"
         number = int(bolts.number[k])
-        point.set_xdata("SLOPEKIT", [(1000, f"bolt {number}"), (1070, number), (1040, float(bolts.force_kn[k])),
-                                     (1000, acts)])  # fmt: skip
+        point.set_xdata(
+            "SLOPEKIT",
+            [
+                (1000, f"bolt {number}"),
+                (1070, number),
+                (1040, float(bolts.force_kn[k])),
+                (1000, acts),
+            ],
+        )
         space.add_line(head, end, dxfattribs=attributes)
         space.add_text(str(number), height=height, dxfattribs=attributes).dxf.insert = head
 
@@ -91,11 +108,12 @@ def _add_outline(space: Any, body: WrittenBlock, layer: str) -> None:
     from ezdxf.math import OCS
 
     outline = body.outline
-    out = (outline - body.vertices[len(outline) :]).mean(axis=0)
-    points = outline - out / 2.0
-    ocs = OCS((out / np.sqrt(out @ out)).tolist())
+    extrusion = (outline - body.vertices[len(outline) :]).mean(axis=0)
+    points = outline - extrusion / 2.0
+    ocs = OCS((extrusion / np.sqrt(extrusion @ extrusion)).tolist())
     flat = list(ocs.points_from_wcs(points.tolist()))
     space.add_lwpolyline(
-        [(point.x, point.y) for point in flat], close=True,
+        [(point.x, point.y) for point in flat],
+        close=True,
         dxfattribs={"layer": layer, "elevation": flat[0].z, "extrusion": tuple(ocs.uz)},
-    )  # fmt: skip
+    )

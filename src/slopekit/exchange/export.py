@@ -14,11 +14,13 @@ from slopekit.core.whole_files import whole_files
 from slopekit.exchange.bodies import block_bodies
 from slopekit.exchange.dxf import write_dxf
 from slopekit.exchange.solids import Files, write_glb, write_obj, write_stl
-from slopekit.exchange.source import ExportSource, Given, sources_of
+from slopekit.exchange.source import ExportInput, ExportSource, sources_of
 from slopekit.exchange.vtu import write_vtu
 from slopekit.geometry.solids.sliding_mass import volume_moments
 
-_SMOOTH = 1e-6  # of the volume: what flat triangles leave of a curved body is said above it
+_CURVED_VOLUME_TOLERANCE = (
+    1e-6  # of the volume: what flat triangles leave of a curved body is said above it
+)
 
 
 #: Name and writer of each format, by the suffix of the file.
@@ -58,7 +60,9 @@ class Written:
     def to_dict(self) -> dict[str, Any]:
         """As JSON values."""
         record = asdict(self) | {"files": [str(path) for path in self.files]}
-        return record if self.case else {key: value for key, value in record.items() if key != "case"}
+        return (
+            record if self.case else {key: value for key, value in record.items() if key != "case"}
+        )
 
 
 @dataclass(frozen=True)
@@ -71,18 +75,18 @@ class Export:
     @property
     def files(self) -> tuple[Path, ...]:
         """Every file."""
-        return tuple(path for one in self.written for path in one.files)
+        return tuple(path for export in self.written for path in export.files)
 
     def to_dict(self) -> dict[str, Any]:
         """As JSON values."""
         return {
-            "written": [one.to_dict() for one in self.written],
+            "written": [export.to_dict() for export in self.written],
             "warnings": [notice.to_dict() for notice in self.warnings],
         }
 
 
 def export(
-    result: Given,
+    result: ExportInput,
     path: str | os.PathLike[str],
     *,
     case: str | None = None,
@@ -115,16 +119,18 @@ def export(
     (1, 209461)
     """
     target, sources = _target(Path(path)), sources_of(result, case)
-    written, said = list[Written](), dict[Notice, list[str]]()
+    written, cases_by_notice = list[Written](), dict[Notice, list[str]]()
     for name, source in sources.items():
         is_alone = case is not None or not name
         file = target if is_alone else target.with_name(f"{target.stem}-{name}{target.suffix}")
         written.append(_written_file(file, source, name))
         for notice in _notices(source):
-            said.setdefault(notice, []).append(name)
+            cases_by_notice.setdefault(notice, []).append(name)
     notices = [
-        one if len(whose) == len(sources) else Notice(one.code, f"{', '.join(whose)}: {one.message}")
-        for one, whose in said.items()
+        notice
+        if len(case_names) == len(sources)
+        else Notice(notice.code, f"{', '.join(case_names)}: {notice.message}")
+        for notice, case_names in cases_by_notice.items()
     ]
     return Export(tuple(written), tuple(notices))
 
@@ -137,23 +143,28 @@ def _written_file(path: Path, source: ExportSource, case: str) -> Written:
         files, precision = write(staging / path.name, source)
     if suffix in _ROUNDED:
         volume = sum(
-            volume_moments(body.local.astype(np.float32).astype(np.float64), body.triangles)[0] for body in bodies
+            volume_moments(body.local.astype(np.float32).astype(np.float64), body.triangles)[0]
+            for body in bodies
         )
     else:
         volume = sum(body.volume for body in bodies)
-    interfaces, pairs = (len(scene.shapes.contacts), len(scene.pairs)) if suffix == ".vtu" else (0, 0)
+    interfaces, pairs = (
+        (len(scene.shapes.contacts), len(scene.pairs)) if suffix == ".vtu" else (0, 0)
+    )
     bolts = len(scene.known_bolts) if suffix in _WITH_BOLTS else 0
-    beside = tuple(path.with_name(file.name) for file in files)
-    return Written(beside, name, precision, len(bodies), interfaces, pairs, volume, bolts, case)
+    targets = tuple(path.with_name(file.name) for file in files)
+    return Written(targets, name, precision, len(bodies), interfaces, pairs, volume, bolts, case)
 
 
 def _target(path: Path) -> Path:
     """The file to write, refused before any work is done; E129, E140, E141."""
     suffix = path.suffix.lower()
     if suffix not in FORMATS:
-        shown = f"the suffix {suffix}" if suffix else "a file without suffix"
+        suffix_text = f"the suffix {suffix}" if suffix else "a file without suffix"
         advice = f"There are: {' '.join(FORMATS)}. {did_you_mean(suffix, FORMATS)}".rstrip()
-        raise DesignError([Fault("E141", f"{shown} is no format that slopekit writes", str(path), advice)])
+        raise DesignError(
+            [Fault("E141", f"{suffix_text} is no format that slopekit writes", str(path), advice)]
+        )
     if suffix == ".dxf":
         require_extra("cad", "DXF files need", "ezdxf", where=path)
     if path.is_dir():
@@ -176,6 +187,9 @@ def _notices(source: ExportSource) -> Iterator[Notice]:
     if source.is_curved and true > 0.0:
         flat = sum(body.volume for body in block_bodies(source.scene))
         share, word = abs(1.0 - flat / true), "less" if flat < true else "more"
-        if share > _SMOOTH:
+        if share > _CURVED_VOLUME_TOLERANCE:
             message = f"the mass is written with flat triangles: {flat:.6g} m³"
-            yield Notice("W376", f"{message}, {share * 100:.2g} % {word} than the curved body's {true:.6g} m³")
+            yield Notice(
+                "W376",
+                f"{message}, {share * 100:.2g} % {word} than the curved body's {true:.6g} m³",
+            )

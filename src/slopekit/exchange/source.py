@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from slopekit.block_scene import BlockScene
 from slopekit.core.errors import DesignError, Fault
 from slopekit.exchange.documents import MAKE, Document, by_case, load_document
+from slopekit.result import Result
 
 if TYPE_CHECKING:
-    from slopekit.result import Result
     from slopekit.studies.cases import Cases
 
 
@@ -33,10 +33,10 @@ class ExportSource:
         return (self.document.get("geometry") or {}).get("thickness_m") is not None
 
 
-Given: TypeAlias = "Result | Cases[Any] | Mapping[str, Any] | str | os.PathLike[str]"
+ExportInput: TypeAlias = "Result | Cases[Any] | Mapping[str, Any] | str | os.PathLike[str]"
 
 
-def sources_of(given: Given, case: str | None = None) -> dict[str, ExportSource]:
+def sources_of(result: ExportInput, case: str | None = None) -> dict[str, ExportSource]:
     """What `export_source` makes, of each load case by its name or of the one that is named; without cases by no name.
 
     Raises
@@ -44,19 +44,17 @@ def sources_of(given: Given, case: str | None = None) -> dict[str, ExportSource]
     DesignError
         Those of `export_source`; E197 and E313 for the name of a case.
     """
-    from slopekit.result import Result
-
-    if isinstance(given, Result) and case is None:
-        return {"": export_source(given)}
-    document, file = load_document(given)
+    if isinstance(result, Result) and case is None:
+        return {"": export_source(result)}
+    document, file = load_document(result)
     name = "the result" if file is None else file.name
     return {
-        own: export_source(one, f"{name}, case {own}" if own else name)
-        for own, one in by_case(document, case, name).items()
+        case_name: export_source(case_document, f"{name}, case {case_name}" if case_name else name)
+        for case_name, case_document in by_case(document, case, name).items()
     }
 
 
-def export_source(given: "Result | Document", name: str = "") -> ExportSource:
+def export_source(result: "Result | Document", name: str = "") -> ExportSource:
     """A result, or its JSON, as a source.
 
     Raises
@@ -64,22 +62,22 @@ def export_source(given: "Result | Document", name: str = "") -> ExportSource:
     DesignError
         E350 it holds no scene.
     """
-    from slopekit.result import Result
-
-    if isinstance(given, Result):
-        own = {key: value for key, value in given.to_dict().items() if key != "scene"}
-        return ExportSource(own, given.scene)
-    scene = given.get("scene")
+    if isinstance(result, Result):
+        document = {key: value for key, value in result.to_dict().items() if key != "scene"}
+        return ExportSource(document, result.scene)
+    scene = result.get("scene")
     if scene is None:
-        raise DesignError([_no_scene(given, name)])
-    return ExportSource(given, BlockScene.from_dict(scene))
+        raise DesignError([_no_scene(result, name)])
+    return ExportSource(result, BlockScene.from_dict(scene))
 
 
 def _no_scene(document: Mapping[str, Any], name: str) -> Fault:
     study = document.get("study")
     if study or "geometry" not in document:
-        what = f"{name} is the result of {study or 'a study'}, it holds no blocks"
-        return Fault("E350", what, name, f"Files are made of the result of one design. {MAKE}")
+        study_message = f"{name} is the result of {study or 'a study'}, it holds no blocks"
+        return Fault(
+            "E350", study_message, name, f"Files are made of the result of one design. {MAKE}"
+        )
     message = f"{name} holds no scene: slopekit {document.get('slopekit')} wrote none"
     return Fault("E350", message, name, f"Make it again. {MAKE}")
 
@@ -106,5 +104,7 @@ def bolt_of_load(document: Mapping[str, Any], name: str) -> tuple[str, int] | No
         acts, number = "active", number - len(inputs.get("forces") or [])
         if document.get("assembly") is None:
             return None
-    own = [k for k, bolt in enumerate(inputs.get("bolts") or [], 1) if bolt["acts"] == acts]
-    return (acts, own[number - 1]) if 0 < number <= len(own) else None
+    bolt_numbers = [
+        k for k, bolt in enumerate(inputs.get("bolts") or [], 1) if bolt["acts"] == acts
+    ]
+    return (acts, bolt_numbers[number - 1]) if 0 < number <= len(bolt_numbers) else None

@@ -1,4 +1,4 @@
-"""How well the user's blocks fit together: what overlaps, what nearly touches. Values, for the caller to judge."""
+"""Overlaps and gaps between the blocks of a user: how well they fit together, as values that the caller judges."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -21,12 +21,12 @@ class Misfits:
     ----------
     pairs : (n, 2) indices of the blocks, the lower first; a pair stands once for each place at which it nearly touches
     amounts : (n,) of an overlap m² in a section, m³ of solids; of a gap m along which the faces face each other, m²
-    apart : (n,) m, how thick an overlap is where it is thin and long, how far apart faces are at most
+    distances : (n,) m, thickness of an overlap, or largest gap between faces that nearly touch
     """
 
     pairs: Ints
     amounts: Floats
-    apart: Floats
+    distances: Floats
 
     def __len__(self) -> int:
         return len(self.amounts)
@@ -34,7 +34,7 @@ class Misfits:
 
 @dataclass(frozen=True)
 class Facing:
-    """Pairs of faces of blocks that look at each other.
+    """Pairs of opposite faces of two blocks.
 
     Attributes
     ----------
@@ -55,13 +55,17 @@ class Facing:
         return np.sort(np.stack([self.plus, self.minus], axis=1), axis=1)
 
     def touches(self, tolerance: float, narrowest: float) -> Bools:
-        """Return which faces touch: nowhere farther than the tolerance from each other, on more than the narrowest."""
-        return np.asarray((self.most <= tolerance) & (self.least >= -tolerance) & (self.breadth > narrowest))
+        """Return which faces touch (n,): within the tolerance (m) everywhere, over a breadth above `narrowest` (m)."""
+        return np.asarray(
+            (self.most <= tolerance) & (self.least >= -tolerance) & (self.breadth > narrowest)
+        )
 
     def nearly_touches(self, tolerance: float, reach: float) -> Bools:
-        """Return which faces do not touch, and lie within reach of each other on more than that."""
-        apart = (self.most > tolerance) & (self.least >= -tolerance) & (self.least + self.most > 0.0)
-        return np.asarray(apart & (self.most <= reach) & (self.breadth > reach))
+        """Return which faces nearly touch (n,): beyond the tolerance (m), within `reach` (m), on a greater breadth."""
+        is_separate = (
+            (self.most > tolerance) & (self.least >= -tolerance) & (self.least + self.most > 0.0)
+        )
+        return np.asarray(is_separate & (self.most <= reach) & (self.breadth > reach))
 
 
 @dataclass(frozen=True)
@@ -94,7 +98,9 @@ class BlocksCut:
     def untouching(self) -> Ints:
         """Blocks that share no patch with any other."""
         patches = self.assembly.patches
-        return np.setdiff1d(np.arange(len(self.assembly)), np.concatenate([patches.plus, patches.minus]))
+        return np.setdiff1d(
+            np.arange(len(self.assembly)), np.concatenate([patches.plus, patches.minus])
+        )
 
 
 @dataclass(frozen=True)
@@ -115,15 +121,19 @@ class ContactTolerance:
     gained: Ints
 
 
-def refuse(faults: Sequence[Fault]) -> None:
+def raise_faults(faults: Sequence[Fault]) -> None:
     """Raise all faults, if there are any."""
     if faults:
         raise GeometryError(faults)
 
 
-def contact_tolerance(given: float | None, sizes: Floats, rounding: float) -> float:
-    """The tolerance (m) that was given, else 1e-5 of the mean size of the blocks, and not below rounding."""
-    return max(1e-5 * float(sizes.mean()), rounding) if given is None else float(given)
+def contact_tolerance(user_tolerance: float | None, sizes: Floats, rounding: float) -> float:
+    """Return the contact tolerance (m) of the user, else 1e-5 of the mean block size and at least the rounding."""
+    return (
+        max(1e-5 * float(sizes.mean()), rounding)
+        if user_tolerance is None
+        else float(user_tolerance)
+    )
 
 
 def corner_unit(coordinates: Floats, is_single: bool = False) -> float:
@@ -147,10 +157,10 @@ def corner_unit(coordinates: Floats, is_single: bool = False) -> float:
     resolution = float(np.spacing(np.float32(largest))) if is_single else 0.0
     for decimals in range(_MOST_DECIMALS):
         rounded = coordinates.round(decimals)
-        same = rounded.astype(np.float32) == single
+        is_unchanged = rounded.astype(np.float32) == single
         if not is_single:
-            same = np.abs(coordinates - rounded) <= 4.0 * np.spacing(largest)
-        if same.all():
+            is_unchanged = np.abs(coordinates - rounded) <= 4.0 * np.spacing(largest)
+        if is_unchanged.all():
             return max(10.0**-decimals, resolution)
     return resolution
 
@@ -161,40 +171,57 @@ def widest_rounding(sizes: Floats, thicknesses: Floats) -> float:
     Rounding to more than 1 % of the blocks leaves no shape to judge, and whole numbers are exact as a rule. Across a
     thin block its neighbours must not touch.
     """
-    of_sizes, of_thinnest = LARGEST_ROUNDING * sizes.mean(), LARGEST_ROUNDING_OF_THINNEST * thicknesses.min()
-    return float(min(of_sizes, of_thinnest))
+    size_bound, thickness_bound = (
+        LARGEST_ROUNDING * sizes.mean(),
+        LARGEST_ROUNDING_OF_THINNEST * thicknesses.min(),
+    )
+    return float(min(size_bound, thickness_bound))
 
 
 def fitting_tolerance(
-    usual: float, corner_rounding: float, dimensions: int, widest: float, faced: Facing, movable: Bools
+    exact_tolerance: float,
+    corner_rounding: float,
+    dimensions: int,
+    widest: float,
+    facing: Facing,
+    movable: Bools,
 ) -> ContactTolerance:
-    """Return the usual tolerance, or that of corners that are rounded where the usual one loses contacts by it.
+    """Return the contact tolerance of exact corners, or that of rounded corners where the exact one loses contacts.
 
     A corner that is rounded to a unit u moves by up to u / 2 along each of k axes, √k u / 2 in all, and so does the
     face at it: two faces that touched lie up to √k u apart, or in each other.
 
     Parameters
     ----------
-    usual : m, of blocks with exact corners; corner_rounding : m, 0 where the corners are exact
+    exact_tolerance : m, of blocks with exact corners; corner_rounding : m, 0 where the corners are exact
     dimensions : k, 2 in a section, 3 in space
     widest : m, the largest tolerance of rounded corners (`widest_rounding`)
     movable : (n,) whether of the blocks of each pair of faces one at least is not fixed
     """
     wider = min(float(np.sqrt(dimensions)) * corner_rounding, widest)
-    distance, unit = usual, 0.0
-    if wider > usual and (movable & (faced.touches(usual, wider) != faced.touches(wider, wider))).any():
+    distance, unit = exact_tolerance, 0.0
+    if (
+        wider > exact_tolerance
+        and (
+            movable & (facing.touches(exact_tolerance, wider) != facing.touches(wider, wider))
+        ).any()
+    ):
         distance, unit = wider, corner_rounding
-    usually, narrowly, widely = (faced.touches(distance * times, distance) for times in (1.0, 1.0 / DOUBT, DOUBT))
-    changes = (movable & usually & ~narrowly, movable & widely & ~usually)
-    lost, gained = (np.unique(faced.pairs[change], axis=0) for change in changes)
+    touching, touching_narrow, touching_wide = (
+        facing.touches(distance * multiple, distance) for multiple in (1.0, 1.0 / DOUBT, DOUBT)
+    )
+    changes = (movable & touching & ~touching_narrow, movable & touching_wide & ~touching)
+    lost, gained = (np.unique(facing.pairs[change], axis=0) for change in changes)
     return ContactTolerance(distance, unit, lost, gained)
 
 
 def size_faults(sizes: Floats, tolerance: float, names: Sequence[str]) -> list[Fault]:
-    """E230 where blocks are smaller than ten tolerances: what touches could not be told from what does not."""
+    """Return the fault E230 where blocks are smaller than ten contact tolerances: their contacts would be arbitrary."""
     small = np.flatnonzero(sizes < 10.0 * tolerance).tolist()
     if not small:
         return []
-    message = f"the contact tolerance ({tolerance:.3g} m) is no smaller than a tenth of {names[small[0]]}"
+    message = (
+        f"the contact tolerance ({tolerance:.3g} m) is no smaller than a tenth of {names[small[0]]}"
+    )
     more = f", and of {len(small) - 1} more blocks" if len(small) > 1 else ""
     return [Fault("E230", message + more + f", {sizes[small[0]]:.3g} m in size")]

@@ -16,7 +16,7 @@ from slopekit.core.errors import Fault, SolverError
 from slopekit.geometry.tolerances import AREA_SUM, LENGTH_ROUNDING
 
 BEDROCK = -1
-_REMEMBERED = 64  # blocks
+_CACHED_BLOCKS = 64  # blocks
 _VERTEX_SHARE, _CENTROID_SHARE = 1.0 / 12.0, 3.0 / 4.0
 
 
@@ -45,7 +45,7 @@ class NodePairs:
 
 
 def node_pairs(polygons: Mapping[int, Floats], refine: int = 0) -> NodePairs:
-    """Node pairs between one block (index 0) and the bedrock.
+    """Return the node pairs between one block (index 0) and the bedrock.
 
     Parameters
     ----------
@@ -57,38 +57,55 @@ def node_pairs(polygons: Mapping[int, Floats], refine: int = 0) -> NodePairs:
     SolverError
         E599 the control areas do not sum to the interface.
     """
-    faces = ((int(key), np.asarray(polygon, dtype=np.float64).tobytes()) for key, polygon in polygons.items())
-    return _pairs_on(tuple(faces), refine)
+    faces = (
+        (int(key), np.asarray(polygon, dtype=np.float64).tobytes())
+        for key, polygon in polygons.items()
+    )
+    return _pairs_of_faces(tuple(faces), refine)
 
 
-@lru_cache(maxsize=_REMEMBERED)
-def _pairs_on(faces: tuple[tuple[int, bytes], ...], refine: int) -> NodePairs:
-    """The node pairs on faces by the bytes of their corners: a study changes the strength of one block more often."""
+@lru_cache(maxsize=_CACHED_BLOCKS)
+def _pairs_of_faces(faces: tuple[tuple[int, bytes], ...], refine: int) -> NodePairs:
+    """Return the node pairs on faces, cached by the bytes of their corners: studies mostly vary the strength."""
     points, normals, areas, interface = [], [], [], []
     for key, buffer in faces:
         vertices = np.frombuffer(buffer).reshape(-1, 3)
         corners = np.arange(1, len(vertices) - 1)
         triangles = np.stack([np.zeros_like(corners), corners, corners + 1], axis=1)
-        whole = _vector_area(vertices, triangles).sum(axis=0)
+        vector_area = _vector_area(vertices, triangles).sum(axis=0)
         if refine:
-            vertices, triangles = _refined(vertices, triangles, refine)
-        where, control = _lumped(vertices, triangles)
-        total = float(np.sqrt(whole @ whole))
-        rounding = LENGTH_ROUNDING * float((np.ptp(vertices, axis=0) ** 2).sum())  # all that a sliver's area has left
-        if abs(control.sum() - total) > AREA_SUM * total + rounding:
+            vertices, triangles = _subdivided(vertices, triangles, refine)
+        nodes, node_areas = _lumped_areas(vertices, triangles)
+        total = float(np.sqrt(vector_area @ vector_area))
+        rounding = LENGTH_ROUNDING * float(
+            (np.ptp(vertices, axis=0) ** 2).sum()
+        )  # of the area: a sliver may consist of rounding alone
+        if abs(node_areas.sum() - total) > AREA_SUM * total + rounding:
             raise SolverError(
-                [Fault("E599", f"control areas of interface {key} sum to {control.sum()}, not {total} m²")]
+                [
+                    Fault(
+                        "E599",
+                        f"control areas of interface {key} sum to {node_areas.sum()}, not {total} m²",
+                    )
+                ]
             )
-        points.append(where)
-        areas.append(control)
-        normals.append(np.broadcast_to(-whole / total, where.shape))
-        interface.append(np.full(len(where), key))
-    count = sum(len(part) for part in areas)
-    whole_numbers = np.concatenate(interface), np.zeros(count, dtype=np.int64), np.full(count, BEDROCK)
-    for numbers in whole_numbers:
+        points.append(nodes)
+        areas.append(node_areas)
+        normals.append(np.broadcast_to(-vector_area / total, nodes.shape))
+        interface.append(np.full(len(nodes), key))
+    count = sum(len(face_areas) for face_areas in areas)
+    index_arrays = (
+        np.concatenate(interface),
+        np.zeros(count, dtype=np.int64),
+        np.full(count, BEDROCK),
+    )
+    for numbers in index_arrays:
         numbers.setflags(write=False)
     return NodePairs(
-        frozen(np.concatenate(points)), frozen(np.concatenate(normals)), frozen(np.concatenate(areas)), *whole_numbers
+        frozen(np.concatenate(points)),
+        frozen(np.concatenate(normals)),
+        frozen(np.concatenate(areas)),
+        *index_arrays,
     )
 
 
@@ -97,15 +114,19 @@ def _vector_area(vertices: Floats, triangles: Ints) -> Floats:
     return cross(b - a, c - a) / 2.0
 
 
-def _lumped(vertices: Floats, triangles: Ints) -> tuple[Floats, Floats]:
-    """Points and control areas: the vertices first, then the centroids of the triangles."""
+def _lumped_areas(vertices: Floats, triangles: Ints) -> tuple[Floats, Floats]:
+    """Return points (n, 3) m and control areas (n,) m²: the vertices first, then the centroids of the triangles."""
     areas = np.sqrt((_vector_area(vertices, triangles) ** 2).sum(axis=1))
-    at_vertices = np.bincount(triangles.ravel(), np.repeat(areas * _VERTEX_SHARE, 3), minlength=len(vertices))
+    vertex_areas = np.bincount(
+        triangles.ravel(), np.repeat(areas * _VERTEX_SHARE, 3), minlength=len(vertices)
+    )
     centroids = vertices[triangles].mean(axis=1)
-    return np.concatenate([vertices, centroids]), np.concatenate([at_vertices, areas * _CENTROID_SHARE])
+    return np.concatenate([vertices, centroids]), np.concatenate(
+        [vertex_areas, areas * _CENTROID_SHARE]
+    )
 
 
-def _refined(vertices: Floats, triangles: Ints, times: int) -> tuple[Floats, Ints]:
+def _subdivided(vertices: Floats, triangles: Ints, times: int) -> tuple[Floats, Ints]:
     from trimesh.remesh import subdivide  # only a scene that refines pays for trimesh
 
     for _ in range(times):

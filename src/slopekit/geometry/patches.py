@@ -64,10 +64,12 @@ class Assembly:
     def __len__(self) -> int:
         return len(self.volumes)
 
-    def without(self, gone: Bools) -> "Assembly":
+    def without_blocks(self, removed: Bools) -> "Assembly":
         """Return the assembly without some blocks (n,): they keep their numbers, cannot move and touch nothing."""
-        out = np.append(gone, False)
-        parted = out[self.patches.plus] | out[self.patches.minus]
-        plus, minus = (np.where(parted, BEDROCK, side) for side in (self.patches.plus, self.patches.minus))
+        is_removed = np.append(removed, False)
+        is_open = is_removed[self.patches.plus] | is_removed[self.patches.minus]
+        plus, minus = (
+            np.where(is_open, BEDROCK, side) for side in (self.patches.plus, self.patches.minus)
+        )
         patches = replace(self.patches, plus=plus, minus=minus)
-        return replace(self, fixed=self.fixed | gone, patches=patches)
+        return replace(self, fixed=self.fixed | removed, patches=patches)

@@ -13,8 +13,8 @@ import numpy as np
 
 from slopekit.core.arrays import Floats, Ints, cross, frozen
 
-_ON = 1e-10  # of the size of a block: so far beyond a plane a corner still lies on it
-_SAME = 1e-12  # of the farthest corner: two corners no farther apart are one
+_PLANE_TOLERANCE = 1e-10  # of the size of a block: a corner that little beyond a plane lies on it
+_CORNER_TOLERANCE = 1e-12  # of the farthest corner: corners nearer to each other coincide
 
 
 @dataclass(frozen=True)
@@ -71,13 +71,22 @@ class Polytopes:
         Corners in which more than three planes meet are one; each face begins at its lowest corner.
         """
         used = np.arange(self.faces.shape[2]) < self.counts[0][:, None]
-        points, on = self.faces[0][used], np.nonzero(used)[0]
+        points, plane_of_point = self.faces[0][used], np.nonzero(used)[0]
         count = len(points)
-        is_one = np.abs(points[:, None] - points).max(axis=2) <= _SAME * np.abs(points).max(initial=0.0)
-        same = np.where(is_one, np.arange(count), count).min(axis=1, initial=count)  # the first of those that are one
-        corners = {plane: list(dict.fromkeys(same[on == plane].tolist())) for plane in np.unique(on).tolist()}
+        coincides = np.abs(points[:, None] - points).max(axis=2) <= _CORNER_TOLERANCE * np.abs(
+            points
+        ).max(initial=0.0)
+        corner_index = np.where(coincides, np.arange(count), count).min(
+            axis=1, initial=count
+        )  # the first of coinciding corners
+        corners = {
+            plane: list(dict.fromkeys(corner_index[plane_of_point == plane].tolist()))
+            for plane in np.unique(plane_of_point).tolist()
+        }
         faces = {
-            plane: frozen(np.roll(points[numbers], -int(points[numbers, 2].argmin()), axis=0))  # from the lowest corner
+            plane: frozen(
+                np.roll(points[numbers], -int(points[numbers, 2].argmin()), axis=0)
+            )  # from the lowest corner
             for plane, numbers in corners.items()
             if len(numbers) > 2
         }
@@ -99,17 +108,24 @@ def polytopes(outward: Floats, offsets: Floats, size: Floats) -> Polytopes:
     """
     planes = offsets.shape[1]
     triples = np.array(list(combinations(range(planes), 3)))
-    one, two, three = (outward[:, triples[:, k]] for k in range(3))
-    at = offsets[:, triples, None]
-    sides = cross(two, three), cross(three, one), cross(one, two)
-    meet = (one * sides[0]).sum(axis=2)
-    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # planes that are nearly parallel
-        points = sum(at[:, :, k] * side for k, side in enumerate(sides)) / meet[:, :, None]
-        beyond = points @ outward.transpose(0, 2, 1) - offsets[:, None]
+    first, second, third = (outward[:, triples[:, k]] for k in range(3))
+    triple_offsets = offsets[:, triples, None]
+    edges = cross(second, third), cross(third, first), cross(first, second)
+    determinant = (first * edges[0]).sum(axis=2)
+    with np.errstate(
+        divide="ignore", over="ignore", invalid="ignore"
+    ):  # planes that are nearly parallel
+        points = (
+            sum(triple_offsets[:, :, k] * edge for k, edge in enumerate(edges))
+            / determinant[:, :, None]
+        )
+        excess = points @ outward.transpose(0, 2, 1) - offsets[:, None]
     rows = np.arange(len(triples))[:, None]
-    beyond[:, rows, triples] = 0.0
+    excess[:, rows, triples] = 0.0
     with np.errstate(invalid="ignore"):
-        inside = (beyond <= _ON * size[:, None, None]).all(axis=2) & (meet != 0.0)
+        inside = (excess <= _PLANE_TOLERANCE * size[:, None, None]).all(axis=2) & (
+            determinant != 0.0
+        )
     points = np.where(inside[:, :, None], points, 0.0)
     on_plane = [np.flatnonzero((triples == plane).any(axis=1)) for plane in range(planes)]
     candidates = np.stack(on_plane)  # as many triples on every plane
@@ -117,12 +133,15 @@ def polytopes(outward: Floats, offsets: Floats, size: Floats) -> Polytopes:
     counts = is_corner.sum(axis=2)
     with np.errstate(divide="ignore", invalid="ignore"):
         middle = corners.sum(axis=2) / counts[:, :, None]
-    across = _across(outward)
+    tangents = _tangents(outward)
     arms = corners - middle[:, :, None]
     angles = np.arctan2(
-        (arms * cross(outward, across)[:, :, None]).sum(axis=3), (arms * across[:, :, None]).sum(axis=3)
+        (arms * cross(outward, tangents)[:, :, None]).sum(axis=3),
+        (arms * tangents[:, :, None]).sum(axis=3),
     )
-    order = np.argsort(np.where(is_corner, angles, np.inf), axis=2)[:, :, : max(int(counts.max(initial=0)), 3)]
+    order = np.argsort(np.where(is_corner, angles, np.inf), axis=2)[
+        :, :, : max(int(counts.max(initial=0)), 3)
+    ]
     faces = np.take_along_axis(corners, order[..., None], axis=2)
     used = np.arange(faces.shape[2]) < counts[:, :, None]
     faces = np.where(used[..., None], faces, faces[:, :, :1])
@@ -137,23 +156,31 @@ def _area(polygon: Floats) -> float:
     return math.sqrt(float(turns @ turns)) / 2.0
 
 
-def _across(normals: Floats) -> Floats:
+def _tangents(normals: Floats) -> Floats:
     """Return unit vectors in planes with these unit normals (n, p, 3)."""
-    way = cross(normals, np.eye(3)[np.abs(normals).argmin(axis=2)])
-    across: Floats = way / np.sqrt((way * way).sum(axis=2))[..., None]
-    return across
+    direction = cross(normals, np.eye(3)[np.abs(normals).argmin(axis=2)])
+    tangents: Floats = direction / np.sqrt((direction * direction).sum(axis=2))[..., None]
+    return tangents
 
 
-def _volumes(outward: Floats, offsets: Floats, faces: Floats, counts: Ints) -> tuple[Floats, Floats]:
+def _volumes(
+    outward: Floats, offsets: Floats, faces: Floats, counts: Ints
+) -> tuple[Floats, Floats]:
     """Return volumes (n,) and centroids (n, 3), by pyramids on the faces from the corner nearest to the origin."""
     rows, (is_face, corners) = np.arange(len(faces)), (counts > 0, faces.reshape(len(faces), -1, 3))
-    distance = np.where(np.repeat(is_face, faces.shape[2], axis=1), (corners * corners).sum(axis=2), np.inf)
+    distance = np.where(
+        np.repeat(is_face, faces.shape[2], axis=1), (corners * corners).sum(axis=2), np.inf
+    )
     apex = corners[rows, distance.argmin(axis=1)]
     heights = np.where(is_face, offsets - (outward @ apex[:, :, None])[:, :, 0], 0.0)
-    first, second, third = np.broadcast_to(faces[:, :, :1], faces[:, :, 2:].shape), faces[:, :, 1:-1], faces[:, :, 2:]
+    first, second, third = (
+        np.broadcast_to(faces[:, :, :1], faces[:, :, 2:].shape),
+        faces[:, :, 1:-1],
+        faces[:, :, 2:],
+    )
     doubled = (cross(second - first, third - first) * outward[:, :, None]).sum(axis=3)
-    parts = doubled * heights[:, :, None] / 6.0
-    volume = parts.sum(axis=(1, 2))
+    tetrahedra = doubled * heights[:, :, None] / 6.0
+    volume = tetrahedra.sum(axis=(1, 2))
     volume = np.where(volume > 0.0, volume, np.nan)
     middles = (first + second + third + apex[:, None, None]) / 4.0
-    return volume, (parts[..., None] * middles).sum(axis=(1, 2)) / volume[:, None]
+    return volume, (tetrahedra[..., None] * middles).sum(axis=(1, 2)) / volume[:, None]

@@ -37,21 +37,52 @@ class Uplift:
     ACTIONS: ClassVar[Mapping[str, Action]] = {"toe_kpa": "water", "heel_kpa": "water"}
 
     toe_kpa: float | None = number(
-        "toe", "pressure", default=None, least=0.0, code="E118", label="uplift at the toe", left_out="0",
-        axis="uplift at the toe", doc="where the plane daylights in the face",
-    )  # fmt: skip
+        "toe",
+        "pressure",
+        default=None,
+        least=0.0,
+        code="E118",
+        label="uplift at the toe",
+        left_out="0",
+        axis="uplift at the toe",
+        doc="where the plane daylights in the face",
+    )
     heel_kpa: float | None = number(
-        "heel", "pressure", default=None, least=0.0, code="E118", label="uplift at the heel", left_out="0",
-        axis="uplift at the heel", doc="at the back end of the plane; linear between",
-    )  # fmt: skip
+        "heel",
+        "pressure",
+        default=None,
+        least=0.0,
+        code="E118",
+        label="uplift at the heel",
+        left_out="0",
+        axis="uplift at the heel",
+        doc="at the back end of the plane; linear between",
+    )
     fill: float | None = number(
-        "fill", "ratio", default=None, least=0.0, most=1.0, code="E118", label="uplift", left_out="by toe and heel",
-        axis="part of full uplift", doc="part of full pressure, in their place: water up to the top, held by the face",
-    )  # fmt: skip
+        "fill",
+        "ratio",
+        default=None,
+        least=0.0,
+        most=1.0,
+        code="E118",
+        label="uplift",
+        left_out="by toe and heel",
+        axis="part of full uplift",
+        doc="part of full pressure, in their place: water up to the top, held by the face",
+    )
     drain: float = number(
-        "drain", "ratio", default=0.0, least=0.0, most=1.0, code="E118", label="what drains take off", example="50 %",
-        axis="what drains take off", left_out="no drains", doc="part of the pressure that drains take off, everywhere",
-    )  # fmt: skip
+        "drain",
+        "ratio",
+        default=0.0,
+        least=0.0,
+        most=1.0,
+        code="E118",
+        label="what drains take off",
+        example="50 %",
+        axis="what drains take off",
+        left_out="no drains",
+        doc="part of the pressure that drains take off, everywhere",
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,35 +93,60 @@ class FootingDesign(Design):
     the weight of the rock out, as the paper does.
     """
 
-    ALSO: ClassVar[tuple[Field, ...]] = (
-        declare("weak_plane.strength", "text", left_out="the only one", doc="a name under strength"),
+    EXTRA_KEYS: ClassVar[tuple[Field, ...]] = (
+        declare(
+            "weak_plane.strength", "text", left_out="the only one", doc="a name under strength"
+        ),
     )
     REQUIRED: ClassVar[tuple[str, ...]] = ("strength",)
-    UNSAID: ClassVar[tuple[str, ...]] = ("uplift",)
+    OMITTED_IF_NONE: ClassVar[tuple[str, ...]] = ("uplift",)
     ACTIONS: ClassVar[Mapping[str, Action]] = {"load_kn": "force"}
     WITHOUT: ClassVar[tuple[str, ...]] = ("water", "loads", "support")
     HAS_CLOSED_FORM = True
 
-    load_kn: float = number("footing.load", "force", above=0.0, code="E123", example="1500 kN", doc="downward")
-    load_at_m: float | None = number(
-        "footing.at", "length", default=None, least=0.0, code="E118", words=("middle",), example="middle",
-        label="place of the load", taken="at_m", left_out="middle",
-        doc="from the face; `middle`: over the middle of the plane",
-    )  # fmt: skip
-    dip_deg: float = number(
-        "weak_plane.dip", "angle", above=0.0, most=89.9, code="E101", example="45", label="dip of the weak plane"
+    load_kn: float = number(
+        "footing.load", "force", above=0.0, code="E123", example="1500 kN", doc="downward"
     )
-    length_m: float = number("weak_plane.length", "length", above=0.0, code="E116", example="7.07 m")
+    load_at_m: float | None = number(
+        "footing.at",
+        "length",
+        default=None,
+        least=0.0,
+        code="E118",
+        words=("middle",),
+        example="middle",
+        label="place of the load",
+        value_attribute="at_m",
+        left_out="middle",
+        doc="from the face; `middle`: over the middle of the plane",
+    )
+    dip_deg: float = number(
+        "weak_plane.dip",
+        "angle",
+        above=0.0,
+        most=89.9,
+        code="E101",
+        example="45",
+        label="dip of the weak plane",
+    )
+    length_m: float = number(
+        "weak_plane.length", "length", above=0.0, code="E116", example="7.07 m"
+    )
     pairs: int = count(
-        "weak_plane.pairs", 3, 2001, default=9, is_odd=True, code="E137",
+        "weak_plane.pairs",
+        3,
+        2001,
+        default=9,
+        is_odd=True,
+        code="E137",
         advice="Simpson's rule takes two pairs an element and one more.",
-    )  # fmt: skip
+    )
     strength: Strength
     uplift: Uplift | None = group("uplift", Uplift, default=None, left_out="dry", axis="uplift")
 
     @property
     def ends_kpa(self) -> tuple[float, float]:
-        """The pressure of the water at the toe and at the heel of the plane."""
+        """The water pressure at the toe and at the heel of the plane, kPa."""
         water = self.uplift
         if water is None:
             return 0.0, 0.0
@@ -98,8 +154,8 @@ class FootingDesign(Design):
         full = (water.toe_kpa or 0.0, water.heel_kpa or 0.0)
         if water.fill is not None:
             full = (water.fill * self.water_unit_weight_kn_m3 * deep, 0.0)
-        left = 1.0 - water.drain
-        return left * full[0], left * full[1]
+        undrained = 1.0 - water.drain
+        return undrained * full[0], undrained * full[1]
 
     @property
     def is_wet(self) -> bool:
@@ -108,21 +164,21 @@ class FootingDesign(Design):
 
     @property
     def uplift_kn(self) -> float:
-        """Of the water on the plane, per metre."""
+        """The uplift of the water on the plane, kN per metre."""
         return 0.5 * sum(self.ends_kpa) * self.length_m
 
     @property
     def middle_m(self) -> float:
-        """The distance of the middle of the plane from the face."""
+        """The distance of the middle of the plane from the face, m."""
         return self.length_m * math.cos(math.radians(self.dip_deg)) / 2.0
 
     @property
     def at_m(self) -> float:
-        """The distance of the load from the face."""
+        """The distance of the load from the face, m."""
         return self.middle_m if self.load_at_m is None else self.load_at_m
 
     def changes(self) -> Iterator[tuple[str, Self]]:
-        """Designs with one input a little changed, by name."""
+        """Yield designs with one input a little changed, by name."""
         yield "load +10 %", replace(self, load_kn=self.load_kn * 1.1)
         yield from other_strengths(self)
         if self.dip_deg < 88.0:
@@ -130,7 +186,7 @@ class FootingDesign(Design):
 
 
 def read_footing(reader: Reader) -> FootingDesign:
-    """A footing on a weak plane.
+    """Read the design of a footing on a weak plane.
 
     Raises
     ------
@@ -138,20 +194,24 @@ def read_footing(reader: Reader) -> FootingDesign:
         With every fault found; E137 for a number of node pairs that the rule does not take.
     """
     values = reader.fields(FootingDesign)
-    user = "weak_plane", reader.at("weak_plane.strength"), reader.at("weak_plane") or reader.root
+    user = (
+        "weak_plane",
+        reader.find("weak_plane.strength"),
+        reader.find("weak_plane") or reader.root,
+    )
     strength = read_strengths(reader, [user])[0]
     common = read_common(reader)
     if common["unit_weight_kn_m3"] is None:
         common["unit_weight_kn_m3"] = 0.0  # the paper leaves the weight out
-    if not any(node.at("stiffness.shear") for _, node in reader.names("strength")):
+    if not any(node.find("stiffness.shear") for _, node in reader.names("strength")):
         # a seam with a modulus: G is a third of E for ν = 0.5, as the paper has it
         normal = common["stiffness"].normal_kn_m3
         common["stiffness"] = Stiffness(normal, normal / 3.0)
-    return reader.made(FootingDesign, values, common, strength=strength, uplift=_uplift(reader))
+    return reader.build(FootingDesign, values, common, strength=strength, uplift=_uplift(reader))
 
 
 def _uplift(reader: Reader) -> Uplift | None:
-    node = reader.at("uplift")
+    node = reader.find("uplift")
     if not node.items():
         return None
     values = reader.fields(Uplift, node)
@@ -168,14 +228,20 @@ def _uplift(reader: Reader) -> Uplift | None:
 def cut(design: FootingDesign) -> Cut:
     """Load the block above the weak plane. Raises GeometryError E219 where the load stands beside it."""
     section = _block(design)
-    push = PointForce(np.array([0.0, 0.0, -design.load_kn]), np.array([-design.at_m, 0.0, section.bottom[2]]))
+    push = PointForce(
+        np.array([0.0, 0.0, -design.load_kn]), np.array([-design.at_m, 0.0, section.bottom[2]])
+    )
     plane, (toe, heel) = section.block.faces[J1], design.ends_kpa
     pressures = toe + (heel - toe) * plane[:, 0] / section.bottom[0]
     (thrust,), (point,) = resultant([(plane[None], pressures[None])], plane[None])
     x, _, z = section.bottom / section.length  # up along the plane, into the slope
     uplift = {f"water {J1}": PointForce(thrust * np.array([z, 0.0, -x]), point)} if thrust else {}
-    acting = block_loads(section.block, design.rock.unit_weight_kn_m3, np.zeros(3), pushes={"footing": push} | uplift)
-    bed = bedding_on({J1: section.ends}, acting, section.block.centroid, [design.strength], in_section=True)
+    acting = block_loads(
+        section.block, design.rock.unit_weight_kn_m3, np.zeros(3), pushes={"footing": push} | uplift
+    )
+    bed = bedding_on(
+        {J1: section.ends}, acting, section.block.centroid, [design.strength], in_section=True
+    )
     left_out = [
         "bedrock (no unknowns)",
         "deformation of the footing and the rock",
@@ -183,38 +249,56 @@ def cut(design: FootingDesign) -> Cut:
         *([] if design.rock.unit_weight_kn_m3 else ["the weight of the rock"]),
     ]
     return Cut(
-        section.block, acting, lambda refine: bed.scene(line_pairs(section, (design.pairs - 1) // 2 * 2**refine)),
-        [Interface(J1, NAME, design.strength)], lambda: section_geometry(section, NAME), left_out,
+        section.block,
+        acting,
+        lambda refine: bed.scene(line_pairs(section, (design.pairs - 1) // 2 * 2**refine)),
+        [Interface(J1, NAME, design.strength)],
+        lambda: section_geometry(section, NAME),
+        left_out,
         {J1: NAME} if design.uplift_kn else {},
-    )  # fmt: skip
+    )
 
 
 def closed_form(design: FootingDesign, _: Cut | None = None) -> ClosedForm:
-    """The design by limit equilibrium: a plane failure below level ground and a vertical face, under the load."""
+    """Return the closed form of a design: a plane failure below level ground behind a vertical face, under the load."""
     _block(design)
 
     names = tuple("slides_on_J1" if name == "slides" else name for name in OUTCOMES)
 
     def on_lines(lines: Sequence[Strength]) -> ClosedForms:
-        found = plane_failures(PlaneArrays(
-            face_dip_deg=90.0, upper_dip_deg=0.0, plane_dip_deg=design.dip_deg,
-            height_m=design.length_m * math.sin(math.radians(design.dip_deg)), cohesion_kpa=lines[0].cohesion_kpa,
-            friction_deg=lines[0].friction_angle_deg, unit_weight_kn_m3=design.rock.unit_weight_kn_m3,
-            pressure_kpa=design.uplift_kn / design.length_m, force_kn=(0.0, -design.load_kn),
-        ))  # fmt: skip
-        return ClosedForms(names, found.outcome, found.factor, [found.normal_kn], [found.length_m])
+        failures = plane_failures(
+            PlaneArrays(
+                face_dip_deg=90.0,
+                upper_dip_deg=0.0,
+                plane_dip_deg=design.dip_deg,
+                height_m=design.length_m * math.sin(math.radians(design.dip_deg)),
+                cohesion_kpa=lines[0].cohesion_kpa,
+                friction_deg=lines[0].friction_angle_deg,
+                unit_weight_kn_m3=design.rock.unit_weight_kn_m3,
+                pressure_kpa=design.uplift_kn / design.length_m,
+                force_kn=(0.0, -design.load_kn),
+            )
+        )
+        return ClosedForms(
+            names, failures.outcome, failures.factor, [failures.normal_kn], [failures.length_m]
+        )
 
-    closed = on_secants([design.strength], on_lines, ClosedForms.tractions_kpa).of()
+    closed = on_secants([design.strength], on_lines, ClosedForms.tractions_kpa).form()
     return replace(closed, why_not=DILATES if design.strength.dilation_deg else "")
 
 
 def _block(design: FootingDesign) -> PlaneSection:
-    """The block. Raises MisfitError where the load stands beside it."""
+    """Return the section of the block. Raises MisfitError where the load stands beside it."""
     section = footing_section(design.dip_deg, design.length_m)
     place, width = design.at_m, -float(section.bottom[0])
     if not 0.0 <= place <= width:
         raise MisfitError(
-            [Fault("E219", f"the load stands {place:.6g} m from the face, the block is {width:.6g} m wide")]
+            [
+                Fault(
+                    "E219",
+                    f"the load stands {place:.6g} m from the face, the block is {width:.6g} m wide",
+                )
+            ]
         )
     return section
 
@@ -224,20 +308,34 @@ def _slope(design: FootingDesign, result: Result) -> list[Section]:
     words = f"weak plane dips {design.dip_deg:.6g}°, {length} m long  {strength_in_words(design.strength)}"
     eccentricity = design.at_m - design.middle_m
     place = (
-        "over the middle of the plane" if not eccentricity else f"{abs(eccentricity):.4g} m off the middle of the plane"
+        "over the middle of the plane"
+        if not eccentricity
+        else f"{abs(eccentricity):.4g} m off the middle of the plane"
     )
     toe, heel = design.ends_kpa
-    wet = [f"uplift {toe:.4g} kPa at the toe, {heel:.4g} kPa at the heel"] if design.uplift_kn else []
+    wet = (
+        [f"uplift {toe:.4g} kPa at the toe, {heel:.4g} kPa at the heel"] if design.uplift_kn else []
+    )
     acting = [f"footing {size_number(design.load_kn)} kN, {place}", *wet]
     return slope_sections(result, Section("PLANES", [words]), acting)
 
 
 KIND = SingleBlock(
-    FootingDesign, read_footing,
+    FootingDesign,
+    read_footing,
     Words(
-        "footing above a weak plane, per metre", "block", "out of the face", "closed form", "limit equilibrium",
-        {"slides_on_J1": "slides on the weak plane", "lifted": "contact lost on the weak plane (uplift)"},
+        "footing above a weak plane, per metre",
+        "block",
+        "out of the face",
+        "closed form",
+        "limit equilibrium",
+        {
+            "slides_on_J1": "slides on the weak plane",
+            "lifted": "contact lost on the weak plane (uplift)",
+        },
         horizontal="x",
     ),
-    cut, closed_form, _slope,
-)  # fmt: skip
+    cut,
+    closed_form,
+    _slope,
+)

@@ -1,4 +1,4 @@
-"""What a kind of design says of itself, in one place: studies and views ask here, never which kind it is."""
+"""The interface of a kind of design: studies and views use these members and never test which kind it is."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -39,18 +39,18 @@ class ClosedForm:
     table: Sequence[Mapping[str, Any]] = ()
     notices: Sequence[Notice] = ()
 
-    def figure(self, name: str, which: Any) -> float | None:
-        """Return a number that published cases give beside the factor; None where there is none of that name."""
+    def figure(self, name: str, column: Any) -> float | None:
+        """Return a further quantity of published cases by its name (of a `column`); None where the kind has none."""
         return None
 
     def seismic_gain(self, k: float) -> "Gain | None":
-        """Return how fast the mechanism at a yield coefficient gains on the ground; None where that is not known."""
+        """Return the acceleration of the mechanism relative to the ground at a yield coefficient; None if unknown."""
         return None
 
 
 @dataclass(frozen=True)
 class Gain:
-    """How fast a mechanism gains on shaken ground.
+    """The acceleration of a mechanism relative to shaken ground.
 
     Attributes
     ----------
@@ -65,13 +65,13 @@ class Gain:
 
 
 def closed_form_notices(_: Design, __: Any, ___: Any, closed: ClosedForm) -> Sequence[Notice]:
-    """Return what a reader must know of the closed form alone."""
+    """Return the notices of the closed form alone."""
     return closed.notices
 
 
 @dataclass(frozen=True)
 class Kind(ABC, Generic[D]):
-    """A kind of design: what it is made of, in eight members. All else follows from these, of one block or of many.
+    """A kind of design, of one block or of many, defined by eight members.
 
     Attributes
     ----------
@@ -114,27 +114,27 @@ class Kind(ABC, Generic[D]):
 
     @abstractmethod
     def ladder(self, design: D) -> "Ladder":
-        """Return what `check` looks at: the result, and ways to its factor with more and less effort."""
+        """Return the convergence ladder of a design for `check`: the result, and its factor at other efforts."""
 
     def without_basal(self, design: D) -> WithoutBasal | None:
-        """Return what a block does that the one analysed is part of, and that may fail before it; None without one."""
+        """Return the whole wedge that the analysed block is part of, and that may fail before it; None without one."""
         return None
 
     def reference_notices(self, design: D) -> tuple[Notice, ...]:
-        """Return what is known of a factor from elsewhere and takes as long as it: said of one answer alone."""
+        """Return the notices that take as long as an analysis, so that a study gives them for one answer alone."""
         return ()
 
-    def at_load(self, without: D, unit: D, target: float) -> float | None:
-        """Return the multiplier of what one design has more of loads than another at which the factor is a target.
+    def at_load(self, unloaded: D, unit: D, target: float) -> float | None:
+        """Return the multiplier of the load difference between `unit` and `unloaded` at which the factor is a target.
 
-        None where the blocks do not stand without it, or stand with any of it.
+        None where the blocks are unstable without the load, or stable under any multiple of it.
         """
         return None
 
-    def seismic_gain(self, without: D, unit: D, k: float, by_closed_form: bool) -> Gain | None:
-        """Return how fast the blocks gain on the ground above k_y; None where their motion is none that settled.
+    def seismic_gain(self, unloaded: D, unit: D, k: float, by_closed_form: bool) -> Gain | None:
+        """Return the acceleration of the blocks relative to the ground above k_y; None where no motion settled.
 
-        Of one block the k_y with a force along the sliding says it.
+        Single blocks have none: their k_y with a force along the sliding direction gives it.
         """
         return None
 
@@ -142,7 +142,7 @@ class Kind(ABC, Generic[D]):
 def compare(
     factor: float | None, status: str, closed: ClosedForm, agree_within: float
 ) -> tuple[float | None, bool | None]:
-    """Relative difference of the two methods on the same assumptions, and whether they agree."""
+    """Return the relative difference of the two methods on the same assumptions, and whether they agree."""
     if status == "not_converged":
         return None, False
     if closed.why_not:
@@ -150,8 +150,12 @@ def compare(
     if not factor and not closed.factor:
         factor = None  # no strength at all: a status on both sides, no number
     if factor is None or closed.factor is None:
-        held = closed.status == "no_driving_force" and status == "rotates"  # forces alone do not drive it, moments do
-        return None, factor is None and not closed.factor and (status in (closed.status, "topples") or held)
+        is_stable_without_moments = (
+            closed.status == "no_driving_force" and status == "rotates"
+        )  # forces alone do not drive it, moments do
+        return None, factor is None and not closed.factor and (
+            status in (closed.status, "topples") or is_stable_without_moments
+        )
     if closed.factor == 0.0:
         return None, False
     difference = abs(factor / closed.factor - 1.0)

@@ -1,4 +1,4 @@
-"""What designs give the solver, as arrays: strengths, stiffness, bolts, forces, a block in its section."""
+"""The inputs of the solver as arrays, from designs: strengths, stiffness, bolts, forces, a block in its section."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -13,9 +13,9 @@ from slopekit.design.ground_water import SlopeDesign
 from slopekit.design.parts import Force, Strength
 from slopekit.extents import SectionGeometry
 from slopekit.geometry.polytopes import Block
-from slopekit.kinds.single_block.held_bolts import Bounds, through
+from slopekit.kinds.single_block.held_bolts import Bounds, bolt_exit
 from slopekit.kinds.sizes import sizes_of_section
-from slopekit.loads import Loads, PointForce, block_loads, judge_bolt
+from slopekit.loads import Loads, PointForce, block_loads, check_bolt_anchorage
 from slopekit.preie.system.contact import CloughDuncan, JointStiffness
 from slopekit.preie.system.model import JointStrength
 
@@ -23,13 +23,13 @@ if TYPE_CHECKING:
     from slopekit.geometry.sections.section import PlaneSection
     from slopekit.kinds.water import FullWater
 
-_ACROSS = 1e-9  # of the strongest bolt: one with less in a section runs along its slope
+_ALONG_SLOPE = 1e-9  # of the strongest bolt: one with less in a section runs along its slope
 #: How far (m) from a head (3,) along a direction (3,) sound rock begins, None: the block is missed; whether it does so.
 Meets = Callable[[Floats, Floats], tuple[float | None, bool]]
 
 
 def joint_stiffness(design: Design) -> JointStiffness:
-    """The contact stiffness of a design."""
+    """Return the contact stiffness of a design."""
     stiffness, weight = design.stiffness, design.water_unit_weight_kn_m3
     shear: float | CloughDuncan | None = stiffness.shear_kn_m3
     if shear is None:
@@ -38,7 +38,7 @@ def joint_stiffness(design: Design) -> JointStiffness:
 
 
 def joint_strength(strengths: Sequence[Strength]) -> JointStrength:
-    """Strengths of the interfaces 0, 1, ... as arrays."""
+    """Return the strengths of the interfaces 0, 1, ... as arrays."""
     laws = tuple(strength.law for strength in strengths)
     return JointStrength(
         np.array([strength.cohesion_kpa for strength in strengths]),
@@ -52,7 +52,7 @@ def joint_strength(strengths: Sequence[Strength]) -> JointStrength:
 def bolt_forces(
     design: Design, origin: Floats, meets: Meets, turn: Floats | None = None
 ) -> tuple[list[PointForce], list[PointForce]]:
-    """Active and passive bolts as forces, each checked against the block where its head is known.
+    """Return the active and the passive bolts as forces, each checked against the block where its head is known.
 
     Parameters
     ----------
@@ -65,29 +65,36 @@ def bolt_forces(
         direction = axes @ bolt.toward.vector()
         head = None if bolt.head_m is None else axes @ (np.array(bolt.head_m) - origin)
         if head is not None:
-            where = design.place_of("support", "bolts", k, len(design.bolts))
-            where = where or f"head at {coordinates(bolt.head_m or ())}"
-            judge_bolt(f"bolt {k}", *meets(head, direction), bolt.length_m, where)
-        (active if bolt.acts == "active" else passive).append(PointForce(bolt.force_kn * direction, head))
+            location = design.place_of("support", "bolts", k, len(design.bolts))
+            location = location or f"head at {coordinates(bolt.head_m or ())}"
+            check_bolt_anchorage(f"bolt {k}", *meets(head, direction), bolt.length_m, location)
+        (active if bolt.acts == "active" else passive).append(
+            PointForce(bolt.force_kn * direction, head)
+        )
     return active, passive
 
 
 def loads_in_slope(
-    design: SlopeDesign, block: Block, bounds: Bounds, full: "FullWater", shaken: Floats, axes: Floats
+    design: SlopeDesign,
+    block: Block,
+    bounds: Bounds,
+    full: "FullWater",
+    shaken: Floats,
+    axes: Floats,
 ) -> Loads:
-    """The loads on a block in a slope, in local axes about the origin of its planes.
+    """Return the loads on a block in a slope, in local axes about the origin of its planes.
 
     Parameters
     ----------
     full : the pressures of full water; shaken : (3,) level unit vector that an earthquake without a trend acts along
-    axes : (3, 3) rows are the local axes in east, north, up; of zeros for one along which no load says anything
+    axes : (3, 3) rows are the local axes in east, north, up; a row of zeros ignores the loads along its axis
     """
     trend = design.seismic.trend_deg
-    way = shaken if trend is None else Line(trend, 0.0).vector()
+    shaking = shaken if trend is None else Line(trend, 0.0).vector()
 
-    def meets(head: Floats, way: Floats) -> tuple[float | None, bool]:
-        (sound,), (is_anchored,) = through(bounds, head[None] @ axes, way @ axes)
-        return None if math.isnan(sound) else float(sound), bool(is_anchored)
+    def meets(head: Floats, direction: Floats) -> tuple[float | None, bool]:
+        (exit_distance,), (is_anchored,) = bolt_exit(bounds, head[None] @ axes, direction @ axes)
+        return None if math.isnan(exit_distance) else float(exit_distance), bool(is_anchored)
 
     active, passive = bolt_forces(design, bounds.origin, meets, axes)
     strongest = max((bolt.force_kn for bolt in design.bolts), default=0.0)
@@ -97,23 +104,27 @@ def loads_in_slope(
 
         pushes = pushes_on(design, bounds, full, axes)
     return block_loads(
-        block, design.rock.unit_weight_kn_m3, design.seismic.coefficient * (axes @ way),
-        [point_force(force, bounds.origin, axes) for force in design.forces], active,
-        [bolt for bolt in passive if float(np.abs(bolt.force).max()) > _ACROSS * strongest], pushes,
-    )  # fmt: skip
+        block,
+        design.rock.unit_weight_kn_m3,
+        design.seismic.coefficient * (axes @ shaking),
+        [point_force(force, bounds.origin, axes) for force in design.forces],
+        active,
+        [bolt for bolt in passive if float(np.abs(bolt.force).max()) > _ALONG_SLOPE * strongest],
+        pushes,
+    )
 
 
 def point_force(force: Force, origin: Floats, turn: Floats | None = None) -> PointForce:
-    """A force of the design in local axes."""
+    """Return a force of the design in local axes."""
     axes = np.eye(3) if turn is None else turn
-    at = None if force.at_m is None else axes @ (np.array(force.at_m) - origin)
-    return PointForce(axes @ np.array(force.components_kn), at)
+    point = None if force.at_m is None else axes @ (np.array(force.at_m) - origin)
+    return PointForce(axes @ np.array(force.components_kn), point)
 
 
 def section_geometry(
     section: "PlaneSection", name: str, axes: Floats | None = None, crest_x: float | None = None
 ) -> SectionGeometry:
-    """The geometry of a block in its section.
+    """Return the geometry of a block in its section.
 
     Parameters
     ----------
@@ -124,7 +135,13 @@ def section_geometry(
         areas["crack"] = section.crack_depth
     height = float(np.ptp(section.outline[:, 1]))
     return SectionGeometry(
-        section.block.volume, height, areas, section.outline, frozen(section.block.centroid[[0, 2]]),
-        section.crack_depth, section.crack_distance, frozen(np.eye(3) if axes is None else axes),
+        section.block.volume,
+        height,
+        areas,
+        section.outline,
+        frozen(section.block.centroid[[0, 2]]),
+        section.crack_depth,
+        section.crack_distance,
+        frozen(np.eye(3) if axes is None else axes),
         None if crest_x is None else sizes_of_section(section.outline, crest_x, areas),
-    )  # fmt: skip
+    )

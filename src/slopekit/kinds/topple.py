@@ -1,4 +1,4 @@
-"""Columns on a stepped base, with Goodman & Bray's table beside those of PRE-IE."""
+"""Toppling columns on a stepped base, with Goodman & Bray's table to compare PRE-IE with."""
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
@@ -31,23 +31,33 @@ from slopekit.geometry.sections.columns import (
     slope_heights,
     too_many_columns,
 )
-from slopekit.kinds.assemblies.many_blocks import ManyBlocks, contact_areas, named_strength, water_of_blocks
+from slopekit.kinds.assemblies.many_blocks import (
+    ManyBlocks,
+    contact_areas,
+    named_strength,
+    water_of_blocks,
+)
 from slopekit.kinds.assemblies.many_blocks_design import (
     MOST_BLOCKS,
     NamedDesign,
     Point2,
-    common,
+    common_attributes,
     named_pressures,
     read_pressures,
     read_surcharges,
     water_by,
 )
-from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, scene_loads, with_ground, with_loads
+from slopekit.kinds.assemblies.many_blocks_scene import (
+    AssemblyScene,
+    scene_loads,
+    with_ground,
+    with_loads,
+)
 from slopekit.kinds.protocol import ClosedForm, Gain
 from slopekit.kinds.words import BLOCKS_STATUSES, first_and_last, slope_sections
 from slopekit.result import Result, Words
 
-_BEYOND = 1e-6  # the table is that of columns which just fail
+_FAILING_MARGIN = 1e-6  # the table is that of columns which just fail
 _MOST_HEIGHTS = 20
 
 
@@ -70,56 +80,123 @@ class ToppleDesign(NamedDesign):
         they were given themselves
     """
 
-    UNSAID: ClassVar[tuple[str, ...]] = ("slope_height_m", "slope_face_deg", "slope_upper_deg", "base_angle_deg")
+    OMITTED_IF_NONE: ClassVar[tuple[str, ...]] = (
+        "slope_height_m",
+        "slope_face_deg",
+        "slope_upper_deg",
+        "base_angle_deg",
+    )
     ACTIONS: ClassVar[Mapping[str, Action]] = {"pressures_kpa": "water"}
 
     FALLS_WEST = True
-    ALSO: ClassVar[tuple[Field, ...]] = (
+    EXTRA_KEYS: ClassVar[tuple[Field, ...]] = (
         declare("columns.base", "text", left_out="the only one", doc="strength of the bases"),
-        declare("columns.sides", "text", left_out="the only one", doc="strength between the columns"),
-    )  # fmt: skip
+        declare(
+            "columns.sides", "text", left_out="the only one", doc="strength between the columns"
+        ),
+    )
 
     dip_deg: float = number(
-        "columns.dip", "angle", above=0.0, below=90.0, code="E101", example="60", label="dip of the columns",
+        "columns.dip",
+        "angle",
+        above=0.0,
+        below=90.0,
+        code="E101",
+        example="60",
+        label="dip of the columns",
         advice="Columns dip into the slope; their base falls out of it, normal to them.",
-    )  # fmt: skip
+    )
     width_m: float = number(
-        "columns.width", "length", above=0.0, code="E240", example="10 m", doc="of every column, along the base"
+        "columns.width",
+        "length",
+        above=0.0,
+        code="E240",
+        example="10 m",
+        doc="of every column, along the base",
     )
     heights_m: tuple[float, ...] = number(
-        "columns.heights", "length", default=(), above=0.0, code="E240", many="list", at_least=1,
-        example="[4, 10, 16]", label="height of C{k}", left_out="those of the slope",
+        "columns.heights",
+        "length",
+        default=(),
+        above=0.0,
+        code="E240",
+        many="list",
+        at_least=1,
+        example="[4, 10, 16]",
+        label="height of C{k}",
+        left_out="those of the slope",
         doc="from the toe upward, normal to the base",
-    )  # fmt: skip
+    )
     base_step_m: float = number(
-        "columns.base_step", "length", default=0.0, least=0.0, code="E240",
+        "columns.base_step",
+        "length",
+        default=0.0,
+        least=0.0,
+        code="E240",
         says="it lies from 0 to less than the lowest column",
         doc="how much each base lies above that of the column below, normal to it",
-    )  # fmt: skip
+    )
     base_angle_deg: float | None = number(
-        "columns.base_angle", "angle", default=None, above=0.0, below=90.0, code="E101", example="36",
-        label="base angle", axis="base angle", left_out="by the step",
+        "columns.base_angle",
+        "angle",
+        default=None,
+        above=0.0,
+        below=90.0,
+        code="E101",
+        example="36",
+        label="base angle",
+        axis="base angle",
+        left_out="by the step",
         doc="dip of the stepped base as a whole, in place of base_step",
-    )  # fmt: skip
+    )
     slope_height_m: float | None = number(
-        "slope.height", "length", default=None, above=0.0, code="E116", example="92.5 m", label="height of the slope",
-        left_out="by the heights", doc="vertical, from the foot of C1 to the crest: makes the heights of the columns",
-    )  # fmt: skip
+        "slope.height",
+        "length",
+        default=None,
+        above=0.0,
+        code="E116",
+        example="92.5 m",
+        label="height of the slope",
+        left_out="by the heights",
+        doc="vertical, from the foot of C1 to the crest: makes the heights of the columns",
+    )
     slope_face_deg: float | None = number(
-        "slope.face", "angle", default=None, above=0.0, below=90.0, code="E101", example="56.6",
-        label="dip of the face", axis="dip of the face", left_out="by the heights", doc="dip alone",
-    )  # fmt: skip
+        "slope.face",
+        "angle",
+        default=None,
+        above=0.0,
+        below=90.0,
+        code="E101",
+        example="56.6",
+        label="dip of the face",
+        axis="dip of the face",
+        left_out="by the heights",
+        doc="dip alone",
+    )
     slope_upper_deg: float | None = number(
-        "slope.upper", "angle", default=None, least=0.0, below=90.0, code="E101", example="4",
-        label="dip of the upper slope", axis="dip of the upper slope", left_out="0 with a slope", doc="dip alone",
-    )  # fmt: skip
+        "slope.upper",
+        "angle",
+        default=None,
+        least=0.0,
+        below=90.0,
+        code="E101",
+        example="4",
+        label="dip of the upper slope",
+        axis="dip of the upper slope",
+        left_out="0 with a slope",
+        doc="dip alone",
+    )
     thickness_m: float = number("columns.thickness", "length", default=1.0, above=0.0, code="E240")
     base: str
     sides: str
     water: Water = water_by(
-        declare("pressures.base", "pressure", 0.0, axis="water pressure on the bases", example="5 kPa"),
-        declare("pressures.sides", "pressure", 0.0, axis="water pressure on the sides", example="3 kPa"),
-        without=("depth",),
+        declare(
+            "pressures.base", "pressure", 0.0, axis="water pressure on the bases", example="5 kPa"
+        ),
+        declare(
+            "pressures.sides", "pressure", 0.0, axis="water pressure on the sides", example="3 kPa"
+        ),
+        excluded_keys=("depth",),
     )
     pressures_kpa: Point2 = (0.0, 0.0)
 
@@ -135,12 +212,12 @@ class ToppleDesign(NamedDesign):
 
 
 def column_names(columns: int) -> tuple[str, ...]:
-    """Names of columns: C1, C2, ..."""
+    """Return the names of columns: C1, C2, ..."""
     return tuple(f"C{column}" for column in range(1, columns + 1))
 
 
 def read_topple(reader: Reader) -> ToppleDesign:
-    """Columns on a stepped base.
+    """Read the design of columns on a stepped base.
 
     Raises
     ------
@@ -148,10 +225,14 @@ def read_topple(reader: Reader) -> ToppleDesign:
         With every fault found: E101 a dip, E240 a size or step that cannot be, E448 and E450 a slope that makes no
         columns, and those of every assembly.
     """
-    node = reader.at("columns")
+    node = reader.find("columns")
     values = reader.fields(ToppleDesign)
     values |= _from_slope(reader, values)
-    heights, step, below = values["heights_m"] or (), values["base_step_m"], reader.at("columns.base_step")
+    heights, step, below = (
+        values["heights_m"] or (),
+        values["base_step_m"],
+        reader.find("columns.base_step"),
+    )
     shortest = min(heights, default=None)
     if step is not None and shortest is not None and step >= shortest:
         limits = f"from 0 to less than the lowest column ({number_text(shortest)} m)"
@@ -161,29 +242,45 @@ def read_topple(reader: Reader) -> ToppleDesign:
     interfaces = dict.fromkeys(("base", "sides", *(name for name, _ in named_pressures(reader))))
     water = read_pressures(reader, list(interfaces))
     names = dict.fromkeys(column_names(len(heights)), True)
-    return reader.made(
-        ToppleDesign, values, common(reader, names, True, _WESTWARD, water), base=base, sides=sides,
+    return reader.build(
+        ToppleDesign,
+        values,
+        common_attributes(reader, names, True, _WESTWARD, water),
+        base=base,
+        sides=sides,
         pressures_kpa=water.pressures_kpa or (0.0, 0.0),
         surcharges_kpa=tuple(read_surcharges(reader, names)),
-    )  # fmt: skip
+    )
 
 
 def _from_slope(reader: Reader, values: Mapping[str, Any]) -> dict[str, Any]:
-    """Heights and step of the columns where the design gives a slope or a base angle in their place."""
-    heights, slope = reader.at("columns.heights"), reader.at("slope")
-    step, angle = reader.at("columns.base_step"), reader.at("columns.base_angle")
+    """Return heights and step of the columns where the design gives a slope or a base angle instead."""
+    heights, slope = reader.find("columns.heights"), reader.find("slope")
+    step, angle = reader.find("columns.base_step"), reader.find("columns.base_angle")
     faults_before = len(reader.faults)
     if not heights and not slope:
         advice = "Give columns.heights, or slope: {height: 92.5 m, face: 56.6, upper: 4}."
-        reader.fault("E448", "the columns have no heights, and there is no slope to make them from", slope, advice)
+        reader.fault(
+            "E448",
+            "the columns have no heights, and there is no slope to make them from",
+            slope,
+            advice,
+        )
     if heights and slope:
-        reader.fault("E448", "columns.heights and slope both say how high the columns are", slope, "Keep one of them.")
+        reader.fault(
+            "E448",
+            "columns.heights and slope both say how high the columns are",
+            slope,
+            "Keep one of them.",
+        )
     if step and angle:
         message = "columns.base_step and columns.base_angle both say how the base is stepped"
         reader.fault("E448", message, angle, "Keep one of them.")
     for key in ("height", "face") if slope else ():
         if not slope.get(key):
-            reader.fault("E448", f"slope.{key} is missing: the columns are made from height and face", slope)
+            reader.fault(
+                "E448", f"slope.{key} is missing: the columns are made from height and face", slope
+            )
     dip, width = values["dip_deg"], values["width_m"]
     if len(reader.faults) > faults_before or dip is None or width is None:
         return {}
@@ -195,39 +292,61 @@ def _from_slope(reader: Reader, values: Mapping[str, Any]) -> dict[str, Any]:
         attributes["base_step_m"] = stepped
         if stepped < 0.0:
             message = f"base angle is {number_text(values['base_angle_deg'])}°, it is not below the dip of the bases"
-            reader.fault("E450", f"{message}, {number_text(base)}°", angle, "They dip 90° less than the columns.")
+            reader.fault(
+                "E450",
+                f"{message}, {number_text(base)}°",
+                angle,
+                "They dip 90° less than the columns.",
+            )
             return {"base_step_m": None}
-    if not slope or values["slope_height_m"] is None or values["slope_face_deg"] is None or stepped is None:
+    if (
+        not slope
+        or values["slope_height_m"] is None
+        or values["slope_face_deg"] is None
+        or stepped is None
+    ):
         return attributes
     upper = values["slope_upper_deg"] or 0.0
     base_angle = base + math.degrees(math.atan(stepped / width))
     face = values["slope_face_deg"]
     if face <= base_angle:
         message = f"the face dips {number_text(face)}°, no more than the base of the columns ({base_angle:.4g}°)"
-        reader.fault("E450", message, reader.at("slope.face"), "No column stands above such a base.")
+        reader.fault(
+            "E450", message, reader.find("slope.face"), "No column stands above such a base."
+        )
     elif upper >= base_angle:
         message = (
-            f"the upper slope dips {number_text(upper)}°, no less than the base of the columns ({base_angle:.4g}°)"
+            f"the upper slope dips {number_text(upper)}°, no less than the base of "
+            f"the columns ({base_angle:.4g}°)"
         )
-        reader.fault("E450", f"{message}: they never end", reader.at("slope.upper"))
+        reader.fault("E450", f"{message}: they never end", reader.find("slope.upper"))
     elif too_many_columns(values["slope_height_m"], face, upper, base, width, stepped, MOST_BLOCKS):
         message = f"the slope takes more than {MOST_BLOCKS} columns of {number_text(width)} m"
-        reader.fault("E450", message, reader.at("columns.width"), "Give wider columns.")
+        reader.fault("E450", message, reader.find("columns.width"), "Give wider columns.")
     else:
-        attributes["heights_m"] = slope_heights(values["slope_height_m"], face, upper, base, width, stepped)
+        attributes["heights_m"] = slope_heights(
+            values["slope_height_m"], face, upper, base, width, stepped
+        )
         if not attributes["heights_m"]:
-            message = f"no column of {number_text(width)} m stands higher than its step on this slope"
-            reader.fault("E450", message, reader.at("columns.width"), "Give narrower columns, or a smaller step.")
+            message = (
+                f"no column of {number_text(width)} m stands higher than its step on this slope"
+            )
+            reader.fault(
+                "E450",
+                message,
+                reader.find("columns.width"),
+                "Give narrower columns, or a smaller step.",
+            )
     return attributes
 
 
 def cut(design: ToppleDesign) -> AssemblyScene:
-    """The columns with what acts on them. Raises GeometryError and DesignError as `with_ground` and `with_loads`."""
+    """Return the columns with their loads. Raises GeometryError and DesignError as `with_ground` and `with_loads`."""
     return with_loads(design, _columns_with_water(design), 270.0)
 
 
 def _crest_x(design: ToppleDesign) -> float | None:
-    """Where the crest is, into the slope from the foot of C1; None of columns that were not made from a slope."""
+    """Return the distance (m) of the crest from the foot of C1, into the slope; None for columns without a slope."""
     if design.slope_height_m is None or design.slope_face_deg is None:
         return None
     return design.slope_height_m / math.tan(math.radians(design.slope_face_deg))
@@ -235,31 +354,47 @@ def _crest_x(design: ToppleDesign) -> float | None:
 
 def _columns_with_water(design: ToppleDesign) -> AssemblyScene:
     heights = np.array(design.heights_m)
-    assembly = column_assembly(design.dip_deg, design.width_m, heights, design.base_step_m, design.thickness_m)
+    assembly = column_assembly(
+        design.dip_deg, design.width_m, heights, design.base_step_m, design.thickness_m
+    )
     outlines, bedrock = column_outlines(design.dip_deg, design.width_m, heights, design.base_step_m)
     base, sides = design.strength(design.base), design.strength(design.sides)
     joint = assembly.patches.joint
-    number_text = dict(zip(design.block_names, outlines, strict=True)) | {"bedrock": np.asarray(bedrock)}
+    number_text = dict(zip(design.block_names, outlines, strict=True)) | {
+        "bedrock": np.asarray(bedrock)
+    }
     scene = AssemblyScene(
-        assembly, design.block_names, ("base", "sides", "riser"), (base, sides, base),
+        assembly,
+        design.block_names,
+        ("base", "sides", "riser"),
+        (base, sides, base),
         np.full(len(assembly), design.rock.unit_weight_kn_m3),
-        np.where(joint == BASE, design.pressures_kpa[0], np.where(joint == RISER, 0.0, design.pressures_kpa[1])),
-        number_text, {}, (), (), thickness=design.thickness_m, crest_x=_crest_x(design),
-    )  # fmt: skip
+        np.where(
+            joint == BASE,
+            design.pressures_kpa[0],
+            np.where(joint == RISER, 0.0, design.pressures_kpa[1]),
+        ),
+        number_text,
+        {},
+        (),
+        (),
+        thickness=design.thickness_m,
+        crest_x=_crest_x(design),
+    )
     return with_ground(design, scene)
 
 
 @dataclass(frozen=True, kw_only=True)
 class GoodmanBray(ClosedForm):
-    """What Goodman & Bray's method says of a row of columns."""
+    """The closed form of a row of columns by Goodman & Bray's method."""
 
     design: ToppleDesign
 
-    def figure(self, name: str, which: Any) -> float | None:
+    def figure(self, name: str, column: Any) -> float | None:
         if name == "toe_force_kn":
             return toe_force_required(column_slope(self.design))
         if name == "column_force_kn":
-            return float(toppling_table(column_slope(self.design)).force_kn[int(which or 1) - 1])
+            return float(toppling_table(column_slope(self.design)).force_kn[int(column or 1) - 1])
         return None
 
     def seismic_gain(self, k: float) -> Gain | None:
@@ -274,27 +409,39 @@ class GoodmanBray(ClosedForm):
 
 
 def goodman_bray(design: ToppleDesign, _: AssemblyScene | None) -> GoodmanBray:
-    """The closed form of a row of columns, and its table at the factor where the columns are at their limit."""
+    """Return the closed form of a row of columns, with its table at the factor where the columns are at their limit."""
 
-    def form(reason: str, factor: float | None = None, status: str = "", table: Iterable[Any] = ()) -> GoodmanBray:
+    def form(
+        reason: str, factor: float | None = None, status: str = "", table: Iterable[Any] = ()
+    ) -> GoodmanBray:
         notices = [Notice("W310", reason)] if reason else []
-        return GoodmanBray(factor or None, status, reason, table=tuple(table), notices=notices, design=design)
+        return GoodmanBray(
+            factor or None, status, reason, table=tuple(table), notices=notices, design=design
+        )
 
     if reason := why_no_table(design):
         return form(reason)
     try:
         slope = column_slope(design)
         factor, status = toppling_factor_of_safety(slope)
-        table = toppling_table(slope, (factor or 1.0) * (1.0 + _BEYOND))
+        table = toppling_table(slope, (factor or 1.0) * (1.0 + _FAILING_MARGIN))
     except DesignError as error:
-        return form(f"Goodman & Bray's method does not take these columns: {error.faults[0].message}")
-    return form(_why_not(design, table, slope.loads is not None, factor), factor, status, _columns(table))
+        return form(
+            f"Goodman & Bray's method does not take these columns: {error.faults[0].message}"
+        )
+    return form(
+        _why_not(design, table, slope.loads is not None, factor), factor, status, _columns(table)
+    )
 
 
-def _why_not(design: ToppleDesign, table: TopplingTable, is_loaded: bool, factor: float | None) -> str:
-    """Why the factor of the method is not compared with PRE-IE's; empty where it is."""
+def _why_not(
+    design: ToppleDesign, table: TopplingTable, is_loaded: bool, factor: float | None
+) -> str:
+    """Return in words why the factor of the method is not compared with PRE-IE's; empty where it is."""
     base, sides = design.strength(design.base), design.strength(design.sides)
-    rough = math.tan(math.radians(base.friction_angle_deg)) * math.tan(math.radians(sides.friction_angle_deg))
+    rough = math.tan(math.radians(base.friction_angle_deg)) * math.tan(
+        math.radians(sides.friction_angle_deg)
+    )
     if factor and rough >= factor**2:
         return (
             f"at {factor:.4g} the columns are so rough (tan φ tan φ of the sides above 1) that Goodman & Bray's "
@@ -303,7 +450,7 @@ def _why_not(design: ToppleDesign, table: TopplingTable, is_loaded: bool, factor
     if not table.base_holds.all():
         lifted = ", ".join(f"C{n + 1}" for n in np.flatnonzero(~table.base_holds)[:5])
         return f"Goodman & Bray's forces are not admissible at {lifted} (lifted, or slipping back): not compared"
-    sliding = _slid_onto(table) if is_loaded else []
+    sliding = _pushed_columns(table) if is_loaded else []
     if sliding:
         return (
             f"Goodman & Bray's P act at the tops of columns, and {sliding[0]}, which slides, need not press there: it "
@@ -312,14 +459,18 @@ def _why_not(design: ToppleDesign, table: TopplingTable, is_loaded: bool, factor
     return ""
 
 
-def _slid_onto(table: TopplingTable) -> list[str]:
-    """Columns that slide above one that topples: water or a load on their tops drives them."""
+def _pushed_columns(table: TopplingTable) -> list[str]:
+    """Return the columns that slide above a toppling column, driven by water or a load on their tops."""
     topples = [k for k, mode in enumerate(table.modes) if mode == "topple"]
-    return [f"C{k + 1}" for k, mode in enumerate(table.modes) if mode == "slide" and topples and k > topples[0]]
+    return [
+        f"C{k + 1}"
+        for k, mode in enumerate(table.modes)
+        if mode == "slide" and topples and k > topples[0]
+    ]
 
 
 def why_no_table(design: ToppleDesign) -> str:
-    """Why Goodman & Bray's method says nothing of a design; empty where it does."""
+    """Return in words why Goodman & Bray's method does not apply to a design; empty where it does."""
     sides, base = design.strength(design.sides), design.strength(design.base)
     reasons = {
         "knows one friction angle for all bases": bool(sides.law or base.law),
@@ -334,14 +485,20 @@ def why_no_table(design: ToppleDesign) -> str:
 def _columns(table: TopplingTable) -> Iterator[Mapping[str, Any]]:
     for k in range(len(table.heights_m)):
         yield {
-            "n": k + 1, "y_m": float(table.heights_m[k]), "M_m": _known(table.upper_contact_m[k]),
-            "L_m": _known(table.lower_contact_m[k]), "P_topple_kn": _known(table.topple_force_kn[k]),
-            "P_slide_kn": _known(table.slide_force_kn[k]), "P_kn": _known(table.force_kn[k]),
-            "R_kn": _known(table.normal_kn[k]), "S_kn": _known(table.shear_kn[k]), "mode": table.modes[k],
-        }  # fmt: skip
+            "n": k + 1,
+            "y_m": float(table.heights_m[k]),
+            "M_m": _finite(table.upper_contact_m[k]),
+            "L_m": _finite(table.lower_contact_m[k]),
+            "P_topple_kn": _finite(table.topple_force_kn[k]),
+            "P_slide_kn": _finite(table.slide_force_kn[k]),
+            "P_kn": _finite(table.force_kn[k]),
+            "R_kn": _finite(table.normal_kn[k]),
+            "S_kn": _finite(table.shear_kn[k]),
+            "mode": table.modes[k],
+        }
 
 
-def _known(value: float) -> float | None:
+def _finite(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
@@ -349,15 +506,21 @@ def column_slope(design: ToppleDesign) -> ColumnSlope:
     base, sides = design.strength(design.base), design.strength(design.sides)
     toward, k = design.seismic.trend_deg, design.seismic.coefficient
     return ColumnSlope(
-        heights_m=design.heights_m, width_m=design.width_m, step_m=design.base_step_m,
-        base_dip_deg=90.0 - design.dip_deg, unit_weight_kn_m3=design.rock.unit_weight_kn_m3,
-        friction_angle_deg=base.friction_angle_deg, side_friction_angle_deg=sides.friction_angle_deg,
-        cohesion_kpa=base.cohesion_kpa, seismic=k if toward is None or toward > 180.0 else -k, loads=_loads(design),
-    )  # fmt: skip
+        heights_m=design.heights_m,
+        width_m=design.width_m,
+        step_m=design.base_step_m,
+        base_dip_deg=90.0 - design.dip_deg,
+        unit_weight_kn_m3=design.rock.unit_weight_kn_m3,
+        friction_angle_deg=base.friction_angle_deg,
+        side_friction_angle_deg=sides.friction_angle_deg,
+        cohesion_kpa=base.cohesion_kpa,
+        seismic=k if toward is None or toward > 180.0 else -k,
+        loads=_loads(design),
+    )
 
 
 def _loads(design: ToppleDesign) -> Floats | None:
-    """Water and surcharge on the columns as Goodman & Bray's method takes them (n, 3), from the same integrals.
+    """Return water and surcharge on the columns (n, 3) for Goodman & Bray's method, from the integrals of PRE-IE.
 
     Per metre: down along the bases, square into them, and the moment about the outer corner of each base.
     """
@@ -366,9 +529,15 @@ def _loads(design: ToppleDesign) -> Floats | None:
     scene = _columns_with_water(design)
     loads = scene_loads(replace(scene, unit_weights=np.zeros(len(scene.assembly))))
     count = len(design.heights_m)
-    forces, moments = loads.forces[:count] / design.thickness_m, loads.moments[:count, 1] / design.thickness_m
+    forces, moments = (
+        loads.forces[:count] / design.thickness_m,
+        loads.moments[:count, 1] / design.thickness_m,
+    )
     dip = math.radians(90.0 - design.dip_deg)
-    down, into = np.array([-math.cos(dip), 0.0, -math.sin(dip)]), np.array([math.sin(dip), 0.0, -math.cos(dip)])
+    down, into = (
+        np.array([-math.cos(dip), 0.0, -math.sin(dip)]),
+        np.array([math.sin(dip), 0.0, -math.cos(dip)]),
+    )
     along, normal = forces @ down, forces @ into
     turning = (
         along * np.array(design.heights_m) / 2.0 - normal * design.width_m / 2.0 - moments
@@ -379,11 +548,16 @@ def _loads(design: ToppleDesign) -> Floats | None:
 def _slope(design: ToppleDesign, result: Result) -> list[Section]:
     heights = design.heights_m
     count = len(heights)
-    step = f", each {design.base_step_m:.6g} m above the one below" if design.base_step_m else ", in one plane"
+    step = (
+        f", each {design.base_step_m:.6g} m above the one below"
+        if design.base_step_m
+        else ", in one plane"
+    )
     entries = [
         f"{counted(count, 'column')}, C1 at the toe, {design.width_m:.6g} m wide, dip {number_text(design.dip_deg)}° "
         f"into the slope, {design.thickness_m:.6g} m thick along the strike",
-        f"bases dip {number_text(90.0 - design.dip_deg)}° out of the slope" + (step if count > 1 else ""),
+        f"bases dip {number_text(90.0 - design.dip_deg)}° out of the slope"
+        + (step if count > 1 else ""),
     ]
     if design.slope_height_m is not None and design.slope_face_deg is not None:
         crest = heights.index(max(heights)) + 1
@@ -395,27 +569,43 @@ def _slope(design: ToppleDesign, result: Result) -> list[Section]:
     if low == high:
         entries.append(f"heights {'all ' if count > 1 else ''}{high:.6g} m")
     else:
-        first, between, last = first_and_last([f"{height:.6g}" for height in heights], _MOST_HEIGHTS - 4, 4)
+        first, between, last = first_and_last(
+            [f"{height:.6g}" for height in heights], _MOST_HEIGHTS - 4, 4
+        )
         listed = ", ".join([*first, *([f"... {between} more ..."] if between else []), *last])
         tallest = f"C{heights.index(high) + 1}"
-        entries.append(f"heights {low:.6g} to {high:.6g} m ({tallest} the tallest), from the toe upward: {listed}")
+        entries.append(
+            f"heights {low:.6g} to {high:.6g} m ({tallest} the tallest), from the toe upward: {listed}"
+        )
     if design.base == design.sides:
         entries.append(f"bases and sides  {named_strength(design, design.base)}")
     else:
         entries += [
-            f"{on}  {named_strength(design, name)}" for on, name in (("bases", design.base), ("sides", design.sides))
+            f"{surface}  {named_strength(design, name)}"
+            for surface, name in (("bases", design.base), ("sides", design.sides))
         ]
     wet = list(zip(("bases", "sides"), design.pressures_kpa, strict=True))
     return slope_sections(
-        result, Section("COLUMNS", entries), water_of_blocks(wet), contact_areas(result.geometry.areas_m2)
+        result,
+        Section("COLUMNS", entries),
+        water_of_blocks(wet),
+        contact_areas(result.geometry.areas_m2),
     )
 
 
 KIND = ManyBlocks(
-    ToppleDesign, read_topple,
+    ToppleDesign,
+    read_topple,
     Words(
-        "toppling columns", "topple", "out of the slope", "Goodman & Bray closed form", "Goodman & Bray",
-        BLOCKS_STATUSES, "Goodman & Bray's method does not take this design (see NOTE)",
+        "toppling columns",
+        "topple",
+        "out of the slope",
+        "Goodman & Bray closed form",
+        "Goodman & Bray",
+        BLOCKS_STATUSES,
+        "Goodman & Bray's method does not take this design (see NOTE)",
     ),
-    cut, goodman_bray, _slope,
-)  # fmt: skip
+    cut,
+    goodman_bray,
+    _slope,
+)

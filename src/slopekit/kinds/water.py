@@ -20,7 +20,16 @@ from slopekit.core.orientation import coordinates
 from slopekit.design.common import Design
 from slopekit.design.ground_water import SlopeDesign
 from slopekit.geometry.polytopes import Polytopes
-from slopekit.geometry.pressure import Height, Pieces, Pressure, even, in_strips, plane_table, resultant, under_planes
+from slopekit.geometry.pressure import (
+    Height,
+    Pieces,
+    Pressure,
+    plane_table,
+    resultant,
+    table_below_planes,
+    table_through_points,
+    uniform_pieces,
+)
 from slopekit.kinds.single_block.closed_forms import MISFITS
 from slopekit.kinds.single_block.held_bolts import Bounds, blocks_within
 from slopekit.loads import PointForce
@@ -51,7 +60,9 @@ class LocalSlope:
     def crack(self) -> int | None:
         """The plane of the tension crack, None without any."""
         slope = (*self.bounds.joints, *self.bounds.free)
-        return next((plane for plane in range(len(self.bounds.outward)) if plane not in slope), None)
+        return next(
+            (plane for plane in range(len(self.bounds.outward)) if plane not in slope), None
+        )
 
     @property
     def interfaces(self) -> list[int]:
@@ -80,10 +91,13 @@ class LocalSlope:
 
 
 def pressure_below(
-    design: Design, into: Floats, level: float, at_depth: Callable[[Any], tuple[Height, ...]],
+    design: Design,
+    into: Floats,
+    level: float,
+    at_depth: Callable[[Any], tuple[Height, ...]],
     along: Floats | None = None,
-) -> Pressure:  # fmt: skip
-    """The pressure below the table and the pond of a design.
+) -> Pressure:
+    """Return the water pressure below the table and the pond of a design.
 
     Parameters
     ----------
@@ -96,15 +110,21 @@ def pressure_below(
         heights = at_depth(water.table_depth_m)
     elif water.table_points_m is not None:
         places, levels = zip(*water.table_points_m, strict=True)
-        heights = in_strips(into, places, [one - level for one in levels])
+        heights = table_through_points(into, places, [elevation - level for elevation in levels])
     elif water.table_plane is not None:
         plane = water.table_plane
         heights = plane_table(plane.plane.normal(), plane.level_m - level, along)
-    return Pressure(heights, None if water.pond_m is None else water.pond_m - level, design.water_unit_weight_kn_m3)
+    return Pressure(
+        heights,
+        None if water.pond_m is None else water.pond_m - level,
+        design.water_unit_weight_kn_m3,
+    )
 
 
-def above_ground(design: Design, water: Pressure, free: Floats, height: Any) -> list[Misfit]:
-    """E456 where the table stands above the ground and no pond does; a depth below it is behind a vertical face.
+def table_above_ground(design: Design, water: Pressure, free: Floats, height: Any) -> list[Misfit]:
+    """Return the misfit E456 of a water table above the ground outside a pond.
+
+    A table given by its depth below the ground is never above it.
 
     Parameters
     ----------
@@ -120,15 +140,17 @@ def above_ground(design: Design, water: Pressure, free: Floats, height: Any) -> 
     return [((over > _ABOVE * height).any(axis=0), Fault("E456", message, "", advice))]
 
 
-def refuse(misfits: Sequence[Misfit]) -> None:
-    """MisfitError with the first that is one."""
+def raise_misfit(misfits: Sequence[Misfit]) -> None:
+    """Raise MisfitError with the first misfit that applies to a block."""
     for blocks, fault in misfits:
         if blocks.any():
             raise MisfitError([fault])
 
 
-def pushes(design: SlopeDesign, slope: LocalSlope, full: FullWater) -> tuple[dict[str, PointForce], list[Misfit]]:
-    """What water and surcharge do to n blocks, by the names that loads have for them: `water 0`, `surcharge`.
+def pushes(
+    design: SlopeDesign, slope: LocalSlope, full: FullWater
+) -> tuple[dict[str, PointForce], list[Misfit]]:
+    """Return the forces of water and surcharge on n blocks by their names in loads: `water 0`, `surcharge`.
 
     The forces and points of each are (n, 3). Misfits are E207 where the crack is not so deep, E456 where the table lies
     above the ground, or a joint or the crack ends in the rock.
@@ -140,7 +162,9 @@ def pushes(design: SlopeDesign, slope: LocalSlope, full: FullWater) -> tuple[dic
         forces, points = resultant(pieces, slope.faces[list(planes)])
         for plane, force, point in zip(planes, forces, points, strict=True):
             if (force > least).any():
-                loads[f"water {plane}"] = PointForce(-force[:, None] * slope.solids.outward[:, plane], point)
+                loads[f"water {plane}"] = PointForce(
+                    -force[:, None] * slope.solids.outward[:, plane], point
+                )
     upper = slope.bounds.free[1]
     if np.any(design.surcharge_kpa) and slope.areas[upper : upper + 1].any():
         corners = slope.faces[upper]
@@ -148,12 +172,16 @@ def pushes(design: SlopeDesign, slope: LocalSlope, full: FullWater) -> tuple[dic
         plans = cross(b - a, c - a)[..., 2] / 2.0
         total = plans.sum(axis=1)[:, None]
         middle = (plans[..., None] * (a + b + c)).sum(axis=1) / np.maximum(3.0 * total, _TINY)
-        loads["surcharge"] = PointForce(np.asarray(design.surcharge_kpa)[..., None] * total * [0.0, 0.0, -1.0], middle)
+        loads["surcharge"] = PointForce(
+            np.asarray(design.surcharge_kpa)[..., None] * total * [0.0, 0.0, -1.0], middle
+        )
     return loads, misfits
 
 
-def pushes_on(design: SlopeDesign, bounds: Bounds, full: FullWater, axes: Floats) -> dict[str, PointForce]:
-    """`pushes` of one block, each (3,) in local axes: (3, 3) rows in east, north, up.
+def pushes_on(
+    design: SlopeDesign, bounds: Bounds, full: FullWater, axes: Floats
+) -> dict[str, PointForce]:
+    """Return the `pushes` of one block, each (3,) in local axes; `axes` (3, 3) are rows in east, north, up.
 
     Raises
     ------
@@ -161,23 +189,31 @@ def pushes_on(design: SlopeDesign, bounds: Bounds, full: FullWater, axes: Floats
         The first misfit.
     """
     loads, misfits = pushes(design, LocalSlope(bounds, blocks_within(bounds, 1)), full)
-    refuse(misfits)
+    raise_misfit(misfits)
     return {
-        name: PointForce(axes @ load.force[0], axes @ load.at[0]) for name, load in loads.items() if load.at is not None
+        name: PointForce(axes @ load.force[0], axes @ load.point[0])
+        for name, load in loads.items()
+        if load.point is not None
     }
 
 
-def _pressures(design: SlopeDesign, slope: LocalSlope, full: FullWater) -> tuple[list[OnFaces], list[Misfit]]:
-    """The pressures on the faces of the blocks that are wet."""
+def _pressures(
+    design: SlopeDesign, slope: LocalSlope, full: FullWater
+) -> tuple[list[OnFaces], list[Misfit]]:
+    """Return the water pressures on the wet faces of the blocks, and the misfits."""
     water, faces, weight = design.water, slope.interfaces, design.water_unit_weight_kn_m3
     if water.has_table:
         return _below_table(design, slope)
     if np.any(water.crack_water_m):
-        return standing_in_crack(slope, weight, water.crack_water_m), beyond_crack(slope, water.crack_water_m)
+        return standing_in_crack(slope, weight, water.crack_water_m), crack_water_misfits(
+            slope, water.crack_water_m
+        )
     pressures = list[OnFaces]()
     if water.mode == "pressures":
         faces = faces[: len(water.pressures_kpa)]
-        pressures = [(faces, even(slope.faces[faces], _stacked(water.pressures_kpa[: len(faces)])))]
+        pressures = [
+            (faces, uniform_pieces(slope.faces[faces], _stacked(water.pressures_kpa[: len(faces)])))
+        ]
     shares = dict.fromkeys(slope.interfaces, water.fill)
     if slope.crack is not None and water.crack_fill is not None:
         shares[slope.crack] = water.crack_fill
@@ -189,36 +225,36 @@ def _pressures(design: SlopeDesign, slope: LocalSlope, full: FullWater) -> tuple
 
 
 def _stacked(numbers: Sequence[Any]) -> Floats:
-    """Numbers of f faces, each one for all or (n,): (f, 1) or (f, n)."""
+    """Return numbers of f faces, each a number or (n,), as an array (f, 1) or (f, n)."""
     return np.stack(np.broadcast_arrays(*map(np.atleast_1d, numbers)))
 
 
 def _below_table(design: SlopeDesign, slope: LocalSlope) -> tuple[list[OnFaces], list[Misfit]]:
-    """The pressures of a table on joints and crack, and of a pond on the ground too."""
+    """Return the pressures of a water table on joints and crack, and those of a pond also on the ground."""
     bounds, free = slope.bounds, list(slope.bounds.free)
     normals, offsets = slope.solids.outward[:, free].swapaxes(0, 1), slope.solids.offsets[:, free].T
-    out = normals[0] * [1.0, 1.0, 0.0]
+    outward = normals[0] * [1.0, 1.0, 0.0]
     water = pressure_below(
         design,
-        -out / np.sqrt((out * out).sum(axis=1))[:, None],
+        -outward / np.sqrt((outward * outward).sum(axis=1))[:, None],
         float(bounds.origin[2]),
-        lambda depth: under_planes(normals, offsets, depth),
+        lambda depth: table_below_planes(normals, offsets, depth),
         bounds.along,
     )
     ground = slope.faces[free]
     pressures: list[OnFaces] = [(slope.interfaces, water.pieces(slope.faces[slope.interfaces]))]
     if water.pond is not None:
         pressures.append((free, replace(water, heights=()).pieces(ground)))
-    return pressures, above_ground(design, water, ground, slope.extents[:, 2])
+    return pressures, table_above_ground(design, water, ground, slope.extents[:, 2])
 
 
 # -- water that stands in the tension crack --------------------------------------------------------------------------
 
 
 def standing_in_crack(slope: LocalSlope, unit_weight: Any, depth: Any = None) -> list[OnFaces]:
-    """The pressures of water that stands in the tension crack, as a plane failure has it.
+    """Return the pressures of water in the tension crack and on the joints below it, as in a plane failure.
 
-    In the crack it is still water. On a joint the pressure falls from the wet edge that it shares with the crack to
+    In the crack the pressure is hydrostatic. On a joint it falls from the wet edge that it shares with the crack to
     nothing on its other edges, linearly over the triangles from the lower end of that edge: uplift of a plane failure,
     and of a full crack whose upper edge is level Hoek & Bray's pyramids (mean γ_w h₅/3 on all three; 1981, ch. 8).
 
@@ -228,46 +264,65 @@ def standing_in_crack(slope: LocalSlope, unit_weight: Any, depth: Any = None) ->
     """
     if slope.crack is None:
         return []
-    lowest, holds = _brim(slope, slope.crack)
-    level = lowest + (holds if depth is None else depth)
+    lowest, capacity = _crack_capacity(slope, slope.crack)
+    level = lowest + (capacity if depth is None else depth)
     crack = [slope.crack]
-    on_joints = _from_crack(slope, slope.crack, level, unit_weight)
-    return [(slope.bounds.joints, on_joints), (crack, Pressure((), level, unit_weight).pieces(slope.faces[crack]))]
+    on_joints = _joint_pressures_from_crack(slope, slope.crack, level, unit_weight)
+    return [
+        (slope.bounds.joints, on_joints),
+        (crack, Pressure((), level, unit_weight).pieces(slope.faces[crack])),
+    ]
 
 
-def beyond_crack(slope: LocalSlope, depth: Any) -> list[Misfit]:
-    """What does not fit water of a depth (m, a number or (n,)) in the tension crack.
+def crack_water_misfits(slope: LocalSlope, depth: Any) -> list[Misfit]:
+    """Return the misfits of water of a depth (m, a number or (n,)) in the tension crack.
 
     E207 the crack is not so deep, E456 a joint has a corner inside the rock away from the crack, or the crack has no
     edge on the slope.
     """
     if slope.crack is None:
         return []
-    holds, depth = _brim(slope, slope.crack)[1], np.asarray(depth)
-    too_deep = depth > holds * (1.0 + _ROUNDING)
+    capacity, depth = _crack_capacity(slope, slope.crack)[1], np.asarray(depth)
+    too_deep = depth > capacity * (1.0 + _ROUNDING)
     first = int(too_deep.argmax())
-    stands, most = (float(np.broadcast_to(values, too_deep.shape)[first]) for values in (depth, holds))
-    inside = ~_lies_on(slope, list(slope.bounds.joints), *slope.bounds.free, slope.crack).all(axis=2).all(axis=0)
-    ends = "the crack ends inside the rock, below the slope: how high water stands in it is not told"
-    deep = f"the water stands {stands:.6g} m deep in a crack of {most:.6g} m"
+    depth_m, most = (
+        float(np.broadcast_to(values, too_deep.shape)[first]) for values in (depth, capacity)
+    )
+    inside = ~_lies_on(slope, list(slope.bounds.joints), *slope.bounds.free, slope.crack).all(
+        axis=2
+    ).all(axis=0)
+    ends = (
+        "the crack ends inside the rock, below the slope: how high water stands in it is not told"
+    )
+    deep = f"the water stands {depth_m:.6g} m deep in a crack of {most:.6g} m"
     meet = "the joints meet inside the rock, away from the crack: how high its water stands there is not told"
     faults = [
-        (np.isinf(holds), Fault("E456", ends, "", _GIVE_MEANS)),
-        (too_deep, Fault("E207", deep, "", f"Give at most {most:.6g} m, its depth where its upper edge is lowest.")),
+        (np.isinf(capacity), Fault("E456", ends, "", _GIVE_MEANS)),
+        (
+            too_deep,
+            Fault(
+                "E207",
+                deep,
+                "",
+                f"Give at most {most:.6g} m, its depth where its upper edge is lowest.",
+            ),
+        ),
         (inside, Fault("E456", meet, "", _GIVE_MEANS)),
     ]
     return [(is_misfit & (depth > 0.0), fault) for is_misfit, fault in faults]
 
 
-def _brim(slope: LocalSlope, crack: int) -> tuple[Floats, Floats]:
-    """The lowest elevation of each crack, and how deep water can stand in it: (n,) m, infinite below the slope."""
+def _crack_capacity(slope: LocalSlope, crack: int) -> tuple[Floats, Floats]:
+    """Return the lowest elevation of each crack and the largest depth of water in it, (n,) m; infinite below ground."""
     heights = slope.faces[crack][..., 2]
     lowest, is_ground = heights.min(axis=1), _lies_on(slope, crack, *slope.bounds.free)
     return lowest, np.where(is_ground, heights, np.inf).min(axis=1) - lowest
 
 
-def _from_crack(slope: LocalSlope, crack: int, level: Floats, unit_weight: Any) -> Pieces:
-    """The pressures on the joints of each block; none on one whose edge at the crack is dry.
+def _joint_pressures_from_crack(
+    slope: LocalSlope, crack: int, level: Floats, unit_weight: Any
+) -> Pieces:
+    """Return the pressures on the joints of each block; none on a joint whose edge at the crack is dry.
 
     Parameters
     ----------
@@ -277,21 +332,31 @@ def _from_crack(slope: LocalSlope, crack: int, level: Floats, unit_weight: Any) 
     polygons, in_crack = slope.faces[joints], _lies_on(slope, joints, crack)
     heads = np.where(in_crack, level[:, None] - polygons[..., 2], 0.0)
     low = np.where(in_crack, heads, -np.inf).argmax(axis=2)[..., None]
-    deepest, lowest = (np.take_along_axis(heads, low, axis=2), np.take_along_axis(polygons, low[..., None], axis=2))
+    deepest, lowest = (
+        np.take_along_axis(heads, low, axis=2),
+        np.take_along_axis(polygons, low[..., None], axis=2),
+    )
     arms = polygons - lowest
-    has_edge = in_crack & ((arms * arms).sum(axis=3) > (_ROUNDING * slope.extents.max(axis=1)[:, None]) ** 2)
+    has_edge = in_crack & (
+        (arms * arms).sum(axis=3) > (_ROUNDING * slope.extents.max(axis=1)[:, None]) ** 2
+    )
     is_wet = (deepest > 0.0) & has_edge.any(axis=2)[..., None]
     # where the water ends on the edge the joint is dry above it
     is_above = is_wet & (heads < 0.0)
     share = np.where(is_above, deepest / np.where(is_above, deepest - heads, 1.0), 1.0)
     polygons = lowest + share[..., None] * arms
-    around = (np.arange(heads.shape[2]) + low) % heads.shape[2]
+    order = (np.arange(heads.shape[2]) + low) % heads.shape[2]
     pressures = np.where(is_wet, np.maximum(heads, 0.0), 0.0) * np.asarray(unit_weight)[..., None]
-    return [(np.take_along_axis(polygons, around[..., None], axis=2), np.take_along_axis(pressures, around, axis=2))]
+    return [
+        (
+            np.take_along_axis(polygons, order[..., None], axis=2),
+            np.take_along_axis(pressures, order, axis=2),
+        )
+    ]
 
 
 def _lies_on(slope: LocalSlope, faces: Any, *planes: int) -> Bools:
-    """Whether corners of faces ([f,] n, k) lie on one of some planes."""
+    """Return whether corners of faces ([f,] n, k) lie on any of some planes."""
     corners, nearest = slope.faces[faces], np.inf
     for plane in planes:
         along = (corners * slope.solids.outward[:, plane, None]).sum(axis=-1)
@@ -303,8 +368,10 @@ def _lies_on(slope: LocalSlope, faces: Any, *planes: int) -> Bools:
 # -- for closed forms ------------------------------------------------------------------------------------------------
 
 
-def integrated_loads(design: SlopeDesign, bounds: Bounds, full: FullWater) -> tuple[list[Any], list[Any], Any]:
-    """Return what water and surcharge are to the closed form of n designs, each (n,), or a number of one.
+def integrated_loads(
+    design: SlopeDesign, bounds: Bounds, full: FullWater
+) -> tuple[list[Any], list[Any], Any]:
+    """Return water and surcharge as the closed form of n designs takes them, each (n,), or a number of one design.
 
     Parameters
     ----------
@@ -319,7 +386,9 @@ def integrated_loads(design: SlopeDesign, bounds: Bounds, full: FullWater) -> tu
     slope, none = LocalSlope(bounds, solids), PointForce(np.zeros((1, 3)))
     with np.errstate(divide="ignore", invalid="ignore"):
         loads, misfits = pushes(design, slope, full)
-    forces = [loads.pop(f"water {plane}", none).force for plane in (*slope.bounds.joints, slope.crack)]
+    forces = [
+        loads.pop(f"water {plane}", none).force for plane in (*slope.bounds.joints, slope.crack)
+    ]
     areas = [*slope.areas[slope.interfaces], np.ones(1)]
     means = [
         np.sqrt((force * force).sum(axis=1)) / np.maximum(area, _TINY)
@@ -328,7 +397,9 @@ def integrated_loads(design: SlopeDesign, bounds: Bounds, full: FullWater) -> tu
     rest = sum((load.force for load in loads.values()), none.force)
     is_cut = (solids.counts[:, list(bounds.joints)] > 0).any(axis=1)
     codes = ["E208", *(fault.code for _, fault in misfits)]
-    misfit = np.select([~is_cut, *(rows for rows, _ in misfits)], [MISFITS.index(code) for code in codes], -1)
+    misfit = np.select(
+        [~is_cut, *(rows for rows, _ in misfits)], [MISFITS.index(code) for code in codes], -1
+    )
     values: list[Any] = [*means, *rest.T, misfit]
     values = [value[0] if len(value) == 1 else value for value in values]
     return values[: len(means)], values[len(means) : -1], values[-1]

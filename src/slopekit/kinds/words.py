@@ -1,4 +1,4 @@
-"""Words that the sheets of the kinds share: numbers as a person writes them, strengths, loads, many names in few."""
+"""Text that the sheets of the kinds share: rounded numbers, strengths, loads, shortened lists of names."""
 
 import math
 import re
@@ -41,7 +41,7 @@ T = TypeVar("T")
 
 
 def names_in_runs(names: Iterable[str], most: int = MOST_RUNS) -> str:
-    """Names in the order given, three or more that count up as a run; after `most` runs only how many are left.
+    """Return names in their order, three or more consecutive numbers as a run; after `most` runs only their number.
 
     >>> names_in_runs(["C1", "C2", "C3", "C5", "C7", "C8"])
     'C1 to C3, C5, C7, C8'
@@ -68,20 +68,26 @@ def _runs(names: list[str]) -> list[list[str]]:
 
 
 def _follows(former: Sequence[str], later: Sequence[str]) -> bool:
-    """Whether two names differ in one number alone, which is one more: texts and numbers take turns."""
+    """Return whether two names, split into texts and numbers, differ in one number only, which is larger by one."""
     if len(former) != len(later):
         return False
     changed = [k for k, (old, new) in enumerate(zip(former, later, strict=True)) if old != new]
-    return len(changed) == 1 and changed[0] % 2 == 1 and int(later[changed[0]]) == int(former[changed[0]]) + 1
+    return (
+        len(changed) == 1
+        and changed[0] % 2 == 1
+        and int(later[changed[0]]) == int(former[changed[0]]) + 1
+    )
 
 
 def in_order(names: Iterable[str], order: Mapping[str, int]) -> list[str]:
-    """Names in the order of the blocks; those that are none of them last."""
+    """Return names in the order of the blocks, unknown names last."""
     return sorted(names, key=lambda name: order.get(name, len(order)))
 
 
-def first_and_last(items: Sequence[T], first: int, last: int) -> tuple[Sequence[T], int, Sequence[T]]:
-    """The first and last of many items and how many lie between them; all of them where one line saves nothing.
+def first_and_last(
+    items: Sequence[T], first: int, last: int
+) -> tuple[Sequence[T], int, Sequence[T]]:
+    """Return the first and last of many items and the number between them; all items if only one would be left out.
 
     >>> first_and_last(range(6), 2, 1)
     (range(0, 2), 3, range(5, 6))
@@ -91,7 +97,7 @@ def first_and_last(items: Sequence[T], first: int, last: int) -> tuple[Sequence[
 
 
 def shortened(items: Sequence[str], most: int) -> list[str]:
-    """The first of many items, and how many more there are.
+    """Return the first of many items, and the number of the others.
 
     >>> shortened(["a", "b", "c", "d"], 2)
     ['a', 'b', '... and 2 more']
@@ -101,7 +107,7 @@ def shortened(items: Sequence[str], most: int) -> list[str]:
 
 
 def times(count: int) -> str:
-    """How often, in words."""
+    """Return a count in words: never, once, twice, 3 times."""
     return {0: "never", 1: "once", 2: "twice"}.get(count, f"{count} times")
 
 
@@ -110,8 +116,8 @@ def times(count: int) -> str:
 
 def slope_sections(
     result: Result, made_from: Section, loads: Sequence[str], size: Sequence[str] = ()
-) -> list[Section]:  # fmt: skip
-    """What was analysed, how large it is, and the loads on it.
+) -> list[Section]:
+    """Return the sections of the analysed blocks, their size, and the loads on them.
 
     Parameters
     ----------
@@ -120,22 +126,29 @@ def slope_sections(
     size_of = _size_of_block if result.findings is None else _size_of_blocks
     measured = size_of(result)
     return [
-        made_from, replace(measured, entries=[*measured.entries, *size]),
-        loads_part([*loads, *result.design.ground_in_words()], result),
-    ]  # fmt: skip
+        made_from,
+        replace(measured, entries=[*measured.entries, *size]),
+        loads_section([*loads, *result.design.ground_in_words()], result),
+    ]
 
 
 def _size_of_block(result: Result) -> Section:
-    """Height, volume, weight and extent of one block; mass, unit weight and traces in the full sheet."""
+    """Return height, volume, weight and extent of one block; mass, unit weight and traces in the full sheet."""
     design, geometry = result.design, result.geometry
     per = " per metre" if isinstance(geometry, SectionGeometry) else ""
     total_m = geometry.total_height_m
     scaled = getattr(geometry, "scaled", None)
-    height_m = getattr(design, "height_m", total_m) * (1.0 if scaled is None else scaled["factor"])  # from toe to crest
+    height_m = getattr(design, "height_m", total_m) * (
+        1.0 if scaled is None else scaled["factor"]
+    )  # from toe to crest
     extent = [] if result.size is None else extents_in_words(result.size)
     traces = [] if result.size is None else traces_in_words(result.size)
     mass = [f"mass {short(result.mass_t)} t{per}"] if result.mass_t else []
-    total = [] if math.isclose(total_m, height_m, rel_tol=_SAME_HEIGHT) else [f"the block {short(total_m)} m high"]
+    total = (
+        []
+        if math.isclose(total_m, height_m, rel_tol=_SAME_HEIGHT)
+        else [f"the block {short(total_m)} m high"]
+    )
     details = ["  ".join([*mass, *unit_weight_in_words(result), *total]), *traces]
     measured = _height_and_volume(height_m, geometry.volume_m3) + per
     return Section(
@@ -146,19 +159,30 @@ def _size_of_block(result: Result) -> Section:
 
 
 def _size_of_blocks(result: Result) -> Section:
-    """Blocks, height, volume and weight."""
+    """Return the numbers of blocks and contacts, height, volume and weight of an assembly."""
     geometry, findings, first = result.geometry, result.findings, result.size
     assert findings is not None
     bedrock = f" and {findings.fixed} of bedrock" if findings.fixed else ""
-    groups = f", in {findings.components} groups that touch only through bedrock" if findings.components > 1 else ""
+    groups = (
+        f", in {findings.components} groups that touch only through bedrock"
+        if findings.components > 1
+        else ""
+    )
     moving = counted(findings.blocks - findings.fixed, "block")
     entries = [
         f"{moving} that can move{bedrock}, {counted(findings.contacts, 'contact')}{groups}",
         f"{_height_and_volume(geometry.total_height_m, geometry.volume_m3)}  {weight_in_words(result)}",
     ]
     if first is not None:
-        measured = [_height_and_volume(first.height_m, first.volume_m3), f"mass {mass_in_words(first.mass_t)}"]
-        entries.append("  ".join(["critical block or group: " + measured[0], measured[1], *extents_in_words(first)]))
+        measured = [
+            _height_and_volume(first.height_m, first.volume_m3),
+            f"mass {mass_in_words(first.mass_t)}",
+        ]
+        entries.append(
+            "  ".join(
+                ["critical block or group: " + measured[0], measured[1], *extents_in_words(first)]
+            )
+        )
     return Section("SIZE", entries, details=unit_weight_in_words(result))
 
 
@@ -167,7 +191,7 @@ def _height_and_volume(height_m: float, volume_m3: float) -> str:
 
 
 def extents_in_words(sizes: Sizes) -> list[str]:
-    """Width along the crest and setback behind it, those that there are.
+    """Return width along the crest and setback behind it in words, as far as they were measured.
 
     >>> extents_in_words(Sizes(5.0, 8.0, 2.0, {}))
     ['crest width 8 m, 2 m behind the crest']
@@ -178,7 +202,7 @@ def extents_in_words(sizes: Sizes) -> list[str]:
 
 
 def traces_in_words(sizes: Sizes) -> list[str]:
-    """Trace lengths on face and upper slope.
+    """Return the trace lengths on face and upper slope in words.
 
     >>> traces_in_words(Sizes(5.0, 8.0, 2.0, {"J1": {"face": 6.0, "upper": 3.0}, "J2": {"face": 7.25}}))
     ['traces on face + upper slope J1 6 + 3 m, J2 7.25 + 0 m']
@@ -188,11 +212,15 @@ def traces_in_words(sizes: Sizes) -> list[str]:
         for name, lengths in sizes.trace_lengths_m.items()
         if "face" in lengths or "upper" in lengths
     ]
-    return [f"traces on face + upper slope {', '.join(shortened(traces, _FEW_TRACES))}"] if traces else []
+    return (
+        [f"traces on face + upper slope {', '.join(shortened(traces, _FEW_TRACES))}"]
+        if traces
+        else []
+    )
 
 
 def mass_in_words(mass_t: float) -> str:
-    """A mass in t, of less than one in kg.
+    """Return a mass in t, below 1 t in kg, in words.
 
     >>> mass_in_words(0.065), mass_in_words(112.04)
     ('65 kg', '112 t')
@@ -201,7 +229,7 @@ def mass_in_words(mass_t: float) -> str:
 
 
 def force_in_words(force_kn: float) -> str:
-    """A force in kN, a large one in MN.
+    """Return a force in kN, a large one in MN, in words.
 
     >>> force_in_words(1241.4), force_in_words(5342525.1)
     ('1,240 kN', '5,340 MN')
@@ -210,7 +238,7 @@ def force_in_words(force_kn: float) -> str:
 
 
 def short(value: float) -> str:
-    """A number in three digits, as a person reads it.
+    """Return a number in three digits, without an exponent where possible.
 
     >>> short(64.887), short(209461.3), short(2.5), short(1e-9)
     ('64.9', '209,000', '2.5', '1e-09')
@@ -219,13 +247,18 @@ def short(value: float) -> str:
     return f"{rounded:,.0f}" if 1000 <= abs(rounded) < 10**9 else size_number(rounded)
 
 
-def loads_part(of_kind: list[str], result: Result) -> Section:
-    """What acts beside the weight: what is the kind's own, then seismic load, forces and bolts."""
+def loads_section(kind_entries: list[str], result: Result) -> Section:
+    """Return the section of the loads: entries of the kind, seismic load, forces and bolts."""
     design = result.design
-    in_section = result.findings is not None and getattr(result.geometry, "thickness_m", None) is not None
+    in_section = (
+        result.findings is not None and getattr(result.geometry, "thickness_m", None) is not None
+    )
     x_is_east = in_section or "x" in design.ALONG
-    entries = of_kind + seismic(design, result.words.seismic, x_is_east)
-    forces, bolts = [force_text(force) for force in design.forces], [bolt_text(bolt) for bolt in design.bolts]
+    entries = kind_entries + seismic(design, result.words.seismic, x_is_east)
+    forces, bolts = (
+        [force_text(force) for force in design.forces],
+        [bolt_text(bolt) for bolt in design.bolts],
+    )
     if any(bolt.head_m is not None for bolt in design.bolts):  # the schedule has them
         bolts = [f"{counted(len(bolts), 'bolt')} (BOLTS)"]
     entries += [*shortened(forces, _FEW_LOADS), *shortened(bolts, _FEW_LOADS)]
@@ -236,13 +269,18 @@ def loads_part(of_kind: list[str], result: Result) -> Section:
 
 
 def _further_loads(design: Design, text: str) -> list[str]:
-    """Loads of the design that the text does not name: those of a kind whose sheet has no words for them."""
+    """Return the loads of a design that the text does not name yet."""
     acting = {
-        name for actions in listed(type(design), "ACTIONS") for name, action in actions.items() if action in _PUSHES
+        name
+        for actions in listed(type(design), "ACTIONS")
+        for name, action in actions.items()
+        if action in _PUSHES
     }
     entries = []
     for name, field in fields_of(type(design)).items():
-        is_load = field.is_attribute and (name in acting or field.path.partition(".")[0] in ("loads", "support"))
+        is_load = field.is_attribute and (
+            name in acting or field.path.partition(".")[0] in ("loads", "support")
+        )
         if not is_load or name in ("seismic", "forces", "bolts"):
             continue
         value = getattr(design, name)
@@ -255,7 +293,7 @@ def _further_loads(design: Design, text: str) -> list[str]:
 
 
 def water_in_words(result: Result, highest_of_mean: float = 1.0, falls: str = "") -> list[str]:
-    """Water as one block has it, but for a table: a part of full with its highest pressure, or a depth in the crack.
+    """Return the water of one block in words, unless it is a table: a fraction of full water, or a depth in the crack.
 
     Parameters
     ----------
@@ -271,14 +309,18 @@ def water_in_words(result: Result, highest_of_mean: float = 1.0, falls: str = ""
     if water.mode == "pressures" and water.crack_fill is None:
         if len(water.pressures_kpa) < 2:
             return [f"water {water.in_words()}"]
-        named = zip(map(result.design.in_own_names, areas), water.pressures_kpa, strict=False)
-        return [f"water of mean pressure {', '.join(f'{mean:g} kPa on {name}' for name, mean in named)}"]
+        pressure_by_name = zip(
+            map(result.design.in_own_names, areas), water.pressures_kpa, strict=False
+        )
+        return [
+            f"water of mean pressure {', '.join(f'{mean:g} kPa on {name}' for name, mean in pressure_by_name)}"
+        ]
     means = [push / areas[name] for name, push in result.forces.water.items() if areas.get(name)]
     return [f"water {water.in_words()}, highest {highest_of_mean * max(means):.4g} kPa"]
 
 
 def seismic(design: Design, direction: str, x_is_east: bool) -> list[str]:
-    """The seismic load, if there is one."""
+    """Return the seismic load in words; empty without one."""
     if not design.seismic.coefficient:
         return []
     trend = design.seismic.trend_deg
@@ -288,37 +330,47 @@ def seismic(design: Design, direction: str, x_is_east: bool) -> list[str]:
 
 
 def force_text(force: Force) -> str:
-    """A force by its components, and where it acts."""
+    """Return a force in words: its components, and the point where it acts."""
     block = "" if force.block is None else f" on {force.block}"
     point = "" if force.at_m is None else f" at {coordinates(force.at_m)}"
     size = max(abs(component) for component in force.components_kn)
-    components = [0.0 if abs(component) < 1e-12 * size else component for component in force.components_kn]
+    components = [
+        0.0 if abs(component) < 1e-12 * size else component for component in force.components_kn
+    ]
     return "force ({:.6g}, {:.6g}, {:.6g}) kN east, north, up".format(*components) + block + point
 
 
 def bolt_text(bolt: Bolt) -> str:
-    """A bolt by its force, its direction, and how it acts."""
+    """Return a bolt in words: its force, its direction, and whether it is active or passive."""
     block = "" if bolt.block is None else f" on {bolt.block}"
     head = "" if bolt.head_m is None else f" from {coordinates(bolt.head_m)}"
-    return f"bolt {bolt.force_kn:.6g} kN toward {line_in_words(bolt.toward)}{block}{head}, {bolt.acts}"
+    return (
+        f"bolt {bolt.force_kn:.6g} kN toward {line_in_words(bolt.toward)}{block}{head}, {bolt.acts}"
+    )
 
 
 def weight_in_words(result: Result) -> str:
-    """The weight of what may move."""
-    return f"weight {force_in_words(result.forces.weight)}" if result.design.rock.unit_weight_kn_m3 else "weightless"
+    """Return the weight of the moving blocks in words."""
+    return (
+        f"weight {force_in_words(result.forces.weight)}"
+        if result.design.rock.unit_weight_kn_m3
+        else "weightless"
+    )
 
 
 def unit_weight_in_words(result: Result) -> list[str]:
-    """The unit weight of the rock and the density that it comes from."""
+    """Return the unit weight of the rock in words, with the density that it was computed from."""
     design = result.design
     if not design.rock.unit_weight_kn_m3:
         return []
-    density = "" if design.rock.density_kg_m3 is None else f" ({design.rock.density_kg_m3:.5g} kg/m³)"
+    density = (
+        "" if design.rock.density_kg_m3 is None else f" ({design.rock.density_kg_m3:.5g} kg/m³)"
+    )
     return [f"unit weight {design.rock.unit_weight_kn_m3:.5g} kN/m³{density}"]
 
 
 def strength_in_words(strength: Strength, digits: str = ".1f") -> str:
-    """Cohesion and friction, and what else there is, angles with so many digits.
+    """Return a strength in words: cohesion, friction, and dilation, tension and residual strength where it has them.
 
     >>> strength_in_words(Strength(24.0, 20.0)), strength_in_words(Strength(0.04, 20.0))
     ('c 24.0 kPa  φ 20.0°', 'c 0.04 kPa  φ 20.0°')
@@ -337,14 +389,14 @@ def strength_in_words(strength: Strength, digits: str = ".1f") -> str:
 
 
 def _in_digits(value: float, digits: str) -> str:
-    """A number in fixed digits; a small one, which they would round to nothing, and a huge one in significant ones."""
+    """Return a number in fixed digits, small and huge numbers in significant digits."""
     if value == 0.0 or 1.0 <= abs(value) < _HUGE:
         return f"{value:{digits}}"
     return f"{value:.3g}" if abs(value) < 1.0 else f"{value:.6g}"
 
 
 def line_in_words(line: Line) -> str:
-    """Trend and plunge as the sheet prints them."""
+    """Return trend and plunge as the sheet prints them."""
     return f"{line.trend_deg % 360.0:03.0f}/{line.plunge_deg:.1f}"
 
 
@@ -360,13 +412,15 @@ def alike(numbers: Iterable[float | None]) -> Callable[[float | None], str]:
     ('70174.9', '4.0', '0')
     """
     sizes = [abs(size) for size in numbers if size and math.isfinite(size)] or [1.0]
-    finest = max(min(3 - math.floor(math.log10(min(sizes))), 5 - math.floor(math.log10(max(sizes)))), 0)
+    finest = max(
+        min(3 - math.floor(math.log10(min(sizes))), 5 - math.floor(math.log10(max(sizes)))), 0
+    )
     digits = max(len(f"{size:.{finest}f}".rstrip("0").partition(".")[2]) for size in sizes)
     return lambda size: "-" if size is None else f"{round(size, digits) + 0.0:.{digits}f}"
 
 
 def size_number(value: float) -> str:
-    """Six significant digits without an exponent where a person would not write one."""
+    """Return a number in six significant digits, without an exponent unless it is very large or small."""
     if value == 0.0:
         return "0"
     if 1e5 <= abs(value) < 1e9:

@@ -1,4 +1,4 @@
-"""The limits of n single blocks on flat joints, all at once: by their forces, on their beds, and the lower of both.
+"""The limits of n single blocks on flat joints, all at once: by their forces, on elastic beds, and the lower of both.
 
     limit = min(F_forces, F_bed)
 
@@ -12,7 +12,13 @@ from typing import TypeVar
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, NDArray, cross
-from slopekit.preie.one_block.bed_limits import SPLITS, BedLimits, BedStatus, follow_paths, running_limits
+from slopekit.preie.one_block.bed_limits import (
+    SPLITS,
+    BedLimits,
+    BedStatus,
+    follow_paths,
+    running_limits,
+)
 from slopekit.preie.one_block.bed_path import lengths
 from slopekit.preie.one_block.dilating import dilating_slides
 from slopekit.preie.one_block.forces_limits import ForcesLimits, forces_limits
@@ -52,15 +58,15 @@ class Blocks:
 
     @property
     def unknowns(self) -> Ints:
-        """Which of the six motions the blocks have."""
+        """Indices of the six rigid motions that the blocks have: three in a section."""
         return np.array([0, 2, 4]) if self.corners.shape[2] == 2 else np.arange(6)
 
-    def of(self, rows: slice | Ints) -> "Blocks":
-        """Return some of them."""
+    def take(self, rows: slice | Ints) -> "Blocks":
+        """Return the blocks of these rows."""
         return Blocks(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 
     def beds(self) -> Beds:
-        """Return their elastic beds, each in parts of its load, its area, and the distance of its corners."""
+        """Return the elastic beds of the blocks, each scaled by its load, its area, and the distance of its corners."""
         corners, counts, columns = self.corners, self.counts, self.unknowns
         used, contacts = np.arange(corners.shape[2]) < counts[:, :, None], counts > 0
         block = np.repeat(np.arange(len(counts)), used.sum(axis=(1, 2)))
@@ -73,12 +79,20 @@ class Blocks:
         else:
             outward = 0.5 * cross(sides[:, :, :-1], sides[:, :, 1:]).sum(axis=2)
         area = np.sqrt((outward * outward).sum(axis=2))
-        axes, whole = local_axes(-outward[contacts] / area[contacts][:, None]), area.sum(axis=1)
+        axes, total_area = (
+            local_axes(-outward[contacts] / area[contacts][:, None]),
+            area.sum(axis=1),
+        )
         middle, rows, plane = contact_rows(arms / length[block, None], corner, axes, columns)
-        scale = np.broadcast_to((length ** (len(columns) // 3) / whole)[:, None], counts.shape)
+        scale = np.broadcast_to((length ** (len(columns) // 3) / total_area)[:, None], counts.shape)
         units = np.stack([force] * 3 + [force * length] * 3, axis=1)
-        pulls, capacity = self.bolts / units[:, None], np.sqrt((self.bolts[:, :, :3] ** 2).sum(axis=2)) / force[:, None]
-        line = np.stack([scale, self.cohesion * (whole / force)[:, None], self.tan_friction], axis=2)[contacts]
+        pulls, capacity = (
+            self.bolts / units[:, None],
+            np.sqrt((self.bolts[:, :, :3] ** 2).sum(axis=2)) / force[:, None],
+        )
+        line = np.stack(
+            [scale, self.cohesion * (total_area / force)[:, None], self.tan_friction], axis=2
+        )[contacts]
         laws = self.laws[contacts]
         return Beds(
             contact=np.concatenate([[0], np.cumsum(contacts.sum(axis=1))]),
@@ -93,7 +107,7 @@ class Blocks:
             bolt_capacity=capacity,
             length=length,
             laws=tuple(laws) if any(laws) else (),
-            stress_scale=np.repeat(force / whole, contacts.sum(axis=1)),
+            stress_scale=np.repeat(force / total_area, contacts.sum(axis=1)),
             tan_dilation=self.tan_dilation[contacts],
         )
 
@@ -128,40 +142,48 @@ class BlockLimits:
 
     @property
     def moments_govern(self) -> Bools:
-        """(n,) whether moments lower the limit, or leave none."""
+        """Whether (n,) moments lower the limit, or leave none."""
         return (self.bed_status >= 0) & ~(self.bed >= self.forces * (1.0 - SAME_LIMIT))
 
 
 def limits_of_blocks(blocks: Blocks) -> BlockLimits:
     """Return the limits of single blocks by their forces and on their beds.
 
-    Blocks whose paths have to be followed are gathered first: all take each step together.
+    Blocks whose elastic paths have to be followed are collected first, so that all take each step together.
     """
     slides, ends, chunks = list[ForcesLimits](), list[Floats](), list[BlockLimits]()
     for first in range(0, len(blocks.load), CHUNK):
-        chunk = blocks.of(slice(first, first + CHUNK))
+        chunk = blocks.take(slice(first, first + CHUNK))
         beds = chunk.beds()
         slides.append(forces_limits(beds))
-        found, rise = running_limits(beds, slides[-1].slides)
-        chunks.append(_limits(chunk, beds, slides[-1], found))
-        ends.append(rise)
+        by_beds, path_ends = running_limits(beds, slides[-1].slides)
+        chunks.append(_limits_of_chunk(chunk, beds, slides[-1], by_beds))
+        ends.append(path_ends)
     limits, by_forces, end = _joined(chunks), _joined(slides), np.concatenate(ends)
     paths = np.flatnonzero(~np.isnan(end))
     for rows in np.split(paths, range(CHUNK, len(paths), CHUNK)) if len(paths) else ():
-        chunk, begun = blocks.of(rows), ForcesLimits(*(getattr(by_forces, name)[rows] for name in _names(ForcesLimits)))
+        chunk, row_forces = (
+            blocks.take(rows),
+            ForcesLimits(*(getattr(by_forces, name)[rows] for name in _names(ForcesLimits))),
+        )
         beds = chunk.beds()
-        found = BedLimits.none(beds, SPLITS[0])
-        follow_paths(beds, found, begun.slides[:, -1], end[rows])
-        onward = _limits(chunk, beds, begun, found)
+        by_beds = BedLimits.none(beds, SPLITS[0])
+        follow_paths(beds, by_beds, row_forces.slides[:, -1], end[rows])
+        row_limits = _limits_of_chunk(chunk, beds, row_forces, by_beds)
         for name in _names(BlockLimits):
-            getattr(limits, name)[rows] = getattr(onward, name)
-    dilates = np.flatnonzero((blocks.tan_dilation > 0.0).any(axis=1) & ~blocks.laws.astype(bool).any(axis=1))
+            getattr(limits, name)[rows] = getattr(row_limits, name)
+    dilates = np.flatnonzero(
+        (blocks.tan_dilation > 0.0).any(axis=1) & ~blocks.laws.astype(bool).any(axis=1)
+    )
     for rows in np.split(dilates, range(CHUNK, len(dilates), CHUNK)) if len(dilates) else ():
-        chunk = blocks.of(rows)
-        tilted, by_forces, found = dilating_slides(chunk.beds())
-        pressed, onward = found.status == BedStatus.PRESSED, _limits(chunk, tilted, by_forces, found)
+        chunk = blocks.take(rows)
+        tilted, by_forces, by_beds = dilating_slides(chunk.beds())
+        pressed, row_limits = (
+            by_beds.status == BedStatus.PRESSED,
+            _limits_of_chunk(chunk, tilted, by_forces, by_beds),
+        )
         for name in _names(BlockLimits):
-            getattr(limits, name)[rows[pressed]] = getattr(onward, name)[pressed]
+            getattr(limits, name)[rows[pressed]] = getattr(row_limits, name)[pressed]
         limits.dilates[rows[pressed]] = True
     return limits
 
@@ -170,23 +192,30 @@ def _names(record: type) -> list[str]:
     return [field.name for field in fields(record)]
 
 
-def _joined(parts: Sequence[T]) -> T:
-    """Return the rows of some records in one."""
-    record = type(parts[0])
-    return record(*(np.concatenate([getattr(part, name) for part in parts]) for name in _names(record)))
+def _joined(records: Sequence[T]) -> T:
+    """Return one record with the rows of several."""
+    record_type = type(records[0])
+    return record_type(
+        *(
+            np.concatenate([getattr(record, name) for record in records])
+            for name in _names(record_type)
+        )
+    )
 
 
-def _limits(blocks: Blocks, beds: Beds, by_forces: ForcesLimits, found: BedLimits) -> BlockLimits:
-    """Return the limits of as many blocks as one chunk has, by what their forces do and what their beds do."""
+def _limits_of_chunk(
+    blocks: Blocks, beds: Beds, by_forces: ForcesLimits, by_beds: BedLimits
+) -> BlockLimits:
+    """Return the limits of the blocks of one chunk, the lower of their limits by forces and on beds."""
     slides, forces, contacts = by_forces.slides, by_forces.factor, blocks.counts > 0
     has_bed = slides[:, -1] > 0.0
-    bed, forces_govern = found.factor, ~has_bed | (found.factor > forces * (1.0 + SAME_LIMIT))
-    rests, same = np.isfinite(bed), bed >= forces * (1.0 - SAME_LIMIT)
-    velocity = np.where(forces_govern[:, None], slides[:, :-1], found.velocity)
+    bed, forces_govern = by_beds.factor, ~has_bed | (by_beds.factor > forces * (1.0 + SAME_LIMIT))
+    rests, is_same = np.isfinite(bed), bed >= forces * (1.0 - SAME_LIMIT)
+    velocity = np.where(forces_govern[:, None], slides[:, :-1], by_beds.velocity)
     opens_partly, opens_wholly = np.zeros((2, *contacts.shape), dtype=bool)
     opens_partly[contacts], opens_wholly[contacts] = opened(beds, velocity)
     pressed, normal = np.full((2, *contacts.shape), np.nan)
-    pressed[contacts], normal[contacts] = pressed_parts(beds, found.displacement)
+    pressed[contacts], normal[contacts] = pressed_parts(beds, by_beds.displacement)
     pressed[~rests], normal[~rests] = np.nan, np.nan
     normal[forces_govern] = by_forces.pushes[forces_govern]
     normal[~contacts] = np.nan
@@ -194,11 +223,11 @@ def _limits(blocks: Blocks, beds: Beds, by_forces: ForcesLimits, found: BedLimit
     motion[:, blocks.unknowns] = velocity
     force = lengths(blocks.load[:, blocks.unknowns[:moves]]) / lengths(beds.load[:, :moves])
     return BlockLimits(
-        factor=np.where(has_bed & ~rests, np.nan, np.where(same, forces, np.fmin(forces, bed))),
+        factor=np.where(has_bed & ~rests, np.nan, np.where(is_same, forces, np.fmin(forces, bed))),
         forces=forces,
         forces_status=by_forces.status,
         bed=bed,
-        bed_status=np.where(has_bed, found.status, -1),
+        bed_status=np.where(has_bed, by_beds.status, -1),
         pressed=pressed,
         velocity=motion,
         opens_partly=opens_partly,
@@ -221,24 +250,32 @@ def opened(beds: Beds, motion: Floats) -> tuple[Bools, Bools]:
 
 def pressed_parts(beds: Beds, opening: Floats) -> tuple[Floats, Floats]:
     """Return the pressed share (m,) of each contact, and its normal force, with openings (n, u) of the blocks."""
-    here, gaps, after = beds.plane, beds.motions(opening, 1)[:, 0], beds.following
-    there, to = here[after], gaps[after]
+    corners, gaps, following = beds.plane, beds.motions(opening, 1)[:, 0], beds.following
+    next_corners, next_gaps = corners[following], gaps[following]
     with np.errstate(divide="ignore", invalid="ignore"):
-        crossing = here + (gaps / (gaps - to))[:, None] * (there - here)
-    leaves, comes = (gaps < 0.0) & (to >= 0.0), (gaps >= 0.0) & (to < 0.0)
-    double = cross_2d(np.where(comes[:, None], crossing, here), np.where(leaves[:, None], crossing, there))
+        crossing = corners + (gaps / (gaps - next_gaps))[:, None] * (next_corners - corners)
+    leaves, comes = (gaps < 0.0) & (next_gaps >= 0.0), (gaps >= 0.0) & (next_gaps < 0.0)
+    double = cross_2d(
+        np.where(comes[:, None], crossing, corners),
+        np.where(leaves[:, None], crossing, next_corners),
+    )
     double *= (gaps < 0.0) | comes
-    # of the new edge: where the way round leaves the pressed part, and comes back
+    # ends of the new edge: where the outline leaves the pressed part, and where it returns
     ends, contact = np.zeros((2, len(beds.rows), 2)), beds.contact_of_corners
-    for which, cut in enumerate((leaves, comes)):
-        ends[which, contact[cut]] = crossing[cut]
+    for end, cut in enumerate((leaves, comes)):
+        ends[end, contact[cut]] = crossing[cut]
     # of triangles with a third corner in the middle of the contact
     middle = (beds.rows[:, 0] * np.repeat(opening, np.diff(beds.contact), axis=0)).sum(axis=1)
     area = np.bincount(contact, double) + cross_2d(*ends)
-    volume = area * middle + np.bincount(contact, double * (np.minimum(gaps, 0.0) + np.minimum(to, 0.0)))
-    per_area, whole = beds.line[:, 0] * np.sign(area), beds.whole[:, 0, 0]
+    volume = area * middle + np.bincount(
+        contact, double * (np.minimum(gaps, 0.0) + np.minimum(next_gaps, 0.0))
+    )
+    per_area, contact_area = beds.line[:, 0] * np.sign(area), beds.contact_moments[:, 0, 0]
     # of lines
     push = np.bincount(contact, np.maximum(-gaps, 0.0))
-    share, is_line = push / np.maximum(np.bincount(contact, np.abs(gaps)), TINY), np.diff(beds.corner) == 2
-    share = np.where(is_line, share, 0.5 * per_area * area / whole)
-    return share, np.where(is_line, 0.5 * share * push * whole, -per_area * volume / 6.0)
+    share, is_line = (
+        push / np.maximum(np.bincount(contact, np.abs(gaps)), TINY),
+        np.diff(beds.corner) == 2,
+    )
+    share = np.where(is_line, share, 0.5 * per_area * area / contact_area)
+    return share, np.where(is_line, 0.5 * share * push * contact_area, -per_area * volume / 6.0)

@@ -21,7 +21,7 @@ _ROUTINES = {
 
 
 def compiled(solvers: bool = True) -> Any:
-    """The compiled kernels, None where NumPy is to do their work.
+    """Return the compiled kernels; None where NumPy is to do their work.
 
     Parameters
     ----------
@@ -32,23 +32,31 @@ def compiled(solvers: bool = True) -> Any:
     SlopekitError
         E506 SLOPEKIT_KERNELS asks for them and they are not there, or it says neither numpy nor compiled.
     """
-    found, missing = chosen(solvers)
-    if found is None and os.environ.get("SLOPEKIT_KERNELS") == "compiled":
+    kernels, missing = chosen(solvers)
+    if kernels is None and os.environ.get("SLOPEKIT_KERNELS") == "compiled":
         raise SlopekitError([Fault("E506", f"SLOPEKIT_KERNELS=compiled, but {missing}")])
-    return found
+    return kernels
 
 
 def chosen(solvers: bool = True) -> tuple[ModuleType | None, str]:
-    """The compiled kernels, or why there are none."""
-    wanted = os.environ.get("SLOPEKIT_KERNELS", "")
-    if wanted not in ("", "numpy", "compiled"):
-        raise SlopekitError([Fault("E506", f"SLOPEKIT_KERNELS is {wanted!r}: it may be numpy or compiled")])
-    return (None, "SLOPEKIT_KERNELS=numpy") if wanted == "numpy" else _loaded() if solvers else _alone()
+    """Return the module of compiled kernels and an empty text, or None and the reason why there is none."""
+    setting = os.environ.get("SLOPEKIT_KERNELS", "")
+    if setting not in ("", "numpy", "compiled"):
+        raise SlopekitError(
+            [Fault("E506", f"SLOPEKIT_KERNELS is {setting!r}: it may be numpy or compiled")]
+        )
+    return (
+        (None, "SLOPEKIT_KERNELS=numpy")
+        if setting == "numpy"
+        else _bound_to_lapack()
+        if solvers
+        else _imported()
+    )
 
 
 @cache
-def _alone() -> tuple[ModuleType | None, str]:
-    """The module, or why there is none."""
+def _imported() -> tuple[ModuleType | None, str]:
+    """Import the module of compiled kernels; return None and the reason where it is missing or of another source."""
     try:
         module = import_module("slopekit.preie._kernels")
     except ImportError as error:
@@ -60,9 +68,9 @@ def _alone() -> tuple[ModuleType | None, str]:
 
 
 @cache
-def _loaded() -> tuple[ModuleType | None, str]:
-    """The module, bound to SciPy's BLAS and LAPACK, or why there is none."""
-    module, missing = _alone()
+def _bound_to_lapack() -> tuple[ModuleType | None, str]:
+    """Import the compiled kernels and bind them to SciPy's BLAS and LAPACK; return None and the reason without them."""
+    module, missing = _imported()
     if module is None:
         return None, missing
     routines: dict[str, Any] = {}

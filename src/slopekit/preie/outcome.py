@@ -1,4 +1,4 @@
-"""How a limit analysis ended, and the limit of one block."""
+"""The outcome of a limit analysis, and the limit of one block."""
 
 import math
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from slopekit.preie.tolerances import OPENS
 
 
 class Outcome(Enum):
-    """How a limit analysis ended; every one of them is an answer but the last."""
+    """Outcome of a limit analysis; all are answers but the last, where the search did not settle."""
 
     SLIDES = "the blocks slide, or slide and turn, when the strength is divided by the factor"
     NO_STRENGTH = "the blocks move with nothing to hold them: no strength is called on"
@@ -28,7 +28,7 @@ class Limit:
 
     Attributes
     ----------
-    outcome : how it ended
+    outcome : of the analysis
     factor : F, None unless something slides or turns
     velocity : (u,) the mechanism, of unit length; normal_force : (n,); bond : (n,) cohesion left, 0 or 1
     steps : factorisations of its path; change : width of the bracket that it lies in, in parts of it (0: a limit state)
@@ -47,16 +47,18 @@ class Limit:
     pulls: Floats | None = None
 
     def settled_to(self, relative: float) -> bool:
-        """Whether the factor is known to that part."""
+        """Return whether the factor is known to a relative accuracy."""
         return self.outcome is not Outcome.NOT_CONVERGED and self.change <= relative
 
 
 def opens(model: Model, velocity: Floats, tan_dilation: Floats) -> Bools:
-    """Which pairs a motion opens beyond their dilation, (n,)."""
+    """Return which node pairs (n,) a motion (u,) opens by more than their dilation."""
     motion = model.relative(velocity)
     opening, slip = motion[:, 0], np.sqrt((motion[:, 1:] * motion[:, 1:]).sum(axis=1))
-    beyond: Bools = opening - tan_dilation * slip > OPENS * max(float(slip.max()), float(opening.max()))
-    return beyond
+    is_open: Bools = opening - tan_dilation * slip > OPENS * max(
+        float(slip.max()), float(opening.max())
+    )
+    return is_open
 
 
 def unit(vector: Floats) -> Floats:

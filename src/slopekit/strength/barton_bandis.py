@@ -24,7 +24,9 @@ STEEPEST_DEG = 70.0
 _WALLS_KPA = (1e2, 1e6)  # weaker is soil, and nothing is stronger
 
 
-def _slips(value: float, name: str, written: str, called: object) -> tuple[str, str, str] | None:
+def _wall_strength_fault(
+    value: float, name: str, written: str, key: object
+) -> tuple[str, str, str] | None:
     """A wall strength that is typed in another unit: code, message, advice; None where it may be one."""
     if value <= 0.0:
         return "E114", f"{name} is {value:.10g}, it must be more than 0", ""
@@ -47,28 +49,61 @@ class BartonBandis:
 
     name: ClassVar[str] = "barton-bandis"
     jrc: float = field(
-        metadata={"key": "jrc", "sign": "JRC", "step": 1.0, "unit": "ratio", "least": 0.0, "most": 25.0, "example": "8",
-                  "doc": "joint roughness coefficient, 0 (smooth) to 20 (rough)"}
-    )  # fmt: skip
+        metadata={
+            "key": "jrc",
+            "sign": "JRC",
+            "step": 1.0,
+            "unit": "ratio",
+            "least": 0.0,
+            "most": 25.0,
+            "example": "8",
+            "doc": "joint roughness coefficient, 0 (smooth) to 20 (rough)",
+        }
+    )
     jcs_kpa: float = field(
-        metadata={"key": "jcs", "sign": "JCS", "unit": "pressure", "least": _WALLS_KPA[0], "most": _WALLS_KPA[1],
-                  "example": "50 MPa",
-                  "doc": "compressive strength of the joint wall", "check": _slips}
-    )  # fmt: skip
+        metadata={
+            "key": "jcs",
+            "sign": "JCS",
+            "unit": "pressure",
+            "least": _WALLS_KPA[0],
+            "most": _WALLS_KPA[1],
+            "example": "50 MPa",
+            "doc": "compressive strength of the joint wall",
+            "check": _wall_strength_fault,
+        }
+    )
     phi_r_deg: float = field(
-        metadata={"key": "phi_r", "sign": "φ_r", "step": 1.0, "unit": "angle", "least": 0.0, "below": STEEPEST_DEG,
-                  "example": "25", "doc": "residual friction angle"}
-    )  # fmt: skip
+        metadata={
+            "key": "phi_r",
+            "sign": "φ_r",
+            "step": 1.0,
+            "unit": "angle",
+            "least": 0.0,
+            "below": STEEPEST_DEG,
+            "example": "25",
+            "doc": "residual friction angle",
+        }
+    )
     length_m: float | None = field(
         default=None,
-        metadata={"key": "length", "unit": "length", "above": 0.0, "example": "5 m",
-                  "doc": "length of the joint in the field; left out, no correction of scale"},
-    )  # fmt: skip
+        metadata={
+            "key": "length",
+            "unit": "length",
+            "above": 0.0,
+            "example": "5 m",
+            "doc": "length of the joint in the field; left out, no correction of scale",
+        },
+    )
     length_0_m: float = field(
         default=0.1,
-        metadata={"key": "length_0", "unit": "length", "above": 0.0, "example": "0.1 m",
-                  "doc": "length of the sample that JRC and JCS were found on"},
-    )  # fmt: skip
+        metadata={
+            "key": "length_0",
+            "unit": "length",
+            "above": 0.0,
+            "example": "0.1 m",
+            "doc": "length of the sample that JRC and JCS were found on",
+        },
+    )
 
     @property
     def straight(self) -> MohrCoulomb | None:
@@ -104,9 +139,11 @@ class BartonBandis:
     def _angle(self, normal: Floats) -> tuple[Floats, Floats]:
         roughness, wall = self.scaled
         with np.errstate(divide="ignore"):
-            degrees = self.phi_r_deg + roughness * np.log10(wall / np.maximum(normal, 1e-300 * np.maximum(1.0, wall)))
-        within = np.clip(degrees, self.phi_r_deg, STEEPEST_DEG)
-        return np.radians(within), within == degrees
+            degrees = self.phi_r_deg + roughness * np.log10(
+                wall / np.maximum(normal, 1e-300 * np.maximum(1.0, wall))
+            )
+        limited = np.clip(degrees, self.phi_r_deg, STEEPEST_DEG)
+        return np.radians(limited), limited == degrees
 
     def reduced(self, factor: float) -> Reduced:
         """The strength over a factor: no other JRC gives that."""

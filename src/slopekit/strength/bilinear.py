@@ -22,17 +22,39 @@ class Bilinear:
 
     name: ClassVar[str] = "bilinear"
     phi_deg: float = field(
-        metadata={"key": "phi", "sign": "φ", "step": 1.0, "unit": "angle", "least": 0.0, "below": 90.0, "example": "25",
-                  "doc": "friction angle of a flat joint"}
-    )  # fmt: skip
+        metadata={
+            "key": "phi",
+            "sign": "φ",
+            "step": 1.0,
+            "unit": "angle",
+            "least": 0.0,
+            "below": 90.0,
+            "example": "25",
+            "doc": "friction angle of a flat joint",
+        }
+    )
     i_deg: float = field(
-        metadata={"key": "i", "sign": "i", "step": 1.0, "unit": "angle", "least": 0.0, "below": 90.0, "example": "15",
-                  "doc": "angle of the asperities; phi + i is below 90"}
-    )  # fmt: skip
+        metadata={
+            "key": "i",
+            "sign": "i",
+            "step": 1.0,
+            "unit": "angle",
+            "least": 0.0,
+            "below": 90.0,
+            "example": "15",
+            "doc": "angle of the asperities; phi + i is below 90",
+        }
+    )
     sigma_t_kpa: float = field(
-        metadata={"key": "sigma_t", "sign": "σ_t", "unit": "pressure", "above": 0.0, "example": "300 kPa",
-                  "doc": "normal traction above which the asperities are sheared"}
-    )  # fmt: skip
+        metadata={
+            "key": "sigma_t",
+            "sign": "σ_t",
+            "unit": "pressure",
+            "above": 0.0,
+            "example": "300 kPa",
+            "doc": "normal traction above which the asperities are sheared",
+        }
+    )
 
     @property
     def straight(self) -> MohrCoulomb | None:
@@ -50,8 +72,10 @@ class Bilinear:
         array([100., 300., 300.])
         """
         steep, flat = self._slopes
-        at = np.maximum(normal, 0.0)
-        return steep * np.minimum(at, self.sigma_t_kpa) + flat * np.maximum(at - self.sigma_t_kpa, 0.0)
+        pressure = np.maximum(normal, 0.0)
+        return steep * np.minimum(pressure, self.sigma_t_kpa) + flat * np.maximum(
+            pressure - self.sigma_t_kpa, 0.0
+        )
 
     def slope(self, normal: Floats) -> Floats:
         """Tan(φ + i) below σ_t, tan φ above, (n,)."""

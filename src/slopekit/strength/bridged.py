@@ -24,25 +24,61 @@ class Bridged:
 
     name: ClassVar[str] = "bridged"
     cohesion_kpa: float = field(
-        metadata={"key": "c", "sign": "c", "unit": "pressure", "least": 0.0, "example": "0 kPa",
-                  "doc": "cohesion of the joint"}
-    )  # fmt: skip
+        metadata={
+            "key": "c",
+            "sign": "c",
+            "unit": "pressure",
+            "least": 0.0,
+            "example": "0 kPa",
+            "doc": "cohesion of the joint",
+        }
+    )
     friction_angle_deg: float = field(
-        metadata={"key": "phi", "sign": "φ", "step": 1.0, "unit": "angle", "least": 0.0, "below": 90.0,
-                  "example": "30", "doc": "friction angle of the joint"}
-    )  # fmt: skip
+        metadata={
+            "key": "phi",
+            "sign": "φ",
+            "step": 1.0,
+            "unit": "angle",
+            "least": 0.0,
+            "below": 90.0,
+            "example": "30",
+            "doc": "friction angle of the joint",
+        }
+    )
     rock_cohesion_kpa: float = field(
-        metadata={"key": "c_rock", "sign": "c_rock", "unit": "pressure", "least": 0.0, "example": "5 MPa",
-                  "doc": "cohesion of the intact rock in the bridges"}
-    )  # fmt: skip
+        metadata={
+            "key": "c_rock",
+            "sign": "c_rock",
+            "unit": "pressure",
+            "least": 0.0,
+            "example": "5 MPa",
+            "doc": "cohesion of the intact rock in the bridges",
+        }
+    )
     rock_friction_deg: float = field(
-        metadata={"key": "phi_rock", "sign": "φ_rock", "step": 1.0, "unit": "angle", "least": 0.0, "below": 90.0,
-                  "example": "45", "doc": "friction angle of the intact rock in the bridges"}
-    )  # fmt: skip
+        metadata={
+            "key": "phi_rock",
+            "sign": "φ_rock",
+            "step": 1.0,
+            "unit": "angle",
+            "least": 0.0,
+            "below": 90.0,
+            "example": "45",
+            "doc": "friction angle of the intact rock in the bridges",
+        }
+    )
     persistence: float = field(
-        metadata={"key": "persistence", "sign": "k", "step": 0.01, "unit": "ratio", "least": 0.0, "most": 1.0,
-                  "example": "98 %", "doc": "jointed part of the plane; the rest is bridges"}
-    )  # fmt: skip
+        metadata={
+            "key": "persistence",
+            "sign": "k",
+            "step": 0.01,
+            "unit": "ratio",
+            "least": 0.0,
+            "most": 1.0,
+            "example": "98 %",
+            "doc": "jointed part of the plane; the rest is bridges",
+        }
+    )
 
     @property
     def straight(self) -> MohrCoulomb:
@@ -57,9 +93,13 @@ class Bridged:
 
     @property
     def _line(self) -> tuple[float, Any]:
-        joint, rock = (np.tan(np.radians(angle)) for angle in (self.friction_angle_deg, self.rock_friction_deg))
+        joint, rock = (
+            np.tan(np.radians(angle)) for angle in (self.friction_angle_deg, self.rock_friction_deg)
+        )
         k = self.persistence
-        return k * self.cohesion_kpa + (1.0 - k) * self.rock_cohesion_kpa, k * joint + (1.0 - k) * rock
+        return k * self.cohesion_kpa + (1.0 - k) * self.rock_cohesion_kpa, k * joint + (
+            1.0 - k
+        ) * rock
 
     def resistance(self, normal: Floats) -> Floats:
         """τ (n,) kPa."""
@@ -76,9 +116,9 @@ class Bridged:
 
     def in_words(self) -> str:
         """The line, and what it is made of."""
-        made = self.straight
+        mean_line = self.straight
         return (
-            f"{made.in_words()} (bridged: {self.persistence * 100:.6g} % joint c {self.cohesion_kpa:.6g} kPa "
+            f"{mean_line.in_words()} (bridged: {self.persistence * 100:.6g} % joint c {self.cohesion_kpa:.6g} kPa "
             f"φ {self.friction_angle_deg:.6g}°, rest rock c {self.rock_cohesion_kpa:.6g} kPa "
             f"φ {self.rock_friction_deg:.6g}°)"
         )

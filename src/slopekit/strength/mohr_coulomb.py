@@ -20,7 +20,14 @@ class MohrCoulomb:
 
     name: ClassVar[str] = "mohr-coulomb"
     cohesion_kpa: float = field(
-        metadata={"key": "c", "sign": "c", "unit": "pressure", "least": 0.0, "example": "50 kPa", "doc": "cohesion"}
+        metadata={
+            "key": "c",
+            "sign": "c",
+            "unit": "pressure",
+            "least": 0.0,
+            "example": "50 kPa",
+            "doc": "cohesion",
+        }
     )
     friction_angle_deg: float = field(
         metadata={
@@ -37,7 +44,11 @@ class MohrCoulomb:
 
     def resistance(self, normal: Floats) -> Floats:
         """τ (n,) kPa."""
-        return line(self.cohesion_kpa, math.tan(math.radians(self.friction_angle_deg)), np.maximum(normal, 0.0))
+        return line(
+            self.cohesion_kpa,
+            math.tan(math.radians(self.friction_angle_deg)),
+            np.maximum(normal, 0.0),
+        )
 
     def slope(self, normal: Floats) -> Floats:
         """Tan φ, (n,)."""

@@ -21,18 +21,36 @@ class PowerCurve:
 
     name: ClassVar[str] = "power"
     a: float = field(
-        metadata={"key": "a", "sign": "a", "unit": "ratio", "least": 0.0, "most": 1e3, "example": "2",
-                  "doc": "factor, of tractions in kPa"}
-    )  # fmt: skip
+        metadata={
+            "key": "a",
+            "sign": "a",
+            "unit": "ratio",
+            "least": 0.0,
+            "most": 1e3,
+            "example": "2",
+            "doc": "factor, of tractions in kPa",
+        }
+    )
     b: float = field(
-        metadata={"key": "b", "unit": "ratio", "above": 0.0, "most": 1.0, "example": "0.75",
-                  "doc": "exponent; 1 is a straight line"}
-    )  # fmt: skip
+        metadata={
+            "key": "b",
+            "unit": "ratio",
+            "above": 0.0,
+            "most": 1.0,
+            "example": "0.75",
+            "doc": "exponent; 1 is a straight line",
+        }
+    )
     d_kpa: float = field(
         default=0.0,
-        metadata={"key": "d", "unit": "pressure", "least": 0.0, "example": "10 kPa",
-                  "doc": "strength at no normal traction; lost where the joint opens, as cohesion"},
-    )  # fmt: skip
+        metadata={
+            "key": "d",
+            "unit": "pressure",
+            "least": 0.0,
+            "example": "10 kPa",
+            "doc": "strength at no normal traction; lost where the joint opens, as cohesion",
+        },
+    )
 
     @property
     def straight(self) -> MohrCoulomb | None:

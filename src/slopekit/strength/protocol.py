@@ -53,12 +53,22 @@ def row_laws(law: Any, count: int) -> NDArray[np.object_]:
     >>> [float(law.a) for law in row_laws(PowerCurve(np.array([2.0, 3.0]), 0.5), 2)]
     [2.0, 3.0]
     """
-    numbers = {} if law is None else {part.name: getattr(law, part.name) for part in fields(law)}
-    each = {name: row_laws(number, count) for name, number in numbers.items() if hasattr(number, "resistance")}
-    each |= {name: number for name, number in numbers.items() if isinstance(number, np.ndarray)}
+    numbers = (
+        {}
+        if law is None
+        else {parameter.name: getattr(law, parameter.name) for parameter in fields(law)}
+    )
+    row_values = {
+        name: row_laws(number, count)
+        for name, number in numbers.items()
+        if hasattr(number, "resistance")
+    }
+    row_values |= {
+        name: number for name, number in numbers.items() if isinstance(number, np.ndarray)
+    }
     laws = np.full(count, law, dtype=object)
-    for row in range(count if each else 0):
-        laws[row] = replace(law, **{name: values[row] for name, values in each.items()})
+    for row in range(count if row_values else 0):
+        laws[row] = replace(law, **{name: values[row] for name, values in row_values.items()})
     return laws
 
 
@@ -74,9 +84,9 @@ def secant(law: StrengthLaw, normal: Floats, least: float = LEAST_KPA) -> tuple[
     >>> secant(PowerCurve(2.0, 0.5), np.array([100.0]))
     (array([0.]), array([0.2]))
     """
-    at = np.maximum(normal, least)
-    cohesion = law.resistance(np.zeros_like(at))
-    tangent: Floats = (law.resistance(at) - cohesion) / at
+    traction = np.maximum(normal, least)
+    cohesion = law.resistance(np.zeros_like(traction))
+    tangent: Floats = (law.resistance(traction) - cohesion) / traction
     return cohesion, tangent
 
 
@@ -87,6 +97,6 @@ def tangent(law: StrengthLaw, normal: Floats, least: float = LEAST_KPA) -> tuple
     >>> tangent(PowerCurve(2.0, 0.5), np.array([100.0]))
     (array([10.]), array([0.1]))
     """
-    at = np.maximum(normal, least)
-    slope = law.slope(at)
-    return law.resistance(at) - at * slope, slope
+    traction = np.maximum(normal, least)
+    slope = law.slope(traction)
+    return law.resistance(traction) - traction * slope, slope

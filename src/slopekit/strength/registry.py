@@ -15,20 +15,30 @@ def _laws() -> Iterator[Any]:
     for module in iter_modules([str(Path(__file__).parent)]):
         if module.name == "registry":
             continue
-        for one in vars(import_module(f"slopekit.strength.{module.name}")).values():
-            is_own = isinstance(one, type) and one.__module__.endswith(f".{module.name}") and is_dataclass(one)
-            if is_own and hasattr(one, "resistance") and all(part.metadata for part in fields(one)):
-                yield one
+        for law in vars(import_module(f"slopekit.strength.{module.name}")).values():
+            is_own = (
+                isinstance(law, type)
+                and law.__module__.endswith(f".{module.name}")
+                and is_dataclass(law)
+            )
+            if (
+                is_own
+                and hasattr(law, "resistance")
+                and all(parameter.metadata for parameter in fields(law))
+            ):
+                yield law
 
 
 def _by_name(laws: Iterable[Any]) -> Mapping[str, Any]:
     """The laws by their names; a copy of a file beside it (`power_old.py`) is refused, not taken in its place."""
-    named: dict[str, Any] = {}
+    by_name: dict[str, Any] = {}
     for law in laws:
-        first = named.setdefault(law.name, law)
+        first = by_name.setdefault(law.name, law)
         if first is not law:
-            raise ValueError(f"the strength law {law.name} stands in {first.__module__} and in {law.__module__}")
-    return named
+            raise ValueError(
+                f"the strength law {law.name} stands in {first.__module__} and in {law.__module__}"
+            )
+    return by_name
 
 
 LAWS: Mapping[str, Any] = _by_name((MohrCoulomb, *_laws()))

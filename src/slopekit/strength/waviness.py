@@ -23,9 +23,17 @@ class Wavy:
     name: ClassVar[str] = "waviness"
     law: StrengthLaw
     waviness_deg: float = field(
-        metadata={"key": "waviness", "sign": "φ_w", "step": 1.0, "unit": "angle", "least": 0.0, "below": 90.0,
-                  "example": "5", "doc": "angle of the large waves, on any law"}
-    )  # fmt: skip
+        metadata={
+            "key": "waviness",
+            "sign": "φ_w",
+            "step": 1.0,
+            "unit": "angle",
+            "least": 0.0,
+            "below": 90.0,
+            "example": "5",
+            "doc": "angle of the large waves, on any law",
+        }
+    )
 
     @property
     def straight(self) -> MohrCoulomb | None:
@@ -34,7 +42,9 @@ class Wavy:
         >>> float(Wavy(MohrCoulomb(50.0, 45.0), 45.0).straight.friction_angle_deg.round(6))
         63.434949
         """
-        below = self.law if isinstance(self.law, MohrCoulomb) else getattr(self.law, "straight", None)
+        below = (
+            self.law if isinstance(self.law, MohrCoulomb) else getattr(self.law, "straight", None)
+        )
         if below is None:
             return None
         tangent = np.tan(np.radians(below.friction_angle_deg)) + self._tangent

@@ -1,4 +1,4 @@
-"""What is said of weighted poles: mean, scatter and shape, by the orientation tensor and Fisher's distribution.
+"""Statistics of weighted poles: mean, scatter and shape, by the orientation tensor and Fisher's distribution.
 
 A pole and its opposite are the same joint: axes, not directions. The mean is the first eigenvector of the orientation
 tensor Σ w x xᵀ / Σ w (Woodcock 1977, Geol. Soc. Am. Bull. 88, 1231-1236); about it the axes are taken on its own side
@@ -18,10 +18,10 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.orientation import downward
 
-#: Joints of one orientation scatter less than this angle (rad): K would be a number of rounding errors.
-_SAME = 1e-7
-_LARGEST_K = 1.0 / _SAME**2
-_FEW = 3  # joints from which a set has a scatter whose shape means something
+#: Least scatter (rad) of joints: below it K would be a ratio of rounding errors.
+_LEAST_SCATTER = 1e-7
+_LARGEST_K = 1.0 / _LEAST_SCATTER**2
+_LEAST_JOINTS = 3  # least number of joints of a set whose scatter has a shape
 
 
 @dataclass(frozen=True)
@@ -62,18 +62,20 @@ class Axes:
         Nagarsenker 1971, Ann. Math. Stat. 42, 764-767; the tail (m)); less than 1 % is taken as another shape.
         """
         second, third = float(self.eigenvalues[1]), float(max(self.eigenvalues[2], 0.0))
-        if self.joints < _FEW + 1 or second < _SAME**2:
+        if self.joints < _LEAST_JOINTS + 1 or second < _LEAST_SCATTER**2:
             return False
         sphericity = 4.0 * second * third / (second + third) ** 2
         return bool(sphericity ** ((self.joints - 2.0) / 2.0) < 0.01)
 
     def cone_of(self, share: float) -> float:
-        """Half angle of the cone about the mean that holds a share of the axes, degrees; nan of one joint."""
+        """Return the half angle (degrees) of the cone about the mean with a share of the axes; nan of one joint."""
         return cone_of(self.k, share)
 
 
-def axes_of(poles: Floats, weights: Floats, counts: Floats | None = None, confidence: float = 0.95) -> Axes:
-    """The statistics of axes.
+def axes_of(
+    poles: Floats, weights: Floats, counts: Floats | None = None, confidence: float = 0.95
+) -> Axes:
+    """Return the statistics of weighted axes, such as the poles of a joint set.
 
     Parameters
     ----------
@@ -86,36 +88,50 @@ def axes_of(poles: Floats, weights: Floats, counts: Floats | None = None, confid
         K = (N - 1) / (N - R),    2 K (N - R) ~ χ² of 2 (N - 1),    cos α = 1 - (N - R) / R (p^(-1 / (N - 1)) - 1)
     """
     counts = np.ones(len(poles)) if counts is None else counts
-    each = weights * counts
-    whole = float(each.sum())
-    joints = whole**2 / float((weights * each).sum())
-    values, vectors = np.linalg.eigh(np.einsum("n,ni,nj->ij", each, poles, poles) / whole)
+    pole_weights = weights * counts
+    weight_sum = float(pole_weights.sum())
+    joints = weight_sum**2 / float((weights * pole_weights).sum())
+    values, vectors = np.linalg.eigh(
+        np.einsum("n,ni,nj->ij", pole_weights, poles, poles) / weight_sum
+    )
     mean = downward(vectors[:, -1])
-    total = (each * np.where(poles @ mean < 0.0, -1.0, 1.0)) @ poles / whole
+    total = (pole_weights * np.where(poles @ mean < 0.0, -1.0, 1.0)) @ poles / weight_sum
     resultant = min(1.0, math.sqrt(float(total @ total)))
     gap = 1.0 - resultant
     if joints <= 1.0 + 1e-9:
         k = low = high = cone = math.nan
-    elif gap <= _SAME**2:
+    elif gap <= _LEAST_SCATTER**2:
         k, low, high, cone = math.inf, math.inf, math.inf, 0.0
     else:
         k, low, high = _concentration(joints, gap, confidence)
         shift = gap / resultant * math.expm1(-math.log1p(-confidence) / (joints - 1.0))
         cone = math.degrees(math.acos(max(-1.0, 1.0 - shift)))
-    return Axes(joints, mean, np.clip(values[::-1], 0.0, 1.0), resultant, k, low, high, min(cone, 90.0), confidence)
+    return Axes(
+        joints,
+        mean,
+        np.clip(values[::-1], 0.0, 1.0),
+        resultant,
+        k,
+        low,
+        high,
+        min(cone, 90.0),
+        confidence,
+    )
 
 
 def _concentration(joints: float, gap: float, confidence: float) -> tuple[float, float, float]:
-    """K and its limits from N and 1 - R/N."""
+    """Return Fisher's K and its confidence limits from N and 1 - R/N."""
     from scipy.special import gammaincinv
 
     tail = (1.0 - confidence) / 2.0
-    low, high = (float(gammaincinv(joints - 1.0, part)) for part in (tail, 1.0 - tail))  # χ² / 2 of 2 (N - 1)
+    low, high = (
+        float(gammaincinv(joints - 1.0, probability)) for probability in (tail, 1.0 - tail)
+    )  # χ² / 2 of 2 (N - 1)
     return (joints - 1.0) / (joints * gap), low / (joints * gap), high / (joints * gap)
 
 
 def cone_of(k: float, share: float) -> float:
-    """Half angle of the cone about the mean that holds a share of axes with Fisher's distribution, degrees.
+    """Return the half angle (degrees) of the cone about the mean that holds a share of axes of Fisher's distribution.
 
     1 - cos θ = -ln(1 - P (1 - exp(-2K))) / K (Fisher 1953).
 
@@ -129,7 +145,7 @@ def cone_of(k: float, share: float) -> float:
 
 
 def terzaghi_weights(poles: Floats, line: Floats, least_angle_deg: float) -> Floats:
-    """Weights (n,) of joints met by a scanline: 1 / sin of the angle between joint and line (Terzaghi 1965).
+    """Return weights (n,) of joints met by a scanline: 1 / sin of the angle between joint and line (Terzaghi 1965).
 
     A line meets joints nearly along it seldom; those nearer to it than `least_angle_deg` get the weight of that angle.
 

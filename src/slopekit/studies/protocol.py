@@ -1,4 +1,4 @@
-"""What a study is: a function whose parameters say how a command line gives them, and an outcome that shows itself.
+"""Studies: functions whose parameters declare their command line options, and outcomes with a sheet and JSON.
 
 The command of a study is made of its function (`slopekit.cli.study_command`): every parameter with an `Option` or an
 `Argument` in its type is one of the command. A new study is a folder with such a function and a line of `STUDIES`.
@@ -24,10 +24,10 @@ from slopekit.core.options import (
     Option,
     Workplace,
     as_it_is,
+    declared_option,
     documented,
-    given_by,
 )
-from slopekit.core.shown import Shown
+from slopekit.core.report import Report
 from slopekit.core.units import quantity
 from slopekit.design.common import Design
 from slopekit.design.fields import Field
@@ -37,116 +37,136 @@ if TYPE_CHECKING:
     from slopekit.design.reading.files import Source
     from slopekit.studies.cases import Cases
 
-#: The functions of studies by the names of their commands, and where they stand.
+#: The packages of the functions of studies, by the names of their commands.
 STUDIES: Mapping[str, str] = {
-    "check": "slopekit.studies.check", "prob": "slopekit.studies.prob", "sweep": "slopekit.studies.sweep",
-    "combos": "slopekit.studies.combos", "kinematic": "slopekit.studies.kinematic",
-    "sets": "slopekit.studies.sets", "solve": "slopekit.studies.solve", "support": "slopekit.studies.support",
-    "bench-design": "slopekit.studies.bench_design", "quake": "slopekit.studies.quake",
-}  # fmt: skip
-#: Studies that are a flag of another command: its name, the flag's, where the function stands.
+    "check": "slopekit.studies.check",
+    "prob": "slopekit.studies.prob",
+    "sweep": "slopekit.studies.sweep",
+    "combos": "slopekit.studies.combos",
+    "kinematic": "slopekit.studies.kinematic",
+    "sets": "slopekit.studies.sets",
+    "solve": "slopekit.studies.solve",
+    "support": "slopekit.studies.support",
+    "bench-design": "slopekit.studies.bench_design",
+    "quake": "slopekit.studies.quake",
+}
+#: Studies that are a flag of another command: by the flag's name, that command and the package of the function.
 VARIANTS: Mapping[str, tuple[str, str]] = {
-    "suite": ("check", "slopekit.studies.suite"), "tornado": ("sweep", "slopekit.studies.tornado"),
-}  # fmt: skip
-Asked = ParamSpec("Asked")
+    "suite": ("check", "slopekit.studies.suite"),
+    "tornado": ("sweep", "slopekit.studies.tornado"),
+}
+StudyArguments = ParamSpec("StudyArguments")
 Outcome = TypeVar("Outcome", bound="StudyOutcome")
 
 
-def timed(function: Callable[Asked, Outcome]) -> Callable[Asked, Outcome]:
-    """The function of a study, whose outcome knows how long it took."""
+def timed(function: Callable[StudyArguments, Outcome]) -> Callable[StudyArguments, Outcome]:
+    """Return the function of a study with its duration (s) added to the outcome."""
 
     @wraps(function)
-    def with_seconds(*values: Asked.args, **named: Asked.kwargs) -> Outcome:
+    def with_seconds(*values: StudyArguments.args, **options: StudyArguments.kwargs) -> Outcome:
         began = time.perf_counter()
-        outcome = function(*values, **named)
+        outcome = function(*values, **options)
         return replace(outcome, seconds=time.perf_counter() - began)
 
     return with_seconds
 
 
 def study(
-    function: Callable[Concatenate[Design, Asked], Outcome],
-) -> "Callable[Concatenate[Source, Asked], Outcome | Cases[Outcome]]":
+    function: Callable[Concatenate[Design, StudyArguments], Outcome],
+) -> "Callable[Concatenate[Source, StudyArguments], Outcome | Cases[Outcome]]":
     """A study of a design: its docstring lists its parameters, and a design with load cases goes through case by case.
 
     The design may be given by its path, or as a dict.
     What it returns is known when the design is read, not before: hence the two types. A study of something else is
     `timed` and `documented`.
     """
-    called: Callable[..., Outcome] = timed(documented(function))
+    timed_function: Callable[..., Outcome] = timed(documented(function))
     parameters = inspect.signature(function).parameters
-    place = next(key for key, one in parameters.items() if given_by(one) == DESIGN)
+    place = next(
+        key for key, parameter in parameters.items() if declared_option(parameter) == DESIGN
+    )
 
     @wraps(function)
-    def through_cases(*values: Any, **named: Any) -> "Outcome | Cases[Outcome]":
-        from slopekit.design.reading.files import design_from  # which a wedge of options does not need
+    def through_cases(*values: Any, **options: Any) -> "Outcome | Cases[Outcome]":
+        from slopekit.design.reading.files import (
+            design_from,
+        )  # imported here: a wedge from options does not need it
 
-        given = dict(zip(parameters, values, strict=False)) | named
-        design = design_from(given.pop(place, None), function.__name__, place)
+        arguments = dict(zip(parameters, values, strict=False)) | options
+        design = design_from(arguments.pop(place, None), function.__name__, place)
         if not design.cases:
-            return called(design, **given)
+            return timed_function(design, **arguments)
         from slopekit.studies.cases import each_case
 
-        return each_case(called, function.__name__, design, given, place)
+        return each_case(timed_function, function.__name__, design, arguments, place)
 
     return through_cases
 
 
 @dataclass(frozen=True, repr=False)
-class StudyOutcome(Shown):
-    """What a study comes to, and how long it took: see `timed`."""
+class StudyOutcome(Report):
+    """The outcome of a study, with its duration (s): see `timed`."""
 
     seconds: float = field(default=0.0, compare=False, kw_only=True, metadata=NO_JSON)
 
     @property
     def sheet(self) -> "Sheet":
-        """As `sheet_of` makes it, in the module `sheet` beside the study."""
-        study_sheet: Sheet = self._said("sheet_of")
+        """The sheet, by `sheet_of` of the module `sheet` of the study."""
+        study_sheet: Sheet = self._from_sheet_module("sheet_of")
         return study_sheet
 
     @property
     def line(self) -> str:
-        """As `line_of` does."""
-        text: str = self._said("line_of")
+        """The outcome on one line, by `line_of` of the module `sheet` of the study."""
+        text: str = self._from_sheet_module("line_of")
         return text
 
-    def _said(self, function: str) -> Any:
+    def _from_sheet_module(self, function: str) -> Any:
         package = type(self).__module__.rpartition(".")[0]
         return getattr(import_module(f"{package}.sheet"), function)(self)
 
     @property
     def exit_code(self) -> int:
-        """0, whatever was found."""
+        """0 unless the study has other exit codes."""
         return 0
 
     @property
     def charts(self) -> tuple[str, ...]:
-        """The pictures that are drawn of it, the first where one is asked for."""
+        """The names of its charts, the first of which is the default."""
         return ()
 
     def head(self, design: Design) -> dict[str, Any]:
-        """With what the JSON of every study of a design begins."""
+        """Return the first entries of the JSON of every study of a design."""
         return {
-            "slopekit": __version__, "format": FORMAT, "study": self.name, "kind": design.kind, "title": design.title,
-            "input_sha256": design.input_hash(), "inputs": design.inputs(),
-            **design.beside(),
-        }  # fmt: skip
+            "slopekit": __version__,
+            "format": FORMAT,
+            "study": self.name,
+            "kind": design.kind,
+            "title": design.title,
+            "input_sha256": design.input_hash(),
+            "inputs": design.inputs(),
+            **design.extra_json(),
+        }
 
     def words(self) -> dict[str, Any]:
-        """Its warnings, line and sheet as JSON values: what every `to_dict` ends with, and pages are made of."""
-        return {"warnings": json_of(getattr(self, "warnings", ())), "line": self.line, "sheet": self.sheet.to_dict()}
+        """Return warnings, line and sheet as JSON values: the last entries of every `to_dict`."""
+        return {
+            "warnings": json_of(getattr(self, "warnings", ())),
+            "line": self.line,
+            "sheet": self.sheet.to_dict(),
+        }
 
 
-# -- what a parameter is given -----------------------------------------------------------------------------------------
+# -- values of parameters -----------------------------------------------------------------------------------------
 
 
 def number_of(text: str, option: str) -> float:
-    """The number that an option was given; a part may be written in per cent."""
+    """Return the number of an option; a fraction may be written in per cent."""
     return quantity(text, "ratio", option, f"{option} {text}")
 
 
 def whole_number(text: str, option: str) -> int:
-    """The whole number that an option was given.
+    """Return the whole number of an option.
 
     Raises
     ------
@@ -160,20 +180,24 @@ def whole_number(text: str, option: str) -> int:
 
 
 def numbers_given(
-    fields: Mapping[str, Field], given: Mapping[str, object], option: Callable[[str], str], faults: Faults
+    fields: Mapping[str, Field],
+    values: Mapping[str, object],
+    option: Callable[[str], str],
+    faults: Faults,
 ) -> dict[str, float | None]:
-    """The numbers that options give, by their parameters; the default of its field where nothing was said.
+    """Return the numbers of options by their parameters, the default of the field where an option is None.
 
     Parameters
     ----------
-    fields : what each measures, its limits and its default; option : how a fault names a parameter
+    fields : kind, limits and default of each; values : by parameter; option : the name of a parameter in messages
     """
 
     def read(name: str, field: Field) -> float:
-        return float(field.read(given[name], field.path, f"{option(name)} {given[name]}"))
+        return float(field.read(values[name], field.path, f"{option(name)} {values[name]}"))
 
     return {
-        name: field.default if given[name] is None else faults.of(read, name, field) for name, field in fields.items()
+        name: field.default if values[name] is None else faults.of(read, name, field)
+        for name, field in fields.items()
     }
 
 
@@ -188,11 +212,14 @@ Scheduler = Annotated[
     ),
 ]
 MOST_SEED = 10**18
-Seed = Annotated[int, Option("Seed of the random numbers: the same seed gives the same numbers [1].", whole_number)]
+Seed = Annotated[
+    int,
+    Option("Seed of the random numbers: the same seed gives the same numbers [1].", whole_number),
+]
 
 
 def function_of(name: str) -> Callable[..., StudyOutcome]:
-    """The function of a study, loaded when it is asked for."""
+    """Return the function of a study, which is imported on demand."""
     place = STUDIES[name] if name in STUDIES else VARIANTS[name][1]
     function: Callable[..., StudyOutcome] = getattr(import_module(place), name.replace("-", "_"))
     return function
@@ -213,12 +240,12 @@ __all__ = [
     "StudyOutcome",
     "Workplace",
     "as_it_is",
+    "declared_option",
     "documented",
     "function_of",
-    "given_by",
     "number_of",
     "numbers_given",
     "study",
     "timed",
     "whole_number",
-]  # fmt: skip
+]

@@ -1,4 +1,4 @@
-"""Values of a key as users write them: `60,70,80`, `10m:20m:5` (how many), `10m:20m:+5m` (steps), `lo:hi`."""
+"""Read values of a key as users write them: `60,70,80`, `10m:20m:5` (count), `10m:20m:+5m` (steps), `lo:hi`."""
 
 import math
 import re
@@ -10,19 +10,19 @@ from slopekit.core.orientation import number
 from slopekit.core.units import unit_of
 from slopekit.studies.keys import Key
 
-#: Two ends: a pair, or a text `lo:hi`.
-Within: TypeAlias = str | Sequence[float | str]
+#: The two ends of a range: a pair, or a text `lo:hi`.
+SearchRange: TypeAlias = str | Sequence[float | str]
 MOST = 100_000
-_DASHED = re.compile(r"\d[\d.]*\s*(-|–|\.\.\.?|to)\s*\d[\d.]*")  # 50-80
-_LAST = 1e-9  # of a step: so near its end the last value is the end
+_DASHED_RANGE = re.compile(r"\d[\d.]*\s*(-|–|\.\.\.?|to)\s*\d[\d.]*")  # 50-80
+_END_TOLERANCE = 1e-9  # in steps: within this distance of the end the last value is the end
 
 
-def parse_values(key: Key, given: object, most: int = MOST) -> tuple[float, ...]:
-    """The values that a key shall take, in the order given.
+def parse_values(key: Key, user_values: object, most: int = MOST) -> tuple[float, ...]:
+    """Return the values of a key from what a user wrote, in the same order.
 
     Parameters
     ----------
-    given : `a:b:n` (how many), `a:b:+s` (in steps), `a,b,c`, one number, or a sequence of numbers or texts
+    user_values : `a:b:n` (how many), `a:b:+s` (in steps), `a,b,c`, one number, or a sequence of numbers or texts
 
     Raises
     ------
@@ -34,28 +34,39 @@ def parse_values(key: Key, given: object, most: int = MOST) -> tuple[float, ...]
     >>> parse_values(Key("slope.face.dip", "angle", 65.0, 0.0, 90.0), "60:75:+5")
     (60.0, 65.0, 70.0, 75.0)
     """
-    if isinstance(given, str) and ":" in given:
-        values = _evenly(key, given, most)
+    if isinstance(user_values, str) and ":" in user_values:
+        values = _evenly_spaced(key, user_values, most)
     else:
-        if isinstance(given, str) and _DASHED.fullmatch(given.strip()):
-            message = f"{key.path}: {given} is no range, ends are separated by a colon"
-            first, last = re.findall(r"\d+(?:\.\d+)?", given)
-            fail("E312", message, f"{key.path}={given}", f"Write {key.path}={first}:{last}:5 (from, to, how many).")
-        parts = _parts(given)
-        _one_spelling(key, parts, given)
-        values = tuple(key.read(part) for part in parts)
+        if isinstance(user_values, str) and _DASHED_RANGE.fullmatch(user_values.strip()):
+            message = f"{key.path}: {user_values} is no range, ends are separated by a colon"
+            first, last = re.findall(r"\d+(?:\.\d+)?", user_values)
+            fail(
+                "E312",
+                message,
+                f"{key.path}={user_values}",
+                f"Write {key.path}={first}:{last}:5 (from, to, how many).",
+            )
+        entries = _separate_entries(user_values)
+        _check_units(key, entries, user_values)
+        values = tuple(key.read(entry) for entry in entries)
     if not values:
-        fail("E312", f"{key.path} has no values", f"{key.path}={given}", how_written(key.path))
+        fail(
+            "E312", f"{key.path} has no values", f"{key.path}={user_values}", how_written(key.path)
+        )
     if len(values) > most:
         fail("E312", f"{key.path} has {len(values)} values, more than {most}", key.path)
-    twice = next((value for k, value in enumerate(values) if value in values[:k]), None)
-    if twice is not None:
-        fail("E312", f"{key.path} has the value {key.shown(twice)} twice", f"{key.path}={given}")
+    repeated = next((value for k, value in enumerate(values) if value in values[:k]), None)
+    if repeated is not None:
+        fail(
+            "E312",
+            f"{key.path} has the value {key.value_text(repeated)} twice",
+            f"{key.path}={user_values}",
+        )
     return values
 
 
-def parse_within(key: Key, given: Within | None) -> tuple[float, float]:
-    """The two ends of a range; None: what such a number can be, of a direction half a turn to both sides.
+def parse_within(key: Key, user_range: SearchRange | None) -> tuple[float, float]:
+    """Return the two ends of a range; of None the limits of the key, of a direction half a turn to both sides.
 
     Raises
     ------
@@ -67,89 +78,103 @@ def parse_within(key: Key, given: Within | None) -> tuple[float, float]:
     >>> parse_within(Key("joints.J1.plane.dip_direction", "angle", 0.0, 0.0, 360.0, period=360.0), "350:10")
     (350.0, 370.0)
     """
-    if given is None:
+    if user_range is None:
         if key.period is not None and key.value is not None:
             return key.value - key.period / 2.0, key.value + key.period / 2.0
         return key.low, key.high
-    parts = [part.strip() for part in given.split(":")] if isinstance(given, str) else list(given)
-    where = f"{key.path}={given}" if isinstance(given, str) else key.path
-    if len(parts) != 2 or any(part == "" for part in parts):
+    ends = (
+        [end.strip() for end in user_range.split(":")]
+        if isinstance(user_range, str)
+        else list(user_range)
+    )
+    location = f"{key.path}={user_range}" if isinstance(user_range, str) else key.path
+    if len(ends) != 2 or any(end == "" for end in ends):
         fail(
             "E312",
-            f"{given} is no range of {key.path}: two ends are needed",
-            where,
+            f"{user_range} is no range of {key.path}: two ends are needed",
+            location,
             "Write KEY=lo:hi, for example strength.weak.phi=10:40.",
         )
-    _one_spelling(key, parts, given)
-    low, high = (key.read(part) for part in parts)
+    _check_units(key, ends, user_range)
+    low, high = (key.read(end) for end in ends)
     high += _turn(key, low, high)
     if not low < high:
-        fail("E312", f"{key.path} runs from {key.shown(low)} to {key.shown(high)}: the lower end comes first", where)
+        fail(
+            "E312",
+            f"{key.path} runs from {key.value_text(low)} to {key.value_text(high)}: the lower end comes first",
+            location,
+        )
     return low, high
 
 
 def _turn(key: Key, low: float, high: float) -> float:
-    """What a range of directions across north, 350:10, has to be turned on so that it ends above where it begins."""
+    """Return the angle to add to the upper end of a range of directions across north, such as 350:10."""
     return key.period if key.period is not None and high < low else 0.0
 
 
 def how_written(path: str) -> str:
-    """How values are written, for advice."""
+    """Return the advice how to write values of a key."""
     return f"Write {path}=60:80:5 (from, to, how many), {path}=60:80:+5 (in steps of 5), or {path}=60,70,80."
 
 
-def _evenly(key: Key, given: str, most: int) -> tuple[float, ...]:
-    """`a:b:n` or `a:b:+s`."""
-    parts = [part.strip() for part in given.split(":")]
+def _evenly_spaced(key: Key, range_text: str, most: int) -> tuple[float, ...]:
+    """Return the values of `a:b:n` or `a:b:+s`."""
+    entries = [entry.strip() for entry in range_text.split(":")]
 
     def refuse(message: str) -> NoReturn:
-        fail("E312", f"{key.path}: {message}", f"{key.path}={given}", how_written(key.path))
+        fail("E312", f"{key.path}: {message}", f"{key.path}={range_text}", how_written(key.path))
 
-    if len(parts) != 3 or any(part == "" for part in parts):
-        refuse(f"{given} is not from:to:how many, nor from:to:+step")
-    in_steps = parts[2].startswith(("+", "-"))
-    _one_spelling(key, [*parts[:2], parts[2][1:]] if in_steps else parts[:2], given)
-    low, high = key.read(parts[0]), key.read(parts[1])
-    high += 0.0 if parts[2].startswith("-") else _turn(key, low, high)
+    if len(entries) != 3 or any(entry == "" for entry in entries):
+        refuse(f"{range_text} is not from:to:how many, nor from:to:+step")
+    in_steps = entries[2].startswith(("+", "-"))
+    _check_units(key, [*entries[:2], entries[2][1:]] if in_steps else entries[:2], range_text)
+    low, high = key.read(entries[0]), key.read(entries[1])
+    high += 0.0 if entries[2].startswith("-") else _turn(key, low, high)
     if low == high:
-        refuse(f"from {key.shown(low)} to the same")
+        refuse(f"from {key.value_text(low)} to the same")
     if in_steps:
-        step = key.read(parts[2])
-        if not 0.0 < step / (high - low) <= 1.0 + _LAST:
-            refuse(f"steps of {parts[2]} do not lead from {key.shown(low)} to {key.shown(high)}")
-        count = math.floor((high - low) / step + _LAST) + 1
+        step = key.read(entries[2])
+        if not 0.0 < step / (high - low) <= 1.0 + _END_TOLERANCE:
+            refuse(
+                f"steps of {entries[2]} do not lead from {key.value_text(low)} to {key.value_text(high)}"
+            )
+        count = math.floor((high - low) / step + _END_TOLERANCE) + 1
         if count > most:
             refuse(f"{count} values are more than {most}")
     else:
-        if not re.fullmatch(r"[0-9]{1,7}", parts[2]) or not 2 <= int(parts[2]) <= most:
-            refuse(f"{parts[2]} is no number of values from 2 to {most}; steps are written with +")
-        count = int(parts[2])
+        if not re.fullmatch(r"[0-9]{1,7}", entries[2]) or not 2 <= int(entries[2]) <= most:
+            refuse(
+                f"{entries[2]} is no number of values from 2 to {most}; steps are written with +"
+            )
+        count = int(entries[2])
         step = (high - low) / (count - 1)
     values = [low + step * k for k in range(count)]
-    if not in_steps or abs(values[-1] - high) <= _LAST * abs(step):
+    if not in_steps or abs(values[-1] - high) <= _END_TOLERANCE * abs(step):
         values[-1] = high
     tidy = [float(number(value)) for value in values]  # 0.30000000000000004 is 0.3
-    return tuple(round_ if math.isclose(round_, value, rel_tol=1e-12, abs_tol=1e-15) else value
-                 for round_, value in zip(tidy, values, strict=True))  # fmt: skip
+    return tuple(
+        round_ if math.isclose(round_, value, rel_tol=1e-12, abs_tol=1e-15) else value
+        for round_, value in zip(tidy, values, strict=True)
+    )
 
 
-def _parts(given: object) -> list[object]:
-    if isinstance(given, str):
-        return [part.strip() for part in given.split(",")]
-    if hasattr(given, "tolist"):
-        given = given.tolist()
-    return list(given) if isinstance(given, Sequence) else [given]
+def _separate_entries(user_values: object) -> list[object]:
+    if isinstance(user_values, str):
+        return [entry.strip() for entry in user_values.split(",")]
+    if hasattr(user_values, "tolist"):
+        user_values = user_values.tolist()
+    return list(user_values) if isinstance(user_values, Sequence) else [user_values]
 
 
-def _one_spelling(key: Key, parts: Sequence[object], given: object) -> None:
-    """Refuse 10:20ft, of which nobody knows whether the ten are feet: nought alone needs no unit, nor does a part."""
+def _check_units(key: Key, entries: Sequence[object], user_values: object) -> None:
+    """Refuse 10:20ft, where the unit of 10 is ambiguous; zero and ratios need no unit."""
     if key.kind == "ratio":
         return
-    units = {unit_of(part) for part in parts if str(part).strip() not in ("0", "0.0")}
+    units = {unit_of(entry) for entry in entries if str(entry).strip() not in ("0", "0.0")}
     if len(units) > 1 and "" in units:
         fail(
             "E312",
             f"{key.path}: some values carry a unit and others do not",
-            f"{key.path}={given}",
+            f"{key.path}={user_values}",
             "Write the unit with each of them.",
         )

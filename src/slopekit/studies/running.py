@@ -1,7 +1,7 @@
-"""Many tasks, one after the other, on several processes or on a Dask cluster: the same results in the same order.
+"""Run many tasks in one process, in several, or on a Dask cluster, with the same results in the same order.
 
-What is done goes to a journal, line by line, so that an interrupted study goes on where it stopped; a worker that dies
-loses no task. Tasks of many rows give arrays, which stand on disk where there are many.
+Results go to a journal, line by line, so that an interrupted study continues where it stopped; no task is lost with a
+worker that dies. Tasks of many rows give arrays, which are kept on disk where they are large.
 """
 
 import base64
@@ -14,7 +14,14 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import (
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    as_completed,
+)
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -31,27 +38,29 @@ if TYPE_CHECKING:
     from distributed import Client
     from distributed import Future as DaskFuture
 
-_EVERY_S = 1.0
-#: What a task gives: JSON values and arrays, as the journal keeps them.
+_SAVE_INTERVAL_S = 1.0
+#: The result of a task: JSON values and arrays, as the journal keeps them.
 Record: TypeAlias = Any
 Advance = Callable[[int], None]
 _MOST_LOSSES = 3  # times that workers may die without a task being finished in between
 _CONNECT_S = 10.0
 _MOST_JOBS = 512
-_LAYOUT = 5  # of records, to be raised with them: since 5 all are arrays of rows
+_RECORD_LAYOUT = (
+    5  # version of the layout of records, to be raised with it: since 5 all are arrays of rows
+)
 _MOST_ROWS_IN_MEMORY = 100_000
 _MB = 2**20
 
 
 class RowArrays(dict[int, Record]):
-    """Records of pieces of many rows, by the number of the piece: their arrays are parts of one array of all rows.
+    """Records of pieces of many rows, by the number of the piece; their arrays are views of arrays of all rows.
 
-    Above 100,000 rows these arrays are files without a name, which end with them: the system keeps in memory what fits.
+    Above 100,000 rows these arrays are mapped to temporary files, of which the system keeps in memory what fits.
 
     Attributes
     ----------
-    ends : of the pieces, from 0; pieces : first row and end of each
-    arrays : of all rows (n,), by name; 0 where a piece is not done
+    pieces : first row and end of each piece; count : number of all rows
+    arrays : of all rows (n,), by name; 0 where a piece is not finished
 
     >>> columns = RowArrays([0, 2, 3])
     >>> columns[1], columns[0] = {"factor": np.array([1.5])}, {"factor": np.array([1.0, 2.0])}
@@ -87,66 +96,78 @@ def _empty(count: int, dtype: Any) -> NDArray[Any]:
         return np.zeros(count, dtype)
     with writing(Path(tempfile.gettempdir())), tempfile.TemporaryFile() as file:
         for _ in range(0, count * dtype.itemsize, _MB):
-            file.write(bytes(_MB))  # a map of a file with holes ends the process where the disk is full
+            file.write(
+                bytes(_MB)
+            )  # on a full disk, access to the map of a sparse file ends the process
         return np.memmap(file, dtype, "r+", shape=(count,))
 
 
 @dataclass
 class Journal:
-    """Records of finished tasks by their number.
+    """A file with the records of finished tasks, by their number.
 
     Attributes
     ----------
-    path : the file; another run (other inputs, seed, version, layout of records) has another name, so that none takes
-        what is not its own
+    path : the file; its name depends on the run (inputs, seed, version, layout of records), so that no run reads the
+        records of another
     streamed : whether records are written as they come, a second at a time; else only when `save` is called
-    held : the records; unwritten : the numbers of those that the file does not have
+    records : the records; unwritten : the numbers of those that the file does not have
     """
 
     path: Path
     key: str
     streamed: bool = True
-    held: dict[int, Record] = field(default_factory=dict)
+    records: dict[int, Record] = field(default_factory=dict)
     unwritten: list[int] = field(default_factory=list)
     last: float = field(default_factory=time.monotonic)
 
     @classmethod
-    def of(
-        cls, folder: Path, study: str, run: Any, streamed: bool = True, held: dict[int, Record] | None = None
+    def for_run(
+        cls,
+        folder: Path,
+        study: str,
+        run: Any,
+        streamed: bool = True,
+        records: dict[int, Record] | None = None,
     ) -> "Journal":
-        """The journal of a run.
+        """Return the journal of a run.
 
         Parameters
         ----------
         study : its name; run : everything that its records depend on, as JSON values
         """
-        text = json.dumps([__version__, _LAYOUT, study, run], sort_keys=True, default=str)
+        text = json.dumps([__version__, _RECORD_LAYOUT, study, run], sort_keys=True, default=str)
         key = hashlib.sha256(text.encode()).hexdigest()
-        return cls(folder / f"{study}-{key[:12]}.journal", key, streamed, {} if held is None else held)
+        return cls(
+            folder / f"{study}-{key[:12]}.journal",
+            key,
+            streamed,
+            {} if records is None else records,
+        )
 
     def read(self, count: int) -> dict[int, Record]:
-        """What an earlier run of the same name has done of so many tasks; a last line cut short is passed over."""
+        """Return the records of an earlier run of the same `count` tasks; a truncated last line is skipped."""
         if self.path.is_file():
             with self.path.open(encoding="utf-8") as file:
                 for line in file:
                     try:
-                        entry = json.loads(line, object_hook=_array_of)
+                        entry = json.loads(line, object_hook=_array_from_json)
                         if entry["key"] == self.key and 0 <= entry["index"] < count:
-                            self.held[entry["index"]] = entry["record"]
+                            self.records[entry["index"]] = entry["record"]
                     except (ValueError, KeyError, TypeError):
                         continue
-        return self.held
+        return self.records
 
     def keep(self, indices: Sequence[int], records: Sequence[Record]) -> None:
-        """Take records in, as they come."""
+        """Add the records of finished tasks, and save them where a second has passed."""
         for index, record in zip(indices, records, strict=True):
-            self.held[index] = record
+            self.records[index] = record
         self.unwritten += indices
-        if self.streamed and time.monotonic() - self.last > _EVERY_S:
+        if self.streamed and time.monotonic() - self.last > _SAVE_INTERVAL_S:
             self.save()
 
     def save(self) -> None:
-        """Write what is not yet written.
+        """Write the records that the file does not have yet.
 
         Raises
         ------
@@ -158,21 +179,21 @@ class Journal:
         with writing(self.path), self.path.open("a", encoding="utf-8") as file:
             file.write("\n")  # a line that an interruption cut short ends here
             for index in self.unwritten:
-                entry = {"key": self.key, "index": index, "record": self.held[index]}
-                file.write(f"{json.dumps(entry, default=_text_of)}\n")
+                entry = {"key": self.key, "index": index, "record": self.records[index]}
+                file.write(f"{json.dumps(entry, default=_array_to_json)}\n")
         self.unwritten, self.last = [], time.monotonic()
 
     def remove(self) -> None:
-        """The run is complete: its results are written elsewhere."""
+        """Delete the file of a complete run, whose results are written elsewhere."""
         self.path.unlink(missing_ok=True)
 
 
-def _text_of(array: NDArray[Any]) -> dict[str, str]:
+def _array_to_json(array: NDArray[Any]) -> dict[str, str]:
     """Return an array (n,) as JSON values."""
     return {"array": array.dtype.str, "base64": base64.b64encode(array.tobytes()).decode()}
 
 
-def _array_of(values: dict[str, Any]) -> Any:
+def _array_from_json(values: dict[str, Any]) -> Any:
     """Return the array that `_text_of` made such values of, other values as they are."""
     if "base64" not in values:
         return values
@@ -180,12 +201,12 @@ def _array_of(values: dict[str, Any]) -> Any:
 
 
 @dataclass(frozen=True)
-class Crew:
-    """Who does the work.
+class ExecutorOptions:
+    """The workers: processes of this machine, or a Dask cluster.
 
     Attributes
     ----------
-    jobs : processes of this machine; 1 works in the process that asks
+    jobs : processes of this machine; 1 runs the tasks in the calling process
     scheduler : address of a Dask scheduler instead, tls://host:8786 or tcp://host:8786; Dask sends pickles, which run
         code where they are read, and over tcp:// neither encrypted nor signed
     """
@@ -194,17 +215,17 @@ class Crew:
     scheduler: str | None = None
 
 
-ALONE = Crew()
+ALONE = ExecutorOptions()
 
 
 class Interrupted(SlopekitError):
-    """Ctrl-C: what is done is kept."""
+    """The study was interrupted by Ctrl-C; finished tasks are kept in the journal."""
 
     exit_code = 130
 
 
-def checked_crew(jobs: object = 1, scheduler: str | None = None) -> Crew:
-    """A crew from what a user gave.
+def checked_crew(jobs: object = 1, scheduler: str | None = None) -> ExecutorOptions:
+    """Return the workers from the options of a user.
 
     Raises
     ------
@@ -212,7 +233,7 @@ def checked_crew(jobs: object = 1, scheduler: str | None = None) -> Crew:
         E313 for a number of jobs that is none, or for more than one kind of workers.
 
     >>> checked_crew("2")
-    Crew(jobs=2, scheduler=None)
+    ExecutorOptions(jobs=2, scheduler=None)
     """
     text = str(jobs).strip()
     if not text.isdigit() or not 1 <= int(text) <= _MOST_JOBS:
@@ -223,28 +244,28 @@ def checked_crew(jobs: object = 1, scheduler: str | None = None) -> Crew:
     if scheduler is not None and "://" not in scheduler:
         message = f"{scheduler} is not the address of a scheduler"
         fail("E313", message, "", "Write --scheduler tcp://host:8786.")
-    return Crew(int(text), scheduler)
+    return ExecutorOptions(int(text), scheduler)
 
 
 def run_all(
     work: Callable[[Any], Record],
     tasks: Sequence[Any],
-    crew: Crew = ALONE,
+    crew: ExecutorOptions = ALONE,
     *,
     journal: Journal | None = None,
     advance: Advance = lambda _: None,
     at_once: int = 8,
     given_up: Record | None = None,
 ) -> list[Record]:
-    """The record of every task, in the order of the tasks, whoever did them.
+    """Return the record of every task, in the order of the tasks.
 
     Parameters
     ----------
     work : a function that pickles (of a module, or an instance with `__call__`); returns JSON values and arrays
-    journal : where records are kept as they come; those that it holds already are not asked for again
-    advance : told how many tasks are done
+    journal : keeps records as they come; tasks whose records it has are not run again
+    advance : called with the number of tasks that were finished
     at_once : tasks that a worker takes at a time; results do not depend on it
-    given_up : the record of a task over which workers die again and again; without one that is an error
+    given_up : the record of a task over which workers die three times; None raises an error then
 
     Raises
     ------
@@ -270,17 +291,19 @@ def run_all(
         advance(len(indices))
 
     try:
-        if open_tasks and crew == Crew():
+        if open_tasks and crew == ExecutorOptions():
             for index in open_tasks:
                 keep([index], [work(tasks[index])])
         elif open_tasks:
-            chunks = [open_tasks[at : at + at_once] for at in range(0, len(open_tasks), at_once)]
+            chunks = [
+                open_tasks[start : start + at_once] for start in range(0, len(open_tasks), at_once)
+            ]
             _on_workers(work, tasks, chunks, crew, done, keep, given_up)
     except KeyboardInterrupt:
         raise Interrupted([_interrupted(len(done), len(tasks), journal)]) from None
     except BaseException:
         if journal is not None:
-            journal.save()  # what is done is not lost with what went wrong
+            journal.save()  # finished tasks are kept whatever the error
         raise
     if journal is not None and journal.streamed:
         journal.save()
@@ -289,52 +312,70 @@ def run_all(
 
 def _interrupted(done: int, total: int, journal: Journal | None) -> Fault:
     if journal is None:
-        return Fault("E304", f"interrupted after {done} of {total}", "", "Nothing was asked to be kept.")
+        return Fault(
+            "E304", f"interrupted after {done} of {total}", "", "Nothing was asked to be kept."
+        )
     if not done:
-        return Fault("E304", f"interrupted before the first of {total} was done", "", "The same command starts anew.")
+        return Fault(
+            "E304",
+            f"interrupted before the first of {total} was done",
+            "",
+            "The same command starts anew.",
+        )
     journal.save()
     message = f"interrupted: {done} of {total} are done and kept"
     return Fault("E304", message, str(journal.path), "The same command goes on from there.")
 
 
 def _on_workers(
-    work: Callable[[Any], Record], tasks: Sequence[Any], chunks: list[list[int]], crew: Crew,
-    done: Mapping[int, Record], keep: Callable[[Sequence[int], Sequence[Record]], None], given_up: Record | None,
-) -> None:  # fmt: skip
-    """Hand out the chunks; where workers die, hand out once more what they had not finished."""
-    left, losses = chunks, 0
-    while left:
-        lost: list[list[int]] = []
+    work: Callable[[Any], Record],
+    tasks: Sequence[Any],
+    chunks: list[list[int]],
+    crew: ExecutorOptions,
+    done: Mapping[int, Record],
+    keep: Callable[[Sequence[int], Sequence[Record]], None],
+    given_up: Record | None,
+) -> None:
+    """Give the chunks to workers; where workers die, repeat the tasks that they had not finished."""
+    remaining, losses = chunks, 0
+    while remaining:
+        lost_chunks: list[list[int]] = []
         with _executor(crew) as executor:
             futures: dict[Future[list[Record]], list[int]] = {}
             try:
-                for chunk in left:
-                    futures[executor.submit(_several, work, [tasks[index] for index in chunk])] = chunk
+                for chunk in remaining:
+                    futures[
+                        executor.submit(_work_on_chunk, work, [tasks[index] for index in chunk])
+                    ] = chunk
                 for future in as_completed(futures):
-                    chunk = futures.pop(future)  # with its results, which are kept elsewhere
+                    chunk = futures.pop(future)  # frees the results, which `keep` has
                     try:
                         keep(chunk, future.result())
                     except BrokenExecutor:
-                        lost.append(chunk)
+                        lost_chunks.append(chunk)
                     except CancelledError:
                         advice = "What is done is kept: the same command goes on."
-                        fault = Fault("E301", "the scheduler went away in the middle of the work", "", advice)
+                        fault = Fault(
+                            "E301", "the scheduler went away in the middle of the work", "", advice
+                        )
                         raise DesignError([fault]) from None
                     except Exception as error:
-                        if type(error).__name__ != "KilledWorker":  # Dask's, which need not be installed
+                        if (
+                            type(error).__name__ != "KilledWorker"
+                        ):  # Dask's, which need not be installed
                             raise
-                        lost.append(chunk)
-            except BrokenExecutor:  # no more can be handed in
-                lost = [chunk for chunk in left if chunk[0] not in done]
+                        lost_chunks.append(chunk)
+            except BrokenExecutor:  # the pool takes no more tasks
+                lost_chunks = [chunk for chunk in remaining if chunk[0] not in done]
             except BaseException:
                 for future in futures:
                     future.cancel()
                 raise
-        losses = losses + 1 if len(lost) == len(left) else 0
-        # one by one: what kills its worker does not take others along
-        left = [[index] for chunk in lost for index in chunk if index not in done]
+        losses = losses + 1 if len(lost_chunks) == len(remaining) else 0
+        # one by one, so that a task that kills its worker loses no others
+        remaining = [[index] for chunk in lost_chunks for index in chunk if index not in done]
         if losses == _MOST_LOSSES:
-            first = left.pop(0)
+            first = remaining.pop(0)
             if given_up is None:
                 message = f"workers died {losses} times over the same tasks, the first of them number {first[0]}"
                 advice = "Not enough memory? In a script of your own, call studies below if __name__ == '__main__'."
@@ -343,18 +384,18 @@ def _on_workers(
             losses = 0
 
 
-def _several(work: Callable[[Any], Record], tasks: Sequence[Any]) -> list[Record]:
+def _work_on_chunk(work: Callable[[Any], Record], tasks: Sequence[Any]) -> list[Record]:
     return [work(task) for task in tasks]
 
 
 @contextmanager
-def _executor(crew: Crew) -> Iterator[Executor]:
+def _executor(crew: ExecutorOptions) -> Iterator[Executor]:
     with ExitStack() as stack:
         if crew.scheduler is not None:
-            yield stack.enter_context(_dask(crew.scheduler))
+            yield stack.enter_context(_dask_executor(crew.scheduler))
             return
-        # spawned: the same on every system, and no threads of ours are copied half-way
-        pool = _Pool(crew.jobs, multiprocessing.get_context("spawn"), _quiet_worker)
+        # spawned, not forked: the same on every system, and no threads are copied in the middle of their work
+        pool = _ProcessPool(crew.jobs, multiprocessing.get_context("spawn"), _quiet_worker)
         try:
             yield pool
         except BaseException:
@@ -382,28 +423,28 @@ def end_with_parent() -> None:
         threading.Thread(target=watch, args=(parent,), name="end with parent", daemon=True).start()
 
 
-class _Pool(ProcessPoolExecutor):
-    """Workers that Ctrl-C, which a terminal sends to all, does not end while they start.
+class _ProcessPool(ProcessPoolExecutor):
+    """A process pool whose workers ignore Ctrl-C, which a terminal sends to all processes, while they start.
 
-    One that died then broke the pool whose tasks were just called off, and Python waited for it without end.
+    A worker that died then would break the pool whose tasks were just cancelled, and Python would wait without end.
     """
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **keys: Any) -> Future[Any]:
-        """A task more; workers begin here, and with the signals that their parent holds back."""
+        """Submit a task; workers are started here and inherit the blocked signals of their parent."""
         if not hasattr(signal, "pthread_sigmask"):  # Windows
             return super().submit(fn, *args, **keys)
         from multiprocessing import resource_tracker
 
         resource_tracker.ensure_running()  # as it starts it lets Ctrl-C through again
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+        previous_mask = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
         try:
             return super().submit(fn, *args, **keys)
         finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+            signal.pthread_sigmask(signal.SIG_SETMASK, previous_mask)
 
 
 def _quiet_worker() -> None:
-    """In a worker: Ctrl-C is for the one who asked, and one core is one core."""
+    """Initialise a worker: it ends with its parent, leaves Ctrl-C to it, and uses one thread."""
     from threadpoolctl import threadpool_limits
 
     end_with_parent()
@@ -412,12 +453,19 @@ def _quiet_worker() -> None:
 
 
 @contextmanager
-def _dask(address: str) -> Iterator[Executor]:
+def _dask_executor(address: str) -> Iterator[Executor]:
     try:
         from distributed import Client
     except ImportError:
         raise DesignError(
-            [Fault("E140", "--scheduler needs Dask, which is not installed", "", "pip install 'slopekit[dask]'")]
+            [
+                Fault(
+                    "E140",
+                    "--scheduler needs Dask, which is not installed",
+                    "",
+                    "pip install 'slopekit[dask]'",
+                )
+            ]
         ) from None
     try:
         client = Client(address, timeout=_CONNECT_S, set_as_default=False)
@@ -430,43 +478,52 @@ def _dask(address: str) -> Iterator[Executor]:
             client.wait_for_workers(1, timeout=_CONNECT_S)
         except TimeoutError:
             advice = "Start workers with dask worker and the address of the scheduler."
-            raise DesignError([Fault("E301", f"the scheduler at {address} has no worker", "", advice)]) from None
+            raise DesignError(
+                [Fault("E301", f"the scheduler at {address} has no worker", "", advice)]
+            ) from None
         answers = client.run(_version_here, on_error="return").values()
-        # a worker that went away just now has no version; the others do its work
-        wrong = sorted({str(answer) for answer in answers if answer != __version__ and not isinstance(answer, OSError)})
-        if wrong:
-            message = f"workers of {address} have not this slopekit ({__version__}): {', '.join(wrong)}"
+        # a worker that has just left has no version; the others do its work
+        other_versions = sorted(
+            {
+                str(answer)
+                for answer in answers
+                if answer != __version__ and not isinstance(answer, OSError)
+            }
+        )
+        if other_versions:
+            message = f"workers of {address} have not this slopekit ({__version__}): {', '.join(other_versions)}"
             fail("E301", message, "", "Install the same slopekit on every worker.")
-        yield _Cluster(client)
+        yield _DaskExecutor(client)
 
 
-class _Cluster(Executor):
-    """Workers of a Dask client.
+class _DaskExecutor(Executor):
+    """An executor on the workers of a Dask client.
 
-    Dask's own executor asks how a task is after it has the result, and stops with an error of its own where the worker
-    died in between.
+    Dask's own executor asks for the state of a task after its result, and fails where the worker died in between.
     """
 
     def __init__(self, client: "Client") -> None:
         self.client = client
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **keys: Any) -> Future[Any]:
-        """A task more; what a dead worker had finished is done again by another."""
-        given: Future[Any] = Future()
-        asked = self.client.submit(fn, *args, pure=False, **keys)
-        given.add_done_callback(lambda one: asked.cancel() if one.cancelled() else None)
-        asked.add_done_callback(lambda one: _pass_on(one, given))
-        return given
+        """Submit a task; what a dead worker had finished is repeated by another."""
+        result: Future[Any] = Future()
+        dask_future = self.client.submit(fn, *args, pure=False, **keys)
+        result.add_done_callback(
+            lambda future: dask_future.cancel() if future.cancelled() else None
+        )
+        dask_future.add_done_callback(lambda future: _copy_result(future, result))
+        return result
 
 
-def _pass_on(asked: "DaskFuture", given: Future[Any]) -> None:
-    """What became of a task of Dask, to who waits for it."""
-    if not given.set_running_or_notify_cancel():
+def _copy_result(dask_future: "DaskFuture", result: Future[Any]) -> None:
+    """Copy the result or the error of a task of Dask to the future that the caller waits for."""
+    if not result.set_running_or_notify_cancel():
         return
     try:
-        given.set_result(asked.result())
-    except BaseException as error:  # what went wrong there is for who asked
-        given.set_exception(CancelledError() if asked.cancelled() else error)
+        result.set_result(dask_future.result())
+    except BaseException as error:  # any error of the task is passed to the caller
+        result.set_exception(CancelledError() if dask_future.cancelled() else error)
 
 
 def _version_here() -> str:

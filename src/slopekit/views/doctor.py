@@ -6,46 +6,70 @@ import platform
 import time
 from importlib import metadata
 
-from slopekit._needs import NEEDED, fits, plain, wanted
+from slopekit._needs import NEEDED, fits, plain, required_versions
 from slopekit._version import __version__
 
-_EXTRAS = {"pyvista": "plot", "matplotlib": "plot", "jinja2": "report", "ezdxf": "cad", "distributed": "dask",
-           "openpyxl": "survey", "anywidget": "notebook", "scikit-fem": "elastic", "starlette": "app", "uvicorn": "app",
-           "websockets": "app"}  # fmt: skip
+_EXTRAS = {
+    "pyvista": "plot",
+    "matplotlib": "plot",
+    "jinja2": "report",
+    "ezdxf": "cad",
+    "distributed": "dask",
+    "openpyxl": "survey",
+    "anywidget": "notebook",
+    "scikit-fem": "elastic",
+    "starlette": "app",
+    "uvicorn": "app",
+    "websockets": "app",
+}
 
 
 def examination() -> tuple[list[str], bool]:
     """The lines to print, and whether everything that slopekit needs works."""
-    lines = [f"slopekit {__version__}, Python {platform.python_version()}, {platform.platform(terse=True)}, "
-             f"{os.cpu_count()} cores"]  # fmt: skip
-    sound, bounds = True, wanted()
+    lines = [
+        f"slopekit {__version__}, Python {platform.python_version()}, {platform.platform(terse=True)}, "
+        f"{os.cpu_count()} cores"
+    ]
+    sound, bounds = True, required_versions()
     for name in (*NEEDED, *_EXTRAS):
         version, extra = _version(name), _EXTRAS.get(name)
         if extra and version is None:
             lines.append(f"{'-':8}{name} not installed (extra: {extra})")
             continue
-        works = version is not None and (extra is not None or _imports(name))
-        asked = bounds.get(plain(name), "")
-        told = "MISSING" if not works else "ok" if fits(version or "", asked) else "WRONG"
-        wish = f", slopekit wants {asked}" if told == "WRONG" else ""
-        sound = sound and told == "ok"
-        lines.append(f"{told:8}{name} {version or ''}".rstrip() + wish)
+        is_importable = version is not None and (extra is not None or _imports(name))
+        requirement = bounds.get(plain(name), "")
+        verdict = (
+            "MISSING"
+            if not is_importable
+            else "ok"
+            if fits(version or "", requirement)
+            else "WRONG"
+        )
+        wish = f", slopekit wants {requirement}" if verdict == "WRONG" else ""
+        sound = sound and verdict == "ok"
+        lines.append(f"{verdict:8}{name} {version or ''}".rstrip() + wish)
     lines.append(_kernels())
     for name, test in (
-        ("templates", _templates), ("the paper's wedge, both methods", lambda: _both("wedge", 1e-9)),
-        ("a plane failure", lambda: _both("plane", 1e-8)), ("the sphere with φ = 0", lambda: _both("sphere", 1e-4)),
+        ("templates", _templates),
+        ("the paper's wedge, both methods", lambda: _both("wedge", 1e-9)),
+        ("a plane failure", lambda: _both("plane", 1e-8)),
+        ("the sphere with φ = 0", lambda: _both("sphere", 1e-4)),
         ("Goodman & Bray's columns", lambda: _both("goodman-bray", 1e-8)),
         ("drawing off-screen", _drawing),
-    ):  # fmt: skip
+    ):
         began = time.perf_counter()
         try:
-            said, passed = test()
+            outcome, passed = test()
         except Exception as error:  # whatever is broken here is what the doctor is asked about
-            said, passed = f"{type(error).__name__}: {error}".splitlines()[0], False
+            outcome, passed = f"{type(error).__name__}: {error}".splitlines()[0], False
         sound = sound and passed
         took = (time.perf_counter() - began) * 1e3
-        lines.append(f"{'ok' if passed else 'FAILS':8}{name}: {said} ({took:.0f} ms)")
-    lines.append("all is well" if sound else "something is wrong: see the lines marked MISSING, WRONG or FAILS")
+        lines.append(f"{'ok' if passed else 'FAILS':8}{name}: {outcome} ({took:.0f} ms)")
+    lines.append(
+        "all is well"
+        if sound
+        else "something is wrong: see the lines marked MISSING, WRONG or FAILS"
+    )
     return lines, sound
 
 
@@ -56,7 +80,11 @@ def _kernels() -> str:
         kernels, missing = chosen()
     except ImportError as error:  # of what is marked as missing above
         kernels, missing = None, str(error)
-    return f"{'ok':8}compiled kernels" if kernels else f"{'-':8}no compiled kernels, NumPy does it: {missing}"
+    return (
+        f"{'ok':8}compiled kernels"
+        if kernels
+        else f"{'-':8}no compiled kernels, NumPy does it: {missing}"
+    )
 
 
 def _version(name: str) -> str | None:
@@ -84,7 +112,7 @@ def _templates() -> tuple[str, bool]:
     return f"{len(templates)} read", bool(templates)
 
 
-def _both(name: str, within: float) -> tuple[str, bool]:
+def _both(name: str, tolerance: float) -> tuple[str, bool]:
     """Both methods on a template."""
     from slopekit.design.reading.files import load
     from slopekit.design.templates import path_of
@@ -93,7 +121,9 @@ def _both(name: str, within: float) -> tuple[str, bool]:
     fos = analyse(load(path_of(name))).fos
     if fos.limit is None or fos.closed_form is None:
         return "no factor", False
-    return f"{fos.limit:.8f} and {fos.closed_form:.8f}", abs(fos.limit - fos.closed_form) < within
+    return f"{fos.limit:.8f} and {fos.closed_form:.8f}", abs(
+        fos.limit - fos.closed_form
+    ) < tolerance
 
 
 def _drawing() -> tuple[str, bool]:

@@ -13,10 +13,13 @@ no block) or 5 (a bug of ours); in a study, where one point of many has it, it i
 below the sheet as a NOTE and in the JSON under `warnings`. Below each code what `slopekit explain CODE` prints.
 """
 _PARTS = (
-    ("E1", "Input: values, files, keys"), ("E2", "Planes, blocks, loads, and check"),
-    ("E3", "Studies, pictures, reports, files for other programs"), ("E4", "Calls from Python, and later inputs"),
-    ("E5", "Faults of the program"), ("W", "Notices"),
-)  # fmt: skip
+    ("E1", "Input: values, files, keys"),
+    ("E2", "Planes, blocks, loads, and check"),
+    ("E3", "Studies, pictures, reports, files for other programs"),
+    ("E4", "Calls from Python, and later inputs"),
+    ("E5", "Faults of the program"),
+    ("W", "Notices"),
+)
 
 
 def messages_page() -> str:

@@ -7,17 +7,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from slopekit.core.errors import DesignError
-from slopekit.core.shown import Shown
+from slopekit.core.report import Report
 from slopekit.views.pages.page_pictures import page_picture
 
 if TYPE_CHECKING or os.name != "nt":  # not one expression: a class needs a base that is known
-    from pathlib import PosixPath as _Own
+    from pathlib import PosixPath as _PlatformPath
 else:
-    from pathlib import WindowsPath as _Own
+    from pathlib import WindowsPath as _PlatformPath
 _TYPES = {".png": "image/png", ".svg": "image/svg+xml"}
 
 
-class Drawing(_Own):
+class Drawing(_PlatformPath):
     """The file of a picture, a path like any other; in a notebook it shows what it holds."""
 
     @property
@@ -33,18 +33,18 @@ class Drawing(_Own):
         return f'<img src="data:{kind};base64,{data}" alt="{escape(self.stem)}" style="max-width: 820px; width: 100%">'
 
 
-def html_of(shown: Shown) -> str:
+def html_of(result: Report) -> str:
     """A picture and the sheet as HTML."""
-    return f"{_picture(shown.to_dict())}\n{shown.sheet._repr_html_()}"
+    return f"{_picture(result.to_dict())}\n{result.sheet._repr_html_()}"
 
 
 def _picture(document: dict[str, Any]) -> str:
     """The first picture that the document can give, nothing where it cannot be drawn."""
     from slopekit.views.plots import offers
 
-    for what, caption in offers(document).items():
+    for picture, caption in offers(document).items():
         try:
-            uri = page_picture(document, what)
+            uri = page_picture(document, picture)
         except DesignError:
             continue
         return f'<img src="{uri}" alt="{escape(caption)}" style="max-width: 720px; width: 100%">'

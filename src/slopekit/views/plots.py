@@ -30,7 +30,9 @@ class Offer(NamedTuple):
 OFFERS: Mapping[str, Offer] = {
     "scene": Offer("the slope with its blocks and joints", _RESULT),
     "exploded": Offer("the blocks apart, their joints coloured", _RESULT),
-    "tractions": Offer("node pairs by contact mode, and the tractions that they carry at the limit", _RESULT),
+    "tractions": Offer(
+        "node pairs by contact mode, and the tractions that they carry at the limit", _RESULT
+    ),
     "forces": Offer("the loads, and the resultants on the joints, to scale", _RESULT),
     "displacement": Offer("the displacement at full strength, magnified", _RESULT),
     "mechanism": Offer("how the blocks move as they fail", _RESULT),
@@ -101,7 +103,7 @@ def offers(document: Document) -> dict[str, str]:
     scene = document["scene"] if is_of_scene else {}
     study, keys = document.get("study"), document.get("keys")
     swept = len(keys) if study == "sweep" and isinstance(keys, list) else 0
-    given = {
+    is_available = {
         **dict.fromkeys(("scene", "exploded", "tractions", "forces"), is_of_scene),
         "displacement": scene.get("displacement") is not None,
         "mechanism": is_of_scene and document.get("mechanism") is not None,
@@ -117,7 +119,7 @@ def offers(document: Document) -> dict[str, str]:
         "speed-error": "ladder" in document,
         "reduction": bool(document.get("series") or document.get("all_pairs")),
     }
-    return {what: offer.shows for what, offer in OFFERS.items() if given[what]}
+    return {picture: offer.shows for picture, offer in OFFERS.items() if is_available[picture]}
 
 
 def _is_oriented(document: Document) -> bool:
@@ -135,12 +137,20 @@ def _is_oriented(document: Document) -> bool:
         raise
 
 
-def draw(document: Document, what: str, path: Path, *, test: str | None = None, step: int = 1, name: str = "") -> None:
+def draw(
+    document: Document,
+    picture: str,
+    path: Path,
+    *,
+    test: str | None = None,
+    step: int = 1,
+    name: str = "",
+) -> None:
     """Draw a picture of a document to a file.
 
     Parameters
     ----------
-    what : one of `EVERY`
+    picture : one of `EVERY`
     test : one of `survey_charts.TESTS`, the tests of a kinematic study that are drawn
     step : the mechanism of a scene, 1 the first
     name : what the document is called, for messages
@@ -151,18 +161,20 @@ def draw(document: Document, what: str, path: Path, *, test: str | None = None, 
         E106 an option that is no number, E140 without the extra, E197 no such picture, E273 nothing to draw,
         E340 the document is damaged, E141 not a format, E313 an option of other pictures, E129 not writable.
     """
-    called = name or "the document"
-    check(document, what, path, called, test, step)
+    document_name = name or "the document"
+    check(document, picture, path, document_name, test, step)
     try:
-        if what in SCENES:
+        if picture in SCENES:
             from slopekit.views.solid import scenes
 
-            scenes.draw(document, what, path, step)
+            scenes.draw(document, picture, path, step)
             return
         with new_figure(path) as figure, warnings.catch_warnings():
-            warnings.simplefilter("ignore", UserWarning)  # a letter that the font has not, no contour between two
-            drawn_by = OFFERS[what].drawn_by
-            if what == "stereonet":
+            warnings.simplefilter(
+                "ignore", UserWarning
+            )  # a letter that the font has not, no contour between two
+            drawn_by = OFFERS[picture].drawn_by
+            if picture == "stereonet":
                 drawn_by = _OF_SURVEYS.get(str(document.get("kind")), drawn_by)
             module, function = drawn_by.split(".")
             chart = getattr(import_module(f"slopekit.views.charts.{module}"), function)
@@ -171,42 +183,63 @@ def draw(document: Document, what: str, path: Path, *, test: str | None = None, 
     except MISREAD as error:
         if not is_of_document(error):  # the fault is ours, and shall be seen
             raise
-        said = f"lacks {error}" if isinstance(error, KeyError) else f"{type(error).__name__}: {error}"
-        message = f"{called} cannot be drawn as {what} ({said})"
+        detail = (
+            f"lacks {error}" if isinstance(error, KeyError) else f"{type(error).__name__}: {error}"
+        )
+        message = f"{document_name} cannot be drawn as {picture} ({detail})"
         advice = "Was it changed, or written by an older slopekit? Make it again."
         raise DesignError([Fault("E340", message, "", advice)]) from error
     except DesignError as error:  # where it stands is the document
-        faults = [Fault(fault.code, fault.message, fault.where or name, fault.advice) for fault in error.faults]
+        faults = [
+            Fault(fault.code, fault.message, fault.where or name, fault.advice)
+            for fault in error.faults
+        ]
         raise DesignError(faults) from error
 
 
-def check(document: Document, what: str, path: Path, name: str, test: str | None = None, step: int = 1) -> None:
+def check(
+    document: Document, picture: str, path: Path, name: str, test: str | None = None, step: int = 1
+) -> None:
     """Refuse what cannot be drawn before anything is loaded: E106, E197, E273, E141, E313."""
-    given = offers(document)
-    can = f"{name} can give {', '.join(given)}." if given else f"{name} has nothing that can be drawn."
-    if what not in EVERY:
-        advice = f"{did_you_mean(what, EVERY, cutoff=0.7)} {can}".lstrip()
-        raise DesignError([Fault("E197", f"{what} is not a picture", what, advice)])
-    is_scene = what in SCENES and what != "factors" and "scene" in given  # it says itself why it lacks what it draws
-    if what not in given and not is_scene:
-        message = f"{name} has no data for {what}"
-        raise DesignError([Fault("E273", message, "", f"{can} {what} wants {OFFERS[what].wants}")])
-    formats = SCENE_FORMATS if what in SCENES else FORMATS
+    available = offers(document)
+    available_text = (
+        f"{name} can give {', '.join(available)}."
+        if available
+        else f"{name} has nothing that can be drawn."
+    )
+    if picture not in EVERY:
+        advice = f"{did_you_mean(picture, EVERY, cutoff=0.7)} {available_text}".lstrip()
+        raise DesignError([Fault("E197", f"{picture} is not a picture", picture, advice)])
+    is_scene = (
+        picture in SCENES and picture != "factors" and "scene" in available
+    )  # it says itself why it lacks what it draws
+    if picture not in available and not is_scene:
+        message = f"{name} has no data for {picture}"
+        raise DesignError(
+            [
+                Fault(
+                    "E273", message, "", f"{available_text} {picture} wants {OFFERS[picture].wants}"
+                )
+            ]
+        )
+    formats = SCENE_FORMATS if picture in SCENES else FORMATS
     if path.suffix.lower() not in formats:
-        message = f"{what} cannot be written as {path.suffix or 'a file without an ending'}"
+        message = f"{picture} cannot be written as {path.suffix or 'a file without an ending'}"
         raise DesignError([Fault("E141", message, str(path), f"Known: {', '.join(formats)}.")])
     if not isinstance(step, Real) or not (math.isfinite(step) and step == int(step)):
-        raise DesignError([Fault("E106", f"--step is {step!r}, a whole number is needed", "--step")])
-    takes_test = what == "stereonet" and document.get("kind") == "kinematic"
+        raise DesignError(
+            [Fault("E106", f"--step is {step!r}, a whole number is needed", "--step")]
+        )
+    takes_test = picture == "stereonet" and document.get("kind") == "kinematic"
     if test is not None and not takes_test:
-        raise _alien("--test", what)
-    if step != 1 and what != "mechanism":
-        raise _alien("--step", what)
+        raise _foreign_option("--test", picture)
+    if step != 1 and picture != "mechanism":
+        raise _foreign_option("--step", picture)
     if test is not None and test not in TESTS:
         advice = f"Known: {', '.join(TESTS)}."
         raise DesignError([Fault("E313", f"{test} is not a test", f"--test {test}", advice)])
 
 
-def _alien(option: str, what: str) -> DesignError:
+def _foreign_option(option: str, picture: str) -> DesignError:
     advice = "--test is of kinematic stereonets, --step of mechanism."
-    return DesignError([Fault("E313", f"{option} says nothing of this {what}", option, advice)])
+    return DesignError([Fault("E313", f"{option} says nothing of this {picture}", option, advice)])

@@ -1,4 +1,4 @@
-"""Files that a design names, looked for beside it."""
+"""Files that a design names, such as meshes and joint lists, relative to the folder of the design."""
 
 import hashlib
 import os
@@ -16,23 +16,25 @@ from slopekit.design.reading.reader import Reader
 
 _MOST_MESH_BYTES = 200_000_000
 _METRES = (1.0, "")
-_INSUNITS = re.compile(rb"\$INSUNITS(?:\s+70\s+(\d+)|\0\x46\0?(.)\0)", re.DOTALL)  # of text and of binary files
+_INSUNITS = re.compile(
+    rb"\$INSUNITS(?:\s+70\s+(\d+)|\0\x46\0?(.)\0)", re.DOTALL
+)  # in text and in binary DXF files
 
 
-def beside(reader: Reader, node: Node) -> Path:
-    """Return the path of a file that the design names, which lies in the folder of the design file or below it.
+def path_of_named_file(reader: Reader, node: Node) -> Path:
+    """Return the path of a file that the design names, in the folder of the design file or below it.
 
-    A design without a file, of Python, may name any file, and so may a value of `--set`.
+    A design from Python, without a file, may name any file, and so may a value of `--set`.
 
     Raises
     ------
     DesignError
-        E148 for a file elsewhere, links followed, where that is not allowed.
+        E148 for a file outside that folder (links are followed), where that is not allowed.
     """
-    named, design = Path(node.text or ""), reader.document.path
+    named_path, design = Path(node.text or ""), reader.document.path
     if design is None:
-        return named
-    path = design.parent / named
+        return named_path
+    path = design.parent / named_path
     is_of_file = node.place.file == printable(reader.document.name)
     is_inside = Path(os.path.realpath(path)).is_relative_to(os.path.realpath(design.parent))
     if is_of_file and not is_inside and not reader.document.allows_outside:
@@ -43,9 +45,9 @@ def beside(reader: Reader, node: Node) -> Path:
 
 
 def mesh_file(reader: Reader, holder: Node) -> MeshFile | None:
-    """The mesh that a group of keys names, known by its content, and the axis that points up in it.
+    """Read the mesh file that a group of keys names: its path, hash, vertical axis and length unit.
 
-    None where it names none, or with the fault E172 where it cannot be read.
+    None where it names none, or with fault E172 where the file cannot be read.
     """
     node, up = holder.get("mesh"), holder.get("up")
     axis: str | None = reader.field(axis_key(up.path), up)
@@ -54,7 +56,7 @@ def mesh_file(reader: Reader, holder: Node) -> MeshFile | None:
             reader.fault("E172", f"{up.path} says nothing without a mesh", up, "Leave it out.")
         return None
     try:
-        path = beside(reader, node)
+        path = path_of_named_file(reader, node)
         content = read_bytes(path, _MOST_MESH_BYTES)
     except DesignError as error:
         fault = error.faults[0]
@@ -78,23 +80,25 @@ def _dxf_unit(content: bytes) -> tuple[float, str]:
     """Return the unit (m) that a DXF names for its lengths, and its name where that is not the metre."""
     try:
         from ezdxf.units import InsertUnits, conversion_factor
-    except ImportError:  # which is a fault where the mesh is read
+    except ImportError:  # reported as a fault where the mesh is read
         return _METRES
-    found = _INSUNITS.search(content)
-    number = int(found[1] or found[2][0]) if found else 0
+    match = _INSUNITS.search(content)
+    number = int(match[1] or match[2][0]) if match else 0
     if number in (0, InsertUnits.Meters) or number not in InsertUnits.__members__.values():
         return _METRES
-    return conversion_factor(InsertUnits(number), InsertUnits.Meters), InsertUnits(number).name.lower()
+    return conversion_factor(InsertUnits(number), InsertUnits.Meters), InsertUnits(
+        number
+    ).name.lower()
 
 
 @contextmanager
 def files_outside(are_allowed: bool) -> Iterator[None]:
     """Let the designs that are read within name files outside their own folders, where that is allowed."""
-    before = os.environ.get(ALLOW_OUTSIDE)
+    previous = os.environ.get(ALLOW_OUTSIDE)
     if are_allowed:
         os.environ[ALLOW_OUTSIDE] = "1"
     try:
         yield
     finally:
-        if are_allowed and before is None:
+        if are_allowed and previous is None:
             del os.environ[ALLOW_OUTSIDE]

@@ -1,7 +1,7 @@
-"""A design as located nodes: every value knows its dotted path and the line and column it stands at.
+"""The tree of a design: every node has its dotted path and the line and column where it is written.
 
-Scalars are texts, kept as the user wrote them, so that 045 stays 045 and no number is rounded here. The same tree is
-made of a file (`yaml.py`) and of a Python mapping (`document_from`).
+Scalars are texts as the user wrote them, so that 045 stays 045 and no number is rounded here. A file (`yaml.py`) and
+a Python mapping (`document_from`) give the same tree.
 """
 
 import os
@@ -27,18 +27,22 @@ WIDTH = 80
 _NO_TEXT = "[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ud800-\udfff\ufffe\uffff]"
 
 
-def no_text(text: str) -> "re.Match[str] | None":
-    """The first character that YAML has not: a control character, half of a surrogate pair; None where all are text.
+def find_invalid_character(text: str) -> "re.Match[str] | None":
+    """Find the first character that YAML does not allow (a control character or half of a surrogate pair).
 
-    >>> no_text("dip 45°"), no_text("dip\\x0045").start()
+    >>> find_invalid_character("dip 45°"), find_invalid_character("dip\\x0045").start()
     (None, 3)
     """
-    return None if text.isprintable() else re.search(_NO_TEXT, text)  # a millisecond to compile, for text with a slip
+    return (
+        None if text.isprintable() else re.search(_NO_TEXT, text)
+    )  # compiled only when needed: it takes a millisecond
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where something was written; `line` 0 is a value from `--set` or from Python, without a file one of a call.
+    """The place where a value was written; `line` is 0 for a value from `--set` or from Python.
+
+    Without a file, it is an argument of a call.
 
     >>> print(Place("north-wall.yaml", 6, 8, "J1: {plane: 95/115, strength: weak}"))
     north-wall.yaml:6:8  J1: {plane: 95/115, strength: weak}
@@ -60,16 +64,16 @@ class Place:
 
     @property
     def is_set(self) -> bool:
-        """Whether the value came by `--set`."""
+        """Whether the value comes from `--set`."""
         return not self.line and self.file == "--set"
 
 
 @dataclass(frozen=True)
 class Node:
-    """A value of a design: keys with nodes, a list of nodes, the text as written, or None where nothing was written.
+    """A value of a design: keys with nodes, a list of nodes, the text as written, or None where nothing is written.
 
-    `place` is where the value begins, `key_place` where its key stands (for a list item, the item itself). A key that
-    is not there has the node `NOTHING`, which alone is false.
+    `place` is the place where the value begins, `key_place` that of its key (for a list item, of the item). A missing
+    key has the node `NOTHING`, the only one that is false.
     """
 
     value: Value
@@ -87,7 +91,7 @@ class Node:
 
     @property
     def name(self) -> str:
-        """The last part of the path: the key, or the index in a list."""
+        """The last element of the path: the key, or the index in a list."""
         return self.path.rpartition(".")[2]
 
     @property
@@ -97,46 +101,50 @@ class Node:
 
     @property
     def elements(self) -> tuple["Node", ...]:
-        """The items of a list; nothing for anything else."""
+        """The nodes of a list's items; empty for anything else."""
         return tuple(self.value) if isinstance(self.value, list) else ()
 
     def get(self, key: str) -> "Node":
-        """The node of a key, of a list that of an item by its number from 0; `NOTHING` where there is none."""
+        """Return the node of a key, or of a list item by its number from 0; `NOTHING` where it is missing."""
         if isinstance(self.value, list):
-            return self.value[int(key)] if key.isdecimal() and int(key) < len(self.value) else NOTHING
+            return (
+                self.value[int(key)] if key.isdecimal() and int(key) < len(self.value) else NOTHING
+            )
         return self.value.get(key, NOTHING) if isinstance(self.value, dict) else NOTHING
 
-    def at(self, path: str) -> "Node":
-        """The node at a dotted path; keys may have dots (of correlations)."""
-        parts = path.split(".")
-        for count in range(1, len(parts) + 1):
-            below = self.get(".".join(parts[:count]))
+    def find(self, path: str) -> "Node":
+        """Return the node at a dotted path, `NOTHING` if missing; keys may contain dots (those of correlations do)."""
+        keys = path.split(".")
+        for count in range(1, len(keys) + 1):
+            below = self.get(".".join(keys[:count]))
             if below:
-                return below.at(".".join(parts[count:])) if parts[count:] else below
+                return below.find(".".join(keys[count:])) if keys[count:] else below
         return NOTHING
 
     def items(self) -> "ItemsView[str, Node]":
-        """Keys and their nodes, in the order of the file; nothing where the value has no keys."""
+        """Return keys and their nodes in the order of the file; empty where the value has no keys."""
         return (self.value if isinstance(self.value, dict) else {}).items()
 
     def walk(self) -> "Iterator[Node]":
-        """The node and every node below it."""
+        """Yield this node and every node below it."""
         yield self
-        for part in self.value.values() if isinstance(self.value, dict) else self.elements:
-            yield from part.walk()
+        for child in self.value.values() if isinstance(self.value, dict) else self.elements:
+            yield from child.walk()
 
-    def at_path(self, path: str) -> "Node":
-        """The value as it stands at another path."""
+    def with_path(self, path: str) -> "Node":
+        """Return a copy of this node and of all nodes below it, with their paths moved to `path`."""
         if isinstance(self.value, dict):
-            made: Value = {key: below.at_path(joined(path, key)) for key, below in self.value.items()}
+            value: Value = {
+                key: below.with_path(joined(path, key)) for key, below in self.value.items()
+            }
         elif isinstance(self.value, list):
-            made = [below.at_path(joined(path, str(k))) for k, below in enumerate(self.value)]
+            value = [below.with_path(joined(path, str(k))) for k, below in enumerate(self.value)]
         else:
-            made = self.value
-        return replace(self, value=made, path=path)
+            value = self.value
+        return replace(self, value=value, path=path)
 
     def plain(self) -> Plain:
-        """The value as dicts, lists, texts and None.
+        """Return the value as dicts, lists, texts and None.
 
         >>> document_from({"slope": {"height": 64.89, "face": (60, 180)}}).root.plain()
         {'slope': {'height': '64.89', 'face': ['60', '180']}}
@@ -148,44 +156,46 @@ class Node:
         return self.value
 
 
-_NOWHERE = Place("", 0, 0, "")
-#: What stands at a key that is not there.
-NOTHING = Node(None, _NOWHERE, "", _NOWHERE)
+_NO_PLACE = Place("", 0, 0, "")
+#: The node of a missing key.
+NOTHING = Node(None, _NO_PLACE, "", _NO_PLACE)
 
 
-class Kept(Generic[T]):
-    """What was made of nodes, by the nodes themselves: a tree with one value replaced has all other nodes in common.
+class NodeCache(Generic[T]):
+    """A cache of results computed from nodes: a tree with one value replaced shares all other nodes.
 
-    A node never changes, so that what was made of it stays true; where there are too many, all are forgotten.
+    Nodes never change, so results stay valid; the cache is cleared when it is full.
 
-    >>> node, kept = document_from({"height": 5}).root, Kept()
-    >>> kept.of(node) is None, kept.keep(node, 5.0), kept.of(node), kept.of(document_from({"height": 5}).root) is None
-    (True, 5.0, 5.0, True)
+    >>> node, cache = document_from({"height": 5}).root, NodeCache()
+    >>> cache.get(node) is None, cache.store(node, 5.0), cache.get(node)
+    (True, 5.0, 5.0)
+    >>> cache.get(document_from({"height": 5}).root) is None
+    True
     """
 
     def __init__(self, most: int = 20_000) -> None:
         self._most = most
-        self._by_id: dict[int, tuple[Node, T]] = {}  # the node is held: its number is no other's
+        self._by_id: dict[int, tuple[Node, T]] = {}  # a reference to the node keeps its id unique
 
-    def of(self, node: Node) -> T | None:
-        """What was made of a node; None where nothing was."""
-        kept = self._by_id.get(id(node))
-        return None if kept is None else kept[1]
+    def get(self, node: Node) -> T | None:
+        """Return the result of a node; None where none is stored."""
+        entry = self._by_id.get(id(node))
+        return None if entry is None else entry[1]
 
-    def keep(self, node: Node, made: T) -> T:
-        """Note what was made of a node."""
+    def store(self, node: Node, result: T) -> T:
+        """Store the result of a node and return it."""
         if len(self._by_id) >= self._most:
             self._by_id.clear()
-        self._by_id[id(node)] = node, made
-        return made
+        self._by_id[id(node)] = node, result
+        return result
 
 
 @dataclass(frozen=True)
 class Document:
-    """A design as it was written: its tree, its name, and its file where it came from one.
+    """A design as it was written: its tree, its name, and the path of its file, if any.
 
-    `option` names a key of a call as its caller wrote it (`--unit-weight`); in a file keys go by their paths.
-    `allows_outside` lets it name files outside its own folder, whenever it is read again with other values.
+    `option` gives the name of a key in a call as the caller wrote it (`--unit-weight`); None for a file, whose keys are
+    named by their paths. `allows_outside` permits names of files outside its own folder.
     """
 
     root: Node
@@ -194,13 +204,13 @@ class Document:
     option: Callable[[str], str] | None = None
     allows_outside: bool = False
 
-    def called(self, path: str) -> str:
-        """How the key of a path is called where the design was written."""
+    def written_key(self, path: str) -> str:
+        """Return the name of a path's key as the user wrote it: the path in a file, the option in a call."""
         return path if self.option is None else self.option(path.rpartition(".")[2])
 
 
 def document_from(mapping: Mapping[str, Any], name: str = "design") -> Document:
-    """The tree of a Python mapping, the same as its YAML would give; None means not given.
+    """Return the document of a Python mapping, equal to that of its YAML; keys with the value None are left out.
 
     Raises
     ------
@@ -213,52 +223,71 @@ def document_from(mapping: Mapping[str, Any], name: str = "design") -> Document:
     faults: list[Fault] = []
 
     def place(path: str, value: object) -> Place:
-        return Place(name, 0, 0, cut(f"{path} = {shown_of(value)}" if path else shown_of(value)))
+        return Place(
+            name, 0, 0, cut(f"{path} = {value_summary(value)}" if path else value_summary(value))
+        )
 
     root = from_python(mapping, "", place, faults)
     if not root.is_mapping and not faults:
-        faults.append(Fault("E150", f"{name} is {type(mapping).__name__}, not keys with values", name))
+        faults.append(
+            Fault("E150", f"{name} is {type(mapping).__name__}, not keys with values", name)
+        )
     if faults:
         raise DesignError(faults)
     return Document(root, name)
 
 
 def from_python(
-    value: Any, path: str, place_of: Callable[[str, Any], Place], faults: list[Fault], above: tuple[int, ...] = ()
+    value: Any,
+    path: str,
+    place_of: Callable[[str, Any], Place],
+    faults: list[Fault],
+    ancestor_ids: tuple[int, ...] = (),
 ) -> Node:
     place = place_of(path, value)
-    made: Value = None
-    if id(value) in above:
+    content: Value = None
+    if id(value) in ancestor_ids:
         faults.append(Fault("E150", f"{path or 'the design'} contains itself", str(place)))
-    elif len(above) > MAX_DEPTH:
+    elif len(ancestor_ids) > MAX_DEPTH:
         fail_large(place, deep=True)
     elif hasattr(value, "tolist") and hasattr(value, "dtype"):
-        return from_python(value.tolist(), path, place_of, faults, above)
+        return from_python(value.tolist(), path, place_of, faults, ancestor_ids)
     elif isinstance(value, Mapping):
-        made = {}
-        for key, part in value.items():
-            if part is None:
+        content = {}
+        for key, entry in value.items():
+            if entry is None:
                 continue
             name = str(key)
-            if name in made:
+            if name in content:
                 faults.append(Fault("E151", f"{joined(path, name)} is given twice", str(place)))
-            made[name] = from_python(part, joined(path, name), place_of, faults, (*above, id(value)))
+            content[name] = from_python(
+                entry, joined(path, name), place_of, faults, (*ancestor_ids, id(value))
+            )
     elif isinstance(value, list | tuple):
-        made = [
-            from_python(part, joined(path, str(k)), place_of, faults, (*above, id(value)))
-            for k, part in enumerate(value)
+        content = [
+            from_python(entry, joined(path, str(k)), place_of, faults, (*ancestor_ids, id(value)))
+            for k, entry in enumerate(value)
         ]
     elif value is not None:
-        made = _text_of(value)
-        if made is None or no_text(made):
-            shown = f"of the type {type(value).__name__}" if made is None else repr(made)
+        content = _text_of(value)
+        if content is None or find_invalid_character(content):
+            description = (
+                f"of the type {type(value).__name__}" if content is None else repr(content)
+            )
             advice = "Give numbers, texts, lists and dicts."
-            faults.append(Fault("E405", f"{path or 'the value'} is {shown}, no design holds that", str(place), advice))
-    return Node(made, place, path, place)
+            faults.append(
+                Fault(
+                    "E405",
+                    f"{path or 'the value'} is {description}, no design holds that",
+                    str(place),
+                    advice,
+                )
+            )
+    return Node(content, place, path, place)
 
 
 def as_text(orientation: Plane | Line) -> str:
-    """An orientation as a design file has it, with every digit.
+    """Return an orientation as a design file writes it, with all digits.
 
     >>> as_text(Plane(45.0, 115.0))
     '45.0/115.0'
@@ -269,7 +298,7 @@ def as_text(orientation: Plane | Line) -> str:
 
 
 def _text_of(value: object) -> str | None:
-    """What a design file would have for this value; None where it could have nothing."""
+    """Return the text of a scalar Python value in a design file; None if no design file can hold the value."""
     if isinstance(value, str):
         return str(value)
     if isinstance(value, bool):
@@ -284,7 +313,7 @@ def _text_of(value: object) -> str | None:
     return repr(float(value)) if isinstance(value, Real) else None
 
 
-def shown_of(value: object) -> str:
+def value_summary(value: object) -> str:
     if isinstance(value, Mapping):
         return f"{{{cut(', '.join(f'{key}: …' for key in list(value)[:9]))}}}"
     if isinstance(value, list | tuple):
@@ -293,7 +322,7 @@ def shown_of(value: object) -> str:
     return printable(text) if text is not None else f"a {type(value).__name__}"
 
 
-# -- small things -----------------------------------------------------------------------------------------------------
+# -- texts ------------------------------------------------------------------------------------------------------------
 
 
 def joined(path: str, name: str) -> str:
@@ -302,7 +331,12 @@ def joined(path: str, name: str) -> str:
 
 def fail_large(place: Place, deep: bool) -> NoReturn:
     if deep:
-        fail("E149", f"values are nested more than {MAX_DEPTH} deep", str(place), "Is there a bracket left open?")
+        fail(
+            "E149",
+            f"values are nested more than {MAX_DEPTH} deep",
+            str(place),
+            "Is there a bracket left open?",
+        )
     advice = "Large meshes stand in files of their own: mesh: slip.stl."
     fail("E149", f"there are more than {MAX_VALUES} values", str(place), advice)
 
@@ -312,4 +346,8 @@ def cut(text: str) -> str:
 
 
 def printable(text: str) -> str:
-    return text if text.isprintable() else "".join(c if c.isprintable() else " " if c.isspace() else "�" for c in text)
+    return (
+        text
+        if text.isprintable()
+        else "".join(c if c.isprintable() else " " if c.isspace() else "�" for c in text)
+    )

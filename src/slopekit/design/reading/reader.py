@@ -1,4 +1,4 @@
-"""From the tree of a design to the values of its fields: each read once, all faults collected with their places."""
+"""The reader of designs: turns the tree of a document into the values of fields and collects all faults."""
 
 import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
@@ -11,45 +11,75 @@ from slopekit.core.orientation import Plane, parse_face, parse_plane
 from slopekit.core.units import LARGEST, is_unit_of, unit_of
 from slopekit.design import words
 from slopekit.design.common import Design, Reading
-from slopekit.design.fields import Field, declare, every_field, field_in, fields_of, with_parts
+from slopekit.design.fields import (
+    Field,
+    declare,
+    every_field,
+    field_in,
+    fields_of,
+    with_nested_records,
+)
 from slopekit.design.parts import Strength
-from slopekit.design.reading.nodes import NOTHING, Document, Kept, Node, as_text
-from slopekit.design.reading.structure import MOST_FAULTS, has_angles, is_distribution, orientation_kind
+from slopekit.design.reading.nodes import NOTHING, Document, Node, NodeCache, as_text
+from slopekit.design.reading.structure import (
+    MOST_FAULTS,
+    has_angles,
+    is_distribution,
+    orientation_kind,
+)
 
 if TYPE_CHECKING:
     from slopekit.design.common import Pair
-    from slopekit.design.scatter.correlation import Named
+    from slopekit.design.scatter.correlation import CorrelatedValue
     from slopekit.design.scatter.distributions import Variable
 
 T = TypeVar("T")
 D = TypeVar("D", bound=Design)
 _BARE_NUMBER = r"^[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?$"  # a text: compiled when first used
-_DRAWN = (
-    "rock", "analysis", "loads.seismic", "loads.forces", "support", "slope", "joints", "strength", "water", "crack",
-)  # fmt: skip
+_SAMPLING_ORDER = (
+    "rock",
+    "analysis",
+    "loads.seismic",
+    "loads.forces",
+    "support",
+    "slope",
+    "joints",
+    "strength",
+    "water",
+    "crack",
+)
 _COORDINATE = declare("", "length")
 _STRENGTH_KEYS = [field.path for field in fields_of(Strength).values() if field.is_number]
-#: Items of lists that were read before, with what read them: of hundreds of bolts a study changes none.
-_READ: Kept[tuple[Any, Any]] = Kept()
-_MOST_GUESSES = 10  # did-you-mean among ten thousand names takes its time
+#: List entries that were read before, with the function that read them: a study seldom changes any of many bolts.
+_ENTRY_CACHE: NodeCache[tuple[Any, Any]] = NodeCache()
+_MOST_GUESSES = 10  # a did-you-mean search among ten thousand names is slow
 
 
 class Reader:
-    """Reads the fields of a design from its document, and collects the faults of all.
+    """Reads the fields of a design from its document, and collects all their faults.
 
-    What is missing or wrong comes back as None; a fault stands for each.
+    A value that is missing or wrong is returned as None, with a fault.
 
     Parameters
     ----------
     record : the dataclass of the design
-    wrong : what the structure of the document has already been found wrong in
-    other_values : whether values were put over those of a sound design
+    wrong : faults already found in the structure of the document
+    other_values : whether this is a sound design with some values replaced
     """
 
     def __init__(
-        self, document: Document, record: type[Design], wrong: Sequence[Fault] = (), other_values: bool = False
+        self,
+        document: Document,
+        record: type[Design],
+        wrong: Sequence[Fault] = (),
+        other_values: bool = False,
     ) -> None:
-        self.document, self.root, self.record, self.other_values = document, document.root, record, other_values
+        self.document, self.root, self.record, self.other_values = (
+            document,
+            document.root,
+            record,
+            other_values,
+        )
         self.kind = record.__name__.removesuffix("Design").lower()
         self.wrong = tuple(wrong)
         self.misshapen = frozenset(fault.where for fault in wrong if fault.code in ("E144", "E109"))
@@ -59,38 +89,47 @@ class Reader:
         self.read_as: list[str] = []
         self.defaults: list[str] = []
         self.guesses = 0
-        self._found: Kept[Any] = Kept()  # numbers, False for those that are none
+        self._number_cache: NodeCache[Any] = (
+            NodeCache()
+        )  # False for a value that is no valid number
 
     # -- the tree -----------------------------------------------------------------------------------------------------
 
-    def at(self, path: str) -> Node:
-        """The node of a dotted path."""
-        return self.root.at(path)
+    def find(self, path: str) -> Node:
+        """Return the node at a dotted path."""
+        return self.root.find(path)
 
     def names(self, path: str) -> list[tuple[str, Node]]:
-        """What stands under names of the user's, where each is a group of keys."""
-        return [(name, below) for name, below in self.at(path).items() if below.is_mapping]
+        """Return the groups of keys under users' names at a path, as pairs of name and node."""
+        return [(name, below) for name, below in self.find(path).items() if below.is_mapping]
 
     def fault(self, code: str, message: str, node: Node, advice: str = "") -> None:
-        """Keep a fault of a value; of the whole design where that is not there."""
+        """Record a fault at the place of a node, or of the whole design where the node is missing."""
         self.faults.append(Fault(code, message, str((node or self.root).place), advice))
 
-    def nearest(self, name: str, known: Collection[str]) -> str:
-        """An advice for a name that is not known."""
+    def nearest(self, name: str, choices: Collection[str]) -> str:
+        """Return the advice for an unknown name: the nearest of the choices, or the first few."""
         self.guesses += 1
-        first = list(known)[:8]
-        there_are = f"There are: {', '.join(first)}{', …' if len(known) > len(first) else ''}." if first else ""
-        return did_you_mean(name, known, there_are) if self.guesses <= _MOST_GUESSES else there_are
+        first = list(choices)[:8]
+        there_are = (
+            f"There are: {', '.join(first)}{', …' if len(choices) > len(first) else ''}."
+            if first
+            else ""
+        )
+        return (
+            did_you_mean(name, choices, there_are) if self.guesses <= _MOST_GUESSES else there_are
+        )
 
     def is_sound(self, node: Node) -> bool:
-        """Whether a value and all in it have the shape they need."""
+        """Return whether a node and all nodes below it have the required structure."""
         misshapen = self.misshapen
         return not misshapen or all(
-            misshapen.isdisjoint((str(part.place), str(part.key_place))) for part in node.walk()
+            misshapen.isdisjoint((str(descendant.place), str(descendant.key_place)))
+            for descendant in node.walk()
         )
 
     def value(self, node: Node) -> Any:
-        """What a node says, numbers as numbers, distributions by the value a single run takes; None: misshapen."""
+        """Return the value of a node: bare numbers as floats, distributions by their centre; None if malformed."""
         if not self.is_sound(node):
             return None
         if is_distribution(node) or has_angles(node):
@@ -100,59 +139,65 @@ class Reader:
         if node.elements or isinstance(node.value, list):
             return [self.value(below) for below in node.elements]
         written = node.text
-        return float(written) if written is not None and re.match(_BARE_NUMBER, written) else written
+        return (
+            float(written) if written is not None and re.match(_BARE_NUMBER, written) else written
+        )
 
     def written(self, node: Node) -> Any:
-        """What a node says in the user's own words where it is a text, else its value."""
+        """Return the text of a node as the user wrote it, or its value if it is no text."""
         return node.text if node.text is not None and self.is_sound(node) else self.value(node)
 
     def centre(self, node: Node) -> Any:
-        """What a single run takes of a number that scatters, or of an orientation that is not written in one word."""
+        """Return the centre of a distribution or of an orientation given by its two angles, for a deterministic run."""
         from slopekit.design.scatter import distributions  # only where a value scatters
 
-        of = orientation_kind(node)
+        kind = orientation_kind(node)
         scatter: distributions.Scatter
         try:
-            if of is None:
+            if kind is None:
                 field = field_in(self.record, self.root, node.path)
                 measures = "ratio" if field is None else field.measures
                 scatter = distributions.read_distribution(
                     node, measures, node.path, None if field is None else field.period
                 )
             elif is_distribution(node):
-                scatter = distributions.read_orientation(node, node.path, of)
+                scatter = distributions.read_orientation(node, node.path, kind)
             else:
-                scatter = distributions.read_angles(node, node.path, of)
+                scatter = distributions.read_angles(node, node.path, kind)
         except DesignError as error:
             self.faults += error.faults
             return None
         variable = distributions.Variable(node.path, scatter, str(node.place))
         if variable.coordinates and node.path not in self.variables:
             self.variables[node.path] = variable
-        return scatter.centre if isinstance(scatter, distributions.Distribution) else as_text(scatter.centre)
+        return (
+            scatter.centre
+            if isinstance(scatter, distributions.Distribution)
+            else as_text(scatter.centre)
+        )
 
     # -- fields -------------------------------------------------------------------------------------------------------
 
     def fields(
         self, record: Any, holder: Node | None = None, owner: str = "", only: Iterable[str] = ()
     ) -> dict[str, Any]:
-        """The values of a record's own fields by attribute: numbers, planes, points, texts; defaults where none stands.
+        """Return the values of a record's own fields by attribute, with defaults for missing keys.
 
         Parameters
         ----------
-        holder : the node of the record, None for the whole design
-        owner : the user's name for it, for messages: spacing of S1
-        only : attributes, where not all
+        holder : the node of the record; None for the whole design
+        owner : the user's name of the record, for messages: spacing of S1
+        only : the attributes to read; all if empty
         """
-        wanted, holder = tuple(only), self.root if holder is None else holder
+        attributes, holder = tuple(only), self.root if holder is None else holder
         return {
-            name: self.field(field, holder.at(field.path), owner)
+            name: self.field(field, holder.find(field.path), owner)
             for name, field in _plain_fields(record)
-            if not wanted or name in wanted
+            if not attributes or name in attributes
         }
 
     def field(self, field: Field, node: Node, owner: str = "") -> Any:
-        """The value of one field where `node` gives it, else its default."""
+        """Return the value of one field from its node, or its default where the node is empty."""
         if node.value is None or (node.text or "").lower() in field.words:
             if field.measures == "text" and node.text is not None:
                 return node.text.lower()
@@ -160,59 +205,66 @@ class Reader:
                 return self.default(field.key, self.record.DEFAULTS[field.key])
             return field.default
         if field.many:
-            parts = node.elements if isinstance(node.value, list) else (node,)
-            each = [
-                self.number(field, part, field.in_words.format(k=k))
-                for k, part in enumerate(parts, 1) if self.is_sound(part)
-            ]  # fmt: skip
-            return tuple(value for value in each if value is not None)
+            entries = node.elements if isinstance(node.value, list) else (node,)
+            numbers = [
+                self.number(field, entry, field.in_words.format(k=k))
+                for k, entry in enumerate(entries, 1)
+                if self.is_sound(entry)
+            ]
+            return tuple(value for value in numbers if value is not None)
         if field.is_number:
-            return self.number(field, node, f"{field.in_words} of {owner}" if owner else field.in_words)
+            return self.number(
+                field, node, f"{field.in_words} of {owner}" if owner else field.in_words
+            )
         value = self.written(node)
         if value is None:
             return None
         if field.measures == "plane":
             return self.plane(node, owner or field.in_words)
         if field.measures == "line":
-            return self.faults.of(words.line_of_words, value, owner or field.in_words, field.code, str(node.place))
+            return self.faults.of(
+                words.line_of_words, value, owner or field.in_words, field.code, str(node.place)
+            )
         if field.measures == "point":
             return self.faults.of(words.point, value, field.in_words, str(node.place))
         return self.word(field, node)
 
     def default(self, key: str, value: T) -> T:
-        """What is taken where a key is left out; the sheet says so."""
+        """Return the default of a missing key and note it, so that the sheet lists it."""
         self.defaults.append(key)
         return value
 
     def number(self, field: Field, node: Node, name: str = "") -> float | None:
-        """A number with a unit, between the limits of its field."""
+        """Return a number in the unit of its field, checked against the field's limits; None with a fault."""
         written, name = node.text, name or field.in_words
         if written is not None and re.match(_BARE_NUMBER, written) and not self.misshapen:
             bare_number = float(written)  # most numbers of ten thousand blocks are this
             if abs(bare_number) <= LARGEST and field.takes(bare_number) and field.check is None:
-                return int(bare_number) if field.whole else bare_number
+                return int(bare_number) if field.is_integer else bare_number
         value = self.value(node)
         if value is None:
             return None
         if is_distribution(node):
             written = node.get("mean").text
-        where = str(node.place)
-        known = self._found.of(node)
-        if known is not None:
-            return None if known is False else float(known)  # one value of several interfaces is judged once
+        location = str(node.place)
+        cached = self._number_cache.get(node)
+        if cached is not None:
+            return (
+                None if cached is False else float(cached)
+            )  # one value shared by several interfaces is checked once
 
         def read() -> float:
-            number = _other_kind(value, field, name, where, self.document.called)
-            return field.read(number, name, where, written or "", self.document.called)
+            number = _refuse_other_quantity(value, field, name, location, self.document.written_key)
+            return field.read(number, name, location, written or "", self.document.written_key)
 
         checked = self.faults.of(read)
-        self._found.keep(node, False if checked is None else checked)
+        self._number_cache.store(node, False if checked is None else checked)
         return checked
 
-    def each(self, field: Field, node: Node, names: Sequence[str]) -> list[float | None]:
-        """One number for all of these interfaces, or one for each of them as a list or by name: None for the others.
+    def per_interface(self, field: Field, node: Node, names: Sequence[str]) -> list[float | None]:
+        """Return a number of each interface, given once for all, as a list, or by name; None where it is not given.
 
-        Faults: E197 an interface that is none of them, E109 more numbers than interfaces.
+        Faults: E197 an unknown interface, E109 more numbers than interfaces.
         """
         if node.value is None:
             return []
@@ -221,44 +273,60 @@ class Reader:
                 if name not in names:
                     message = f"{field.in_words} on {name}: there is no such interface"
                     self.fault("E197", message, below, self.nearest(name, names))
-            given = {name: self.number(field, below, f"{field.in_words} on {name}") for name, below in node.items()}
-            return [given.get(name) for name in names]
+            numbers = {
+                name: self.number(field, below, f"{field.in_words} on {name}")
+                for name, below in node.items()
+            }
+            return [numbers.get(name) for name in names]
         if len(node.elements) > len(names):
-            there = f"are {', '.join(names[:-1])} and {names[-1]}" if names[1:] else f"is {[*names, 'none'][0]} alone"
-            self.fault("E109", f"{len(node.elements)} {field.in_words}s given, there {there}", node)
+            interfaces_text = (
+                f"are {', '.join(names[:-1])} and {names[-1]}"
+                if names[1:]
+                else f"is {[*names, 'none'][0]} alone"
+            )
+            self.fault(
+                "E109",
+                f"{len(node.elements)} {field.in_words}s given, there {interfaces_text}",
+                node,
+            )
             return []
         if not node.elements:
             return [self.number(field, node)]
-        named = zip(names, node.elements, strict=False)
-        return [self.number(field, below, f"{field.in_words} on {name}") for name, below in named]
+        named_nodes = zip(names, node.elements, strict=False)
+        return [
+            self.number(field, below, f"{field.in_words} on {name}") for name, below in named_nodes
+        ]
 
-    def points(self, node: Node, of: str) -> list[tuple[float, float]]:
-        """Points of a section, place and elevation in m; none where there is a fault in any."""
+    def points(self, node: Node, polyline_name: str) -> list[tuple[float, float]]:
+        """Return the points of a polyline in a section, (distance, elevation) in m; empty if any has a fault."""
         if not self.is_sound(node):
             return []
         points = list[tuple[float, float]]()
         for k, item in enumerate(node.elements, 1):
-            place, elevation = (self.number(_COORDINATE, below, f"point {k} of {of}") for below in item.elements)
+            place, elevation = (
+                self.number(_COORDINATE, below, f"point {k} of {polyline_name}")
+                for below in item.elements
+            )
             if place is not None and elevation is not None:
                 points.append((place, elevation))
         return points if len(points) == len(node.elements) else []
 
     def plane(self, node: Node, name: str) -> Plane | None:
-        """An orientation as a plane."""
+        """Return an orientation as a plane; None with a fault."""
         value = self.written(node)
         parse = parse_face if node.name in ("face", "upper") else parse_plane
         return None if value is None else self.faults.of(parse, value, name, str(node.place))
 
     def word(self, field: Field, node: Node) -> str | None:
-        """A text; one of the words that the field knows."""
+        """Return a text, which is one of the field's words if it has any; None with a fault."""
         written = node.text
         if written is None or not field.words:
             return written
         if written.lower() not in field.words:
-            known = " or ".join(field.words)
+            allowed = " or ".join(field.words)
             self.fault(
                 field.code,
-                f"{field.in_words} is {written!r}, it is {known}",
+                f"{field.in_words} is {written!r}, it is {allowed}",
                 node,
                 did_you_mean(written, field.words),
             )
@@ -266,30 +334,30 @@ class Reader:
         return written.lower()
 
     def items(self, path: str) -> tuple[Node, ...]:
-        """The items of a list; one thing alone counts as a list of one."""
-        node = self.at(path)
+        """Return the nodes of a list's entries; a value that is no list counts as its only entry."""
+        node = self.find(path)
         if node.value is None:
             return ()
         return node.elements if isinstance(node.value, list) else (node,)
 
     def many(self, path: str, read: "Callable[[Reader, Node], T | None]") -> tuple[T, ...]:
-        """A list of things in words of their own, each with its faults."""
+        """Return the entries of a list as `read` reads them, without those that have faults."""
         entries = []
         for item in self.items(path):
-            known = _READ.of(item)
-            if known is not None and known[0] is read and not self.misshapen:
-                entries.append(known[1])
+            cached = _ENTRY_CACHE.get(item)
+            if cached is not None and cached[0] is read and not self.misshapen:
+                entries.append(cached[1])
                 continue
             scattering = len(self.variables)
-            made = read(self, item) if item.value is not None and self.is_sound(item) else None
-            if made is not None:
-                entries.append(made)
+            entry = read(self, item) if item.value is not None and self.is_sound(item) else None
+            if entry is not None:
+                entries.append(entry)
                 if len(self.variables) == scattering and not self.faults and not self.misshapen:
-                    _READ.keep(item, (read, made))
+                    _ENTRY_CACHE.store(item, (read, entry))
         return tuple(entries)
 
-    def made(self, record: type[D], *values: Mapping[str, Any], **more: Any) -> D:
-        """The design of these values.
+    def build(self, record: type[D], *values: Mapping[str, Any], **more: Any) -> D:
+        """Return the design record of these values.
 
         Raises
         ------
@@ -300,63 +368,77 @@ class Reader:
         if self.faults or self.wrong:
             if len(self.faults) > MOST_FAULTS:
                 message = f"there are {len(self.faults)} faults: these are the first {MOST_FAULTS}"
-                self.faults[MOST_FAULTS:] = [Fault("E149", message, str(self.root.place), "Is this a design file?")]
+                self.faults[MOST_FAULTS:] = [
+                    Fault("E149", message, str(self.root.place), "Is this a design file?")
+                ]
             raise DesignError(self.faults)
-        given: dict[str, Any] = {}
-        for part in (*values, more):
-            given |= part
-        variables = sorted(self.variables.values(), key=_drawn_order)
+        arguments: dict[str, Any] = {}
+        for group in (*values, more):
+            arguments |= group
+        variables = sorted(self.variables.values(), key=_sampling_position)
         return record(
-            **with_parts(record, given),
-            reading=Reading(defaults=tuple(self.defaults), left_out=tuple(self.left_out), read_as=tuple(self.read_as)),
+            **with_nested_records(record, arguments),
+            reading=Reading(
+                defaults=tuple(self.defaults),
+                left_out=tuple(self.left_out),
+                read_as=tuple(self.read_as),
+            ),
             variables=tuple(variables),
             correlation=correlation,
         )
 
-    # -- what scatters together ---------------------------------------------------------------------------------------
+    # -- correlation --------------------------------------------------------------------------------------------------
 
     def correlation(self) -> "tuple[Pair, ...]":
-        """The correlation between what scatters, by its coordinates; what is wrong with it becomes faults."""
-        node = self.at("correlation")
+        """Return the rank correlations of the random variables, as pairs of coordinates; errors become faults."""
+        node = self.find("correlation")
         if not node.is_mapping:
             return ()
         from slopekit.design.scatter.correlation import check_correlation
 
         names = self.short_names()
         if self.other_values:
-            kept = {key: below for key, below in node.items() if all(part.strip() in names for part in key.split("/"))}
-            node = replace(node, value=kept)
+            entries = {
+                key: below
+                for key, below in node.items()
+                if all(name.strip() in names for name in key.split("/"))
+            }
+            node = replace(node, value=entries)
         pairs, faults = check_correlation(node, names)
         self.faults += faults
         return pairs
 
-    def short_names(self) -> "dict[str, Named]":
-        """What a correlation may name: paths, and `J1.phi` for the φ of J1's strength."""
-        names: dict[str, Named] = {}
+    def short_names(self) -> "dict[str, CorrelatedValue]":
+        """Return the names that a correlation may use: paths, and short names such as `J1.phi` for J1's strength."""
+        names: dict[str, CorrelatedValue] = {}
         for path, variable in self.variables.items():
-            names[path] = path if variable.of is None else variable
+            names[path] = path if variable.orientation_kind is None else variable
             names |= {angle: angle for angle in variable.angles if angle}
-        joints = self.at("joints") or self.at("sets")
+        joints = self.find("joints") or self.find("sets")
         for joint, _ in joints.items():
             name = strength_of(self.root, joint)
             for path in _strength_paths():
-                if (own := f"strength.{name}.{path}") in self.variables:
-                    names[f"{joint}.{path}"] = own
+                if (strength_path := f"strength.{name}.{path}") in self.variables:
+                    names[f"{joint}.{path}"] = strength_path
         for group in ("joints.", "strength.", "sets."):
-            names |= {path.removeprefix(group): own for path, own in names.items() if path.startswith(group)}
+            names |= {
+                path.removeprefix(group): coordinate
+                for path, coordinate in names.items()
+                if path.startswith(group)
+            }
         return names
 
 
 @cache
 def _plain_fields(record: Any) -> tuple[tuple[str, Field], ...]:
-    """The fields of a record itself that are read by their kind alone, by attribute."""
+    """Return the fields that `Reader.fields` reads: the record's own attributes that are no groups, by name."""
     shared = fields_of(Design) if record is not Design and issubclass(record, Design) else {}
     return tuple(
         (name, field)
         for name, field in fields_of(record).items()
         if field.measures != "group"
-        and field.of is None
-        and not field.each
+        and field.record_type is None
+        and not field.per_interface
         and field.is_attribute
         and field.many != "names"
         and shared.get(name) is not field
@@ -365,33 +447,37 @@ def _plain_fields(record: Any) -> tuple[tuple[str, Field], ...]:
 
 @cache
 def _strength_paths() -> tuple[str, ...]:
-    """Of all fields of a strength: a study reads its design thousands of times."""
+    """Return the paths of all fields of a strength (cached, as studies read a design thousands of times)."""
     return tuple(field.path for field in every_field(Strength))
 
 
 def strength_of(root: Node, joint: str) -> str | None:
-    """The strength that a joint (a set; all of a joint list) names, or the only one there is."""
+    """Return the name of the strength of a joint, joint set or joint list; the only strength if none is named."""
     joints, strengths = root.get("joints") or root.get("sets"), root.get("strength")
     of_basal = root.get("basal") if joint == "basal" and joints else NOTHING
-    own = (joints.get(joint) or of_basal or joints).get("strength")
+    strength = (joints.get(joint) or of_basal or joints).get("strength")
     names = [name for name, _ in strengths.items()]
-    return own.text if own else names[0] if len(names) == 1 else None
+    return strength.text if strength else names[0] if len(names) == 1 else None
 
 
-def _drawn_order(variable: "Variable") -> tuple[int, int]:
-    """Where a variable stands among those that a study draws: a seed gives the same samples as ever."""
-    parts = variable.path.split(".")
-    top = ".".join(parts[:2]) if parts[0] == "loads" else parts[0]
-    key = _STRENGTH_KEYS.index(parts[2]) if top == "strength" and parts[2] in _STRENGTH_KEYS else 0
-    return (_DRAWN.index(top) if top in _DRAWN else len(_DRAWN)), key
+def _sampling_position(variable: "Variable") -> tuple[int, int]:
+    """Return the sort key of a variable in sampling; fixed, so that a seed always gives the same samples."""
+    keys = variable.path.split(".")
+    top = ".".join(keys[:2]) if keys[0] == "loads" else keys[0]
+    key = _STRENGTH_KEYS.index(keys[2]) if top == "strength" and keys[2] in _STRENGTH_KEYS else 0
+    return (_SAMPLING_ORDER.index(top) if top in _SAMPLING_ORDER else len(_SAMPLING_ORDER)), key
 
 
-def _other_kind(value: Any, field: Field, name: str, where: str, called: Callable[[str], str]) -> Any:
-    """The value; E107 where a unit weight is written as a density, or the other way round."""
-    for other, path in (("density", "rock.density"), ("unit weight", "rock.unit_weight")):
-        both = field.measures in ("density", "unit weight") and field.measures != other
-        if both and is_unit_of(unit_of(value), other):
-            that = "a density" if other == "density" else "a unit weight"
-            message = f"{name} is {value}: that is {that}"
-            raise DesignError([Fault("E107", message, where, f"Write {called(path)} {value}.")])
+def _refuse_other_quantity(
+    value: Any, field: Field, name: str, location: str, written_key: Callable[[str], str]
+) -> Any:
+    """Return the value, or raise E107 where a unit weight has the unit of a density or the other way round."""
+    for quantity, path in (("density", "rock.density"), ("unit weight", "rock.unit_weight")):
+        is_confused = field.measures in ("density", "unit weight") and field.measures != quantity
+        if is_confused and is_unit_of(unit_of(value), quantity):
+            quantity_text = "a density" if quantity == "density" else "a unit weight"
+            message = f"{name} is {value}: that is {quantity_text}"
+            raise DesignError(
+                [Fault("E107", message, location, f"Write {written_key(path)} {value}.")]
+            )
     return value

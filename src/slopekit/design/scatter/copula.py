@@ -1,6 +1,6 @@
-"""Rank correlation by a Gaussian copula: which coefficients are possible.
+"""Rank correlation by a Gaussian copula: conversion of the coefficients and a check that they are possible.
 
-Two values whose ranks shall have the correlation ρ (Spearman) are driven by two standard normals with the correlation
+Two random variables with the rank correlation ρ (Spearman) are functions of two standard normals with the correlation
 r = 2 sin(π ρ / 6) (Kruskal 1958, Ordinal measures of association, J. Am. Stat. Assoc. 53). The matrix of all r must
 have no negative eigenvalue.
 """
@@ -9,13 +9,13 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 
-#: An eigenvalue this far below 0 is rounding.
+#: An eigenvalue down to minus this is rounding.
 EIGENVALUE_TOLERANCE = 1e-9
 _PIVOT = 1e-12
 
 
 def normal_correlation(rank_correlation: Floats) -> Floats:
-    """r of the normals for ρ of the ranks, -1 and 1 exactly.
+    """Return the correlation r of the normals for the rank correlation ρ; exact for -1 and 1.
 
     >>> normal_correlation(np.array([-1.0, 0.0, 0.8, 1.0])).round(6).tolist()
     [-1.0, 0.0, 0.813473, 1.0]
@@ -25,7 +25,9 @@ def normal_correlation(rank_correlation: Floats) -> Floats:
 
 
 def smallest_eigenvalue(ranks: Floats) -> float:
-    """Of the normals' matrix; below 0 these rank correlations, (k, k) with unit diagonal, cannot be.
+    """Return the smallest eigenvalue of the normals' correlation matrix; negative for impossible rank correlations.
+
+    ranks : (k, k) rank correlations with unit diagonal
 
     >>> round(smallest_eigenvalue(np.array([[1.0, 0.9, -0.9], [0.9, 1.0, 0.9], [-0.9, 0.9, 1.0]])), 4)
     -0.816
@@ -34,7 +36,7 @@ def smallest_eigenvalue(ranks: Floats) -> float:
 
 
 def factor(correlation: Floats) -> Floats:
-    """L with L Lᵀ = R for a correlation matrix of the normals, singular ones too.
+    """Return a factor L with L Lᵀ = R of a correlation matrix R of the normals, which may be singular.
 
     Parameters
     ----------
@@ -42,7 +44,7 @@ def factor(correlation: Floats) -> Floats:
 
     Returns
     -------
-    (k, rank) array: Cholesky's, its columns of a pivot that is 0 left out, its rows of unit length
+    (k, rank) array: the Cholesky factor without the columns of zero pivots, with rows of unit length
 
     >>> factor(np.array([[1.0, -1.0], [-1.0, 1.0]])).tolist()
     [[1.0], [-1.0]]

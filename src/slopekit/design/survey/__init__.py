@@ -1,7 +1,7 @@
-"""Joint lists as surveys, stereonet programs and point clouds write them: one joint a row.
+"""Joint lists from surveys, stereonet programs and point clouds, with one joint a row.
 
-`columns` holds what columns are called and reads what stands above them, `tables` makes rows of cells of a file or
-frame, `planes` and `oriented_core` make planes of cells, `reading` makes joints of the rows.
+`columns` has the names of columns and reads preambles, `tables` splits files and frames into rows of cells, `planes`
+and `oriented_core` compute planes from cells, `reading` reads the joints of the rows.
 """
 
 from slopekit.design.survey.joint_list import JointList, MeasuredJoint

@@ -1,6 +1,6 @@
-"""What the columns of joint lists are called, in English and German, which of them give a plane, what lines above say.
+"""The columns of joint lists: their names in English and German, those that give a plane, and preambles above them.
 
-A new name, a new way to give a plane, a new program whose lists are known: one line in one of these tables.
+A new name, a new set of columns that gives a plane, or a new program needs one line in one of these tables.
 """
 
 import re
@@ -11,111 +11,268 @@ from slopekit.core.errors import DesignError, Fault, did_you_mean
 from slopekit.design.reading.nodes import cut
 
 RIGHT, LEFT = "right-hand-rule", "left-hand-rule"
-#: Dip direction less strike by each convention.
+#: Dip direction minus strike in degrees, by convention.
 STRIKE_TO_DIP_DIRECTION: Mapping[str, float] = {RIGHT: 90.0, LEFT: -90.0}
-#: What a convention may be called besides its own name.
+#: Other names of the conventions.
 _CONVENTIONS: Mapping[str, str] = {
-    "rhr": RIGHT, "right": RIGHT, "right_hand_rule": RIGHT, "r": RIGHT,
-    "lhr": LEFT, "left": LEFT, "left_hand_rule": LEFT, "l": LEFT,
-}  # fmt: skip
+    "rhr": RIGHT,
+    "right": RIGHT,
+    "right_hand_rule": RIGHT,
+    "r": RIGHT,
+    "lhr": LEFT,
+    "left": LEFT,
+    "left_hand_rule": LEFT,
+    "l": LEFT,
+}
 _SHORT = ("rhr", "lhr")
 
-#: What a column may be called, as `spelled` writes it; of several columns of names the first name given here wins.
+#: Names of the columns as `normalized_heading` gives them; of several columns with a key, the first name here wins.
 COLUMNS: Mapping[str, tuple[str, ...]] = {
-    "dip": ("dip", "dip_angle", "dip_deg", "disc_dip", "fallwinkel", "einfallwinkel", "einfallen", "neigung"),
+    "dip": (
+        "dip",
+        "dip_angle",
+        "dip_deg",
+        "disc_dip",
+        "fallwinkel",
+        "einfallwinkel",
+        "einfallen",
+        "neigung",
+    ),
     "dip_direction": (
-        "dip_direction", "dipdirection", "dip_dir", "dipdir", "dip_dirn", "dipdirn", "dd", "ddr", "dip_azimuth",
-        "dipazimuth", "azimuth", "azi", "direction", "dip_direction_deg", "disc_dir", "fallrichtung",
-        "einfallrichtung", "einfallsrichtung", "fallazimut", "azimut",
+        "dip_direction",
+        "dipdirection",
+        "dip_dir",
+        "dipdir",
+        "dip_dirn",
+        "dipdirn",
+        "dd",
+        "ddr",
+        "dip_azimuth",
+        "dipazimuth",
+        "azimuth",
+        "azi",
+        "direction",
+        "dip_direction_deg",
+        "disc_dir",
+        "fallrichtung",
+        "einfallrichtung",
+        "einfallsrichtung",
+        "fallazimut",
+        "azimut",
     ),
     "strike": (
-        "strike", "strike_deg", "streichen", "streichrichtung", "strike_right", "strike_rhr", "strike_r", "strike_left",
-        "strike_lhr", "strike_l",
+        "strike",
+        "strike_deg",
+        "streichen",
+        "streichrichtung",
+        "strike_right",
+        "strike_rhr",
+        "strike_r",
+        "strike_left",
+        "strike_lhr",
+        "strike_l",
     ),
     "trend": ("trend", "pole_trend", "trend_of_pole", "poltrend"),
     "plunge": ("plunge", "pole_plunge", "plunge_of_pole", "polplunge"),
     "plane": (
-        "plane", "orientation", "attitude", "dip/dip_direction", "dip/dipdirection", "dip/dipdir", "dip/dd", "lage",
+        "plane",
+        "orientation",
+        "attitude",
+        "dip/dip_direction",
+        "dip/dipdirection",
+        "dip/dipdir",
+        "dip/dd",
+        "lage",
         "raumlage",
     ),
-    "clar": ("clar", "clarwert", "dd/dip", "dip_direction/dip", "dipdir/dip", "fallrichtung/fallwinkel"),
+    "clar": (
+        "clar",
+        "clarwert",
+        "dd/dip",
+        "dip_direction/dip",
+        "dipdir/dip",
+        "fallrichtung/fallwinkel",
+    ),
     "strike/dip": ("strike/dip", "streichen/fallen", "streichen/einfallen"),
     "name": (
-        "name", "id", "joint", "joint_id", "kluft", "trennfläche", "bezeichnung", "nr", "index", "disc_numb",
+        "name",
+        "id",
+        "joint",
+        "joint_id",
+        "kluft",
+        "trennfläche",
+        "bezeichnung",
+        "nr",
+        "index",
+        "disc_numb",
     ),
     "set": (
-        "set", "joint_set", "set_id", "family", "family_ind", "frac_set", "disc_set", "schar", "kluftschar", "kluftset",
+        "set",
+        "joint_set",
+        "set_id",
+        "family",
+        "family_ind",
+        "frac_set",
+        "disc_set",
+        "schar",
+        "kluftschar",
+        "kluftset",
     ),
     "c": ("c", "cohesion", "c_kpa", "cohesion_kpa", "kohäsion"),
     "phi": ("phi", "φ", "friction", "friction_angle", "phi_deg", "reibungswinkel"),
-    "quantity": ("quantity", "qty", "count", "anzahl", "häufigkeit", "weight", "terzaghi_weight", "disc_weight"),
+    "quantity": (
+        "quantity",
+        "qty",
+        "count",
+        "anzahl",
+        "häufigkeit",
+        "weight",
+        "terzaghi_weight",
+        "disc_weight",
+    ),
     "alpha": ("alpha", "alpha_angle", "alpha_deg", "α", "core_angle", "angle_to_core_axis", "tca"),
     "beta": ("beta", "beta_angle", "beta_deg", "β", "beta_bottom", "beta_top"),
     "hole_trend": (
-        "hole_trend", "trend_of_hole", "borehole_trend", "drillhole_trend", "core_trend", "hole_azimuth",
-        "borehole_azimuth", "drillhole_azimuth", "core_azimuth",
+        "hole_trend",
+        "trend_of_hole",
+        "borehole_trend",
+        "drillhole_trend",
+        "core_trend",
+        "hole_azimuth",
+        "borehole_azimuth",
+        "drillhole_azimuth",
+        "core_azimuth",
     ),
     "hole_plunge": (
-        "hole_plunge", "plunge_of_hole", "borehole_plunge", "drillhole_plunge", "core_plunge", "hole_dip",
-        "borehole_dip", "drillhole_dip",
+        "hole_plunge",
+        "plunge_of_hole",
+        "borehole_plunge",
+        "drillhole_plunge",
+        "core_plunge",
+        "hole_dip",
+        "borehole_dip",
+        "drillhole_dip",
     ),
     "reference": (
-        "reference", "reference_line", "reference_mark", "ref", "ref_line", "orientation_line", "orientation_mark",
+        "reference",
+        "reference_line",
+        "reference_mark",
+        "ref",
+        "ref_line",
+        "orientation_line",
+        "orientation_mark",
     ),
     "hole": (
-        "hole", "hole_id", "holeid", "borehole", "borehole_id", "drillhole", "drillhole_id", "bhid", "bh_id", "bh",
-        "loca_id", "bohrung",
+        "hole",
+        "hole_id",
+        "holeid",
+        "borehole",
+        "borehole_id",
+        "drillhole",
+        "drillhole_id",
+        "bhid",
+        "bh_id",
+        "bh",
+        "loca_id",
+        "bohrung",
     ),
     "spacing": ("spacing", "spacing_m", "joint_spacing", "true_spacing", "abstand", "kluftabstand"),
     "position": (
-        "position", "position_m", "distance", "distance_m", "chainage", "station", "scanline_position", "depth",
-        "depth_m", "meter", "stationierung", "disc_top",
+        "position",
+        "position_m",
+        "distance",
+        "distance_m",
+        "chainage",
+        "station",
+        "scanline_position",
+        "depth",
+        "depth_m",
+        "meter",
+        "stationierung",
+        "disc_top",
     ),
     "trace": (
-        "trace", "trace_m", "trace_length", "trace_length_m", "length", "length_m", "spurlänge", "länge", "disc_pers",
+        "trace",
+        "trace_m",
+        "trace_length",
+        "trace_length_m",
+        "length",
+        "length_m",
+        "spurlänge",
+        "länge",
+        "disc_pers",
     ),
     "ends": ("ends", "ends_seen", "visible_ends", "ends_visible", "sichtbare_enden"),
-}  # fmt: skip
-#: Columns of the sizes of joints, which only a study that asks for them reads.
+}
+#: Columns of the sizes of joints, read only for studies that need them.
 SIZES = ("spacing", "position", "trace", "ends")
-#: Of these, two columns may stand in a list: the name that is given first above is taken.
+#: Keys that may have two columns in a list: the column whose name comes first above is used.
 RANKED = ("name", "quantity", "hole", "reference")
-#: Numbers that are names only where each stands once.
+#: Counters, which are names of joints only where each number is unique.
 COUNTERS = ("nr", "index", "disc_numb")
 ORIENTATIONS = (
-    "dip", "dip_direction", "strike", "trend", "plunge", "alpha", "beta", "hole_trend", "hole_plunge",
-)  # fmt: skip
+    "dip",
+    "dip_direction",
+    "strike",
+    "trend",
+    "plunge",
+    "alpha",
+    "beta",
+    "hole_trend",
+    "hole_plunge",
+)
 #: Columns of oriented core, with the line that beta is measured from.
 CORE = ("alpha", "beta", "hole_trend", "hole_plunge", "reference")
 BOTTOM, TOP = "bottom", "top"
-#: What the line that beta is measured from may be called.
+#: Names of the reference line that beta is measured from.
 REFERENCE_LINES: Mapping[str, str] = {
-    "bottom": BOTTOM, "bottom_of_core": BOTTOM, "boc": BOTTOM, "boh": BOTTOM, "low": BOTTOM, "low_side": BOTTOM,
-    "lower": BOTTOM, "unten": BOTTOM, "top": TOP, "top_of_core": TOP, "toc": TOP, "toh": TOP, "high": TOP,
-    "high_side": TOP, "upper": TOP, "oben": TOP,
-}  # fmt: skip
-#: Columns that give a plane together, best first.
-WAYS: tuple[tuple[str, ...], ...] = (
-    ("dip", "dip_direction"), ("strike", "dip"), ("plane",), ("clar",), ("strike/dip",), CORE[:4],
+    "bottom": BOTTOM,
+    "bottom_of_core": BOTTOM,
+    "boc": BOTTOM,
+    "boh": BOTTOM,
+    "low": BOTTOM,
+    "low_side": BOTTOM,
+    "lower": BOTTOM,
+    "unten": BOTTOM,
+    "top": TOP,
+    "top_of_core": TOP,
+    "toc": TOP,
+    "toh": TOP,
+    "high": TOP,
+    "high_side": TOP,
+    "upper": TOP,
+    "oben": TOP,
+}
+#: Sets of columns that give a plane, the preferred first.
+PLANE_COLUMNS: tuple[tuple[str, ...], ...] = (
+    ("dip", "dip_direction"),
+    ("strike", "dip"),
+    ("plane",),
+    ("clar",),
+    ("strike/dip",),
+    CORE[:4],
     ("trend", "plunge"),
-)  # fmt: skip
-#: Headings of a dip direction that might be meant for a strike, or beside core for the hole: how they are read is said.
+)
+#: Headings read as a dip direction, with a note, as they might mean a strike or, in a list of core, the hole.
 AMBIGUOUS_DIRECTIONS = ("azimuth", "azi", "azimut", "direction")
-#: A strike, a dip, and the side it dips to where a dip direction would stand.
+#: A strike, a dip, and the side it dips to in the column of the dip direction.
 STRIKE_WITH_SIDE = ("strike", "dip", "dip_direction")
 WORDS: Mapping[str, str] = {key: key.replace("_", " ") for key in COLUMNS}
 _DEGREES = ("", "°", "deg", "degree", "degrees", "º")
 _GERMAN = re.compile(r"fall|neigung|streich|azimut\b|pol(trend|plunge)|reibung|lage", re.IGNORECASE)
-#: Columns whose heading may hold a convention, and the words for it.
-_WORDS_IN_HEADING: Mapping[str, Mapping[str, str]] = {"strike": _CONVENTIONS, "beta": REFERENCE_LINES}
-#: A number as it stands in a cell, with a decimal point or comma, in degrees or without a unit.
+#: Columns whose headings may hold a convention, with the words for it.
+_WORDS_IN_HEADING: Mapping[str, Mapping[str, str]] = {
+    "strike": _CONVENTIONS,
+    "beta": REFERENCE_LINES,
+}
+#: A number in a cell, with a decimal point or comma, in degrees or without a unit.
 NUMBER = re.compile(r"^\s*[+-]?(\d+([.,]\d*)?|[.,]\d+)\s*°?\s*$")
 _HEADER = re.compile(r"^(.*?)\s*(?:\(([^)]*)\)|\[([^\]]*)\])?\s*$")
 
 
 @dataclass(frozen=True)
 class SurveyColumn:
-    """Where a column stands, what it is called in the list, the unit or the convention in its header."""
+    """A column of a joint list: its index and heading, with the unit or the convention in the heading."""
 
     index: int
     heading: str = ""
@@ -123,19 +280,21 @@ class SurveyColumn:
     convention: str | None = None
 
 
-#: All of these columns stand in the header of planes by CloudCompare Compass, whose names may stand twice.
+#: Columns in the headers of planes by CloudCompare Compass, whose names may be repeated.
 _COMPASS_PLANES = frozenset(("strike", "dip", "dip_dir", "nx", "ny", "nz"))
-#: Why lists whose headers have all of these columns hold no joints: other files of CloudCompare Compass.
-_NO_JOINTS: Mapping[frozenset[str], str] = {
-    frozenset(("sx", "sy", "sz", "ex", "ey", "ez", "trend", "plunge")):
-        "are lines between two points: lineations or thicknesses, no poles of joints",
-    frozenset(("trace_id", "start_x", "end_x", "cost")):
-        "are the segments of traces, no joints: its planes stand in the file that ends in _planes",
-}  # fmt: skip
+#: Other files of CloudCompare Compass, by their columns, with the reason why they hold no joints.
+_LISTS_WITHOUT_JOINTS: Mapping[frozenset[str], str] = {
+    frozenset(
+        ("sx", "sy", "sz", "ex", "ey", "ez", "trend", "plunge")
+    ): "are lines between two points: lineations or thicknesses, no poles of joints",
+    frozenset(
+        ("trace_id", "start_x", "end_x", "cost")
+    ): "are the segments of traces, no joints: its planes stand in the file that ends in _planes",
+}
 
 
-def checked_convention(word: str, where: str) -> str:
-    """The strike convention that a word means: a long name, RHR, LHR. Raises DesignError E192 where it is not known.
+def checked_convention(word: str, location: str) -> str:
+    """Return the strike convention of a word: a long name, RHR, LHR. Raises DesignError E192 for an unknown word.
 
     >>> checked_convention("RHR", ""), checked_convention("left-hand-rule", "")
     ('right-hand-rule', 'left-hand-rule')
@@ -143,14 +302,16 @@ def checked_convention(word: str, where: str) -> str:
     lower = word.strip().lower()
     convention = _CONVENTIONS[lower] if lower in _SHORT else lower
     if convention not in STRIKE_TO_DIP_DIRECTION:
-        advice = did_you_mean(word.lower()[:80], STRIKE_TO_DIP_DIRECTION, "It is right-hand-rule or left-hand-rule.")
+        advice = did_you_mean(
+            word.lower()[:80], STRIKE_TO_DIP_DIRECTION, "It is right-hand-rule or left-hand-rule."
+        )
         message = f"the strike convention {cut(repr(word))} is not known"
-        raise DesignError([Fault("E192", message, where, advice)])
+        raise DesignError([Fault("E192", message, location, advice)])
     return convention
 
 
 def number_in(text: str) -> float | None:
-    """The number that a cell holds, None for any other text.
+    """Return the number in a cell; None for any other text.
 
     >>> number_in("45,5°"), number_in("N25E")
     (45.5, None)
@@ -158,54 +319,71 @@ def number_in(text: str) -> float | None:
     return float(text.replace(",", ".").strip(" °")) if NUMBER.match(text) else None
 
 
-def spelled(heading: str) -> str:
-    """A heading without its unit, in lower case, with _ for blanks and hyphens.
+def normalized_heading(heading: str) -> str:
+    """Return a heading without its unit, in lower case, with _ for blanks and hyphens.
 
-    >>> spelled(" Dip-Direction (°)"), spelled("Family ind."), spelled("DIP / DIP DIRECTION")
-    ('dip_direction', 'family_ind', 'dip/dip_direction')
+    >>> normalized_heading(" Dip-Direction (°)"), normalized_heading("DIP / DIP DIRECTION")
+    ('dip_direction', 'dip/dip_direction')
+    >>> normalized_heading("Family ind.")
+    'family_ind'
     """
     bare = _split(heading)[0].strip().lower().lstrip("#* ").rstrip(".")
     return re.sub(r"_*/_*", "/", re.sub(r"[\s\-]+", "_", bare))
 
 
 def key_of(heading: str) -> str | None:
-    """What a column holds, None where its name is not known."""
-    name = spelled(heading)
+    """Return the key of a column in `COLUMNS`; None where its heading is unknown."""
+    name = normalized_heading(heading)
     return next((key for key, names in COLUMNS.items() if name in names), None)
 
 
 def column_of(index: int, heading: str) -> SurveyColumn:
-    """A column from its heading; `Strike (RHR)`, `strike_right` and `beta (bottom)` carry their convention.
+    """Return a column from its heading; `Strike (RHR)`, `strike_right` and `beta (bottom)` give their convention.
 
-    Grad in a German heading are degrees; in an English one they are gon.
+    Grad means degrees in a German heading, and gon in an English one.
     """
-    bare, within = _split(heading)
-    last = spelled(within) if within else spelled(bare).rpartition("_")[2]
-    convention = _WORDS_IN_HEADING.get(key_of(bare) or "", {}).get(last)
-    is_degrees = within.lower() in _DEGREES or (within.lower() == "grad" and _GERMAN.search(bare) is not None)
-    return SurveyColumn(index, heading, "" if is_degrees or (within and convention) else within, convention)
+    name, bracket_text = _split(heading)
+    last = (
+        normalized_heading(bracket_text)
+        if bracket_text
+        else normalized_heading(name).rpartition("_")[2]
+    )
+    convention = _WORDS_IN_HEADING.get(key_of(name) or "", {}).get(last)
+    is_degrees = bracket_text.lower() in _DEGREES or (
+        bracket_text.lower() == "grad" and _GERMAN.search(name) is not None
+    )
+    return SurveyColumn(
+        index,
+        heading,
+        "" if is_degrees or (bracket_text and convention) else bracket_text,
+        convention,
+    )
 
 
 def unit_in_heading(heading: str) -> str:
-    """What stands in brackets behind a heading, empty where there is nothing."""
+    """Return the text in brackets after a heading, empty without one."""
     return _split(heading)[1]
 
 
 def plane_columns(keys: Iterable[str | None]) -> tuple[str, ...] | None:
-    """The columns that give the plane, None where they do not suffice."""
-    there = set(keys)
-    return next((way for way in WAYS if there.issuperset(way)), None)
+    """Return the keys of the columns that give the plane; None where they do not suffice."""
+    present = set(keys)
+    return next(
+        (plane_keys for plane_keys in PLANE_COLUMNS if present.issuperset(plane_keys)), None
+    )
 
 
 def names_may_repeat(headings: Sequence[str]) -> bool:
-    """Whether the program that wrote a list with these headings gives a name twice."""
-    return set(map(spelled, headings)) >= _COMPASS_PLANES
+    """Return whether a list with these headings comes from a program that repeats names."""
+    return set(map(normalized_heading, headings)) >= _COMPASS_PLANES
 
 
-def why_no_joints(headings: Sequence[str]) -> str:
-    """Why a list with these headings holds no joints, empty where it may."""
-    there = set(map(spelled, headings))
-    return next((why for columns, why in _NO_JOINTS.items() if columns <= there), "")
+def reason_without_joints(headings: Sequence[str]) -> str:
+    """Return the reason why a list with these headings holds no joints; empty where it may hold some."""
+    names = set(map(normalized_heading, headings))
+    return next(
+        (reason for columns, reason in _LISTS_WITHOUT_JOINTS.items() if columns <= names), ""
+    )
 
 
 def _split(heading: str) -> tuple[str, str]:
@@ -215,23 +393,23 @@ def _split(heading: str) -> tuple[str, str]:
     return match.group(1), (match.group(2) or match.group(3) or "").strip()
 
 
-def named_in_order(columns: str | Sequence[str] | None) -> tuple[str, ...]:
-    """The names of columns as the user lists them, () where none are: `dip_direction,dip`, or a list.
+def headings_in_order(columns: str | Sequence[str] | None) -> tuple[str, ...]:
+    """Return the headings that the user gives for the columns, `dip_direction,dip` or a list; () for None.
 
-    >>> named_in_order("dip_direction, dip"), named_in_order(["dip", "dip direction"]), named_in_order(None)
+    >>> headings_in_order("dip_direction, dip"), headings_in_order(["dip", "dip direction"]), headings_in_order(None)
     (('dip_direction', 'dip'), ('dip', 'dip direction'), ())
     """
     if columns is None:
         return ()
-    parts = re.split("[,;]", columns) if isinstance(columns, str) else columns
-    if not isinstance(parts, Sequence) or not all(isinstance(part, str) for part in parts):
+    names = re.split("[,;]", columns) if isinstance(columns, str) else columns
+    if not isinstance(names, Sequence) or not all(isinstance(name, str) for name in names):
         message = f"columns are {type(columns).__name__}, their names in order are needed"
         raise DesignError([Fault("E191", message, "columns", 'Give "dip_direction,dip".')])
-    return tuple(part.strip() for part in parts)
+    return tuple(name.strip() for name in names)
 
 
 def columns_advice(option: str, columns: Sequence[str]) -> str:
-    """How the user names columns, by what a convention is given by: an option, a key, an argument, nothing.
+    """Return the advice how to name columns, in the style of `option`: an option, a key, an argument, or empty.
 
     >>> columns_advice("--convention", ["dip", "dip_direction"]), columns_advice("convention:", ["clar"])
     ('--columns dip,dip_direction', 'columns: [clar]')
@@ -245,42 +423,52 @@ def columns_advice(option: str, columns: Sequence[str]) -> str:
     return f'columns = "{",".join(columns)}"'
 
 
-# -- what stands above the header -------------------------------------------------------------------------------------
+# -- the preamble above the header ------------------------------------------------------------------------------------
 
-#: Of Dips: orientation format, declination, quantities, traverses. Declination is added to every azimuth (Rocscience,
-#: Dips documentation, Declination: east positive).
+#: Preambles of Dips have the orientation format, declination, quantities and traverses. Declination is added to every
+#: azimuth (Rocscience, Dips documentation, Declination: east positive).
 _DIP = r"\bDIP\s*/\s*DIP\s*-?\s*DIR(?:ECTION|N)?\b"
-#: Formats of the two orientation columns: how they are written, the columns, the convention of the strike.
+#: Formats of the two orientation columns: pattern, keys of the columns, convention of the strike.
 FORMATS: tuple[tuple[str, tuple[str, ...], str | None], ...] = (
     (_DIP, ("dip", "dip_direction"), None),
-    (r"\bSTRIKE\s*(?:\(?\s*RIGHT\s*\)?)\s*/\s*DIP\b|\bSTRIKE\s*/\s*DIPR\b", ("strike", "dip"), RIGHT),
+    (
+        r"\bSTRIKE\s*(?:\(?\s*RIGHT\s*\)?)\s*/\s*DIP\b|\bSTRIKE\s*/\s*DIPR\b",
+        ("strike", "dip"),
+        RIGHT,
+    ),
     (r"\bSTRIKE\s*(?:\(?\s*LEFT\s*\)?)\s*/\s*DIP\b|\bSTRIKE\s*/\s*DIPL\b", ("strike", "dip"), LEFT),
     (r"\bSTRIKE\s*/\s*DIP\b", ("strike", "dip"), None),
     (r"\bTREND\s*/\s*PLUNGE\b", ("trend", "plunge"), None),
 )
-_DECLINED = r"([+-]?\d+(?:[.,]\d+)?)"
-_DECLINATION = re.compile(rf"DECLINATION\b[^\d+\-]*{_DECLINED}|^\s*{_DECLINED}\s*\(?\s*DECLINATION", re.IGNORECASE)
+_DECLINATION_ANGLE = r"([+-]?\d+(?:[.,]\d+)?)"
+_DECLINATION = re.compile(
+    rf"DECLINATION\b[^\d+\-]*{_DECLINATION_ANGLE}|^\s*{_DECLINATION_ANGLE}\s*\(?\s*DECLINATION",
+    re.IGNORECASE,
+)
 _TRAVERSES = re.compile(r"TRAVERSES\b[^\d]*(\d+)|^\s*(\d+)\s*\(?\s*TRAVERSES", re.IGNORECASE)
 _QUANTITY = re.compile(r"\bQUANTIT", re.IGNORECASE)
-_NO = re.compile(r"\bNO\b|\bNONE\b|\bOFF\b|\b0\b", re.IGNORECASE)
-_OF_CORE = re.compile(r"\bORIENTED\s+CORE\b|\bALPHA\s*/\s*BETA\b", re.IGNORECASE)
+_NEGATION = re.compile(r"\bNO\b|\bNONE\b|\bOFF\b|\b0\b", re.IGNORECASE)
+_CORE_FORMAT = re.compile(r"\bORIENTED\s+CORE\b|\bALPHA\s*/\s*BETA\b", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
 class Preamble:
-    """What a preamble says.
+    """The contents of a preamble.
 
     Attributes
     ----------
-    columns, convention, written : of the orientation format, and how it is written; () where none is named
-    others : further formats, of traverses; core : measured on oriented core
-    declination_deg : added to azimuths; has_quantity : a third column of quantities; traverses : how many
+    columns, convention, written : keys, strike convention and text of the orientation format; () without one
+    other_formats : texts of further formats, of traverses
+    core : whether the orientations are measured on oriented core
+    declination_deg : declination, added to azimuths
+    has_quantity : whether the third column has quantities
+    traverses : number of traverses
     """
 
     columns: tuple[str, ...] = ()
     convention: str | None = None
     written: str = ""
-    others: tuple[str, ...] = ()
+    other_formats: tuple[str, ...] = ()
     core: bool = False
     declination_deg: float = 0.0
     has_quantity: bool = False
@@ -306,10 +494,12 @@ def preamble_of(lines: Sequence[str]) -> Preamble:
         if match := _TRAVERSES.search(line):
             traverses = int(match.group(1) or match.group(2))
         if _QUANTITY.search(line):
-            has_quantity = not _NO.search(line)
-    core = any(_OF_CORE.search(line) for line in lines)
+            has_quantity = not _NEGATION.search(line)
+    core = any(_CORE_FORMAT.search(line) for line in lines)
     if not formats:
         return Preamble((), None, "", (), core, declination, has_quantity, traverses)
     (written, (columns, convention)), *rest = formats.items()
-    others = tuple(word for word, meant in rest if meant != (columns, convention))
-    return Preamble(columns, convention, written, others, core, declination, has_quantity, traverses)
+    other_formats = tuple(word for word, meaning in rest if meaning != (columns, convention))
+    return Preamble(
+        columns, convention, written, other_formats, core, declination, has_quantity, traverses
+    )

@@ -1,4 +1,4 @@
-"""Measured joints, lists of them with where they come from, and what is said of rows that hold none."""
+"""Measured joints, joint lists with their origin, and messages about bad rows."""
 
 import re
 from collections.abc import Sequence
@@ -17,13 +17,13 @@ _EMPTY = "Leave the cell empty."
 
 @dataclass(frozen=True)
 class MeasuredJoint:
-    """One measured joint: its name, its plane, the line of the file it stands in, strength and set where given.
+    """A measured joint: its name, plane, line in the file, and strength and set where the list has them.
 
     The declared fields are columns of joint lists.
 
-    quantity : how many like it were measured, or its weight against the bias of a scanline
-    spacing_m, position_m, trace_m : to the next of its set, along the scanline, of its trace, where they were asked for
-    ends : of its trace that were seen, 0 to 2
+    quantity : number of such joints, or a weight that corrects the bias of a scanline
+    spacing_m, position_m, trace_m : spacing in its set, position along the scanline and trace length, if requested
+    ends : number of visible ends of its trace, 0 to 2
     """
 
     name: str
@@ -43,10 +43,16 @@ class MeasuredJoint:
         says="a friction angle lies from 0 to below 90",
     )
     set_name: str = ""
-    quantity: float = number("quantity", "ratio", default=1.0, least=0.0, code="E193", says="it is a number from 0")
-    spacing_m: float | None = number("spacing", "length", default=None, above=0.0, code="E193", advice=_EMPTY)
+    quantity: float = number(
+        "quantity", "ratio", default=1.0, least=0.0, code="E193", says="it is a number from 0"
+    )
+    spacing_m: float | None = number(
+        "spacing", "length", default=None, above=0.0, code="E193", advice=_EMPTY
+    )
     position_m: float | None = number("position", "length", default=None, code="E193")
-    trace_m: float | None = number("trace", "length", default=None, above=0.0, code="E193", advice=_EMPTY)
+    trace_m: float | None = number(
+        "trace", "length", default=None, above=0.0, code="E193", advice=_EMPTY
+    )
     ends: int | None = count(
         "ends",
         0,
@@ -60,13 +66,14 @@ class MeasuredJoint:
 
 @dataclass(frozen=True)
 class JointList:
-    """Joints with where they come from.
+    """A list of measured joints with its origin.
 
     Attributes
     ----------
-    name : of the file, or `joints`; left_out : rows and columns that are not used, in words
-    read_as : what was read in another way than it stands there, in words
-    shared_names : that stand more than once in the list, so that they name no joint
+    name : name of the file, or `joints`
+    left_out : unused rows and columns, in words
+    read_as : values that were interpreted in another way than they are written, in words
+    shared_names : names of more than one joint, which cannot identify a joint
     """
 
     name: str
@@ -80,53 +87,56 @@ class JointList:
 
     @property
     def dips_deg(self) -> Floats:
-        """(n,) dips."""
+        """The dips, (n,), in degrees."""
         return np.array([joint.plane.dip_deg for joint in self.joints])
 
     @property
     def dip_directions_deg(self) -> Floats:
-        """(n,) dip directions."""
+        """The dip directions, (n,), in degrees."""
         return np.array([joint.plane.dip_direction_deg for joint in self.joints])
 
     @property
     def quantities(self) -> Floats:
-        """(n,) how often each counts."""
+        """The quantities of the joints, (n,): how often each counts."""
         return np.array([joint.quantity for joint in self.joints])
 
     @property
     def has_quantities(self) -> bool:
-        """Whether any joint counts for more, or less, than one."""
+        """Whether any joint has a quantity other than 1."""
         return any(joint.quantity != 1.0 for joint in self.joints)
 
     def normals(self) -> Floats:
-        """(n, 3) upward unit normals."""
+        """Return the upward unit normals of the joints, (n, 3)."""
         return normals(self.dips_deg, self.dip_directions_deg)
 
-    def pairs(self) -> tuple[np.ndarray[Any, np.dtype[np.intp]], np.ndarray[Any, np.dtype[np.intp]]]:
-        """The first and second joint of every pair, in the order of the list."""
+    def pairs(
+        self,
+    ) -> tuple[np.ndarray[Any, np.dtype[np.intp]], np.ndarray[Any, np.dtype[np.intp]]]:
+        """Return the indices of the first and of the second joint of every pair, in the order of the list."""
         return np.triu_indices(len(self), 1)
 
     def rows(self) -> list[tuple[str, str, float, float]]:
-        """Name, set, dip and dip direction of each joint, for hashes."""
+        """Return name, set, dip and dip direction of each joint, for hashes."""
         return [
-            (joint.name, joint.set_name, joint.plane.dip_deg, joint.plane.dip_direction_deg) for joint in self.joints
+            (joint.name, joint.set_name, joint.plane.dip_deg, joint.plane.dip_direction_deg)
+            for joint in self.joints
         ]
 
     def sets(self) -> tuple[str, ...]:
-        """The sets that are named, sorted."""
+        """Return the names of the sets, sorted."""
         return tuple(sorted({joint.set_name for joint in self.joints if joint.set_name}))
 
 
-# -- bad rows: those of one kind once, with their number and the first three -----------------------------------------
+# -- bad rows, grouped by kind of fault -------------------------------------------------------------------------------
 
-#: The number of a row, what its joint is called, and what is wrong with it.
+#: The number of a row, the name of its joint, and its faults.
 BadRow: TypeAlias = tuple[int, str, Sequence[Fault]]
-_SHOWN = 3
+_MAX_EXAMPLES = 3
 _VALUE = re.compile(r"'[^']*'|\"[^\"]*\"|[+-]?\d+(?:[.,]\d+)?")
 
 
 def grouped_faults(rows: Sequence[BadRow]) -> list[Fault]:
-    """The faults of bad rows, those of one kind as one where more than three rows have it.
+    """Return the faults of bad rows; a kind of fault in more than three rows becomes one fault.
 
     >>> rows = [(k, f"J{k}", [Fault("E101", f"dip of J{k} is 200", f"joints.csv:{k}  200,1")]) for k in range(2, 8)]
     >>> print(grouped_faults(rows)[0])
@@ -138,17 +148,20 @@ def grouped_faults(rows: Sequence[BadRow]) -> list[Fault]:
         for fault in faults:
             kinds.setdefault(_kind(fault, name), []).append(fault)
     grouped: list[Fault] = []
-    for alike in kinds.values():
-        if len(alike) > _SHOWN:
-            first, places = alike[0], "; ".join(fault.where for fault in alike[:_SHOWN])
-            message = f"{first.message}, and {len(alike) - 1} rows more like it"
-            alike = [Fault(first.code, message, places, first.advice)]
-        grouped += alike
+    for kind_faults in kinds.values():
+        if len(kind_faults) > _MAX_EXAMPLES:
+            first, places = (
+                kind_faults[0],
+                "; ".join(fault.where for fault in kind_faults[:_MAX_EXAMPLES]),
+            )
+            message = f"{first.message}, and {len(kind_faults) - 1} rows more like it"
+            kind_faults = [Fault(first.code, message, places, first.advice)]
+        grouped += kind_faults
     return grouped
 
 
 def skipped_rows(noun: str, rows: Sequence[BadRow]) -> list[str]:
-    """Bad rows that are left out, in words: those with the same faults together where they are more than three.
+    """Return the skipped bad rows in words; more than three rows with the same faults become one entry.
 
     >>> skipped_rows("line", [(4, "C", [Fault("E101", "dip of C is 200")])])
     ['line 4 (E101 dip of C is 200)']
@@ -156,19 +169,21 @@ def skipped_rows(noun: str, rows: Sequence[BadRow]) -> list[str]:
     kinds: dict[tuple[tuple[str, str], ...], list[BadRow]] = {}
     for row in rows:
         kinds.setdefault(tuple(_kind(fault, row[1]) for fault in row[2]), []).append(row)
-    parts: list[tuple[int, str]] = []
-    for alike in kinds.values():
-        together = len(alike) > _SHOWN
-        for line, _, faults in alike[:1] if together else alike:
+    entries: list[tuple[int, str]] = []
+    for kind_rows in kinds.values():
+        are_grouped = len(kind_rows) > _MAX_EXAMPLES
+        for line, _, faults in kind_rows[:1] if are_grouped else kind_rows:
             lines = f"{noun} {line}"
-            if together:
-                first = ", ".join(str(row[0]) for row in alike[:_SHOWN])
-                lines = f"{noun}s {first} and {len(alike) - _SHOWN} more"
-            what = "; ".join(f"{fault.code} {fault.message}" for fault in faults)
-            parts.append((line, f"{lines} ({what})"))
-    return [text for _, text in sorted(parts)]
+            if are_grouped:
+                first = ", ".join(str(row[0]) for row in kind_rows[:_MAX_EXAMPLES])
+                lines = f"{noun}s {first} and {len(kind_rows) - _MAX_EXAMPLES} more"
+            faults_text = "; ".join(f"{fault.code} {fault.message}" for fault in faults)
+            entries.append((line, f"{lines} ({faults_text})"))
+    return [text for _, text in sorted(entries)]
 
 
 def _kind(fault: Fault, name: str) -> tuple[str, str]:
-    """What faults of one kind have in common: the code, and the message without names and values."""
-    return fault.code, _VALUE.sub("#", re.sub(rf"(?<!\w){re.escape(name)}(?!\w)", "@", fault.message))
+    """Return the kind of a fault: its code, and its message without names and values."""
+    return fault.code, _VALUE.sub(
+        "#", re.sub(rf"(?<!\w){re.escape(name)}(?!\w)", "@", fault.message)
+    )

@@ -1,4 +1,4 @@
-"""Joints on oriented core: alpha and beta, the trend and plunge of the hole, and the line that beta is measured from.
+"""Joints on oriented core: their planes from alpha, beta, the trend and plunge of the hole and a reference line.
 
 alpha is the acute angle between the joint and the core axis, 90° where the joint crosses the core squarely. beta is
 measured around the core, clockwise as seen looking down the hole, from the reference line (the bottom or the top of
@@ -22,27 +22,38 @@ from slopekit.design.survey.columns import (
     REFERENCE_LINES,
     SurveyColumn,
     key_of,
+    normalized_heading,
     plane_columns,
-    spelled,
     unit_in_heading,
 )
 
-#: Names of the depth along a hole.
-DEPTHS = ("depth", "depth_m", "from", "from_m", "measured_depth", "md", "disc_top", "tiefe", "teufe")
-#: Degrees (rounding): a core that plunges more steeply has neither top nor bottom.
+#: Headings of a column of depths along a hole.
+DEPTHS = (
+    "depth",
+    "depth_m",
+    "from",
+    "from_m",
+    "measured_depth",
+    "md",
+    "disc_top",
+    "tiefe",
+    "teufe",
+)
+#: Steepest plunge (degrees) of a hole whose core has a top and a bottom.
 STEEPEST_PLUNGE_DEG = 89.9
-_NAMES = "Call the columns hole_trend and hole_plunge (degrees below the horizontal) where they are the hole's."
+_HOLE_COLUMNS = "Call the columns hole_trend and hole_plunge (degrees below the horizontal) where they are the hole's."
 
 
 def plane_on_core(alpha_deg: float, beta_deg: float, hole: Line, is_from_bottom: bool) -> Plane:
-    """The plane of a joint on oriented core.
+    """Return the plane of a joint on oriented core.
 
     With a the unit vector down the hole and r the one from the core axis to the reference line, the lower end of the
     ellipse lies towards e = r cos β + (a × r) sin β, and the normal of the joint is a sin α - e cos α.
 
     Parameters
     ----------
-    alpha_deg, beta_deg : as the module says; hole : the trend and plunge of the core axis, down the hole
+    alpha_deg, beta_deg : angles as defined in the module's docstring
+    hole : trend and plunge of the core axis, down the hole
     is_from_bottom : whether beta is measured from the bottom of the core, not from its top
 
     A hole that plunges 60° to the north cuts flat joints at 60°, with the lower end of the ellipse on top of the core:
@@ -68,61 +79,73 @@ def core_columns(
     columns: Mapping[str, SurveyColumn],
     headings: Sequence[str],
     rows: Iterable[Sequence[str]],
-    where: str,
+    location: str,
 ) -> dict[str, SurveyColumn]:
-    """The columns of a list, with those of the hole by their keys where the list is one of core.
+    """Return the columns of a list by key; in a list of core, trend and plunge become those of the hole.
 
     Parameters
     ----------
-    name : of the list; columns : by key; headings : of all columns, used or not
-    rows : the cells below the header, as many as headings; where : the header stands
+    name : name of the list
+    columns : columns by key
+    headings : headings of all columns, used or not
+    rows : cells of the rows below the header, as many as headings
+    location : place of the header
 
     Raises
     ------
     DesignError
-        E191 columns that may be the hole's or the joint's, or that lack; E192 no line that beta is measured from.
+        E191 missing columns, or columns that may be the hole's or the joint's; E192 no reference line of beta.
     """
-    found = dict(columns)
-    if "alpha" not in found and "beta" not in found:
-        _refuse_trend_of_hole(name, found, headings, where)
-        return found
-    if _gives_planes(found):
-        return found
+    by_key = dict(columns)
+    if "alpha" not in by_key and "beta" not in by_key:
+        _refuse_ambiguous_trend(name, by_key, headings, location)
+        return by_key
+    if _gives_planes(by_key):
+        return by_key
     for key in ("alpha", "beta"):
-        if key not in found:
+        if key not in by_key:
             message = f"{name} has no column for {key}: core that is not oriented gives no planes"
-            fail("E191", message, where, "alpha and beta are needed on oriented core.")
-    for key, others in (("hole_trend", ("trend", "dip_direction")), ("hole_plunge", ("plunge", "dip"))):
-        other = next((other for other in others if other in found), None)
-        if key not in found and other is not None:
-            found[key] = found.pop(other)
-    if "hole_trend" not in found or "hole_plunge" not in found:
-        message = f"{name} has alpha and beta of core, and no column for trend and plunge of the hole"
-        fail("E191", message, where, _NAMES)
-    _refuse_signs(name, found, rows, where)
-    if "reference" not in found and found["beta"].convention is None:
-        message = f"beta has two meanings: {name} does not say from which line, bottom or top of the core"
+            fail("E191", message, location, "alpha and beta are needed on oriented core.")
+    for key, substitutes in (
+        ("hole_trend", ("trend", "dip_direction")),
+        ("hole_plunge", ("plunge", "dip")),
+    ):
+        substitute = next((substitute for substitute in substitutes if substitute in by_key), None)
+        if key not in by_key and substitute is not None:
+            by_key[key] = by_key.pop(substitute)
+    if "hole_trend" not in by_key or "hole_plunge" not in by_key:
+        message = (
+            f"{name} has alpha and beta of core, and no column for trend and plunge of the hole"
+        )
+        fail("E191", message, location, _HOLE_COLUMNS)
+    _refuse_ambiguous_dips(name, by_key, rows, location)
+    if "reference" not in by_key and by_key["beta"].convention is None:
+        message = (
+            f"beta has two meanings: {name} does not say from which line, bottom or top of the core"
+        )
         advice = "Add a column reference with bottom or top, or name the column beta (bottom)."
-        fail("E192", message, where, advice)
-    return found
+        fail("E192", message, location, advice)
+    return by_key
 
 
 class CoreLog:
-    """The rows of a list of oriented core, each with the trend and plunge of its hole.
+    """A log of oriented core: completes the rows of joints with the trend and plunge of their hole.
 
-    A row with trend and plunge and neither alpha nor beta is a survey station. A joint without trend and plunge has
-    those of the station of its hole that is nearest by depth, the upper of two that are equally near.
+    A row with trend and plunge, but neither alpha nor beta, is a survey station. A joint without trend and plunge gets
+    those of the nearest station in its hole by depth, of the upper one if two are equally near.
     """
 
     def __init__(self, columns: Mapping[str, SurveyColumn], headings: Sequence[str]) -> None:
         self.columns = columns
-        self.depth = next((k for k, heading in enumerate(headings) if spelled(heading) in DEPTHS), None)
+        self.depth = next(
+            (k for k, heading in enumerate(headings) if normalized_heading(heading) in DEPTHS), None
+        )
         self.unit = (unit_in_heading(headings[self.depth]) if self.depth is not None else "") or "m"
         self.stations: dict[str, list[tuple[float, str, str]]] = {}
         self.distances: list[float] = []
 
     def is_station(self, cells: Sequence[str]) -> bool:
-        """Whether a row is a survey station, which is then remembered."""
+        """Return whether a row is a survey station, and record it if so."""
         alpha, beta, trend, plunge = (cells[self.columns[key].index] for key in CORE[:4])
         depth = self._depth(cells)
         if alpha or beta or not trend or not plunge or depth is None:
@@ -131,35 +154,53 @@ class CoreLog:
         return True
 
     def completed(self, texts: Mapping[str, str], cells: Sequence[str]) -> dict[str, str]:
-        """The texts of a joint by key, with what stands in the header or in a survey station."""
-        found = dict(texts)
-        found["reference"] = found["reference"] or self.columns["beta"].convention or ""
-        if not found["beta"] and re.fullmatch(r"90(\.0*)?°?", found["alpha"]):
-            found["beta"] = "0"  # the joint crosses the core squarely, and has no lower end
+        """Return the cells of a joint by key, completed from the header and from survey stations."""
+        completed_texts = dict(texts)
+        completed_texts["reference"] = (
+            completed_texts["reference"] or self.columns["beta"].convention or ""
+        )
+        if not completed_texts["beta"] and re.fullmatch(r"90(\.0*)?°?", completed_texts["alpha"]):
+            completed_texts["beta"] = (
+                "0"  # the joint is normal to the core axis: its trace has no lower end
+            )
         depth, stations = self._depth(cells), self.stations.get(self._hole(cells))
-        if not found["hole_trend"] and not found["hole_plunge"] and depth is not None and stations:
-            distance, _, trend, plunge = min((abs(at - depth), at, trend, plunge) for at, trend, plunge in stations)
-            found |= {"hole_trend": trend, "hole_plunge": plunge}
+        if (
+            not completed_texts["hole_trend"]
+            and not completed_texts["hole_plunge"]
+            and depth is not None
+            and stations
+        ):
+            distance, _, trend, plunge = min(
+                (abs(station_depth - depth), station_depth, trend, plunge)
+                for station_depth, trend, plunge in stations
+            )
+            completed_texts |= {"hole_trend": trend, "hole_plunge": plunge}
             self.distances.append(distance)
-        if "dip" in spelled(self.columns["hole_plunge"].heading):  # negative downwards, as drillers write it
-            found["hole_plunge"] = found["hole_plunge"].lstrip("-")
-        return found
+        if "dip" in normalized_heading(
+            self.columns["hole_plunge"].heading
+        ):  # drillers write dips downwards as negative
+            completed_texts["hole_plunge"] = completed_texts["hole_plunge"].lstrip("-")
+        return completed_texts
 
     def read_as(self) -> list[str]:
-        """How the planes of core were read, in words."""
+        """Return the notes about the interpretation of the core."""
         convention = self.columns["beta"].convention
-        line = f"the {convention} of the core" if convention else "the reference line (bottom or top of the core)"
-        said = [
+        line = (
+            f"the {convention} of the core"
+            if convention
+            else "the reference line (bottom or top of the core)"
+        )
+        notes = [
             "planes are of oriented core: alpha is the acute angle to the core axis, beta is measured clockwise, "
             f"looking down the hole, from {line} to the lower end of the ellipse"
         ]
         if self.distances:
             stations, joints = sum(map(len, self.stations.values())), len(self.distances)
-            said.append(
+            notes.append(
                 f"{joints} joint{'s have' if joints > 1 else ' has'} the trend and plunge of the nearest of {stations} "
                 f"survey stations, at most {number(round(max(self.distances), 3))} {self.unit} away along the hole"
             )
-        return said
+        return notes
 
     def _hole(self, cells: Sequence[str]) -> str:
         return cells[self.columns["hole"].index] if "hole" in self.columns else ""
@@ -170,49 +211,71 @@ class CoreLog:
 
 
 def is_from_bottom(reference: str) -> bool | None:
-    """Whether a line on the core is its bottom, None for a word that means neither bottom nor top."""
-    line = REFERENCE_LINES.get(spelled(reference))
+    """Return whether a reference line is the bottom of the core; None for a word that means neither bottom nor top."""
+    line = REFERENCE_LINES.get(normalized_heading(reference))
     return None if line is None else line == BOTTOM
 
 
 def _gives_planes(columns: Mapping[str, SurveyColumn]) -> bool:
-    """Whether columns beside those of core give the joints' planes: a dip direction by its full name, a pole."""
+    """Return whether columns besides those of core give the planes: an unambiguous dip direction, or poles."""
     direction = columns.get("dip_direction")
-    if "dip" in columns and direction is not None and spelled(direction.heading) not in AMBIGUOUS_DIRECTIONS:
+    if (
+        "dip" in columns
+        and direction is not None
+        and normalized_heading(direction.heading) not in AMBIGUOUS_DIRECTIONS
+    ):
         return True
-    way = plane_columns(key for key in columns if key not in ("dip_direction", *CORE))
-    return way is not None and (way != ("trend", "plunge") or _are_poles(columns))
+    plane_keys = plane_columns(key for key in columns if key not in ("dip_direction", *CORE))
+    return plane_keys is not None and (plane_keys != ("trend", "plunge") or _are_poles(columns))
 
 
 def _are_poles(columns: Mapping[str, SurveyColumn]) -> bool:
-    return any("pol" in spelled(columns[key].heading) for key in ("trend", "plunge"))
+    return any("pol" in normalized_heading(columns[key].heading) for key in ("trend", "plunge"))
 
 
-def _refuse_trend_of_hole(name: str, columns: Mapping[str, SurveyColumn], headings: Sequence[str], where: str) -> None:
-    """Refuse trend and plunge beside a hole or a depth: they may be those of the hole as well as of poles."""
-    if plane_columns(columns) != ("trend", "plunge") or "hole_trend" in columns or _are_poles(columns):
+def _refuse_ambiguous_trend(
+    name: str, columns: Mapping[str, SurveyColumn], headings: Sequence[str], location: str
+) -> None:
+    """Raise E191 for trend and plunge in a list with holes or depths: they may be those of the hole or of poles."""
+    if (
+        plane_columns(columns) != ("trend", "plunge")
+        or "hole_trend" in columns
+        or _are_poles(columns)
+    ):
         return
-    of_core = ("hole", "reference")
-    sign = next((one for one in headings if key_of(one) in of_core or spelled(one) in DEPTHS), None)
-    if sign is None:
+    core_keys = ("hole", "reference")
+    core_heading = next(
+        (
+            heading
+            for heading in headings
+            if key_of(heading) in core_keys or normalized_heading(heading) in DEPTHS
+        ),
+        None,
+    )
+    if core_heading is None:
         return
-    message = f"trend and plunge of {name} may be those of the hole (column {sign}) or of poles"
+    message = (
+        f"trend and plunge of {name} may be those of the hole (column {core_heading}) or of poles"
+    )
     advice = "Poles are named pole_trend and pole_plunge; core needs alpha, beta and reference (bottom or top) as well."
-    fail("E191", message, where, advice)
+    fail("E191", message, location, advice)
 
 
-def _refuse_signs(name: str, columns: Mapping[str, SurveyColumn], rows: Iterable[Sequence[str]], where: str) -> None:
-    """Refuse dips that may be the hole's or the joints': only those that are all negative are a hole's for certain."""
+def _refuse_ambiguous_dips(
+    name: str, columns: Mapping[str, SurveyColumn], rows: Iterable[Sequence[str]], location: str
+) -> None:
+    """Raise E191 for dips that may be the hole's or the joints': only dips that are all negative are a hole's."""
     column = columns["hole_plunge"]
-    if "dip" not in spelled(column.heading):
+    if "dip" not in normalized_heading(column.heading):
         return
     dips = [row[column.index] for row in rows if row[column.index]]
     negative = sum(dip.startswith("-") for dip in dips)
     if negative != len(dips) and key_of(column.heading) == "dip":
         message = (
-            f"{columns['hole_trend'].heading} and {column.heading} of {name} may be those of the hole or of joints"
+            f"{columns['hole_trend'].heading} and {column.heading} of {name} may be "
+            "those of the hole or of joints"
         )
-        fail("E191", message, where, _NAMES)
+        fail("E191", message, location, _HOLE_COLUMNS)
     if 0 < negative < len(dips):
         message = f"{column.heading} of {name} is negative in {negative} of {len(dips)} rows: some holes point upwards"
-        fail("E191", message, where, _NAMES)
+        fail("E191", message, location, _HOLE_COLUMNS)

@@ -57,7 +57,7 @@ class Faces:
 
 
 def plane_weights(count: int) -> Hashes:
-    """A fixed 64-bit number for each plane (splitmix64), so that sums of them tell sets of planes apart."""
+    """Return a fixed 64-bit number for each plane (splitmix64), so that sums of them distinguish sets of planes."""
     z = (np.arange(1, count + 1, dtype=np.uint64)) * np.uint64(0x9E3779B97F4A7C15)
     z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
@@ -65,7 +65,7 @@ def plane_weights(count: int) -> Hashes:
 
 
 def cells_of(soup: Soup, normals: Floats, offsets: Floats, stacks: list[PlaneStack]) -> Cells:
-    """The cells of a cut body: connected pieces, those between the same planes as one.
+    """Return the cells of a cut body: its connected pieces, those between the same planes united.
 
     Parameters
     ----------
@@ -76,12 +76,17 @@ def cells_of(soup: Soup, normals: Floats, offsets: Floats, stacks: list[PlaneSta
 
     triangles, vertices = soup.triangles, soup.vertices
     ends = triangles[:, :2].T.ravel(), triangles[:, 1:].T.ravel()
-    graph = coo_array((np.ones(len(ends[0]), dtype=np.bool_), ends), shape=(len(vertices), len(vertices)))
+    graph = coo_array(
+        (np.ones(len(ends[0]), dtype=np.bool_), ends), shape=(len(vertices), len(vertices))
+    )
     count, of_vertex = connected_components(graph, directed=False)
     piece = of_vertex[triangles[:, 0]].astype(np.int64)
     # a point inside each piece: the mean of its vertices, whatever its volume is to rounding
-    share = np.bincount(of_vertex, minlength=count)
-    inside = np.stack([np.bincount(of_vertex, vertices[:, k], count) for k in range(3)], axis=1) / share[:, None]
+    vertex_count = np.bincount(of_vertex, minlength=count)
+    inside = (
+        np.stack([np.bincount(of_vertex, vertices[:, k], count) for k in range(3)], axis=1)
+        / vertex_count[:, None]
+    )
     half = np.zeros((count, soup.half.shape[1]), dtype=np.bool_)
     half[piece] = soup.half
     slabs = np.empty((count, len(stacks)), dtype=np.int64)
@@ -92,7 +97,9 @@ def cells_of(soup: Soup, normals: Floats, offsets: Floats, stacks: list[PlaneSta
     weights = plane_weights(len(offsets))
     signature = np.zeros(len(slabs), dtype=np.uint64)
     for k, (planes, _) in enumerate(stacks):
-        passed = np.concatenate([np.zeros(1, dtype=np.uint64), np.cumsum(weights[planes], dtype=np.uint64)])
+        passed = np.concatenate(
+            [np.zeros(1, dtype=np.uint64), np.cumsum(weights[planes], dtype=np.uint64)]
+        )
         signature += passed[slabs[:, k]]
     # tetrahedra from a point of each cell to its triangles
     cell = cell_of_piece[piece]
@@ -100,76 +107,101 @@ def cells_of(soup: Soup, normals: Floats, offsets: Floats, stacks: list[PlaneSta
     points[cell_of_piece] = inside
     apex = points[cell]
     a, b, c = (vertices[triangles[:, k]] - apex for k in range(3))
-    part = np.einsum("ti,ti->t", a, cross(b, c)) / 6.0
-    volumes = np.bincount(cell, part, len(slabs)).astype(np.float64)
-    moments = _sums(cell, part[:, None] * (a + b + c) / 4.0, len(slabs))
+    tetrahedra = np.einsum("ti,ti->t", a, cross(b, c)) / 6.0
+    volumes = np.bincount(cell, tetrahedra, len(slabs)).astype(np.float64)
+    moments = _sums(cell, tetrahedra[:, None] * (a + b + c) / 4.0, len(slabs))
     solid = volumes > NO_VOLUME  # the centroid of a cell without volume would be lost to rounding
-    centroids = points + np.where(solid[:, None], moments, 0.0) / np.where(solid, volumes, 1.0)[:, None]
+    centroids = (
+        points + np.where(solid[:, None], moments, 0.0) / np.where(solid, volumes, 1.0)[:, None]
+    )
     return Cells(volumes, centroids, signature, cell)
 
 
 def faces_of(soup: Soup, cell: Ints, normals: Floats) -> Faces:
-    """The faces of cells, for the planes with `normals` and the planes of the body, which have no sides here.
+    """Return the faces of cells, on the cutting planes with `normals` and on the planes of the body.
 
     Parameters
     ----------
     cell : (t,) of each triangle
     """
-    several = int(soup.plane.max()) + 1
-    keys, of_triangle = np.unique(cell * several + soup.plane, return_inverse=True)
+    plane_count = int(soup.plane.max()) + 1
+    keys, of_triangle = np.unique(cell * plane_count + soup.plane, return_inverse=True)
     of_triangle = of_triangle.reshape(-1).astype(np.int64)
     a, b, c = (soup.vertices[soup.triangles[:, k]] for k in range(3))
-    twice = cross(b - a, c - a)
-    vector = _sums(of_triangle, twice, len(keys)) / 2.0
+    doubled_vectors = cross(b - a, c - a)
+    vector = _sums(of_triangle, doubled_vectors, len(keys)) / 2.0
     areas = np.sqrt((vector * vector).sum(axis=1))
     unit = vector / np.where(areas > 0.0, areas, 1.0)[:, None]
-    part = np.einsum("ti,ti->t", twice, unit[of_triangle]) / 2.0
+    doubled_areas = np.einsum("ti,ti->t", doubled_vectors, unit[of_triangle]) / 2.0
     corner = np.zeros((len(keys), 3))
     corner[of_triangle] = a
-    here = corner[of_triangle]
-    moments = _sums(of_triangle, part[:, None] * ((a - here) + (b - here) + (c - here)) / 3.0, len(keys))
-    plane = keys % several
-    toward = np.einsum("fi,fi->f", vector, normals[np.minimum(plane, len(normals) - 1)]) if len(normals) else areas
+    base = corner[of_triangle]
+    moments = _sums(
+        of_triangle,
+        doubled_areas[:, None] * ((a - base) + (b - base) + (c - base)) / 3.0,
+        len(keys),
+    )
+    plane = keys % plane_count
+    toward = (
+        np.einsum("fi,fi->f", vector, normals[np.minimum(plane, len(normals) - 1)])
+        if len(normals)
+        else areas
+    )
     return Faces(
-        keys // several, plane, toward > 0.0, areas,
-        corner + moments / np.where(areas > 0.0, areas, 1.0)[:, None], of_triangle,
-    )  # fmt: skip
+        keys // plane_count,
+        plane,
+        toward > 0.0,
+        areas,
+        corner + moments / np.where(areas > 0.0, areas, 1.0)[:, None],
+        of_triangle,
+    )
 
 
 def plane_error(soup: Soup, normals: Floats, offsets: Floats) -> float:
-    """How far vertices are at most from the planes that made their triangles."""
+    """Return the largest distance of a vertex from the plane that made its triangle."""
     cut = soup.plane < len(offsets)
     planes, corners = soup.plane[cut], soup.triangles[cut]
     if not len(planes):
         return 0.0
-    away = [np.einsum("ti,ti->t", normals[planes], soup.vertices[corners[:, k]]) - offsets[planes] for k in range(3)]
-    return float(np.abs(away).max())
+    distances = [
+        np.einsum("ti,ti->t", normals[planes], soup.vertices[corners[:, k]]) - offsets[planes]
+        for k in range(3)
+    ]
+    return float(np.abs(distances).max())
 
 
-def facing(cells: Cells, faces: Faces, count: int) -> Ints:
-    """For each face on one of the `count` cutting planes the face on the other side of the plane, else -1.
+def opposite_faces(cells: Cells, faces: Faces, count: int) -> Ints:
+    """Return, for each face on one of the `count` cutting planes, the face on the other side of the plane, else -1.
 
-    A face below plane p looks at the cell whose signature has the weight of p added.
+    Behind a face below plane p lies the cell whose signature has the weight of p added.
     """
     inner = np.flatnonzero(faces.plane < count)
     weight = plane_weights(count)[faces.plane[inner]]
-    sought = cells.signature[faces.cell[inner]] + np.where(faces.is_below[inner], weight, np.uint64(0) - weight)
+    neighbour_signature = cells.signature[faces.cell[inner]] + np.where(
+        faces.is_below[inner], weight, np.uint64(0) - weight
+    )
     order = np.argsort(cells.signature)
-    there = order[np.searchsorted(cells.signature, sought, sorter=order).clip(max=len(order) - 1)]
-    known = cells.signature[there] == sought
+    neighbour = order[
+        np.searchsorted(cells.signature, neighbour_signature, sorter=order).clip(max=len(order) - 1)
+    ]
+    is_matched = cells.signature[neighbour] == neighbour_signature
     # faces are sorted by (cell, plane): look up the neighbour's face on the same plane
-    several = int(faces.plane.max()) + 1
-    keys = faces.cell * several + faces.plane
-    wanted = there * several + faces.plane[inner]
-    other = np.searchsorted(keys, wanted).clip(max=len(keys) - 1)
-    known &= (keys[other] == wanted) & (faces.is_below[other] != faces.is_below[inner])
+    plane_count = int(faces.plane.max()) + 1
+    keys = faces.cell * plane_count + faces.plane
+    neighbour_keys = neighbour * plane_count + faces.plane[inner]
+    opposite = np.searchsorted(keys, neighbour_keys).clip(max=len(keys) - 1)
+    is_matched &= (keys[opposite] == neighbour_keys) & (
+        faces.is_below[opposite] != faces.is_below[inner]
+    )
     result = np.full(len(faces), -1, dtype=np.int64)
-    result[inner[known]] = other[known]
+    result[inner[is_matched]] = opposite[is_matched]
     return result
 
 
-def corners_of_faces(soup: Soup, of_triangle: Ints, chosen: Ints, tolerance: float) -> tuple[Floats, Ints]:
-    """Corners of the chosen faces, anticlockwise seen from outside their cells, without those on a straight edge.
+def corners_of_faces(
+    soup: Soup, of_triangle: Ints, chosen: Ints, tolerance: float
+) -> tuple[Floats, Ints]:
+    """Return the corners of chosen faces, anticlockwise from outside their cells, without those on a straight edge.
 
     Parameters
     ----------
@@ -197,59 +229,59 @@ def corners_of_faces(soup: Soup, of_triangle: Ints, chosen: Ints, tolerance: flo
     order = np.argsort(face * count + start)
     start, end, face = start[order], end[order], face[order]
     following = np.searchsorted(face * count + start, face * count + end)
-    walk = _walk_round(face, following, len(chosen))
+    walk = _boundary_walk(face, following, len(chosen))
     points, face = soup.vertices[start[walk]], face[walk]
-    for close in (_near_next, _on_line):
-        keep = ~close(points, face, tolerance, len(chosen))
+    for is_redundant in (_repeated_corners, _straight_corners):
+        keep = ~is_redundant(points, face, tolerance, len(chosen))
         points, face = points[keep], face[keep]
-    return points, _first(face, len(chosen))
+    return points, _first_corners(face, len(chosen))
 
 
-def _walk_round(face: Ints, following: Ints, count: int) -> Ints:
-    """Edge after edge round each face: indices of the edges in that order, face by face."""
+def _boundary_walk(face: Ints, following: Ints, count: int) -> Ints:
+    """Return the indices of the edges in order round each face, face by face."""
     sizes = np.bincount(face, minlength=count)
     first = np.concatenate([[0], np.cumsum(sizes)])
     walk = np.empty(len(face), dtype=np.int64)
-    at, going = first[:-1].copy(), np.flatnonzero(sizes > 0)
+    edge, active = first[:-1].copy(), np.flatnonzero(sizes > 0)
     for step in range(int(sizes.max(initial=0))):
-        walk[first[going] + step] = at[going]
-        going = going[sizes[going] > step + 1]
-        at[going] = following[at[going]]
+        walk[first[active] + step] = edge[active]
+        active = active[sizes[active] > step + 1]
+        edge[active] = following[edge[active]]
     return walk
 
 
-def _first(face: Ints, count: int) -> Ints:
+def _first_corners(face: Ints, count: int) -> Ints:
     return np.concatenate([[0], np.cumsum(np.bincount(face, minlength=count))]).astype(np.int64)
 
 
-def _around(face: Ints, count: int) -> tuple[Ints, Ints]:
-    """Index of the corner before and of the one after each corner, round its face."""
-    first = _first(face, count)
-    here = np.arange(len(face))
-    before = np.where(here == first[face], first[face + 1] - 1, here - 1)
-    return before, np.where(here + 1 == first[face + 1], first[face], here + 1)
+def _neighbouring_corners(face: Ints, count: int) -> tuple[Ints, Ints]:
+    """Return the indices of the previous and the next corner of each corner, round its face."""
+    first = _first_corners(face, count)
+    corner = np.arange(len(face))
+    previous = np.where(corner == first[face], first[face + 1] - 1, corner - 1)
+    return previous, np.where(corner + 1 == first[face + 1], first[face], corner + 1)
 
 
-def _near_next(points: Floats, face: Ints, tolerance: float, count: int) -> Bools:
-    _, after = _around(face, count)
-    step = points[after] - points
-    near: Bools = (step * step).sum(axis=1) < tolerance**2
-    return near
+def _repeated_corners(points: Floats, face: Ints, tolerance: float, count: int) -> Bools:
+    _, following = _neighbouring_corners(face, count)
+    step = points[following] - points
+    is_repeated: Bools = (step * step).sum(axis=1) < tolerance**2
+    return is_repeated
 
 
-def _on_line(points: Floats, face: Ints, tolerance: float, count: int) -> Bools:
-    before, after = _around(face, count)
-    chord, arm = points[after] - points[before], points - points[before]
+def _straight_corners(points: Floats, face: Ints, tolerance: float, count: int) -> Bools:
+    previous, following = _neighbouring_corners(face, count)
+    chord, arm = points[following] - points[previous], points - points[previous]
     across = cross(chord, arm)
-    on_line: Bools = (across * across).sum(axis=1) <= tolerance**2 * (chord * chord).sum(axis=1)
-    return on_line
+    is_straight: Bools = (across * across).sum(axis=1) <= tolerance**2 * (chord * chord).sum(axis=1)
+    return is_straight
 
 
 def _slab(heights: Floats, in_stack: Bools) -> Ints:
-    """Which slab of a stack each point lies in: how many planes it lies above, an odd number within the stack."""
+    """Return the slab of a stack that each point lies in: the number of planes below it, odd within the stack."""
     index = (heights > 0.0).sum(axis=1, dtype=np.int64)
     wrong = np.flatnonzero((index % 2 == 1) != in_stack)
-    if len(wrong):  # a cell without thickness, on a plane to rounding: it is on the plane's other side
+    if len(wrong):  # rounding put a cell without thickness on the wrong side of its nearest plane
         nearest = np.abs(heights[wrong]).argmin(axis=1)
         index[wrong] += np.where(heights[wrong, nearest] > 0.0, -1, 1)
     return np.asarray(index, dtype=np.int64)

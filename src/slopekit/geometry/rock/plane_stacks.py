@@ -17,7 +17,7 @@ from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.geometry.rock.cutting import BOX_TRIANGLES, far_box, half_space, tagged
 from slopekit.geometry.tolerances import LEAST_GAP, LEAST_RISE
 
-_ROOM = 1.05  # the slabs are this much wider than the body
+_SLAB_WIDTH = 1.05  # the slabs are this much wider than the body
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ PlaneStack: TypeAlias = tuple[Ints, Floats]
 
 
 def ascending(normals: Floats, offsets: Floats, groups: Ints) -> tuple[Floats, Floats]:
-    """The same planes, each turned round where its normal points against most of its group's."""
+    """Return the planes with all normals of a group on the same side: those against the mean are reversed."""
     signs = np.ones(len(offsets))
     for group in np.unique(groups):
         members = np.flatnonzero(groups == group)
@@ -49,7 +49,9 @@ def ascending(normals: Floats, offsets: Floats, groups: Ints) -> tuple[Floats, F
     return normals * signs[:, None], offsets * signs
 
 
-def stacks_of_planes(normals: Floats, offsets: Floats, groups: Ints, corners: Floats) -> list[PlaneStack]:
+def stacks_of_planes(
+    normals: Floats, offsets: Floats, groups: Ints, corners: Floats
+) -> list[PlaneStack]:
     """Divide planes into stacks of planes that do not meet near the body, greedily: each to the first that takes it.
 
     Parameters
@@ -67,13 +69,15 @@ def stacks_of_planes(normals: Floats, offsets: Floats, groups: Ints, corners: Fl
         members = np.flatnonzero(groups == group)
         axis = _mean_axis(normals[members])
         rise = normals[members] @ axis
-        stacks += [(members[k : k + 1], normals[members[k]]) for k in np.flatnonzero(rise < LEAST_RISE)]
+        stacks += [
+            (members[k : k + 1], normals[members[k]]) for k in np.flatnonzero(rise < LEAST_RISE)
+        ]
         members = members[rise >= LEAST_RISE]
-        at = _crossings(normals[members], offsets[members], axis, corners)
+        heights = _crossings(normals[members], offsets[members], axis, corners)
         chains: list[list[int]] = []
-        for k in np.argsort(at.mean(axis=1), kind="stable").tolist():
+        for k in np.argsort(heights.mean(axis=1), kind="stable").tolist():
             for chain in chains:
-                if float((at[k] - at[chain[-1]]).min()) > LEAST_GAP:
+                if float((heights[k] - heights[chain[-1]]).min()) > LEAST_GAP:
                     chain.append(k)
                     break
             else:
@@ -83,7 +87,11 @@ def stacks_of_planes(normals: Floats, offsets: Floats, groups: Ints, corners: Fl
 
 
 def cut_with_stacks(
-    faces: tuple[Floats, Floats], normals: Floats, offsets: Floats, stacks: list[PlaneStack], corners: Floats
+    faces: tuple[Floats, Floats],
+    normals: Floats,
+    offsets: Floats,
+    stacks: list[PlaneStack],
+    corners: Floats,
 ) -> tuple[Manifold, Soup]:
     """Cut a convex body with the stacks of planes.
 
@@ -104,25 +112,25 @@ def cut_with_stacks(
     pieces: list[tuple[Manifold, int]] = [(body, 0)]
     for k, stack in enumerate(stacks):
         cutter = _cutter(stack, normals, offsets, back, corners)
-        parts: list[tuple[Manifold, int]] = []
+        halved: list[tuple[Manifold, int]] = []
         for piece, halves in pieces:
             inside, outside = piece.split(cutter)
             if not inside.is_empty():
-                parts.append((inside, halves | (1 << k)))
+                halved.append((inside, halves | (1 << k)))
             if not outside.is_empty():
-                parts.append((outside, halves))
-        pieces = parts
+                halved.append((outside, halves))
+        pieces = halved
     return body, _soup(pieces, len(stacks))
 
 
 def _mean_axis(normals: Floats) -> Floats:
-    """The direction that unit normals, whichever way they point, share most."""
+    """Return the principal axis (3,) of unit normals, whichever way they point, toward the majority."""
     axis: Floats = np.linalg.eigh(normals.T @ normals)[1][:, 2]
     return axis if float((normals @ axis).sum()) >= 0.0 else -axis
 
 
 def _frame(axis: Floats, corners: Floats) -> tuple[Floats, Floats, Floats]:
-    """Two directions square to an axis, along the body, and the four corners (4, 2) of a column around the body."""
+    """Return two directions normal to an axis, along the body, and the corners (4, 2) of a column around the body."""
     flat = corners - np.outer(corners @ axis, axis)
     flat -= flat.mean(axis=0)
     first = np.linalg.svd(flat)[2][0]
@@ -131,27 +139,33 @@ def _frame(axis: Floats, corners: Floats) -> tuple[Floats, Floats, Floats]:
     second = np.cross(axis, first)
     across = corners @ np.array([first, second]).T
     low, high = across.min(axis=0), across.max(axis=0)
-    centre, half = (low + high) / 2.0, _ROOM * (high - low) / 2.0
-    return first, second, centre + np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) * half
+    centre, half = (low + high) / 2.0, _SLAB_WIDTH * (high - low) / 2.0
+    return (
+        first,
+        second,
+        centre + np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) * half,
+    )
 
 
 def _crossings(normals: Floats, offsets: Floats, axis: Floats, corners: Floats) -> Floats:
-    """Where the planes cross the four edges of the column around the body, (p, 4) along the axis."""
+    """Return the heights (p, 4) along the axis at which the planes cross the edges of a column around the body."""
     first, second, column = _frame(axis, corners)
     edges = column @ np.array([first, second])
     heights: Floats = (offsets[:, None] - normals @ edges.T) / (normals @ axis)[:, None]
     return heights
 
 
-def _cutter(stack: PlaneStack, normals: Floats, offsets: Floats, back: int, corners: Floats) -> Manifold:
-    """Every second slab between the planes of a stack, the first above its first plane, as one body."""
+def _cutter(
+    stack: PlaneStack, normals: Floats, offsets: Floats, back: int, corners: Floats
+) -> Manifold:
+    """Return every second slab between the planes of a stack, the first above its first plane, as one body."""
     ids, axis = stack
-    at = _crossings(normals[ids], offsets[ids], axis, corners)
+    heights = _crossings(normals[ids], offsets[ids], axis, corners)
     first, second, column = _frame(axis, corners)
-    if len(ids) % 2:  # the last slab goes on to beyond the body
-        beyond = max(float(at.max()), float((corners @ axis).max())) + 1.0
-        at, ids = np.concatenate([at, np.full((1, 4), beyond)]), np.append(ids, back)
-    points = (column @ np.array([first, second]))[None] + at[:, :, None] * axis  # (m, 4, 3)
+    if len(ids) % 2:  # the last slab ends outside the body
+        top = max(float(heights.max()), float((corners @ axis).max())) + 1.0
+        heights, ids = np.concatenate([heights, np.full((1, 4), top)]), np.append(ids, back)
+    points = (column @ np.array([first, second]))[None] + heights[:, :, None] * axis  # (m, 4, 3)
     slabs = len(ids) // 2
     vertices = points.reshape(slabs * 8, 3)
     triangles = (BOX_TRIANGLES[None] + 8 * np.arange(slabs)[:, None, None]).reshape(-1, 3)
@@ -171,8 +185,10 @@ def _soup(pieces: list[tuple[Manifold, int]], stacks: int) -> Soup:
         planes.append(np.array(mesh.face_id, dtype=np.int64))
         halves.append([bool(half >> k & 1) for k in range(stacks)])
         shift += len(points)
-    lengths = [len(part) for part in planes]
+    lengths = [len(piece_planes) for piece_planes in planes]
     return Soup(
-        np.concatenate(vertices), np.concatenate(triangles).astype(np.int64), np.concatenate(planes),
+        np.concatenate(vertices),
+        np.concatenate(triangles).astype(np.int64),
+        np.concatenate(planes),
         np.repeat(np.array(halves, dtype=np.bool_).reshape(len(pieces), stacks), lengths, axis=0),
-    )  # fmt: skip
+    )

@@ -12,17 +12,44 @@ from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.geometry.patches import Assembly, Patches
 from slopekit.geometry.rock.bench import ConvexBody
-from slopekit.geometry.rock.cells import Cells, Faces, cells_of, corners_of_faces, faces_of, facing, plane_error
+from slopekit.geometry.rock.cells import (
+    Cells,
+    Faces,
+    cells_of,
+    corners_of_faces,
+    faces_of,
+    opposite_faces,
+    plane_error,
+)
 from slopekit.geometry.rock.joint_sets import SetPlanes
-from slopekit.geometry.rock.plane_stacks import PlaneStack, Soup, ascending, cut_with_stacks, stacks_of_planes
-from slopekit.geometry.tolerances import CUT_BALANCE, INSIDE, NO_AREA, NUMERICAL_SLIVER, OFF_PLANE, PARALLEL, STRAIGHT
+from slopekit.geometry.rock.plane_stacks import (
+    PlaneStack,
+    Soup,
+    ascending,
+    cut_with_stacks,
+    stacks_of_planes,
+)
+from slopekit.geometry.tolerances import (
+    CUT_BALANCE,
+    INSIDE,
+    NO_AREA,
+    NUMERICAL_SLIVER,
+    OFF_PLANE,
+    PARALLEL,
+    STRAIGHT,
+)
 
-_CLEARLY = 1.5  # planes through one line or point cut fewer cells than are counted: refuse before cutting above this
-_ENOUGH = 50  # times max_blocks: stop counting
+#: Of max_blocks: planes through one line or point cut fewer cells than are counted; above this they are refused uncut.
+_REFUSAL_MARGIN = 1.5
+_COUNTING_LIMIT = 50  # times max_blocks: stop counting
 
 
 def refuse_too_many(
-    normals: Floats, offsets: Floats, faces: tuple[Floats, Floats], stacks: list[PlaneStack], max_blocks: int
+    normals: Floats,
+    offsets: Floats,
+    faces: tuple[Floats, Floats],
+    stacks: list[PlaneStack],
+    max_blocks: int,
 ) -> None:
     """Refuse planes that cut many more blocks than allowed.
 
@@ -38,13 +65,15 @@ def refuse_too_many(
     """
     if math.prod(len(planes) + 1 for planes, _ in stacks) <= max_blocks:
         return
-    count = count_cells(normals, offsets, faces, stacks, _ENOUGH * max_blocks)
-    if count > _CLEARLY * max_blocks:
-        raise too_many(count, max_blocks, "more than " if count > _ENOUGH * max_blocks else "about ")
+    count = count_cells(normals, offsets, faces, stacks, _COUNTING_LIMIT * max_blocks)
+    if count > _REFUSAL_MARGIN * max_blocks:
+        raise too_many(
+            count, max_blocks, "more than " if count > _COUNTING_LIMIT * max_blocks else "about "
+        )
 
 
 def too_many(count: int, max_blocks: int, about: str = "") -> GeometryError:
-    """The refusal, with what to change."""
+    """Return the error E220 of a bench with too many blocks, with the spacing that would do."""
     message = f"the joint sets cut the bench into {about}{count:,} blocks, more than max_blocks = {max_blocks:,}"
     factor = math.ceil(100.0 * (count / max_blocks) ** (1.0 / 3.0)) / 100.0
     advice = f"Take all spacings {factor:.3g} times as large, a smaller bench, or raise max_blocks."
@@ -52,56 +81,73 @@ def too_many(count: int, max_blocks: int, about: str = "") -> GeometryError:
 
 
 def count_cells(
-    normals: Floats, offsets: Floats, faces: tuple[Floats, Floats], stacks: list[PlaneStack], enough: int = 2**62
+    normals: Floats,
+    offsets: Floats,
+    faces: tuple[Floats, Floats],
+    stacks: list[PlaneStack],
+    most: int = 2**62,
 ) -> int:
-    """Cells of a convex body cut by planes: 1 + planes + lines + points in which they meet within the body.
+    """Count the cells of a convex body cut by planes: 1 + planes + lines + points in which planes meet within the body.
 
     Exact for planes in general position (Zaslavsky 1975); an upper bound where more planes share a line or a point.
-    Counting stops when there are more than `enough`.
+    Counting stops when there are more than `most`.
     """
-    order = np.concatenate([*(planes for planes, _ in stacks), np.zeros(0, dtype=np.int64)]).astype(np.int64)
+    order = np.concatenate([*(planes for planes, _ in stacks), np.zeros(0, dtype=np.int64)]).astype(
+        np.int64
+    )
     stack = np.repeat(np.arange(len(stacks)), [len(planes) for planes, _ in stacks])
     normals, offsets = normals[order], offsets[order]
     total = 1 + len(order)
     for i in range(len(order)):
-        rest = int(np.searchsorted(stack, stack[i], side="right"))  # planes of its own stack do not meet it
+        rest = int(
+            np.searchsorted(stack, stack[i], side="right")
+        )  # planes of its own stack do not meet it
         across = np.cross(normals[i], normals[rest:])
         squared = (across * across).sum(axis=1)
         meets = squared > PARALLEL**2
         j, across, squared = rest + np.flatnonzero(meets), across[meets], squared[meets, None]
-        point = (offsets[i] * np.cross(normals[j], across) + offsets[j, None] * np.cross(across, normals[i])) / squared
+        point = (
+            offsets[i] * np.cross(normals[j], across)
+            + offsets[j, None] * np.cross(across, normals[i])
+        ) / squared
         along = across / np.sqrt(squared)
-        low, high = _clip(point, along, *faces)
+        low, high = _clipped_lines(point, along, *faces)
         hit = high - low > INSIDE
         j, point, along, low, high = j[hit], point[hit], along[hit], low[hit], high[hit]
         total += len(j)
         if len(j):
             rate = along @ normals[rest:].T
             with np.errstate(divide="ignore", invalid="ignore"):
-                at = (offsets[rest:] - point @ normals[rest:].T) / rate
+                position = (offsets[rest:] - point @ normals[rest:].T) / rate
             third = (np.abs(rate) > PARALLEL) & (stack[rest:] > stack[j, None])
-            total += int((third & (at > low[:, None] + INSIDE) & (at < high[:, None] - INSIDE)).sum())
-        if total > enough:
+            total += int(
+                (
+                    third & (position > low[:, None] + INSIDE) & (position < high[:, None] - INSIDE)
+                ).sum()
+            )
+        if total > most:
             break
     return total
 
 
-def _clip(point: Floats, along: Floats, normals: Floats, offsets: Floats) -> tuple[Floats, Floats]:
-    """Where lines enter and leave a convex body; they leave before they enter where they miss it."""
+def _clipped_lines(
+    point: Floats, along: Floats, normals: Floats, offsets: Floats
+) -> tuple[Floats, Floats]:
+    """Return the positions at which lines enter and leave a convex body, in reverse order where they miss it."""
     low, high = np.full(len(point), -math.inf), np.full(len(point), math.inf)
     for normal, offset in zip(normals, offsets, strict=True):
-        rate, room = along @ normal, offset - point @ normal
+        rate, distance = along @ normal, offset - point @ normal
         with np.errstate(divide="ignore", invalid="ignore"):
-            at = room / rate
-        high = np.where(rate > PARALLEL, np.minimum(high, at), high)
-        low = np.where(rate < -PARALLEL, np.maximum(low, at), low)
-        high = np.where((np.abs(rate) <= PARALLEL) & (room < INSIDE), -math.inf, high)
+            position = distance / rate
+        high = np.where(rate > PARALLEL, np.minimum(high, position), high)
+        low = np.where(rate < -PARALLEL, np.maximum(low, position), low)
+        high = np.where((np.abs(rate) <= PARALLEL) & (distance < INSIDE), -math.inf, high)
     return low, high
 
 
 def join_slivers(
     volumes: Floats, fixed: Bools, first: Ints, second: Ints, areas: Floats, least: float
-) -> tuple[Ints, Bools]:  # fmt: skip
+) -> tuple[Ints, Bools]:
     """Join every cell with less than the `least` volume to the neighbour that shares most area with it.
 
     Slivers that choose each other become one cell and choose again, until all are large enough or have no neighbour.
@@ -127,49 +173,61 @@ def join_slivers(
     count = len(volumes)
     root = np.arange(count)
     volume = volumes.copy()
-    small, holds = volume < least, fixed
+    small, is_fixed = volume < least, fixed
     while small.any():
-        best = _best_neighbour(root[first], root[second], areas, small, holds)
-        going = np.flatnonzero(best >= 0)
-        if len(going) == 0:
+        best = _best_neighbour(root[first], root[second], areas, small, is_fixed)
+        joining = np.flatnonzero(best >= 0)
+        if len(joining) == 0:
             break
-        root, volume = _merged(root, volume, volumes, going, best[going])
+        root, volume = _joined(root, volume, volumes, joining, best[joining])
         small = (volume < least) & (root == np.arange(count))
-        holds = fixed | (np.bincount(root[fixed], volumes[fixed], count) >= np.minimum(least, 0.5 * volume))
-    left_out = small[root]
-    hosts, block = np.unique(root[~left_out], return_inverse=True)
-    of_cell = np.full(count, -1, dtype=np.int64)
-    of_cell[~left_out] = block
-    return of_cell, holds[hosts]
+        is_fixed = fixed | (
+            np.bincount(root[fixed], volumes[fixed], count) >= np.minimum(least, 0.5 * volume)
+        )
+    is_isolated = small[root]
+    hosts, block = np.unique(root[~is_isolated], return_inverse=True)
+    cell_block = np.full(count, -1, dtype=np.int64)
+    cell_block[~is_isolated] = block
+    return cell_block, is_fixed[hosts]
 
 
 def _best_neighbour(first: Ints, second: Ints, areas: Floats, small: Bools, fixed: Bools) -> Ints:
-    """For each small cell the neighbour to join, -1 for all others."""
+    """Return the neighbour that each small cell is joined to, (n,), -1 for all other cells."""
     count = len(small)
-    here, there = np.concatenate([first, second]), np.concatenate([second, first])
-    wanted = small[here] & (here != there)
-    keys, at = np.unique(here[wanted] * count + there[wanted], return_inverse=True)
-    shared = np.bincount(at.reshape(-1), np.concatenate([areas, areas])[wanted], len(keys))
-    here, there = keys // count, keys % count
-    order = np.lexsort((shared, fixed[here] & fixed[there], here))
+    cell, neighbour = np.concatenate([first, second]), np.concatenate([second, first])
+    is_candidate = small[cell] & (cell != neighbour)
+    keys, index = np.unique(
+        cell[is_candidate] * count + neighbour[is_candidate], return_inverse=True
+    )
+    shared = np.bincount(index.reshape(-1), np.concatenate([areas, areas])[is_candidate], len(keys))
+    cell, neighbour = keys // count, keys % count
+    order = np.lexsort((shared, fixed[cell] & fixed[neighbour], cell))
     best = np.full(count, -1, dtype=np.int64)
-    best[here[order]] = there[order]  # the last one of each cell stays
+    best[cell[order]] = neighbour[order]  # the last assignment wins: the largest shared area
     return best
 
 
-def _merged(root: Ints, volume: Floats, cells: Floats, going: Ints, to: Ints) -> tuple[Ints, Floats]:
-    """Roots and volumes after the cells `going` have been joined to the cells `to`; the largest cell is the root."""
+def _joined(
+    root: Ints, volume: Floats, cells: Floats, joining: Ints, hosts: Ints
+) -> tuple[Ints, Floats]:
+    """Return roots and volumes once the cells `joining` are part of the cells `hosts`; the largest cell is the root."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
     count = len(root)
-    graph = coo_array((np.ones(len(going), dtype=np.bool_), (going, to)), shape=(count, count))
-    parts, part = connected_components(graph, directed=False)
-    order = np.lexsort((cells, part[root]))
-    host = np.zeros(parts, dtype=np.int64)
-    host[part[root[order]]] = order  # the last, the largest of each part, stays
-    new_root: Ints = host[part[root]]
-    return new_root, np.where(new_root == np.arange(count), np.bincount(new_root, cells, count), volume)
+    graph = coo_array(
+        (np.ones(len(joining), dtype=np.bool_), (joining, hosts)), shape=(count, count)
+    )
+    components, component = connected_components(graph, directed=False)
+    order = np.lexsort((cells, component[root]))
+    host = np.zeros(components, dtype=np.int64)
+    host[component[root[order]]] = (
+        order  # the last assignment wins: the largest cell of each component
+    )
+    new_root: Ints = host[component[root]]
+    return new_root, np.where(
+        new_root == np.arange(count), np.bincount(new_root, cells, count), volume
+    )
 
 
 @dataclass(frozen=True)
@@ -206,7 +264,9 @@ class BenchCut:
     min_volume: float
 
 
-def cut_bench(body: ConvexBody, planes: SetPlanes, max_blocks: int = 20000, min_volume: float = 0.0) -> BenchCut:
+def cut_bench(
+    body: ConvexBody, planes: SetPlanes, max_blocks: int = 20000, min_volume: float = 0.0
+) -> BenchCut:
     """Cut a convex body into blocks along planes that all go through it.
 
     Cells smaller than `min_volume` (m³; at least 1e-9 of the body) are joined to the neighbour with which they share
@@ -231,37 +291,43 @@ def cut_bench(body: ConvexBody, planes: SetPlanes, max_blocks: int = 20000, min_
     lowest, highest = body.corners.min(axis=0), body.corners.max(axis=0)
     middle, half = (lowest + highest) / 2.0, body.size / 2.0
     corners = (body.corners - middle) / half
-    normals, offsets = ascending(planes.normals, (planes.offsets - planes.normals @ middle) / half, planes.joint)
-    faces_at = (body.offsets - body.normals @ middle) / half
+    normals, offsets = ascending(
+        planes.normals, (planes.offsets - planes.normals @ middle) / half, planes.joint
+    )
+    face_offsets = (body.offsets - body.normals @ middle) / half
     stacks = stacks_of_planes(normals, offsets, planes.joint, corners)
-    refuse_too_many(normals, offsets, (body.normals, faces_at), stacks, max_blocks)
+    refuse_too_many(normals, offsets, (body.normals, face_offsets), stacks, max_blocks)
 
-    whole, soup = cut_with_stacks((body.normals, faces_at), normals, offsets, stacks, corners)
+    rock, soup = cut_with_stacks((body.normals, face_offsets), normals, offsets, stacks, corners)
     cells = cells_of(soup, normals, offsets, stacks)
     faces = faces_of(soup, cells.of_triangle, normals)
-    other = facing(cells, faces, len(offsets))
-    body_volume = float(whole.volume())
+    opposite = opposite_faces(cells, faces, len(offsets))
+    body_volume = float(rock.volume())
 
     is_inner = faces.plane < len(offsets)
     joint_area = float(faces.areas[is_inner].sum()) / 2.0
-    differences = np.where(other >= 0, np.abs(faces.areas - faces.areas[other]), faces.areas)[is_inner]
+    differences = np.where(opposite >= 0, np.abs(faces.areas - faces.areas[opposite]), faces.areas)[
+        is_inner
+    ]
     area_error = float(differences.sum()) / (2.0 * joint_area) if joint_area else 0.0
     volume_error = abs(float(cells.volumes.sum()) - body_volume) / body_volume
-    away = plane_error(soup, normals, offsets)
-    if max(volume_error, area_error) > CUT_BALANCE or away > OFF_PLANE:
+    corner_error = plane_error(soup, normals, offsets)
+    if max(volume_error, area_error) > CUT_BALANCE or corner_error > OFF_PLANE:
         message = (
             f"the blocks do not add up to the bench (volume to {volume_error:.2g}, joints to {area_error:.2g}, "
-            f"corners {away * half:.2g} m off their planes)"
+            f"corners {corner_error * half:.2g} m off their planes)"
         )
-        raise GeometryError([Fault("E224", message, "", "Please report it; another offset of a set may help.")])
+        raise GeometryError(
+            [Fault("E224", message, "", "Please report it; another offset of a set may help.")]
+        )
 
-    at_far = np.zeros(len(cells.volumes), dtype=np.bool_)
+    is_at_end = np.zeros(len(cells.volumes), dtype=np.bool_)
     is_far = np.concatenate([np.zeros(len(offsets), dtype=np.bool_), body.is_far])
-    at_far[faces.cell[is_far[faces.plane] & (faces.areas > NO_AREA)]] = True
-    below = np.flatnonzero(faces.is_below & (other >= 0))
+    is_at_end[faces.cell[is_far[faces.plane] & (faces.areas > NO_AREA)]] = True
+    below = np.flatnonzero(faces.is_below & (opposite >= 0))
     least = max(min_volume / half**3, NUMERICAL_SLIVER * body_volume)
-    sides = faces.cell[below], faces.cell[other[below]]
-    block, fixed = join_slivers(cells.volumes, at_far, *sides, faces.areas[below], least)
+    sides = faces.cell[below], faces.cell[opposite[below]]
+    block, fixed = join_slivers(cells.volumes, is_at_end, *sides, faces.areas[below], least)
     count, slivers_left_out = len(fixed), int((block < 0).sum())
     slivers_joined = len(block) - count - slivers_left_out
     if count > max_blocks:
@@ -272,53 +338,87 @@ def cut_bench(body: ConvexBody, planes: SetPlanes, max_blocks: int = 20000, min_
     if count == 1 and slivers_joined:
         message = f"min_volume = {min_volume:.4g} m³ joins all {len(cells.volumes)} blocks into one, on no joint"
         raise GeometryError([Fault("E225", message, "", "It is the volume of slivers: 0.01 m3.")])
-    where = (middle, half)
-    patches = _patches(soup, faces, below, other[below], block, planes.joint, normals, where)
-    assembly = _assembly(soup, cells, faces, other, block, fixed, patches, where)
-    left_out = float(cells.volumes[block < 0].sum()) * half**3
+    scale = (middle, half)
+    patches = _patches(soup, faces, below, opposite[below], block, planes.joint, normals, scale)
+    assembly = _assembly(soup, cells, faces, opposite, block, fixed, patches, scale)
+    volume_left_out = float(cells.volumes[block < 0].sum()) * half**3
     small = cells.volumes < least
     volume_joined = float(cells.volumes[small & (block >= 0)].sum()) * half**3
     return BenchCut(
-        assembly, body_volume * half**3, volume_error, area_error,
-        away * half, joint_area * half**2, count, int(fixed.sum()), slivers_joined,
-        volume_joined, slivers_left_out, left_out, least * half**3,
-    )  # fmt: skip
+        assembly,
+        body_volume * half**3,
+        volume_error,
+        area_error,
+        corner_error * half,
+        joint_area * half**2,
+        count,
+        int(fixed.sum()),
+        slivers_joined,
+        volume_joined,
+        slivers_left_out,
+        volume_left_out,
+        least * half**3,
+    )
 
 
 def _patches(
-    soup: Soup, faces: Faces, below: Ints, above: Ints, block: Ints, joint: Ints, normals: Floats,
-    where: tuple[Floats, float],
-) -> Patches:  # fmt: skip
-    """The patches between different blocks; `below`, `above` are the faces on the two sides of each."""
+    soup: Soup,
+    faces: Faces,
+    below: Ints,
+    above: Ints,
+    block: Ints,
+    joint: Ints,
+    normals: Floats,
+    scale: tuple[Floats, float],
+) -> Patches:
+    """Return the patches between different blocks; `below`, `above` are the faces on the two sides of each."""
     minus, plus = block[faces.cell[below]], block[faces.cell[above]]
-    kept = (minus != plus) & (minus >= 0) & (plus >= 0) & (faces.areas[below] > NO_AREA)
-    below = below[kept]
+    is_patch = (minus != plus) & (minus >= 0) & (plus >= 0) & (faces.areas[below] > NO_AREA)
+    below = below[is_patch]
     corners, first = corners_of_faces(soup, faces.of_triangle, below, STRAIGHT)
-    middle, half = where
+    middle, half = scale
     plane = faces.plane[below]
     return Patches(
-        plus[kept], minus[kept], joint[plane], frozen(normals[plane]), frozen(faces.areas[below] * half**2),
-        frozen(faces.centroids[below] * half + middle), frozen(corners * half + middle), first,
-    )  # fmt: skip
+        plus[is_patch],
+        minus[is_patch],
+        joint[plane],
+        frozen(normals[plane]),
+        frozen(faces.areas[below] * half**2),
+        frozen(faces.centroids[below] * half + middle),
+        frozen(corners * half + middle),
+        first,
+    )
 
 
 def _assembly(
-    soup: Soup, cells: Cells, faces: Faces, other: Ints, of_cell: Ints, fixed: Bools, patches: Patches,
-    where: tuple[Floats, float],
-) -> Assembly:  # fmt: skip
-    middle, half = where
-    in_block = of_cell >= 0
-    block, count = of_cell[in_block], len(fixed)
+    soup: Soup,
+    cells: Cells,
+    faces: Faces,
+    opposite: Ints,
+    cell_block: Ints,
+    fixed: Bools,
+    patches: Patches,
+    scale: tuple[Floats, float],
+) -> Assembly:
+    # `scale`: the middle (3,) and half the size of the body, m
+    middle, half = scale
+    in_block = cell_block >= 0
+    block, count = cell_block[in_block], len(fixed)
     weights = cells.volumes[in_block]
     volumes = np.bincount(block, weights, count)
     moments = [np.bincount(block, weights * cells.centroids[in_block, k], count) for k in range(3)]
     centroids = np.stack(moments, axis=1) / volumes[:, None]
     # faces between cells of one block are within it
-    of_face = of_cell[faces.cell]
-    outer = (of_face >= 0) & ((other < 0) | (of_face[other] != of_face))
+    face_block = cell_block[faces.cell]
+    outer = (face_block >= 0) & ((opposite < 0) | (face_block[opposite] != face_block))
     on_surface = outer[faces.of_triangle]
     return Assembly(
-        frozen(volumes * half**3), frozen(centroids * half + middle), fixed, patches, False,
-        frozen(soup.vertices * half + middle), soup.triangles[on_surface],
-        of_cell[cells.of_triangle[on_surface]],
-    )  # fmt: skip
+        frozen(volumes * half**3),
+        frozen(centroids * half + middle),
+        fixed,
+        patches,
+        False,
+        frozen(soup.vertices * half + middle),
+        soup.triangles[on_surface],
+        cell_block[cells.of_triangle[on_surface]],
+    )

@@ -1,4 +1,4 @@
-"""Many pairs of convex polygons in a plane at once: whether they overlap, and the polygon that they share."""
+"""Overlaps of many pairs of convex polygons in a plane at once, and the polygons that they share."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from slopekit.core.arrays import Bools, Floats, Ints
 
 
 def polygon_sums(polygons: Floats, counts: Ints) -> tuple[Floats, Floats, Floats]:
-    """Areas, centroids and perimeters of polygons given anticlockwise.
+    """Return the areas, centroids and perimeters of anticlockwise polygons.
 
     Parameters
     ----------
@@ -17,29 +17,32 @@ def polygon_sums(polygons: Floats, counts: Ints) -> tuple[Floats, Floats, Floats
     (n,) areas (0 below three corners), (n, 2) centroids (the first corner where there is no area), (n,) perimeters
     """
     base = polygons[:, :1]
-    here = np.where(_there(polygons, counts)[:, :, None], polygons, base) - base
-    after = np.roll(here, -1, axis=1)
-    cross = here[:, :, 0] * after[:, :, 1] - here[:, :, 1] * after[:, :, 0]
+    corners = np.where(_is_corner(polygons, counts)[:, :, None], polygons, base) - base
+    following = np.roll(corners, -1, axis=1)
+    cross = corners[:, :, 0] * following[:, :, 1] - corners[:, :, 1] * following[:, :, 0]
     doubled = cross.sum(axis=1)
-    moment = ((here + after) * cross[:, :, None]).sum(axis=1) / 3.0
+    moment = ((corners + following) * cross[:, :, None]).sum(axis=1) / 3.0
     area = np.maximum(doubled, 0.0)
-    centre = np.where(area[:, None] > 0.0, moment / np.where(area > 0.0, area, 1.0)[:, None], 0.0) + base[:, 0]
-    sides = after - here
+    centre = (
+        np.where(area[:, None] > 0.0, moment / np.where(area > 0.0, area, 1.0)[:, None], 0.0)
+        + base[:, 0]
+    )
+    sides = following - corners
     return area / 2.0, centre, np.sqrt((sides * sides).sum(axis=2)).sum(axis=1)
 
 
-def are_apart(first: Floats, second: Floats, depth: float) -> Bools:
-    """Whether convex polygons overlap by less than `depth` across some edge of one of them (separating axes).
+def are_separate(first: Floats, second: Floats, depth: float) -> Bools:
+    """Return which pairs of convex polygons overlap by less than `depth` across an edge of either (separating axes).
 
     Parameters
     ----------
     first : (n, k, 2), second : (n, m, 2) anticlockwise, short ones filled up with their last corner
     """
-    return np.asarray(_beyond(first, second, depth) | _beyond(second, first, depth))
+    return np.asarray(_is_separated(first, second, depth) | _is_separated(second, first, depth))
 
 
 def clip_convex(subject: Floats, counts: Ints, clip: Floats) -> tuple[Floats, Ints]:
-    """The polygons that pairs of convex polygons share (Sutherland & Hodgman 1974, all pairs at once).
+    """Return the polygons that pairs of convex polygons share (Sutherland & Hodgman 1974, all pairs at once).
 
     Parameters
     ----------
@@ -61,55 +64,63 @@ def clip_convex(subject: Floats, counts: Ints, clip: Floats) -> tuple[Floats, In
     for edge in range(clip.shape[1]):
         start = clip[:, edge]
         along = clip[:, (edge + 1) % clip.shape[1]] - start
-        away = along[:, None, 0] * (shared[:, :, 1] - start[:, None, 1]) - along[:, None, 1] * (
+        distance = along[:, None, 0] * (shared[:, :, 1] - start[:, None, 1]) - along[:, None, 1] * (
             shared[:, :, 0] - start[:, None, 0]
         )
-        there = _there(shared, counts)
+        is_corner = _is_corner(shared, counts)
         following = np.arange(1, shared.shape[1] + 1) * np.ones((len(shared), 1), dtype=np.int64)
         following[following >= counts[:, None]] = 0
-        next_away = np.take_along_axis(away, following, axis=1)
-        inside, next_inside = away >= 0.0, next_away >= 0.0
-        crosses = there & (inside != next_inside)
-        share = np.where(crosses, away / np.where(crosses, away - next_away, 1.0), 0.0)
-        ahead = np.take_along_axis(shared, following[:, :, None], axis=1)
-        cut = shared + share[:, :, None] * (ahead - shared)
+        next_distance = np.take_along_axis(distance, following, axis=1)
+        inside, next_inside = distance >= 0.0, next_distance >= 0.0
+        crosses = is_corner & (inside != next_inside)
+        fraction = np.where(
+            crosses, distance / np.where(crosses, distance - next_distance, 1.0), 0.0
+        )
+        next_corner = np.take_along_axis(shared, following[:, :, None], axis=1)
+        cut = shared + fraction[:, :, None] * (next_corner - shared)
         doubled = 2 * shared.shape[1]
-        kept = np.stack([there & inside, crosses], axis=2).reshape(len(shared), doubled)
+        is_kept = np.stack([is_corner & inside, crosses], axis=2).reshape(len(shared), doubled)
         corners = np.stack([shared, cut], axis=2).reshape(len(shared), doubled, 2)
-        shared, counts = _packed(corners, kept)
+        shared, counts = _packed(corners, is_kept)
     return shared, counts
 
 
-def without_near(polygons: Floats, counts: Ints, distance: float) -> tuple[Floats, Ints]:
-    """Polygons without the corners that lie nearer than `distance` to the next one."""
+def without_repeated_corners(
+    polygons: Floats, counts: Ints, distance: float
+) -> tuple[Floats, Ints]:
+    """Return polygons without the corners that lie nearer than `distance` to the next corner."""
     following = np.arange(1, polygons.shape[1] + 1) * np.ones((len(polygons), 1), dtype=np.int64)
     following[following >= counts[:, None]] = 0
     step = np.take_along_axis(polygons, following[:, :, None], axis=1) - polygons
-    return _packed(polygons, _there(polygons, counts) & ((step * step).sum(axis=2) > distance * distance))
+    return _packed(
+        polygons, _is_corner(polygons, counts) & ((step * step).sum(axis=2) > distance * distance)
+    )
 
 
-def _there(polygons: Floats, counts: Ints) -> Bools:
+def _is_corner(polygons: Floats, counts: Ints) -> Bools:
     return np.asarray(np.arange(polygons.shape[1]) < counts[:, None])
 
 
-def _packed(corners: Floats, kept: Bools) -> tuple[Floats, Ints]:
-    """The kept corners of each row, moved together."""
-    counts = kept.sum(axis=1)
+def _packed(corners: Floats, is_kept: Bools) -> tuple[Floats, Ints]:
+    """Return the corners of each row that are kept, moved to its front, and how many there are."""
+    counts = is_kept.sum(axis=1)
     packed = np.zeros((len(corners), int(counts.max(initial=1)), 2))
-    row, column = np.nonzero(kept)
-    place = (np.cumsum(kept, axis=1) - 1)[row, column]
+    row, column = np.nonzero(is_kept)
+    place = (np.cumsum(is_kept, axis=1) - 1)[row, column]
     packed[row, place] = corners[row, column]
     return packed, counts.astype(np.int64)
 
 
-def _beyond(first: Floats, second: Floats, depth: float) -> Bools:
-    """Whether all corners of `second` lie less than `depth` inside one of the edges of `first`."""
+def _is_separated(first: Floats, second: Floats, depth: float) -> Bools:
+    """Return whether all corners of `second` lie less than `depth` inside one of the edges of `first`."""
     along = np.roll(first, -1, axis=1) - first
     length = np.sqrt((along * along).sum(axis=2))
     with np.errstate(invalid="ignore", divide="ignore"):
-        out = np.stack([along[:, :, 1], -along[:, :, 0]], axis=2) / length[:, :, None]
+        outward = np.stack([along[:, :, 1], -along[:, :, 0]], axis=2) / length[:, :, None]
     nearest = np.full(length.shape, np.inf)
     for corner in range(second.shape[1]):
         step = second[:, corner, None] - first
-        nearest = np.minimum(nearest, step[:, :, 0] * out[:, :, 0] + step[:, :, 1] * out[:, :, 1])
+        nearest = np.minimum(
+            nearest, step[:, :, 0] * outward[:, :, 0] + step[:, :, 1] * outward[:, :, 1]
+        )
     return np.asarray((np.where(length > 0.0, nearest, -np.inf) > -depth).any(axis=1))

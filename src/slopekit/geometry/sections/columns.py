@@ -14,11 +14,13 @@ from slopekit.core.arrays import Floats, Ints, frozen
 from slopekit.geometry.patches import BEDROCK, Assembly, Patches
 
 BASE, SIDE, RISER = range(3)
-_BELOW = 2.0  # column widths of bedrock drawn below the lowest base
+_BEDROCK_DEPTH = 2.0  # column widths of bedrock drawn below the lowest base
 
 
-def column_outlines(dip_deg: float, width: float, heights: Floats, base_step: float) -> tuple[list[Floats], Floats]:
-    """Outlines in x and z: of the columns C1, C2, ... (4, 2), anticlockwise from the lower corner, and the bedrock.
+def column_outlines(
+    dip_deg: float, width: float, heights: Floats, base_step: float
+) -> tuple[list[Floats], Floats]:
+    """Return the outlines (x, z) of the columns, (4, 2) anticlockwise from the lower corner, and of the bedrock.
 
     Parameters
     ----------
@@ -37,9 +39,14 @@ def column_outlines(dip_deg: float, width: float, heights: Floats, base_step: fl
     frame = _frame(dip_deg)
     foot, low = _feet(len(heights), width, base_step)
     high = low + np.asarray(heights, dtype=np.float64)
-    corners = np.stack([foot, low, foot + width, low, foot + width, high, foot, high], axis=1).reshape(-1, 4, 2) @ frame
+    corners = (
+        np.stack([foot, low, foot + width, low, foot + width, high, foot, high], axis=1).reshape(
+            -1, 4, 2
+        )
+        @ frame
+    )
     steps = np.stack([foot, low, foot + width, low], axis=1).reshape(-1, 2)
-    bottom = float(low.min()) - _BELOW * width
+    bottom = float(low.min()) - _BEDROCK_DEPTH * width
     below = np.array([[0.0, bottom], [foot[-1] + width, bottom]])
     repeated = base_step == 0.0 and len(foot) > 1  # a plain base has no corners between the columns
     top = steps[[-1, 0]] if repeated else steps[::-1]
@@ -47,9 +54,14 @@ def column_outlines(dip_deg: float, width: float, heights: Floats, base_step: fl
 
 
 def column_assembly(
-    dip_deg: float, width: float, heights: Floats, base_step: float, thickness: float = 1.0, rows: int = 1
+    dip_deg: float,
+    width: float,
+    heights: Floats,
+    base_step: float,
+    thickness: float = 1.0,
+    rows: int = 1,
 ) -> Assembly:
-    """The columns as blocks 0, 1, ... from the toe upward, and their contacts. Bedrock is not a block (minus = -1).
+    """Return the columns as blocks 0, 1, ... from the toe upward, with their contacts (bedrock: minus = -1).
 
     The patches have `joint` BASE (on the bedrock), SIDE (between columns; plus is the upper column) or RISER (a side
     against the step of the bedrock). Rows stand side by side along y, `thickness` apart, and do not touch each other.
@@ -73,21 +85,25 @@ def column_assembly(
     step = np.maximum(low[:-1], low[1:])  # where two neighbours begin to touch
     top = np.minimum(high[:-1], high[1:])
     side = np.flatnonzero(top > step)
-    beside = np.arange(count - 1) + (1 if base_step < 0.0 else 0)  # the column whose foot stands against the riser
-    riser_top = np.minimum(step, high[beside])
-    riser = np.flatnonzero(riser_top > low[beside])
+    riser_column = np.arange(count - 1) + (
+        1 if base_step < 0.0 else 0
+    )  # the column whose foot stands against the riser
+    riser_top = np.minimum(step, high[riser_column])
+    riser = np.flatnonzero(riser_top > low[riser_column])
     wall = foot[1:]
     ends = np.concatenate(
         [
             np.stack([foot, low, foot + width, low], axis=1),
             np.stack([wall[side], step[side], wall[side], top[side]], axis=1),
-            np.stack([wall[riser], low[beside[riser]], wall[riser], riser_top[riser]], axis=1),
+            np.stack(
+                [wall[riser], low[riser_column[riser]], wall[riser], riser_top[riser]], axis=1
+            ),
         ]
     ).reshape(-1, 2, 2)
     numbers = [count, len(side), len(riser)]
     away = -1.0 if base_step > 0.0 else 1.0  # from the riser into the column
     normal = np.repeat(np.array([[0.0, 1.0], [1.0, 0.0], [away, 0.0]]), numbers, axis=0)
-    plus = np.concatenate([np.arange(count), side + 1, beside[riser]])
+    plus = np.concatenate([np.arange(count), side + 1, riser_column[riser]])
     minus = np.concatenate([np.full(count, BEDROCK), side, np.full(len(riser), BEDROCK)])
     along = np.arange(rows) * thickness
 
@@ -102,21 +118,33 @@ def column_assembly(
     normals = np.tile(np.insert(normal @ frame, 1, 0.0, axis=1), (rows, 1))
     areas = np.tile(np.abs(ends[:, 1] - ends[:, 0]).sum(axis=1) * thickness, rows)
     patches = Patches(
-        plus + row, np.where(minus == BEDROCK, BEDROCK, minus + row), joint, frozen(normals), frozen(areas),
-        frozen(repeated(ends.mean(axis=1))), frozen(repeated(ends.reshape(-1, 2))), 2 * np.arange(len(plus) + 1),
-    )  # fmt: skip
+        plus + row,
+        np.where(minus == BEDROCK, BEDROCK, minus + row),
+        joint,
+        frozen(normals),
+        frozen(areas),
+        frozen(repeated(ends.mean(axis=1))),
+        frozen(repeated(ends.reshape(-1, 2))),
+        2 * np.arange(len(plus) + 1),
+    )
     middle = np.stack([foot + width / 2.0, (low + high) / 2.0], axis=1)
     total = rows * count
     return Assembly(
-        frozen(np.tile(height * width * thickness, rows)), frozen(repeated(middle)), np.zeros(total, dtype=bool),
-        patches, True, frozen(np.zeros((0, 3))), np.zeros((0, 3), dtype=np.int64), np.zeros(0, dtype=np.int64),
-    )  # fmt: skip
+        frozen(np.tile(height * width * thickness, rows)),
+        frozen(repeated(middle)),
+        np.zeros(total, dtype=bool),
+        patches,
+        True,
+        frozen(np.zeros((0, 3))),
+        np.zeros((0, 3), dtype=np.int64),
+        np.zeros(0, dtype=np.int64),
+    )
 
 
 def slope_heights(
     height: float, face_deg: float, upper_deg: float, base_deg: float, width: float, step: float
 ) -> tuple[float, ...]:
-    """Heights of the columns of a slope, from the toe upward (Goodman & Bray 1976).
+    """Return the heights (m) of the columns of a slope, from the toe upward (Goodman & Bray 1976).
 
     Along the base a column rises by a₁ = Δx tan(ψ_f - ψ_p) below the crest and falls by a₂ = Δx tan(ψ_p - ψ_s) above
     it: y_n = n (a₁ - b) to the crest, y_n = y_(n-1) - a₂ - b from there (Wyllie & Mah 2004, ch. 9 (m)). The crest is at
@@ -142,9 +170,15 @@ def slope_heights(
 
 
 def too_many_columns(
-    height: float, face_deg: float, upper_deg: float, base_deg: float, width: float, step: float, most: int
+    height: float,
+    face_deg: float,
+    upper_deg: float,
+    base_deg: float,
+    width: float,
+    step: float,
+    most: int,
 ) -> bool:
-    """Whether a slope takes more columns than allowed, see `slope_heights`."""
+    """Return whether a slope has more than `most` columns, see `slope_heights`."""
     crest, rises, falls = _crest(height, face_deg, upper_deg, base_deg, width, step)
     return crest + crest * rises / falls > most
 
@@ -152,7 +186,7 @@ def too_many_columns(
 def _crest(
     height: float, face_deg: float, upper_deg: float, base_deg: float, width: float, step: float
 ) -> tuple[int, float, float]:
-    """Number of the column at the crest; by how much columns grow below it and shrink above."""
+    """Return the number of the crest column, and by how much (m) the columns grow below it and shrink above it."""
     face, upper, base = (math.radians(angle) for angle in (face_deg, upper_deg, base_deg))
     along = height * (math.cos(face) * math.cos(base) / math.sin(face) + math.sin(base))
     rises, falls = width * math.tan(face - base) - step, width * math.tan(base - upper) + step
@@ -160,7 +194,7 @@ def _crest(
 
 
 def _frame(dip_deg: float) -> Floats:
-    """Rows e_x and e_y in x and z."""
+    """Return the axes e_x and e_y of the columns as rows (x, z)."""
     sine, cosine = math.cos(math.radians(dip_deg)), math.sin(math.radians(dip_deg))
     if dip_deg == 90.0:
         sine = 0.0  # upright columns have level bases to the last digit
@@ -168,6 +202,6 @@ def _frame(dip_deg: float) -> Floats:
 
 
 def _feet(count: int, width: float, base_step: float) -> tuple[Floats, Floats]:
-    """Where the columns begin along the base, and the heights of their bases."""
+    """Return the positions of the columns along the base, and the heights of their bases, m."""
     number = np.arange(count, dtype=np.float64)
     return number * width, number * base_step

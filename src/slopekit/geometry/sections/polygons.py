@@ -1,4 +1,4 @@
-"""Whether a polygon bounds one piece of a section: what is wrong with its points, in words."""
+"""Validity of a polygon in a section: it bounds one piece of area, or the fault of its points in words."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -12,7 +12,7 @@ _SMALLEST_AREA = 1e-12  # of the square of the perimeter: below that the points 
 
 
 def fault_of_polygon(points: Sequence[Point2]) -> str | None:
-    """What keeps the points from bounding one piece of area; None where nothing does.
+    """Return in words why the points do not bound one piece of area, None where they do.
 
     Parameters
     ----------
@@ -39,11 +39,15 @@ def fault_of_polygon(points: Sequence[Point2]) -> str | None:
     in_line = all(abs(far_x * z - far_z * x) <= thin for x, z in local)
     if in_line or (crossing is None and abs(area) <= thin):
         return "it has no area"
-    return None if crossing is None else f"its sides {crossing[0] + 1} and {crossing[1] + 1} cross or touch"
+    return (
+        None
+        if crossing is None
+        else f"its sides {crossing[0] + 1} and {crossing[1] + 1} cross or touch"
+    )
 
 
 def _is_convex(edges: Sequence[Point2]) -> bool:
-    """Whether the sides turn one way only and once around (sides in one line allowed)."""
+    """Return whether the sides turn one way only and once around (collinear sides are allowed)."""
     sign = 0.0
     for (ax, az), (bx, bz) in pairwise([*edges, edges[0]]):
         turn = ax * bz - az * bx
@@ -55,27 +59,36 @@ def _is_convex(edges: Sequence[Point2]) -> bool:
 
 
 def _crossing(points: Floats) -> tuple[int, int] | None:
-    """The first two sides that meet elsewhere than in the point they share; O(n²), one side against all at a time."""
+    """Return the first two sides that meet outside a common corner; O(n²), each side against all later ones."""
     count = len(points)
     start, end = points, np.roll(points, -1, axis=0)
 
     for k in range(count):
-        others = np.arange(k + 1, count)
-        a, b, c, d = start[k], end[k], start[others], end[others]
-        c_side, d_side, a_side, b_side = _side(a, b, c), _side(a, b, d), _side(c, d, a), _side(c, d, b)
+        later = np.arange(k + 1, count)
+        a, b, c, d = start[k], end[k], start[later], end[later]
+        c_side, d_side, a_side, b_side = (
+            _side(a, b, c),
+            _side(a, b, d),
+            _side(c, d, a),
+            _side(c, d, b),
+        )
         in_line = (c_side == 0.0) & (d_side == 0.0)
         span = b - a
         from_c, from_d = (c - a) @ span, (d - a) @ span
-        overlaps = in_line & (np.minimum(from_c, from_d) < span @ span) & (np.maximum(from_c, from_d) > 0.0)
+        overlaps = (
+            in_line
+            & (np.minimum(from_c, from_d) < span @ span)
+            & (np.maximum(from_c, from_d) > 0.0)
+        )
         meets = ~in_line & (c_side * d_side <= 0.0) & (a_side * b_side <= 0.0)
-        meets &= (others != k + 1) & (others != (k - 1) % count)  # neighbours share a point
+        meets &= (later != k + 1) & (later != (k - 1) % count)  # neighbours share a point
         crossed = np.flatnonzero(meets | overlaps)
         if len(crossed):
-            return k, int(others[crossed[0]])
+            return k, int(later[crossed[0]])
     return None
 
 
 def _side(a: Floats, b: Floats, point: Floats) -> Floats:
-    """On which side of the line through a and b a point lies: 1 left, -1 right, 0 on it."""
-    along, to = b - a, point - a
-    return np.sign(along[..., 0] * to[..., 1] - along[..., 1] * to[..., 0])
+    """Return the side of the line through a and b on which a point lies: 1 left, -1 right, 0 on the line."""
+    along, arm = b - a, point - a
+    return np.sign(along[..., 0] * arm[..., 1] - along[..., 1] * arm[..., 0])

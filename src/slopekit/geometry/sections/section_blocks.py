@@ -19,14 +19,21 @@ from slopekit.geometry.fit import (
     contact_tolerance,
     corner_unit,
     fitting_tolerance,
-    refuse,
+    raise_faults,
     size_faults,
     widest_rounding,
 )
 from slopekit.geometry.patches import Assembly, Patches
 from slopekit.geometry.rock.box_search import box_pairs
-from slopekit.geometry.sections.clipping import are_apart, clip_convex, polygon_sums
-from slopekit.geometry.tolerances import DOUBT, NEARLY_TOUCHES, OPPOSITE, OUTLINE_CLEAN, TINY, TURNED_BY_ROUNDING
+from slopekit.geometry.sections.clipping import are_separate, clip_convex, polygon_sums
+from slopekit.geometry.tolerances import (
+    DOUBT,
+    NEARLY_TOUCHES,
+    OPPOSITE,
+    OUTLINE_CLEAN,
+    TINY,
+    TURNED_BY_ROUNDING,
+)
 
 _LARGEST_PIECE = 8  # corners of a convex polygon that is clipped whole; more are cut into triangles
 
@@ -53,31 +60,36 @@ class Outlines:
 
     @property
     def block(self) -> Ints:
-        """(c,) the block of each corner, and of the edge that begins there."""
+        """The block of each corner, and of the edge that begins there, (c,)."""
         return np.repeat(np.arange(len(self)), np.diff(self.start))
 
     @property
-    def after(self) -> Ints:
-        """(c,) the next corner of each."""
+    def following(self) -> Ints:
+        """The next corner of each corner, (c,)."""
         return _neighbours(self.start)[1]
 
     def outline(self, block: int) -> Floats:
-        """(k, 2) corners of a block where the user has them."""
-        return np.asarray(self.corners[self.start[block] : self.start[block + 1]] + self.origin, dtype=np.float64)
+        """Return the corners (k, 2) m of a block in the user's coordinates."""
+        return np.asarray(
+            self.corners[self.start[block] : self.start[block + 1]] + self.origin, dtype=np.float64
+        )
 
     def are_convex(self) -> Bools:
-        """Whether each outline turns left at every corner and once round in all."""
-        before, after = _neighbours(self.start)
-        along, last = self.corners[after] - self.corners, self.corners - self.corners[before]
+        """Return whether each outline (n,) turns left at every corner and once round in all."""
+        previous, following = _neighbours(self.start)
+        along, last = self.corners[following] - self.corners, self.corners - self.corners[previous]
         turn = np.arctan2(
-            last[:, 0] * along[:, 1] - last[:, 1] * along[:, 0], last[:, 0] * along[:, 0] + last[:, 1] * along[:, 1]
+            last[:, 0] * along[:, 1] - last[:, 1] * along[:, 0],
+            last[:, 0] * along[:, 0] + last[:, 1] * along[:, 1],
         )
-        once = np.add.reduceat(turn, self.start[:-1]) < 3.0 * np.pi
-        return np.asarray(once & (np.minimum.reduceat(turn, self.start[:-1]) > 0.0))
+        turns_once = np.add.reduceat(turn, self.start[:-1]) < 3.0 * np.pi
+        return np.asarray(turns_once & (np.minimum.reduceat(turn, self.start[:-1]) > 0.0))
 
 
-def clean_outlines(polygons: Sequence[Floats], tolerance: float | None, names: Sequence[str]) -> tuple[Outlines, float]:
-    """Outlines without repeated corners and corners on a straight line, and the tolerance.
+def clean_outlines(
+    polygons: Sequence[Floats], tolerance: float | None, names: Sequence[str]
+) -> tuple[Outlines, float]:
+    """Return outlines without repeated corners and corners on a straight edge, and the contact tolerance (m).
 
     Parameters
     ----------
@@ -99,10 +111,12 @@ def clean_outlines(polygons: Sequence[Floats], tolerance: float | None, names: S
     block = np.repeat(np.arange(len(arrays)), np.diff(start))
     # the corners of a clockwise outline in reverse order
     index = np.arange(len(corners))
-    corners = corners[np.where(areas[block] < 0.0, start[block] + start[block + 1] - 1 - index, index)]
+    corners = corners[
+        np.where(areas[block] < 0.0, start[block] + start[block + 1] - 1 - index, index)
+    ]
     tolerance = contact_tolerance(tolerance, np.sqrt(np.abs(areas)), rounding)
     corners, start = _cleaned(corners, start, max(OUTLINE_CLEAN * tolerance, rounding / 8.0))
-    refuse(
+    raise_faults(
         [
             Fault("E227", f"the outline of {names[k]} encloses no area")
             for k in np.flatnonzero(np.diff(start) < 3).tolist()
@@ -111,7 +125,9 @@ def clean_outlines(polygons: Sequence[Floats], tolerance: float | None, names: S
     return Outlines(origin, corners, start, np.abs(areas), centroids), tolerance
 
 
-def check_outlines(outlines: Outlines, tolerance: float, crossing: Ints, names: Sequence[str]) -> None:
+def check_outlines(
+    outlines: Outlines, tolerance: float, crossing: Ints, names: Sequence[str]
+) -> None:
     """Refuse outlines that cross themselves (`crossing`: their blocks), enclose nothing or less than the tolerance.
 
     Raises
@@ -132,20 +148,23 @@ def check_outlines(outlines: Outlines, tolerance: float, crossing: Ints, names: 
         Fault("E227", f"the outline of {names[block]} encloses no area", "", small)
         for block in np.flatnonzero(empty).tolist()
     ]
-    refuse(faults + size_faults(np.where(crosses | empty, np.inf, np.sqrt(outlines.areas)), tolerance, names))
+    raise_faults(
+        faults
+        + size_faults(np.where(crosses | empty, np.inf, np.sqrt(outlines.areas)), tolerance, names)
+    )
 
 
 def convex_pieces(outlines: Outlines) -> tuple[Floats, Ints, Ints]:
-    """Convex pieces of the blocks: corners (p, k, 2) filled up with their last, how many (p,), and their blocks (p,).
+    """Return convex pieces of the blocks: corners (p, k, 2) padded with the last, their counts (p,) and blocks (p,).
 
     A convex block of few corners is its own piece, others are cut into triangles.
     """
     sizes = np.diff(outlines.start)
-    whole = outlines.are_convex() & (sizes <= _LARGEST_PIECE)
+    is_whole = outlines.are_convex() & (sizes <= _LARGEST_PIECE)
     rows = []
-    blocks = [np.flatnonzero(whole)]
-    counts = [sizes[whole]]
-    for block in np.flatnonzero(~whole).tolist():
+    blocks = [np.flatnonzero(is_whole)]
+    counts = [sizes[is_whole]]
+    for block in np.flatnonzero(~is_whole).tolist():
         first, last = outlines.start[block], outlines.start[block + 1]
         triangles = np.asarray(triangulate([outlines.corners[first:last]]), dtype=np.int64)
         rows.append(triangles + first)
@@ -153,28 +172,31 @@ def convex_pieces(outlines: Outlines) -> tuple[Floats, Ints, Ints]:
         counts.append(np.full(len(triangles), 3))
     count = np.concatenate(counts)
     width = int(count.max())
-    place = np.minimum(np.arange(width), sizes[whole][:, None] - 1) + outlines.start[:-1][whole][:, None]
+    place = (
+        np.minimum(np.arange(width), sizes[is_whole][:, None] - 1)
+        + outlines.start[:-1][is_whole][:, None]
+    )
     split = [np.pad(row, ((0, 0), (0, width - 3)), mode="edge") for row in rows]
     return outlines.corners[np.concatenate([place, *split])], count, np.concatenate(blocks)
 
 
 def _neighbours(start: Ints) -> tuple[Ints, Ints]:
-    """The corner before and the corner after each."""
+    """Return the previous and the next corner of each corner round its outline."""
     index = np.arange(start[-1])
-    before, after = index - 1, index + 1
+    previous, following = index - 1, index + 1
     used = np.diff(start) > 0
     first, last = start[:-1][used], start[1:][used] - 1
-    before[first], after[last] = last, first
-    return before, after
+    previous[first], following[last] = last, first
+    return previous, following
 
 
 def _areas(corners: Floats, start: Ints) -> tuple[Floats, Floats]:
-    """Areas, positive anticlockwise, and centroids; each outline about its own first corner."""
+    """Return the areas (n,) m², positive anticlockwise, and centroids (n, 2) m of outlines."""
     base = np.repeat(corners[start[:-1]], np.diff(start), axis=0)
-    here, after = corners - base, corners[_neighbours(start)[1]] - base
-    cross = here[:, 0] * after[:, 1] - here[:, 1] * after[:, 0]
+    arm, next_arm = corners - base, corners[_neighbours(start)[1]] - base
+    cross = arm[:, 0] * next_arm[:, 1] - arm[:, 1] * next_arm[:, 0]
     doubled = np.add.reduceat(cross, start[:-1])
-    moment = np.add.reduceat((here + after) * cross[:, None], start[:-1]) / 3.0
+    moment = np.add.reduceat((arm + next_arm) * cross[:, None], start[:-1]) / 3.0
     safe = np.where(doubled == 0.0, 1.0, doubled)
     return doubled / 2.0, moment / safe[:, None] + corners[start[:-1]]
 
@@ -183,28 +205,33 @@ def _cleaned(corners: Floats, start: Ints, distance: float) -> tuple[Floats, Int
     """Drop repeated corners, corners on a straight line and spikes; never two neighbours at once."""
     phase, idle = 0, 0
     while idle < 3:
-        before, after = _neighbours(start)
-        step, span = corners[after] - corners, corners[after] - corners[before]
+        previous, following = _neighbours(start)
+        step, span = corners[following] - corners, corners[following] - corners[previous]
         length = np.sqrt((span * span).sum(axis=1))
         across = np.abs(span[:, 0] * step[:, 1] - span[:, 1] * step[:, 0])
         repeated = (step * step).sum(axis=1) <= distance * distance
         block = np.repeat(np.arange(len(start) - 1), np.diff(start))
         index = np.arange(len(corners))
-        # even corners, odd ones, and the last on its own: it may be even and has the first beside it
+        # even corners, odd corners, and the last alone: it may be even, and its neighbour is the first
         turn = np.where(start[block + 1] - 1 == index, 2, (index - start[block]) % 2)
         dropped = (repeated | (across <= distance * length)) & (turn == phase)
         corners = corners[~dropped]
-        start = np.concatenate([[0], np.cumsum(np.bincount(block[~dropped], minlength=len(start) - 1))])
+        start = np.concatenate(
+            [[0], np.cumsum(np.bincount(block[~dropped], minlength=len(start) - 1))]
+        )
         idle = 0 if dropped.any() else idle + 1
         phase = (phase + 1) % 3
     return corners, start
 
 
 def section_assembly(
-    polygons: Sequence[Floats], fixed: Bools, thickness: float, tolerance: float | None = None,
+    polygons: Sequence[Floats],
+    fixed: Bools,
+    thickness: float,
+    tolerance: float | None = None,
     names: Sequence[str] | None = None,
-) -> BlocksCut:  # fmt: skip
-    """The blocks of a section and their contacts.
+) -> BlocksCut:
+    """Return the blocks of a section and their contacts.
 
     Parameters
     ----------
@@ -227,42 +254,56 @@ def section_assembly(
     >>> cut.assembly.patches.areas.tolist(), cut.assembly.patches.normals.tolist()
     ([1.0], [[0.0, 0.0, 1.0]])
     """
-    called = list(names) if names is not None else [f"block {k + 1}" for k in range(len(polygons))]
-    outlines, usual = clean_outlines(polygons, tolerance, called)
-    unit = corner_unit(np.concatenate([np.ravel(polygon) for polygon in polygons])) if tolerance is None else 0.0
+    block_names = (
+        list(names) if names is not None else [f"block {k + 1}" for k in range(len(polygons))]
+    )
+    outlines, exact_tolerance = clean_outlines(polygons, tolerance, block_names)
+    unit = (
+        corner_unit(np.concatenate([np.ravel(polygon) for polygon in polygons]))
+        if tolerance is None
+        else 0.0
+    )
     bedrock = np.asarray(fixed, dtype=bool)
     sizes = np.sqrt(outlines.areas)
     reach = NEARLY_TOUCHES * float(sizes.mean())
     edges = _OutlineEdges(outlines, bedrock)
-    around = np.bincount(edges.block, edges.length)
-    widest = widest_rounding(sizes, 2.0 * outlines.areas / around)
-    first, second = edges.candidates(max(reach, DOUBT * max(usual, widest)))
-    own = edges.block[first] == edges.block[second]
-    crossing = edges.crossing(first[own], second[own], OUTLINE_CLEAN * usual / 2.0)
-    check_outlines(outlines, usual, crossing, called)
-    first, second = first[~own], second[~own]
+    perimeters = np.bincount(edges.block, edges.length)
+    widest = widest_rounding(sizes, 2.0 * outlines.areas / perimeters)
+    first, second = edges.candidates(max(reach, DOUBT * max(exact_tolerance, widest)))
+    is_same_block = edges.block[first] == edges.block[second]
+    crossing = edges.crossing(
+        first[is_same_block], second[is_same_block], OUTLINE_CLEAN * exact_tolerance / 2.0
+    )
+    check_outlines(outlines, exact_tolerance, crossing, block_names)
+    first, second = first[~is_same_block], second[~is_same_block]
 
-    faced = edges.facing(first, second)
-    movable = ~bedrock[faced.plus] | ~bedrock[faced.minus]
-    contact = fitting_tolerance(usual, unit, 2, widest, faced, movable)
+    facing = edges.facing(first, second)
+    movable = ~bedrock[facing.plus] | ~bedrock[facing.minus]
+    contact = fitting_tolerance(exact_tolerance, unit, 2, widest, facing, movable)
     tolerance = contact.distance
-    touches = faced.touches(tolerance, tolerance)
-    patches = _patches(faced, touches, outlines.origin, thickness)
+    touches = facing.touches(tolerance, tolerance)
+    patches = _patches(facing, touches, outlines.origin, thickness)
     pieces, counts, owner = convex_pieces(outlines)
-    near = movable & faced.nearly_touches(tolerance, reach)
-    near[near] = ~_filled(faced, near, pieces, owner, tolerance)
+    is_gap = movable & facing.nearly_touches(tolerance, reach)
+    is_gap[is_gap] = ~_filled(facing, is_gap, pieces, owner, tolerance)
     empty = np.zeros((0, 3))
     centroids = _in_space(outlines.centroids + outlines.origin)
     assembly = Assembly(
-        frozen(outlines.areas * thickness), frozen(centroids), bedrock, patches, True, frozen(empty),
-        empty.astype(np.int64), np.zeros(0, dtype=np.int64),
-    )  # fmt: skip
+        frozen(outlines.areas * thickness),
+        frozen(centroids),
+        bedrock,
+        patches,
+        True,
+        frozen(empty),
+        empty.astype(np.int64),
+        np.zeros(0, dtype=np.int64),
+    )
     return BlocksCut(
         assembly,
         contact,
-        float(faced.breadth[touches].sum()),
+        float(facing.breadth[touches].sum()),
         _overlaps(pieces, counts, owner, bedrock, tolerance),
-        Misfits(faced.pairs[near], frozen(faced.breadth[near]), frozen(faced.most[near])),
+        Misfits(facing.pairs[is_gap], frozen(facing.breadth[is_gap]), frozen(facing.most[is_gap])),
         tuple(frozen(outlines.outline(k)) for k in range(len(outlines))),
         edges.point_contacts(first, second, tolerance, patches),
     )
@@ -270,7 +311,7 @@ def section_assembly(
 
 @dataclass(frozen=True)
 class _FacingEdges(Facing):
-    """Pairs of edges that run opposite ways beside each other.
+    """Pairs of nearly parallel edges of two blocks that run opposite ways.
 
     Attributes
     ----------
@@ -286,25 +327,28 @@ class _OutlineEdges:
     """All edges of all outlines, the block to the left of each."""
 
     def __init__(self, outlines: Outlines, fixed: Bools) -> None:
-        self.after, self.block, self.fixed = outlines.after, outlines.block, fixed
+        self.following, self.block, self.fixed = outlines.following, outlines.block, fixed
         self.start = outlines.corners
-        self.end = self.start[self.after]
+        self.end = self.start[self.following]
         along = self.end - self.start
         self.length = np.sqrt((along * along).sum(axis=1))
         self.direction = along / self.length[:, None]
         self.convex = outlines.are_convex()[self.block]
 
     def candidates(self, reach: float) -> tuple[Ints, Ints]:
-        """Pairs of edges whose boxes come within `reach`, but for those of one convex block."""
-        low, high = np.minimum(self.start, self.end) - reach / 2.0, np.maximum(self.start, self.end) + reach / 2.0
+        """Return pairs of edges whose boxes come within `reach` (m), without pairs of the same convex block."""
+        low, high = (
+            np.minimum(self.start, self.end) - reach / 2.0,
+            np.maximum(self.start, self.end) + reach / 2.0,
+        )
         first, second = box_pairs(low, high)
-        wanted = (self.block[first] != self.block[second]) | ~self.convex[first]
-        return first[wanted], second[wanted]
+        is_candidate = (self.block[first] != self.block[second]) | ~self.convex[first]
+        return first[is_candidate], second[is_candidate]
 
     def crossing(self, first: Ints, second: Ints, distance: float) -> Ints:
-        """Blocks of which two edges that are not neighbours cross or come within `distance`."""
-        apart = (self.after[first] != second) & (self.after[second] != first)
-        a, b = first[apart], second[apart]
+        """Return the blocks of which two edges that are not neighbours cross or come within `distance` (m)."""
+        is_separate = (self.following[first] != second) & (self.following[second] != first)
+        a, b = first[is_separate], second[is_separate]
         ends = [(a, self.start[b]), (a, self.end[b]), (b, self.start[a]), (b, self.end[a])]
         sides = [self._across(edge, point) for edge, point in ends]
         meets = (sides[0] * sides[1] < 0.0) & (sides[2] * sides[3] < 0.0)
@@ -313,50 +357,77 @@ class _OutlineEdges:
         return np.unique(self.block[a[meets]])
 
     def facing(self, first: Ints, second: Ints) -> _FacingEdges:
-        """What pairs of edges share that run opposite ways."""
+        """Return the pairs of edges that run opposite ways, with the length that they share."""
         opposite = (self.direction[first] * self.direction[second]).sum(axis=1) < OPPOSITE
         first, second = first[opposite], second[opposite]
         later = self.block[first] > self.block[second]
-        turned = np.where(self.fixed[self.block[first]] == self.fixed[self.block[second]], later,
-                          ~self.fixed[self.block[first]])  # fmt: skip
-        plus, minus = np.where(turned, first, second), np.where(turned, second, first)
+        is_first_plus = np.where(
+            self.fixed[self.block[first]] == self.fixed[self.block[second]],
+            later,
+            ~self.fixed[self.block[first]],
+        )
+        plus, minus = np.where(is_first_plus, first, second), np.where(is_first_plus, second, first)
         along, back = self.direction[minus], -self.direction[plus]
         is_turned = np.abs(along[:, 0] * back[:, 1] - along[:, 1] * back[:, 0]) > TURNED_BY_ROUNDING
-        # of two edges that rounded corners have turned that of the longer above all: it is turned less
+        # rounding of the corners turns a longer edge less: its direction weighs more
         power = np.where(is_turned, 2.0, 0.0)
-        mean = (self.length[minus] ** power)[:, None] * along + (self.length[plus] ** power)[:, None] * back
+        mean = (self.length[minus] ** power)[:, None] * along + (self.length[plus] ** power)[
+            :, None
+        ] * back
         mean /= np.sqrt((mean * mean).sum(axis=1))[:, None]
-        normal = np.stack([mean[:, 1], -mean[:, 0]], axis=1)  # out of the minus block, to the right of its edge
+        normal = np.stack(
+            [mean[:, 1], -mean[:, 0]], axis=1
+        )  # out of the minus block, to the right of its edge
         base = self.start[minus]
-        reach = [((corner - base) * mean).sum(axis=1) for corner in (self.end[minus], self.end[plus], self.start[plus])]
+        reach = [
+            ((corner - base) * mean).sum(axis=1)
+            for corner in (self.end[minus], self.end[plus], self.start[plus])
+        ]
         lower, upper = np.maximum(0.0, reach[1]), np.minimum(reach[0], reach[2])
         shared = upper > lower
-        plus, minus, mean, normal, base = plus[shared], minus[shared], mean[shared], normal[shared], base[shared]
-        places = np.stack([lower[shared], upper[shared]], axis=1)
-        off_minus = places * self._slope(minus, mean, normal)[:, None]
-        far = self.end[plus] - base
-        off_plus = (far * normal).sum(axis=1)[:, None] + (places - (far * mean).sum(axis=1)[:, None]) * (
-            self._slope(plus, mean, normal)[:, None]
+        plus, minus, mean, normal, base = (
+            plus[shared],
+            minus[shared],
+            mean[shared],
+            normal[shared],
+            base[shared],
         )
-        apart = off_plus - off_minus
-        middle = (off_plus + off_minus) / 2.0
-        ends = base[:, None] + places[:, :, None] * mean[:, None] + middle[:, :, None] * normal[:, None]
+        places = np.stack([lower[shared], upper[shared]], axis=1)
+        minus_height = places * self._slope(minus, mean, normal)[:, None]
+        arm = self.end[plus] - base
+        plus_height = (arm * normal).sum(axis=1)[:, None] + (
+            places - (arm * mean).sum(axis=1)[:, None]
+        ) * (self._slope(plus, mean, normal)[:, None])
+        gap = plus_height - minus_height
+        middle = (plus_height + minus_height) / 2.0
+        ends = (
+            base[:, None]
+            + places[:, :, None] * mean[:, None]
+            + middle[:, :, None] * normal[:, None]
+        )
         return _FacingEdges(
-            self.block[plus], self.block[minus], apart.min(axis=1), apart.max(axis=1), places[:, 1] - places[:, 0],
-            ends, normal,
-        )  # fmt: skip
+            self.block[plus],
+            self.block[minus],
+            gap.min(axis=1),
+            gap.max(axis=1),
+            places[:, 1] - places[:, 0],
+            ends,
+            normal,
+        )
 
     def point_contacts(self, first: Ints, second: Ints, tolerance: float, patches: Patches) -> int:
-        """How many pairs of blocks touch in a corner and share no patch."""
+        """Return how many pairs of blocks touch in a corner and share no patch."""
         count = len(self.fixed)
-        edge, other = np.concatenate([first, second]), np.concatenate([second, first])
-        touches = self._distance(edge, self.start[other]) <= tolerance
-        a, b = self.block[edge[touches]], self.block[other[touches]]
-        with_patch = np.minimum(patches.plus, patches.minus) * count + np.maximum(patches.plus, patches.minus)
+        edge, opposite = np.concatenate([first, second]), np.concatenate([second, first])
+        touches = self._distance(edge, self.start[opposite]) <= tolerance
+        a, b = self.block[edge[touches]], self.block[opposite[touches]]
+        with_patch = np.minimum(patches.plus, patches.minus) * count + np.maximum(
+            patches.plus, patches.minus
+        )
         return len(np.setdiff1d(np.minimum(a, b) * count + np.maximum(a, b), with_patch))
 
     def _slope(self, edge: Ints, mean: Floats, normal: Floats) -> Floats:
-        """How much an edge rises along `normal` per length along `mean`."""
+        """Return the rise of edges along `normal` per length along `mean`, (n,)."""
         direction = self.direction[edge]
         slope: Floats = (direction * normal).sum(axis=1) / (direction * mean).sum(axis=1)
         return slope
@@ -369,31 +440,38 @@ class _OutlineEdges:
     def _distance(self, edge: Ints, point: Floats) -> Floats:
         step = point - self.start[edge]
         place = np.clip((step * self.direction[edge]).sum(axis=1), 0.0, self.length[edge])
-        away = step - place[:, None] * self.direction[edge]
-        distance: Floats = np.sqrt((away * away).sum(axis=1))
+        offset = step - place[:, None] * self.direction[edge]
+        distance: Floats = np.sqrt((offset * offset).sum(axis=1))
         return distance
 
 
 def _in_space(points: Floats) -> Floats:
-    """x and z (..., 2) as x, y = 0 and z."""
+    """Return points x, z (..., 2) of the section as points x, y = 0, z (..., 3) in space."""
     return np.stack([points[..., 0], np.zeros(points.shape[:-1]), points[..., 1]], axis=-1)
 
 
-def _patches(faced: _FacingEdges, touches: Bools, origin: Floats, thickness: float) -> Patches:
+def _patches(facing: _FacingEdges, touches: Bools, origin: Floats, thickness: float) -> Patches:
     order = np.flatnonzero(touches)
-    order = order[np.lexsort((faced.plus[order], faced.minus[order]))]
-    corners = _in_space(faced.ends[order] + origin)
+    order = order[np.lexsort((facing.plus[order], facing.minus[order]))]
+    corners = _in_space(facing.ends[order] + origin)
     count = len(order)
     return Patches(
-        faced.plus[order], faced.minus[order], np.zeros(count, dtype=np.int64), frozen(_in_space(faced.normal[order])),
-        frozen(faced.breadth[order] * thickness), frozen(corners.mean(axis=1)), frozen(corners.reshape(-1, 3)),
+        facing.plus[order],
+        facing.minus[order],
+        np.zeros(count, dtype=np.int64),
+        frozen(_in_space(facing.normal[order])),
+        frozen(facing.breadth[order] * thickness),
+        frozen(corners.mean(axis=1)),
+        frozen(corners.reshape(-1, 3)),
         2 * np.arange(count + 1),
-    )  # fmt: skip
+    )
 
 
-def _filled(faced: _FacingEdges, near: Bools, pieces: Floats, owner: Ints, tolerance: float) -> Bools:
-    """Whether the middle of a gap lies in a third block: what fills a thin joint is no gap."""
-    middle = faced.ends[near].mean(axis=1)
+def _filled(
+    facing: _FacingEdges, is_gap: Bools, pieces: Floats, owner: Ints, tolerance: float
+) -> Bools:
+    """Return whether the middle of each gap lies in a third block: a filled joint is no gap."""
+    middle = facing.ends[is_gap].mean(axis=1)
     filled = np.zeros(len(middle), dtype=bool)
     if len(middle):
         lowest = np.concatenate([pieces.min(axis=1), middle])
@@ -401,9 +479,11 @@ def _filled(faced: _FacingEdges, near: Bools, pieces: Floats, owner: Ints, toler
         piece, point = box_pairs(lowest, highest)
         mixed = (piece < len(pieces)) & (point >= len(pieces))
         piece, point = piece[mixed], point[mixed] - len(pieces)
-        third = (owner[piece] != faced.plus[near][point]) & (owner[piece] != faced.minus[near][point])
+        third = (owner[piece] != facing.plus[is_gap][point]) & (
+            owner[piece] != facing.minus[is_gap][point]
+        )
         piece, point = piece[third], point[third]
-        filled[point[~are_apart(pieces[piece], middle[point][:, None], tolerance)]] = True
+        filled[point[~are_separate(pieces[piece], middle[point][:, None], tolerance)]] = True
     return filled
 
 
@@ -411,15 +491,17 @@ def _overlaps(pieces: Floats, counts: Ints, owner: Ints, fixed: Bools, tolerance
     lowest, highest = pieces.min(axis=1) + tolerance / 2.0, pieces.max(axis=1) - tolerance / 2.0
     first, second = box_pairs(lowest, np.maximum(lowest, highest))
     a, b = owner[first], owner[second]
-    wanted = (a != b) & ~(fixed[a] & fixed[b])
-    first, second = first[wanted], second[wanted]
-    wanted = ~are_apart(pieces[first], pieces[second], tolerance)
-    first, second = first[wanted], second[wanted]
+    is_candidate = (a != b) & ~(fixed[a] & fixed[b])
+    first, second = first[is_candidate], second[is_candidate]
+    is_candidate = ~are_separate(pieces[first], pieces[second], tolerance)
+    first, second = first[is_candidate], second[is_candidate]
     shared, corners = clip_convex(pieces[first], counts[first], pieces[second])
-    areas, _, around = polygon_sums(shared, corners)
+    areas, _, perimeters = polygon_sums(shared, corners)
     a, b = np.minimum(owner[first], owner[second]), np.maximum(owner[first], owner[second])
-    pair, which = np.unique(a * len(fixed) + b, return_inverse=True)
-    area: Floats = np.bincount(which, areas, minlength=len(pair)).astype(np.float64)
-    boundary = np.bincount(which, around, minlength=len(pair))
+    pair, index = np.unique(a * len(fixed) + b, return_inverse=True)
+    area: Floats = np.bincount(index, areas, minlength=len(pair)).astype(np.float64)
+    boundary = np.bincount(index, perimeters, minlength=len(pair))
     depth = area / np.maximum(boundary / 2.0, TINY)
-    return Misfits(np.stack([pair // len(fixed), pair % len(fixed)], axis=1), frozen(area), frozen(depth))
+    return Misfits(
+        np.stack([pair // len(fixed), pair % len(fixed)], axis=1), frozen(area), frozen(depth)
+    )

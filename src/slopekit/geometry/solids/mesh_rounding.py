@@ -1,4 +1,4 @@
-"""To what the vertices of a mesh file are rounded: by its decimals, or by single precision."""
+"""Rounding of the vertices of a mesh file: by its decimals, or by single precision."""
 
 from pathlib import Path
 
@@ -21,10 +21,12 @@ def file_rounding(path: Path, vertices: Floats, length_unit: float = 1.0) -> tup
     """
     suffix = path.suffix.lower()
     if suffix in (".glb", ".gltf"):
-        return _of_nodes(path)
+        return _node_rounding(path)
     written = vertices / length_unit
     is_single = _is_single(path, suffix) or _passed_through_single(written)
-    return length_unit * corner_unit(written, is_single), length_unit * _resolution(written) if is_single else 0.0
+    return length_unit * corner_unit(written, is_single), length_unit * _resolution(
+        written
+    ) if is_single else 0.0
 
 
 def _resolution(coordinates: Floats) -> float:
@@ -33,12 +35,15 @@ def _resolution(coordinates: Floats) -> float:
 
 
 def _is_single(path: Path, suffix: str) -> bool:
-    """Whether a file is binary with coordinates of four bytes."""
+    """Return whether a file is binary with coordinates of four bytes."""
     if suffix == ".stl":
         with path.open("rb") as file:
             header = file.read(_STL_HEADER)
         count = int.from_bytes(header[-4:], "little")
-        return len(header) == _STL_HEADER and path.stat().st_size == _STL_HEADER + _STL_TRIANGLE * count
+        return (
+            len(header) == _STL_HEADER
+            and path.stat().st_size == _STL_HEADER + _STL_TRIANGLE * count
+        )
     if suffix == ".ply":
         with path.open("rb") as file:
             header = file.read(_MOST_PLY_HEADER).partition(b"end_header")[0]
@@ -49,24 +54,28 @@ def _is_single(path: Path, suffix: str) -> bool:
 
 
 def _passed_through_single(vertices: Floats) -> bool:
-    """Whether some coordinate in a text has more digits than single precision, and all of them are numbers of it."""
+    """Return whether the coordinates along some axis of a text file are single-precision numbers, unrounded."""
     for along in vertices.T:
-        if (along.astype(np.float32) == along).all() and corner_unit(along) <= min(_MILLIMETRE, _resolution(along)):
+        if (along.astype(np.float32) == along).all() and corner_unit(along) <= min(
+            _MILLIMETRE, _resolution(along)
+        ):
             return True
     return False
 
 
-def _of_nodes(path: Path) -> tuple[float, float]:
+def _node_rounding(path: Path) -> tuple[float, float]:
     """Return the coarsest unit and resolution (m) of the meshes of a GLB file, as its nodes scale them."""
     import trimesh
 
     scene = trimesh.load_scene(path, process=False)
-    found = [(0.0, 0.0)]
+    roundings = [(0.0, 0.0)]
     for node in scene.graph.nodes_geometry:
         matrix, name = scene.graph[node]
         vertices = np.asarray(getattr(scene.geometry[name], "vertices", ()), dtype=np.float64)
         if vertices.size:
             scale = float(np.sqrt((matrix[:3, :3] ** 2).sum(axis=0)).max())
-            found.append((scale * corner_unit(vertices, is_single=True), scale * _resolution(vertices)))
-    units, resolutions = zip(*found, strict=True)
+            roundings.append(
+                (scale * corner_unit(vertices, is_single=True), scale * _resolution(vertices))
+            )
+    units, resolutions = zip(*roundings, strict=True)
     return max(units), max(resolutions)

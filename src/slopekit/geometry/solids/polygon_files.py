@@ -1,6 +1,6 @@
-"""OBJ, OFF and PLY files as vertices and faces of any number of corners, which other readers cut as if all were convex.
+"""OBJ, OFF and PLY files as vertices and faces of any number of corners (other readers cut all faces as if convex).
 
-Texture, normals, colours and lines are passed over. All raise ValueError where a file is none of its format.
+Texture, normals, colours and lines are ignored. All readers raise ValueError where a file is not of its format.
 """
 
 from collections.abc import Mapping, Sequence
@@ -18,7 +18,7 @@ PolygonBody = tuple[str, Floats, list[list[int]]]
 
 
 def obj_bodies(path: Path) -> list[PolygonBody]:
-    """The objects of an OBJ file, or its groups where it has none, but never its materials; in their order."""
+    """Read the objects of an OBJ file, or its groups where it has no objects, in their order; materials are ignored."""
     points: list[list[str]] = []
     objects: dict[str, list[list[int]]] = {}
     groups: dict[str, list[list[int]]] = {}
@@ -31,7 +31,9 @@ def obj_bodies(path: Path) -> list[PolygonBody]:
         elif word == "f":
             entries = line.partition("#")[0].split()[1:] if "#" in line else rest
             numbers = [int(entry.partition("/")[0]) for entry in entries]
-            face = [number - 1 if number >= 0 else number + len(points) for number in numbers]  # -1: the last so far
+            face = [
+                number - 1 if number >= 0 else number + len(points) for number in numbers
+            ]  # -1: the last so far
             objects.setdefault(object_name, []).append(face)
             groups.setdefault(group_name, []).append(face)
         elif word == "o":
@@ -39,23 +41,29 @@ def obj_bodies(path: Path) -> list[PolygonBody]:
         elif word == "g":
             group_name = " ".join(rest)
     vertices = _coordinates(points)
-    named = objects if any(objects) else groups
-    return [_body(name or path.name, vertices, faces) for name, faces in named.items()]
+    faces_by_name = objects if any(objects) else groups
+    return [_body(name or path.name, vertices, faces) for name, faces in faces_by_name.items()]
 
 
 def off_bodies(path: Path) -> list[PolygonBody]:
-    """The body of an OFF file in text, with or without colours and normals."""
+    """Read the body of an OFF file in text, with or without colours and normals."""
     text = path.read_text(encoding="utf-8-sig", errors="replace")
     lines = [words for line in text.splitlines() if (words := line.partition("#")[0].split())]
     keyword = lines[0][0].upper() if lines else ""
-    if not keyword.endswith("OFF") or "4" in keyword or "BINARY" in (word.upper() for word in lines[0]):
+    if (
+        not keyword.endswith("OFF")
+        or "4" in keyword
+        or "BINARY" in (word.upper() for word in lines[0])
+    ):
         raise ValueError("it is no OFF file in text with three coordinates a vertex")
     lines[0] = lines[0][1:]
     lines = lines if lines[0] else lines[1:]
     count, total = (int(word) for word in lines[0][:2])
     rows = lines[1 + count : 1 + count + total]
     faces = [[int(word) for word in words[1 : 1 + int(words[0])]] for words in rows]
-    if len(rows) < total or any(len(face) < int(words[0]) for face, words in zip(faces, rows, strict=True)):
+    if len(rows) < total or any(
+        len(face) < int(words[0]) for face, words in zip(faces, rows, strict=True)
+    ):
         raise ValueError(f"it ends before the {total} faces that it announces")
     return [_body(path.name, _coordinates([words[:3] for words in lines[1 : 1 + count]]), faces)]
 
@@ -67,7 +75,7 @@ def _coordinates(points: Sequence[Sequence[str]]) -> Floats:
 
 
 def _body(name: str, vertices: Floats, faces: list[list[int]]) -> PolygonBody:
-    """A body with the vertices alone that its faces name."""
+    """Return a body with only the vertices that its faces use."""
     corners = np.fromiter(chain.from_iterable(faces), dtype=np.int64)
     if ((corners < 0) | (corners >= len(vertices))).any():
         raise ValueError(f"a face names a vertex that is none of the {len(vertices)}")
@@ -82,10 +90,25 @@ def _body(name: str, vertices: Floats, faces: list[list[int]]) -> PolygonBody:
 
 #: The letters of numpy for the types of PLY.
 _LETTERS = {
-    "char": "b", "int8": "b", "uchar": "B", "uint8": "B", "short": "h", "int16": "h", "ushort": "H", "uint16": "H",
-    "int": "i", "int32": "i", "uint": "I", "uint32": "I", "int64": "q", "uint64": "Q",
-    "float": "f", "float32": "f", "double": "d", "float64": "d",
-}  # fmt: skip
+    "char": "b",
+    "int8": "b",
+    "uchar": "B",
+    "uint8": "B",
+    "short": "h",
+    "int16": "h",
+    "ushort": "H",
+    "uint16": "H",
+    "int": "i",
+    "int32": "i",
+    "uint": "I",
+    "uint32": "I",
+    "int64": "q",
+    "uint64": "Q",
+    "float": "f",
+    "float32": "f",
+    "double": "d",
+    "float64": "d",
+}
 _ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">"}
 _CORNERS = ("vertex_indices", "vertex_index")
 #: The values of a property, a row of them for each row of its table: a value, or a list.
@@ -105,11 +128,11 @@ class _Numbers:
         self.position = 0
 
     def size(self, letters: str) -> int:
-        """How much of the data a row takes whose types the letters say."""
+        """Return the size of a row with the types of `letters`: bytes of a binary file, numbers of a text."""
         return sum(np.dtype(letter).itemsize for letter in letters) if self.order else len(letters)
 
     def rows(self, letters: str, count: int) -> Floats:
-        """The next numbers as rows (count, len(letters)), of the types that the letters say."""
+        """Read the next numbers as rows (count, len(letters)) with the types of `letters`."""
         begin = self.position
         self.position += self.size(letters) * count
         if self.position > len(self.data):
@@ -120,27 +143,37 @@ class _Numbers:
             table = np.frombuffer(self.data, self.order + letters[0], count * len(letters), begin)
             return table.reshape(count, -1).astype(np.float64)
         kind = np.dtype([(str(k), self.order + letter) for k, letter in enumerate(letters)])
-        return structured_to_unstructured(np.frombuffer(self.data, kind, count, begin), dtype=np.float64)
+        return structured_to_unstructured(
+            np.frombuffer(self.data, kind, count, begin), dtype=np.float64
+        )
 
 
 def ply_bodies(path: Path) -> list[PolygonBody]:
-    """The body of a PLY file, in text or in binary."""
+    """Read the body of a PLY file, in text or in binary."""
     header, mark, content = path.read_bytes().partition(b"end_header")
     form, elements = _header(header.decode("ascii", errors="replace"))
     if not mark or not header.startswith(b"ply") or form not in ("ascii", *_ORDERS):
         raise ValueError("it has no header of a PLY file")
     numbers = _Numbers(content.partition(b"\n")[2], form)
-    columns = {name: _columns(count, own, numbers) for name, (count, own) in elements.items() if count}
+    columns = {
+        name: _columns(count, properties, numbers)
+        for name, (count, properties) in elements.items()
+        if count
+    }
     if "vertex" not in columns or "face" not in columns:
         raise ValueError("it has no vertices, or no faces")
     points = np.concatenate([_column(columns["vertex"], axis) for axis in "xyz"], axis=1)
     corners = _column(columns["face"], *_CORNERS)
     tables = [corners] if isinstance(corners, np.ndarray) else [row[None] for row in corners]
-    return [_body(path.name, points, [face for rows in tables for face in rows.astype(np.int64).tolist()])]
+    return [
+        _body(
+            path.name, points, [face for rows in tables for face in rows.astype(np.int64).tolist()]
+        )
+    ]
 
 
 def _header(text: str) -> tuple[str, dict[str, tuple[int, _Properties]]]:
-    """The form of a PLY file and its tables by name: how many rows, and their properties."""
+    """Read the form of a PLY file, and the number of rows and the properties of its tables by name."""
     form = ""
     elements: dict[str, tuple[int, _Properties]] = {}
     properties: _Properties | None = None
@@ -165,7 +198,7 @@ def _letter(kind: str) -> str:
 
 
 def _column(columns: Mapping[str, _Column], *names: str) -> _Column:
-    """The first of these columns that there is."""
+    """Return the first of the named columns that the table has."""
     for name in names:
         if name in columns:
             return columns[name]
@@ -173,9 +206,9 @@ def _column(columns: Mapping[str, _Column], *names: str) -> _Column:
 
 
 def _columns(count: int, properties: _Properties, numbers: _Numbers) -> Mapping[str, _Column]:
-    """The columns of a table by name, a value or a list a row.
+    """Read the columns of a table by name, a value or a list a row.
 
-    All rows are taken at once where their lists are as long as those of the first, else row by row.
+    All rows are read at once where their lists are as long as those of the first row, else row by row.
     """
     begin = numbers.position
     first = _row(properties, numbers)
@@ -195,7 +228,7 @@ def _columns(count: int, properties: _Properties, numbers: _Numbers) -> Mapping[
 
 
 def _row(properties: _Properties, numbers: _Numbers) -> dict[str, Floats]:
-    """The values of the next row by the names of their properties."""
+    """Read the values of the next row by the names of their properties."""
     row = {}
     for name, kind in properties.items():
         count = int(numbers.rows(kind[0], 1)[0, 0]) if len(kind) > 1 else 1

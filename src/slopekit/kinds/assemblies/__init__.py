@@ -1,1 +1,1 @@
-"""What the kinds of many blocks share: scene, limit, states, notices."""
+"""Scene, limit, states and notices of assemblies of many blocks, shared by their kinds."""

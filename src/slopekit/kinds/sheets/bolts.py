@@ -35,7 +35,7 @@ class ScheduledBolt:
     @property
     def toward(self) -> str:
         """Trend and plunge."""
-        return f"{round(self.trend_deg % 360.0, 1) % 360.0:05.1f}/{_plain(self.plunge_deg)}"
+        return f"{round(self.trend_deg % 360.0, 1) % 360.0:05.1f}/{_one_decimal(self.plunge_deg)}"
 
 
 def schedule(document: Mapping[str, Any]) -> list[ScheduledBolt]:
@@ -62,14 +62,26 @@ def schedule_table(bolts: Sequence[ScheduledBolt]) -> Table[ScheduledBolt]:
     columns: list[Column[ScheduledBolt]] = [
         Column("no.", attrgetter("number"), "number", width=1),
         *(
-            Column(f"{letter} / m", partial(_coordinate, k=k), key, "m", _millimetre_or_dash, 1, ".3f")
+            Column(
+                f"{letter} / m", partial(_coordinate, k=k), key, "m", _millimetre_or_dash, 1, ".3f"
+            )
             for k, (letter, key) in enumerate((("E", "east_m"), ("N", "north_m"), ("Z", "z_m")))
         ),
-        Column("length / m", attrgetter("length_m"), "length_m", "m", _millimetre_or_dash, 1, ".3f"),
-        Column("", lambda one: round(one.trend_deg % 360.0, 2) % 360.0, "trend_deg", "°", exact=".2f"),
-        Column("", lambda one: round(one.plunge_deg, 2) + 0.0, "plunge_deg", "°", exact=".2f"),
+        Column(
+            "length / m", attrgetter("length_m"), "length_m", "m", _millimetre_or_dash, 1, ".3f"
+        ),
+        Column(
+            "",
+            lambda column: round(column.trend_deg % 360.0, 2) % 360.0,
+            "trend_deg",
+            "°",
+            exact=".2f",
+        ),
+        Column(
+            "", lambda column: round(column.plunge_deg, 2) + 0.0, "plunge_deg", "°", exact=".2f"
+        ),
         Column("trend/plunge", attrgetter("toward"), width=1),
-        Column("kN", attrgetter("force_kn"), "force_kn", "kN", _plain, 1, ".3f"),
+        Column("kN", attrgetter("force_kn"), "force_kn", "kN", _one_decimal, 1, ".3f"),
         Column("", attrgetter("slice_m"), "slice_m", "m", exact="g"),
         Column("acts", attrgetter("acts"), "acts", width=1),
         Column("block", attrgetter("block"), "block", width=int(any(bolt.block for bolt in bolts))),
@@ -77,10 +89,16 @@ def schedule_table(bolts: Sequence[ScheduledBolt]) -> Table[ScheduledBolt]:
     table = Table(columns, bolts, ends=(_FIRST, _LAST))
     hidden = table.left_out
     listed_bolts = [*bolts[:_FIRST], *bolts[-_LAST:]] if hidden else bolts
-    widths = [max(map(len, (one.title, *map(one.shown, listed_bolts)))) + 2 * (k > 0) if one.width else 0
-            for k, one in enumerate(columns)]  # fmt: skip
-    columns = [replace(one, width=width) for one, width in zip(columns, widths, strict=True)]
-    return replace(table, columns=columns, rest=f"... {len(hidden)} more, all of them in {FILE} (-o DIR)")
+    widths = [
+        max(map(len, (column.title, *map(column.shown, listed_bolts)))) + 2 * (k > 0)
+        if column.width
+        else 0
+        for k, column in enumerate(columns)
+    ]
+    columns = [replace(column, width=width) for column, width in zip(columns, widths, strict=True)]
+    return replace(
+        table, columns=columns, rest=f"... {len(hidden)} more, all of them in {FILE} (-o DIR)"
+    )
 
 
 def _coordinate(bolt: ScheduledBolt, k: int) -> float | None:
@@ -96,7 +114,10 @@ def schedule_entries(bolts: Sequence[ScheduledBolt]) -> list[Entry]:
     """What the sheet has of the bolts: the schedule and what has to be said of it; empty without a head."""
     if not any(bolt.head_m for bolt in bolts):
         return []
-    return [schedule_table(bolts), *(text for text in (per_slice(bolts), without_head(bolts)) if text)]
+    return [
+        schedule_table(bolts),
+        *(text for text in (per_slice(bolts), without_head(bolts)) if text),
+    ]
 
 
 def per_slice(bolts: Sequence[ScheduledBolt]) -> str:
@@ -129,6 +150,6 @@ def forces_in_words(values: Sequence[float]) -> str:
     return f"{low} to {high} kN"
 
 
-def _plain(value: float) -> str:
+def _one_decimal(value: float) -> str:
     """One digit, no minus before zero."""
     return f"{round(value, 1) + 0.0:.1f}"

@@ -9,32 +9,44 @@ from slopekit.elastic.outcome import ElasticBlocks, OnElasticJoint
 from slopekit.kinds.words import short
 from slopekit.result import Result
 
-_FEW = 6  # joints of the sheet
+_MOST_JOINTS = 6  # joints of the sheet
 
 
 def elastic_entries(result: Result, blocks: ElasticBlocks) -> list[Entry]:
     """What the deformation of the rock does, in a few lines."""
-    return [_limit(blocks), _rock(blocks), _joints(result, blocks), _moves(blocks), _size(result, blocks)]
+    return [
+        _limit(blocks),
+        _rock(blocks),
+        _joints(result, blocks),
+        _moves(blocks),
+        _size(result, blocks),
+    ]
 
 
 def _limit(blocks: ElasticBlocks) -> str:
     if blocks.limit is None and blocks.rigid_limit is not None:
         lost = f"without the cohesion of {_percent(blocks.lost_share)} of the contact area, pulled open"
-        found = f"that {lost} at F = {blocks.factor:.4g}, was not found; rigid {blocks.rigid_limit:.4f}"
-        return f"no limit: {found}"
+        reason = (
+            f"that {lost} at F = {blocks.factor:.4g}, was not found; rigid {blocks.rigid_limit:.4f}"
+        )
+        return f"no limit: {reason}"
     if blocks.limit is None:
         return "no limit: the blocks stand without strength"
     factor, rigid = factor_text(blocks.limit).strip(), factor_text(blocks.rigid_limit).strip()
-    at = f"at F = {blocks.factor:.4g}"
+    factor_text_at = f"at F = {blocks.factor:.4g}"
     if blocks.opened_share == blocks.rigid_opened_share == 0.0:
-        return f"{factor}  limit of elastic blocks, that of rigid ones: no contact is pulled open {at}"
+        return f"{factor}  limit of elastic blocks, that of rigid ones: no contact is pulled open {factor_text_at}"
     if blocks.lost_share == blocks.rigid_lost_share == 0.0:
-        also = f" (rigid {_percent(blocks.rigid_opened_share)})" if blocks.rigid_opened_share else ""
-        words = f"{_percent(blocks.opened_share)} of the contact area{also} is pulled open {at}"
+        rigid_note = (
+            f" (rigid {_percent(blocks.rigid_opened_share)})" if blocks.rigid_opened_share else ""
+        )
+        words = f"{_percent(blocks.opened_share)} of the contact area{rigid_note} is pulled open {factor_text_at}"
         return f"{factor}  limit of elastic blocks, that of rigid ones: {words}, where there is no cohesion to lose"
-    lost = f"without the cohesion of {_percent(blocks.lost_share)} of the contact area, pulled open {at}"
-    also = f" without that of {_percent(blocks.rigid_lost_share)}" if blocks.rigid_lost_share else ""
-    return f"{factor}  limit of elastic blocks, {lost}; rigid {rigid}{also}"
+    lost = f"without the cohesion of {_percent(blocks.lost_share)} of the contact area, pulled open {factor_text_at}"
+    rigid_note = (
+        f" without that of {_percent(blocks.rigid_lost_share)}" if blocks.rigid_lost_share else ""
+    )
+    return f"{factor}  limit of elastic blocks, {lost}; rigid {rigid}{rigid_note}"
 
 
 def _percent(share: float) -> str:
@@ -42,8 +54,10 @@ def _percent(share: float) -> str:
 
 
 def _rock(blocks: ElasticBlocks) -> str:
-    taken = f" ({' and '.join(blocks.mesh.taken)} taken, not given)" if blocks.mesh.taken else ""
-    rock = f"modulus {blocks.modulus_kpa * 1e-6:.4g} GPa, Poisson's ratio {blocks.poisson:.3g}{taken}"
+    defaults_note = (
+        f" ({' and '.join(blocks.mesh.taken)} taken, not given)" if blocks.mesh.taken else ""
+    )
+    rock = f"modulus {blocks.modulus_kpa * 1e-6:.4g} GPa, Poisson's ratio {blocks.poisson:.3g}{defaults_note}"
     return f"{rock}; rigid bedrock"
 
 
@@ -51,8 +65,8 @@ def _joints(result: Result, blocks: ElasticBlocks) -> Table[tuple[str, OnElastic
     """Normal tractions of each joint."""
     Row = tuple[str, OnElasticJoint]
 
-    def end(which: str, k: int) -> Callable[[Row], float]:
-        return lambda row: float(getattr(row[1], which)[k])
+    def end(attribute: str, k: int) -> Callable[[Row], float]:
+        return lambda row: float(getattr(row[1], attribute)[k])
 
     def kpa(value: float) -> str:
         return short(value if abs(value) >= 0.05 else 0.0)
@@ -65,20 +79,25 @@ def _joints(result: Result, blocks: ElasticBlocks) -> Table[tuple[str, OnElastic
         Column("to", end("rigid_kpa", 1), "rigid_to_kpa", "kPa", kpa, 12),
         Column("open", lambda row: row[1].opened_share * 100.0, "opened_percent", "%", ".2g", 10),
     ]
-    return Table(columns, list(blocks.joints.items()), ends=(_FEW, 0), rest="...")
+    return Table(columns, list(blocks.joints.items()), ends=(_MOST_JOINTS, 0), rest="...")
 
 
 def _moves(blocks: ElasticBlocks) -> str:
-    sizes = [math.sqrt(float(one @ one)) * 1e3 for one in (blocks.displacement_m, blocks.rigid_displacement_m)]
-    who = "" if blocks.block is None else f" of {blocks.block}"
+    sizes = [
+        math.sqrt(float(displacement @ displacement)) * 1e3
+        for displacement in (blocks.displacement_m, blocks.rigid_displacement_m)
+    ]
+    block_note = "" if blocks.block is None else f" of {blocks.block}"
     elastic, rigid = (short(size) for size in sizes)
-    return f"mean displacement{who} at F = {blocks.factor:.4g}: {elastic} mm, rigid {rigid} mm"
+    return (
+        f"mean displacement{block_note} at F = {blocks.factor:.4g}: {elastic} mm, rigid {rigid} mm"
+    )
 
 
 def _size(result: Result, blocks: ElasticBlocks) -> str:
     seconds = result.timing_s.get("elastic")
-    took = "" if seconds is None else f"; {seconds:.2g} s"
+    duration = "" if seconds is None else f"; {seconds:.2g} s"
     return (
         f"{blocks.mesh.cells} elements of order {blocks.mesh.order}, edges up to {short(blocks.mesh.edge_m)} m, "
-        f"{blocks.mesh.node_pairs} node pairs, {blocks.mesh.unknowns} unknowns, {blocks.steps} Newton steps{took}"
+        f"{blocks.mesh.node_pairs} node pairs, {blocks.mesh.unknowns} unknowns, {blocks.steps} Newton steps{duration}"
     )

@@ -13,11 +13,11 @@ from slopekit.kinds import dilates, kind_of
 from slopekit.kinds.sheets import shared
 from slopekit.kinds.sheets.shared import Factor
 from slopekit.kinds.words import line_in_words, short, times
-from slopekit.notices import INVENTED
+from slopekit.notices import EXAMPLE_INPUTS_CODE
 from slopekit.result import Result
 
-_WHOLE = 5e-4  # of a joint: so little of it that opens is rounding
-_MATTERS = 5e-3  # of a factor
+_OPEN_ROUNDING = 5e-4  # of a joint: so little of it that opens is rounding
+_LEAST_CHANGE = 5e-3  # of a factor
 
 
 def sheet_of(result: Result) -> Sheet:
@@ -70,7 +70,9 @@ def _sections(result: Result) -> Iterator[Section]:
     yield Section(TIME, [times])
     yield Section("SENSITIVITY", (), details=shared.governs(result))
     yield Section("NOT GIVEN", _not_given(result))
-    yield Section("NOTE", [str(notice) for notice in result.warnings if notice.code != INVENTED])
+    yield Section(
+        "NOTE", [str(notice) for notice in result.warnings if notice.code != EXAMPLE_INPUTS_CODE]
+    )
 
 
 def _status(result: Result) -> str:
@@ -95,15 +97,19 @@ def _factors(result: Result) -> Iterator[Factor]:
     dilates_where = ", joints dilate as given" + ("" if many else " where all stay closed")
     limit += f"{dilates_where if dilating else ''}{result.words.assumes}"
     limit += ", strength of each node pair at its own normal traction" if secant else ""
-    yield Factor(fos.limit, limit if fos.limit is not None or not many else f"{limit}: {result.status_text}")
+    yield Factor(
+        fos.limit, limit if fos.limit is not None or not many else f"{limit}: {result.status_text}"
+    )
     if fos.lowest is not None and not many:
         yield Factor(fos.lowest, shared.LOWEST)
-    without = result.status == "not_converged" and many  # nothing to agree with, or not to
-    if fos.closed_form is not None or (result.agree is not None and not without):
-        alone = ", forces only" if result.words.turns and not many else ""
-        closed = f"{result.words.closed_form}{alone}{', zero dilation' if dilating else ''}"
+    no_comparison = result.status == "not_converged" and many  # nothing to agree with, or not to
+    if fos.closed_form is not None or (result.agree is not None and not no_comparison):
+        forces_note = ", forces only" if result.words.turns and not many else ""
+        closed = f"{result.words.closed_form}{forces_note}{', zero dilation' if dilating else ''}"
         closed += ", secant at the mean normal traction of each plane" if secant else ""
-        yield Factor(fos.closed_form, closed, shared.verdict(result, result.design.analysis.agree_within))
+        yield Factor(
+            fos.closed_form, closed, shared.verdict(result, result.design.analysis.agree_within)
+        )
     else:
         yield Factor(None, f"closed form: {result.words.no_closed_form}")
     if many and (fos.lowest is not None or fos.highest is not None):
@@ -115,8 +121,12 @@ def _factors(result: Result) -> Iterator[Factor]:
     elif fos.limit is not None:
         yield Factor(None, "upper bound: not found")
     if fos.all_pairs_failed is not None:
-        criterion = "no block is tied to bedrock by sticking pairs" if many else "the paper's criterion"
-        yield Factor(fos.all_pairs_failed, f"all pairs failed ({criterion}; depends on the stiffness)")
+        criterion = (
+            "no block is tied to bedrock by sticking pairs" if many else "the paper's criterion"
+        )
+        yield Factor(
+            fos.all_pairs_failed, f"all pairs failed ({criterion}; depends on the stiffness)"
+        )
     elif many and result.design.analysis.criterion == "all-pairs":
         yield Factor(None, "all pairs failed: asked for, and not found")
 
@@ -127,25 +137,41 @@ def moments(result: Result) -> list[str]:
     if not result.words.turns or not result.moments_govern:
         return []
     if result.status == "topples":
-        unused = "" if forces is None else f" (forces only would give {factor_text(forces)}: do not use it)"
+        unused = (
+            ""
+            if forces is None
+            else f" (forces only would give {factor_text(forces)}: do not use it)"
+        )
         return [f"they turn the {result.words.block} over{unused}"]
     if fos.limit is None:
         return []
     opened = [
         f"{(1.0 - opening['pressed_share']) * 100:.3g} % of {result.design.in_own_names(name)}"
         for name, opening in result.limit_state.openings.items()
-        if opening["pressed_share"] < 1.0 - _WHOLE
+        if opening["pressed_share"] < 1.0 - _OPEN_ROUNDING
     ]
     change = "lower the FoS"
     if opened:
         verbs = "open at failure and carry" if len(opened) > 1 else "opens at failure and carries"
         change = f"{' and '.join(opened)} {verbs} no cohesion: FoS"
-    alone = "" if forces is None else f" (forces only {factor_text(forces)}{_shares(fos.limit, result)})"
+    forces_note = (
+        ""
+        if forces is None
+        else f" (forces only {factor_text(forces)}{_shares(fos.limit, result)})"
+    )
     limit = factor_text(fos.limit)
-    lines = [f"{change} {limit}{alone}" if opened else f"moments {change} to {limit}{alone}"]
+    lines = [
+        f"{change} {limit}{forces_note}" if opened else f"moments {change} to {limit}{forces_note}"
+    ]
     closed, bound = factor_text(fos.closed_form), factor_text(fos.static_bound)
-    if fos.static_bound is not None and fos.closed_form is not None and float(bound) < float(closed):
-        lines.append(f"no distribution of forces can balance at the closed form's {closed} (upper bound {bound})")
+    if (
+        fos.static_bound is not None
+        and fos.closed_form is not None
+        and float(bound) < float(closed)
+    ):
+        lines.append(
+            f"no distribution of forces can balance at the closed form's {closed} (upper bound {bound})"
+        )
     return lines
 
 
@@ -155,7 +181,7 @@ def _shares(limit: float, result: Result) -> str:
     if not forces or on_pressed is None:
         return ""
     lost, moments = 1.0 - on_pressed / forces, (on_pressed - limit) / forces
-    if not min(lost, moments) > _MATTERS:
+    if not min(lost, moments) > _LEAST_CHANGE:
         return ""
     return f"; moments alone take {moments * 100:.2g} %, cohesion lost {lost * 100:.2g} %"
 
@@ -175,8 +201,12 @@ def _movement(result: Result) -> list[str]:
     """Displacement at full strength on elastic joints."""
     state = result.displacements.at_factor_one
     if state is None:
-        stands = result.fos.limit is not None and result.fos.limit > 1.0
-        return ["no displacement at F = 1: no equilibrium was found on elastic joints"] if stands else []
+        is_stable = result.fos.limit is not None and result.fos.limit > 1.0
+        return (
+            ["no displacement at F = 1: no equilibrium was found on elastic joints"]
+            if is_stable
+            else []
+        )
     failed, pairs = state.failed_pairs, result.model.node_pairs
     yielding = f"{failed} of {pairs} node pairs yield" if failed else "no yielding"
     return [
@@ -203,18 +233,28 @@ def _size_m(result: Result) -> float:
 
 def _not_given(result: Result) -> list[str]:
     """Return the inputs that took an example value, or one by a rule of the program."""
-    invented = ["φ" if name == "phi" else name for name in result.design.invented]
-    called = {"seismic.trend": "seismic trend (LOADS says which is used)"}
-    ruled = [called.get(name, name) for name in result.design.reading.defaults if name not in result.design.invented]
-    entries = [f"example values used: {', '.join(invented)}"] if invented else []
-    return ["; ".join([*entries, *([", ".join(ruled)] if ruled else [])])] if invented or ruled else []
+    example_inputs = ["φ" if name == "phi" else name for name in result.design.example_inputs]
+    labels = {"seismic.trend": "seismic trend (LOADS says which is used)"}
+    default_inputs = [
+        labels.get(name, name)
+        for name in result.design.reading.defaults
+        if name not in result.design.example_inputs
+    ]
+    entries = [f"example values used: {', '.join(example_inputs)}"] if example_inputs else []
+    return (
+        ["; ".join([*entries, *([", ".join(default_inputs)] if default_inputs else [])])]
+        if example_inputs or default_inputs
+        else []
+    )
 
 
-def _partial_factors(given: PartialFactors) -> Section:
+def _partial_factors(partial: PartialFactors) -> Section:
     """Whose factors they are, what they have made, and how to read the factor of safety."""
     columns: list[Column[FactoredNumber]] = [
         Column("of", attrgetter("what"), "what", width=-47),
-        Column("characteristic", attrgetter("characteristic"), "characteristic", show=".5g", width=14),
+        Column(
+            "characteristic", attrgetter("characteristic"), "characteristic", show=".5g", width=14
+        ),
         Column(
             "factor",
             lambda row: f"{'/' if row.divided else 'x'} {row.factor:.4g}" if row.factor else "",
@@ -224,6 +264,6 @@ def _partial_factors(given: PartialFactors) -> Section:
         Column("design", attrgetter("design"), "design", show=".5g", width=10),
         Column(" unit", attrgetter("unit"), "unit", width=-1, about=" {}"),
     ]
-    said = given.called + (f" ({given.source})" if given.source else "")
+    title = partial.called + (f" ({partial.source})" if partial.source else "")
     end = "all numbers above are design values, and FoS is the over-design factor: 1 is enough"
-    return Section("FACTORED", [f"{said}: {end}", Table(columns, given.table)])
+    return Section("FACTORED", [f"{title}: {end}", Table(columns, partial.table)])

@@ -11,8 +11,8 @@ from slopekit.core.sheet import Column, Entry, Table, factor_text
 from slopekit.design.parts import Rule
 from slopekit.evidence import Factors, ReductionStep, WithoutBasal
 from slopekit.kinds.words import alike, short
-from slopekit.notices import INVENTED
-from slopekit.result import JUDGED, METHODS, STATUSES, Result
+from slopekit.notices import EXAMPLE_INPUTS_CODE
+from slopekit.result import METHODS, RULE_QUANTITIES, STATUSES, Result
 
 if TYPE_CHECKING:
     from slopekit.findings import Mechanism
@@ -35,11 +35,19 @@ def forces(result: Result) -> list[Entry]:
 
     def pressure(name: str) -> float:
         water, area = acting.water.get(name), areas.get(name)
-        return pressures_kpa[0] if pressures_kpa and water is not None else water / area if water and area else 0.0
+        return (
+            pressures_kpa[0]
+            if pressures_kpa and water is not None
+            else water / area
+            if water and area
+            else 0.0
+        )
 
     names = list(dict.fromkeys([*acting.normal, *acting.water]))
 
-    def numbers(title: str, number: Callable[[str], float | None], key: str, unit: str, width: int) -> Column[str]:
+    def numbers(
+        title: str, number: Callable[[str], float | None], key: str, unit: str, width: int
+    ) -> Column[str]:
         return Column(title, number, key, unit, alike(map(number, names)), width)
 
     at_limit = [
@@ -53,15 +61,26 @@ def forces(result: Result) -> list[Entry]:
         numbers("water", lambda name: acting.water.get(name) or 0.0, "water_kn", "kN", 14),
         numbers("mean u", pressure, "pressure_kpa", "kPa", 12),
     ]
-    alone = " (forces alone)" if result.moments_govern else ""
+    forces_note = " (forces alone)" if result.moments_govern else ""
     sums_of_loads = [
-        ("weight", acting.weight), (f"driving, along the slide{alone}", acting.driving), ("resisting", acting.resisting)
-    ]  # fmt: skip
+        ("weight", acting.weight),
+        (f"driving, along the slide{forces_note}", acting.driving),
+        ("resisting", acting.resisting),
+    ]
     sums: list[Column[tuple[str, float | None]]] = [
         Column("load", itemgetter(0), width=-40),
-        Column("force", itemgetter(1), unit="kN", show=alike(map(itemgetter(1), sums_of_loads)), width=14),
+        Column(
+            "force",
+            itemgetter(1),
+            unit="kN",
+            show=alike(map(itemgetter(1), sums_of_loads)),
+            width=14,
+        ),
     ]
-    return [Table(columns, names), Table(sums, [row for row in sums_of_loads if row[1] is not None], headless=True)]
+    return [
+        Table(columns, names),
+        Table(sums, [row for row in sums_of_loads if row[1] is not None], headless=True),
+    ]
 
 
 def short_or_dash(value: float | None) -> str:
@@ -84,7 +103,7 @@ def leading(result: Result) -> list[Factor]:
     if result.leading is None:
         return []
     name, value = result.leading
-    estimate = "lowest estimate" if name == "lowest" else JUDGED[name]
+    estimate = "lowest estimate" if name == "lowest" else RULE_QUANTITIES[name]
     return [Factor(value, f"{estimate}: the factor that ACCEPT is held against")]
 
 
@@ -92,11 +111,17 @@ def factors_table(result: Result, rows: Iterable[Factor]) -> Table[Factor]:
     """The factors of safety, each with what it is: that which acceptance hangs on, `rows`, those after slip."""
     columns: list[Column[Factor]] = [
         Column("factor", attrgetter("value"), "factor", show=factor_text, width=1),
-        Column("to", attrgetter("to"), "to", show=lambda to: "" if to is None else factor_text(to), width=1,
-               about=" .. {}"),
+        Column(
+            "to",
+            attrgetter("to"),
+            "to",
+            show=lambda to: "" if to is None else factor_text(to),
+            width=1,
+            about=" .. {}",
+        ),
         Column("what it is", attrgetter("what"), "what", width=1, about="  {}"),
         Column("check", attrgetter("check"), "check", width=1, about="     {}"),
-    ]  # fmt: skip
+    ]
     return Table(columns, [*leading(result), *rows, *_residual(result)], headless=True)
 
 
@@ -154,7 +179,9 @@ def series(result: Result) -> list[Entry]:
 
     def horizontal_mm(step: ReductionStep) -> float | None:
         x, y = displacement_mm(step, 0), displacement_mm(step, 1)
-        return None if x is None or y is None else x if horizontal == "x" else (x * x + y * y) ** 0.5
+        return (
+            None if x is None or y is None else x if horizontal == "x" else (x * x + y * y) ** 0.5
+        )
 
     def in_millimetres(value: float | None) -> str:
         return "no rest" if value is None else f"{value:.4f}"
@@ -164,7 +191,12 @@ def series(result: Result) -> list[Entry]:
         Column("factor", attrgetter("factor"), "factor", show=".4f", width=-9),
         Column(f"{horizontal} / mm", horizontal_mm, f"{horizontal}_mm", "mm", in_millimetres, 16),
         Column("up / mm", lambda step: displacement_mm(step, 2), "up_mm", "mm", in_millimetres, 12),
-        Column(f"failed pairs of {result.model.node_pairs}", attrgetter("failed_pairs"), "failed_pairs", width=22),
+        Column(
+            f"failed pairs of {result.model.node_pairs}",
+            attrgetter("failed_pairs"),
+            "failed_pairs",
+            width=22,
+        ),
         *(
             Column(f"{title} / mm", partial(displacement_mm, k=k), f"{title}_mm", "mm", ".4f")
             for title, k in horizontals
@@ -187,7 +219,11 @@ def judged_difference(difference: float | None, agree: bool, agree_within: float
     if difference is None:
         return f"{word} (no number from either)" if agree else word
     percent = _rounded_up(max(difference * 100.0, _LEAST_PERCENT))
-    return f"{word} within {percent} %" if agree else f"{word} by {percent} % (limit {agree_within * 100:g} %)"
+    return (
+        f"{word} within {percent} %"
+        if agree
+        else f"{word} by {percent} % (limit {agree_within * 100:g} %)"
+    )
 
 
 def _rounded_up(value: float) -> str:
@@ -207,29 +243,40 @@ def all_pairs(result: Result) -> list[Entry]:
     low, high = pairs.bracket
     if result.fos.all_pairs_failed is None:
         return ["not found: the search met no factor with equilibrium on sticking pairs"]
-    how = "equilibrium lost there" if pairs.lost_equilibrium else "still in equilibrium there"
+    bracket_note = (
+        "equilibrium lost there" if pairs.lost_equilibrium else "still in equilibrium there"
+    )
     columns: list[Column[tuple[float, int]]] = [
         Column("factor", itemgetter(0), "factor", show=".5f", width=9),
-        Column(f"failed pairs of {result.model.node_pairs}", itemgetter(1), "failed_pairs", width=26),
+        Column(
+            f"failed pairs of {result.model.node_pairs}", itemgetter(1), "failed_pairs", width=26
+        ),
     ]
     return [
-        f"bracket {low:.5f} to {high:.5f} ({how}); {result.design.stiffness.in_words()}",
+        f"bracket {low:.5f} to {high:.5f} ({bracket_note}); {result.design.stiffness.in_words()}",
         Table(columns, sorted(pairs.history), ends=(_FEW_TRIALS, _FEW_TRIALS), rest="..."),
     ]
 
 
 def accept(result: Result) -> list[str]:
     """The acceptance rules, each with its judgement."""
-    return [f"{rule}{judged_on(result, rule)}: {_judgement(result, rule)}" for rule in result.design.rules]
+    return [
+        f"{rule}{judged_on(result, rule)}: {_judgement(result, rule)}"
+        for rule in result.design.rules
+    ]
 
 
 def judged_on(result: Result, rule: Rule) -> str:
     """The number that a rule judged, and why that: a bare `fos` is the criterion's, of blocks the first to fail."""
     value, name = result.value_of(rule), result.name_of(rule)
-    number_name = {"limit": "limit", **JUDGED}[name]
+    number_name = {"limit": "limit", **RULE_QUANTITIES}[name]
     if value is None:
         return f" ({result.design.analysis.criterion})" if rule.name == "fos" else ""
-    text = f"{number_name} {judged_factor(value, [rule])}" if rule.name == "fos" else judged_factor(value, [rule])
+    text = (
+        f"{number_name} {judged_factor(value, [rule])}"
+        if rule.name == "fos"
+        else judged_factor(value, [rule])
+    )
     if rule.name == "fos" and result.design.analysis.criterion == "all-pairs":
         compared = "the limit" if name == "all_pairs_failed" else "the factor of all pairs"
         text += f", no higher than {compared}"
@@ -246,18 +293,21 @@ def judged_factor(value: float, rules: Iterable[Rule]) -> str:
     """
     rules = list(rules)
     texts = (factor_text(value).strip(), *(f"{value:.{digits}f}" for digits in range(3, 16)))
-    verdicts = [rule.met(value) for rule in rules]
-    return next((text for text in texts if [rule.met(float(text)) for rule in rules] == verdicts), repr(value))
+    verdicts = [rule.is_met_by(value) for rule in rules]
+    return next(
+        (text for text in texts if [rule.is_met_by(float(text)) for rule in rules] == verdicts),
+        repr(value),
+    )
 
 
 def _judgement(result: Result, rule: Rule) -> str:
-    if result.judged(rule):
+    if result.meets(rule):
         lowest = result.fos.lowest
         if result.value_of(rule) is None:  # nothing drives it
             return "MET (it stands without any strength: there is no factor to judge)"
         if lowest is None or not (rule.is_on_factor and rule.is_least):
             return "MET"
-        if rule.met(lowest):
+        if rule.is_met_by(lowest):
             return f"MET (lowest estimate {judged_factor(lowest, [rule])})"
         return f"MET, but not by the lowest estimate {judged_factor(lowest, [rule])}"
     whole_wedge = result.comparisons.without_basal
@@ -280,7 +330,9 @@ def mechanisms(result: Result) -> list[Entry]:
 
     columns: list[Column[Mechanism]] = [
         Column("FoS", attrgetter("fos"), "fos", show=factor_text, width=9),
-        Column("m³", lambda row: row.size and row.size.volume_m3, "volume_m3", "m³", short_or_dash, 11),
+        Column(
+            "m³", lambda row: row.size and row.size.volume_m3, "volume_m3", "m³", short_or_dash, 11
+        ),
         Column("t", lambda row: row.size and row.size.mass_t, "mass_t", "t", short_or_dash, 11),
         Column("block", lambda row: row.blocks[0], "block", width=-14, about="  {}"),
         Column("status", attrgetter("status"), "status", width=1, show=status, about="{}"),
@@ -317,14 +369,32 @@ def governs(result: Result) -> list[Entry]:
     def change(row: tuple[str, float | None, str]) -> float | None:
         return None if row[1] is None or base is None else row[1] - base
 
-    def then(row: tuple[str, float | None, str]) -> str:
-        return result.design.in_own_names(result.words.status(row[2])) if row[2] in STATUSES else row[2]
+    def status_after(row: tuple[str, float | None, str]) -> str:
+        return (
+            result.design.in_own_names(result.words.status(row[2]))
+            if row[2] in STATUSES
+            else row[2]
+        )
 
     columns: list[Column[tuple[str, float | None, str]]] = [
-        Column("changed input", itemgetter(0), "change", show=result.design.in_own_names, width=-24),
-        Column("closed form", itemgetter(1), "fos", show=lambda factor: factor_text(factor).strip(), width=12),
-        Column("change", change, "difference", show=lambda by: "-" if by is None else f"{by:+.4f}", width=10),
-        Column("then", then, "then", width=1, about="  {}"),
+        Column(
+            "changed input", itemgetter(0), "change", show=result.design.in_own_names, width=-24
+        ),
+        Column(
+            "closed form",
+            itemgetter(1),
+            "fos",
+            show=lambda factor: factor_text(factor).strip(),
+            width=12,
+        ),
+        Column(
+            "change",
+            change,
+            "difference",
+            show=lambda difference: "-" if difference is None else f"{difference:+.4f}",
+            width=10,
+        ),
+        Column("then", status_after, "then", width=1, about="  {}"),
     ]
     return [Table(columns, result.comparisons.governs, rest="One at a time, by the closed form.")]
 
@@ -343,16 +413,33 @@ def line_of(result: Result) -> str:
         factors = [("limit", limit), ("all-pairs", result.fos.all_pairs_failed)]
     if result.leading is not None:
         name, value = result.leading
-        title = {"all_pairs_failed": "all-pairs", WithoutBasal.NAME: WithoutBasal.NAME}.get(name) or JUDGED[name]
-        factors = [(title, value), ("limit", limit), *(entry for entry in factors[1:] if entry[0] != title)]
+        title = {"all_pairs_failed": "all-pairs", WithoutBasal.NAME: WithoutBasal.NAME}.get(
+            name
+        ) or RULE_QUANTITIES[name]
+        factors = [
+            (title, value),
+            ("limit", limit),
+            *(entry for entry in factors[1:] if entry[0] != title),
+        ]
     elastic = result.comparisons.elastic
     if elastic is not None and elastic.limit is not None:
         factors.append(("elastic", elastic.limit))
     rules = [rule for rule in result.design.rules if rule.is_on_factor]
-    shown = [f"{name} {'none' if value is None else judged_factor(value, rules)}".strip() for name, value in factors]
-    texts = [result.status, ", ".join(shown), {True: "agree", False: "disagree", None: "not compared"}[result.agree]]
+    factor_texts = [
+        f"{name} {'none' if value is None else judged_factor(value, rules)}".strip()
+        for name, value in factors
+    ]
+    texts = [
+        result.status,
+        ", ".join(factor_texts),
+        {True: "agree", False: "disagree", None: "not compared"}[result.agree],
+    ]
     texts += ["moments_govern"] if result.moments_govern else []
-    if whole_wedge is not None and whole_wedge.factor is not None and whole_wedge.NAME not in dict(factors):
+    if (
+        whole_wedge is not None
+        and whole_wedge.factor is not None
+        and whole_wedge.NAME not in dict(factors)
+    ):
         texts += (
             [f"{whole_wedge.NAME} {factor_text(whole_wedge.factor)}"]
             if limit is None or whole_wedge.factor < limit
@@ -360,6 +447,6 @@ def line_of(result: Result) -> str:
         )
     texts += [] if result.accepted is None else ["met" if result.accepted else "not met"]
     codes = {entry.code: entry.code for entry in result.warnings}
-    if INVENTED in codes:
-        codes[INVENTED] += f" ({', '.join(result.design.invented)})"
+    if EXAMPLE_INPUTS_CODE in codes:
+        codes[EXAMPLE_INPUTS_CODE] += f" ({', '.join(result.design.example_inputs)})"
     return "  ".join([*texts, *codes.values()])

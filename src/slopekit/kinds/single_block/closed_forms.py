@@ -1,4 +1,4 @@
-"""What designs give to a closed form over arrays, and what it says of them."""
+"""Closed forms over arrays of designs: their arguments, and the outcome and factor of each design."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -43,8 +43,8 @@ class ClosedForms:
     normal_kn: Sequence[Floats] = ()
     areas_m2: Sequence[Floats] = ()
 
-    def of(self, design: int = 0) -> ClosedForm:
-        """One of them.
+    def form(self, design: int = 0) -> ClosedForm:
+        """Return the closed form of one of the designs.
 
         Raises
         ------
@@ -53,12 +53,16 @@ class ClosedForms:
         """
         name, factor = self.names[self.outcome[design]], float(self.factor[design])
         if name.startswith("E"):
-            what = "the crack or its water does not fit the block" if name == "E207" else "the planes enclose no block"
-            raise GeometryError([Fault(name, what)])
+            message = (
+                "the crack or its water does not fit the block"
+                if name == "E207"
+                else "the planes enclose no block"
+            )
+            raise GeometryError([Fault(name, message)])
         return ClosedForm(None if math.isnan(factor) else factor, name)
 
     def refused(self, misfit: Any, codes: Sequence[str]) -> "ClosedForms":
-        """The same without the blocks that a value does not fit, where they are not refused already.
+        """Return the closed forms with the code of a misfit for blocks that a value does not fit.
 
         Parameters
         ----------
@@ -71,15 +75,19 @@ class ClosedForms:
         is_misfit = (np.asarray(misfit) >= 0) & is_block[self.outcome]
         numbers = np.array([names.index(code) for code in codes], dtype=np.int8)
         outcome = np.where(is_misfit, numbers[misfit], self.outcome)
-        return replace(self, names=names, outcome=outcome, factor=np.where(is_misfit, np.nan, self.factor))
+        return replace(
+            self, names=names, outcome=outcome, factor=np.where(is_misfit, np.nan, self.factor)
+        )
 
     def tractions_kpa(self) -> list[Floats]:
-        """The mean effective normal traction (n,) on each joint."""
+        """Return the mean effective normal traction (n,) kPa on each joint."""
         with np.errstate(divide="ignore", invalid="ignore"):
-            return [normal / area for normal, area in zip(self.normal_kn, self.areas_m2, strict=True)]
+            return [
+                normal / area for normal, area in zip(self.normal_kn, self.areas_m2, strict=True)
+            ]
 
 
-#: Where there is no block to ask.
+#: The closed form of a design without the block in question.
 NONE = ClosedForms(("",), np.zeros(1, dtype=np.int8), np.full(1, np.nan))
 
 
@@ -96,9 +104,9 @@ class OnArrays(Generic[D]):
     bounds : the planes that bound the blocks of a design, whose numbers may be arrays
     sizes : of the blocks of a design, whose numbers may be arrays, (n,) by key with its unit (`setback_m`), nan where
         there is none; `scale` of lengths where limits of size make blocks smaller; empty where they are not known
-    also : of a design whose numbers may be arrays, the strengths of its joints, and how far before the face its bolts
-        were laid out: what its acceptance is held against besides, with the outcome "" where there is no such
-        block; None where designs have none
+    whole_wedges : the wedge above a basal joint, of a design whose numbers may be arrays, with the strengths of its
+        joints and the offsets of its bolt heads: a second block that acceptance is judged by, with the outcome ""
+        where there is no such block; None where designs have none
     crack_reach_m : how far the place of a crack may lie (n,), of a design whose numbers may be arrays; not a number
         where the planes make no block
     full : the pressures of full water
@@ -111,12 +119,12 @@ class OnArrays(Generic[D]):
     bounds: Callable[[D], Bounds]
     sizes: Callable[[D], Mapping[str, Floats]]
     crack_reach_m: Callable[[D], Floats]
-    also: Callable[[D, Sequence[Strength], Floats | None], ClosedForms] | None
+    whole_wedges: Callable[[D, Sequence[Strength], Floats | None], ClosedForms] | None
     full: "FullWater"
     shaken: Callable[[D], Floats]
 
-    def of(self, design: D) -> ClosedForm:
-        """One design, as PRE-IE is compared with it.
+    def closed_form(self, design: D) -> ClosedForm:
+        """Return the closed form of one design, as PRE-IE is compared with it.
 
         Raises
         ------
@@ -125,10 +133,10 @@ class OnArrays(Generic[D]):
         """
         strengths = design.joint_strengths
         dilates = any(strength.dilation_deg for strength in strengths)
-        return replace(self.forms(design, strengths).of(), why_not=DILATES if dilates else "")
+        return replace(self.forms(design, strengths).form(), why_not=DILATES if dilates else "")
 
     def forms(self, design: D, strengths: Sequence[Strength]) -> ClosedForms:
-        """Designs, on the secants of their strengths where these are curved.
+        """Return the closed forms of designs, on the secants of their strengths where these are curved.
 
         Parameters
         ----------
@@ -145,7 +153,7 @@ class OnArrays(Generic[D]):
 def pressures_and_force(
     design: D, joints: int, bounds: Callable[[D], Bounds], full: "FullWater"
 ) -> tuple[list[Any], Arguments]:
-    """Mean pressures (kPa) of so many joints and the crack, None where a part of full water says them; force, misfits.
+    """Return the mean pressures (kPa) of the joints and the crack (None: by fill), and the force and misfit arguments.
 
     The force is the sum of forces and active bolts: east, north, up, None without any.
 
@@ -166,16 +174,19 @@ def pressures_and_force(
     from slopekit.kinds.water import integrated_loads  # plain designs do not pay
 
     means, rest, misfit = integrated_loads(design, bounds(design), full)
-    force = {name: rest[k] if force[name] is None else force[name] + rest[k] for k, name in enumerate(force)}
+    force = {
+        name: rest[k] if force[name] is None else force[name] + rest[k]
+        for k, name in enumerate(force)
+    }
     is_by_faces = design.water.has_table or np.any(design.water.crack_water_m)
     return (means if is_by_faces else pressures), force | {"misfit": misfit}
 
 
 def passive_bolts(design: Design) -> list[list[Any]]:
-    """East, north and up of each passive bolt at full capacity, kN."""
+    """Return the components east, north and up of each passive bolt at full capacity, kN."""
     return _bolts(design, "passive")
 
 
 def _bolts(design: Design, acts: str) -> list[list[Any]]:
     bolts = (bolt for bolt in design.bolts if bolt.acts == acts)
-    return [[bolt.force_kn * part for part in bolt.toward.vector().T] for bolt in bolts]
+    return [[bolt.force_kn * component for component in bolt.toward.vector().T] for bolt in bolts]

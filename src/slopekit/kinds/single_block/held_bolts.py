@@ -1,4 +1,4 @@
-"""Which bolts still hold a block when its planes move: the same ones for the closed form and for PRE-IE.
+"""The bolts that hold a block when its planes move, the same for the closed form and for PRE-IE.
 
 A bolt stays on its line. In samples of a slope its head stands on the free face that the line meets, as it was laid
 out: it gives no force where the line does not pass from a free face through a joint, or where it ends within the block.
@@ -54,23 +54,25 @@ def nearly_parallel(bounds: Bounds, count: int) -> Bools:
 
 
 def has_heads(bolts: Sequence[Bolt]) -> bool:
-    """Whether any bolt has its place."""
+    """Return whether any bolt has a head."""
     return any(bolt.head_m is not None for bolt in bolts)
 
 
-def stand_off(bounds: Bounds, bolts: Sequence[Bolt]) -> Floats:
-    """How far (m) before its free face the head of each bolt (b,) was laid out; 0 where it does not enter by one."""
+def head_offset(bounds: Bounds, bolts: Sequence[Bolt]) -> Floats:
+    """Return the distance (b,) m of each bolt head before its free face; 0 where the bolt does not enter by one."""
     return holding_bolts(bounds, bolts, np.zeros(len(bolts)))[1][:, 0]
 
 
-def holding_bolts(bounds: Bounds, bolts: Sequence[Bolt], before: Floats | None) -> tuple[Bools, Floats]:
-    """Which bolts (b, n) give their force in n blocks, and how far (b, n) their heads move along them, m.
+def holding_bolts(
+    bounds: Bounds, bolts: Sequence[Bolt], head_offsets: Floats | None
+) -> tuple[Bools, Floats]:
+    """Return which bolts (b, n) hold n blocks, and the shifts (b, n) m of their heads along them.
 
-    Those without a head always do.
+    Bolts without a head always hold.
 
     Parameters
     ----------
-    before : (b,) as `stand_off` has it; None where heads stay where they are
+    head_offsets : (b,) as `stand_off` has it; None where heads stay where they are
     """
     # lengths and directions that scatter are arrays, planes that do not are one for all
     reaches: list[Any] = [np.inf if bolt.length_m is None else bolt.length_m for bolt in bolts]
@@ -83,17 +85,17 @@ def holding_bolts(bounds: Bounds, bolts: Sequence[Bolt], before: Floats | None) 
     for k, bolt in enumerate(bolts):
         if bolt.head_m is not None:
             head = np.stack(np.broadcast_arrays(*bolt.head_m), axis=-1) - bounds.origin
-            line = _line_through(bounds, head, bolt.toward.vector(), before is None)
+            line = _line_through(bounds, head, bolt.toward.vector(), head_offsets is None)
             holds[k] = line.is_anchored
-            if before is not None:
+            if head_offsets is not None:
                 holds[k] &= line.is_from_face
-                shifts[k] = np.where(holds[k], line.enters - before[k], 0.0)
+                shifts[k] = np.where(holds[k], line.enters - head_offsets[k], 0.0)
             holds[k] &= line.sound - shifts[k] < reaches[k]
     return holds, shifts
 
 
-def through(bounds: Bounds, heads: Floats, direction: Floats) -> tuple[Floats, Bools]:
-    """How bolts with their heads (m, 3) from the origin pass through one block along a direction (3,), of any length.
+def bolt_exit(bounds: Bounds, heads: Floats, direction: Floats) -> tuple[Floats, Bools]:
+    """Return where bolts of any length leave one block, from heads (m, 3) along a direction (3,), and their anchorage.
 
     Returns
     -------
@@ -150,7 +152,7 @@ def _line_through(bounds: Bounds, points: Floats, direction: Floats, from_points
 
 
 def pulling(bolt: Bolt, holds: Any) -> Bolt:
-    """A bolt that gives its force in those of n blocks that it holds (n,)."""
+    """Return a bolt with its force in those of n blocks that it holds (n,), and none in the others."""
     return replace(bolt, force_kn=bolt.force_kn * holds)
 
 
@@ -158,16 +160,24 @@ def pulling(bolt: Bolt, holds: Any) -> Bolt:
 
 
 def upward(dip_deg: Any, direction_deg: Any) -> Floats:
-    """Upward unit normals (n, 3) of planes whose angles are numbers or arrays."""
-    dip, direction = np.broadcast_arrays(np.radians(np.atleast_1d(dip_deg)), np.radians(np.atleast_1d(direction_deg)))
-    return np.stack([np.sin(dip) * np.sin(direction), np.sin(dip) * np.cos(direction), np.cos(dip)], axis=-1)
+    """Return the upward unit normals (n, 3) of planes whose angles are numbers or arrays."""
+    dip, direction = np.broadcast_arrays(
+        np.radians(np.atleast_1d(dip_deg)), np.radians(np.atleast_1d(direction_deg))
+    )
+    return np.stack(
+        [np.sin(dip) * np.sin(direction), np.sin(dip) * np.cos(direction), np.cos(dip)], axis=-1
+    )
 
 
 def bounds_of(
-    normals: Sequence[Floats], offsets: Sequence[Any], origin: Floats, joints: tuple[int, ...], free: tuple[int, ...],
+    normals: Sequence[Floats],
+    offsets: Sequence[Any],
+    origin: Floats,
+    joints: tuple[int, ...],
+    free: tuple[int, ...],
     size: Any,
-) -> Bounds:  # fmt: skip
-    """Bounds from planes `normal · x <= offset` about a local origin.
+) -> Bounds:
+    """Return the bounds of blocks from planes `normal · x <= offset` about a local origin.
 
     Parameters
     ----------
@@ -175,7 +185,9 @@ def bounds_of(
     """
     count = max(len(np.atleast_1d(values)) for values in (*normals, *offsets, size))
     outward = np.stack([np.broadcast_to(normal, (count, 3)) for normal in normals])
-    distances = np.stack([np.broadcast_to(np.asarray(offset, dtype=np.float64), count) for offset in offsets])
+    distances = np.stack(
+        [np.broadcast_to(np.asarray(offset, dtype=np.float64), count) for offset in offsets]
+    )
     return Bounds(outward, distances, origin, joints, free, np.broadcast_to(size, count))
 
 

@@ -1,7 +1,6 @@
-"""Convergence ladders: a design by forces alone, with coarser and finer pairs.
+"""Convergence ladders: the factor of a design by forces alone, and with coarser and finer node pairs.
 
-Each rung is one way to a factor of safety with the time that it took. What the rungs are worth, `check` says; which of
-them a kind has, its file.
+Each rung is one method with its factor of safety and time. `check` judges the rungs.
 """
 
 import time
@@ -12,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from slopekit.core.onlooker import Clock, say
+from slopekit.core.progress import Clock, report_stage
 from slopekit.kinds.protocol import D
 from slopekit.kinds.single_block.one_block_limit import ContactModel, Cut, find_limit
 from slopekit.kinds.words import times
@@ -39,8 +38,10 @@ _MOST_REFINED = 4
 MOST_PAIRS = 12_000  # node pairs of a finer mesh; beyond that the rung is left out
 OTHER_STRENGTH = 0.5  # strength divided by so much, and by the limit itself
 NEAR_STRENGTH = 0.01  # part by which the strength of one joint is made more and less
-_SHORT_S, _REPEATS = 0.05, 5  # what is shorter is measured so often, and the median taken
-_ONCE_S = 5.0  # what is longer is measured once; the first run of the others may load a library
+_REPEATED_BELOW_S, _REPEATS = 0.05, 5  # what is shorter is measured so often, and the median taken
+_REPEATED_ONCE_BELOW_S = (
+    5.0  # what is longer is measured once; the first run of the others may load a library
+)
 
 
 @dataclass(frozen=True)
@@ -67,13 +68,13 @@ class Rung:
 
 @dataclass(frozen=True)
 class Ladder:
-    """What `check` looks at.
+    """The evidence that `check` judges: a result and its factor by other methods, meshes and strengths.
 
     Attributes
     ----------
     result : of the design, with the all-pairs factor where it was looked for
     rungs : empty where there is no factor of safety
-    others : k F of the design with its strength divided by k: the same F again, where the limit is one;
+    factors_at_other_strengths : k F with the strength divided by k, which a unique limit gives as F again;
         None where the weaker or stronger block has no factor
     unrefined : why there are no finer node pairs, empty where there are
     rest : the forces of all blocks held against the strength at which they last rest, where the limit is that of a
@@ -83,20 +84,20 @@ class Ladder:
 
     result: Result
     rungs: tuple[Rung, ...] = ()
-    others: tuple[float | None, ...] = ()
+    factors_at_other_strengths: tuple[float | None, ...] = ()
     unrefined: str = ""
     rest: Balance | None = None
     neighbours: tuple[float | None, ...] = ()
 
 
 def timed(work: Callable[[], Any]) -> tuple[Any, float]:
-    """What `work` returns and the seconds it takes: the median of several runs where they are short."""
+    """Return the result of `work` and its duration in seconds, the median of several runs where they are short."""
     answer: Any = None
     durations: list[float] = []
     while (
         not durations
-        or (len(durations) < _REPEATS and min(durations) < _SHORT_S)
-        or (len(durations) < 2 and durations[0] < _ONCE_S)
+        or (len(durations) < _REPEATS and min(durations) < _REPEATED_BELOW_S)
+        or (len(durations) < 2 and durations[0] < _REPEATED_ONCE_BELOW_S)
     ):
         began = time.perf_counter()
         answer = work()
@@ -105,7 +106,7 @@ def timed(work: Callable[[], Any]) -> tuple[Any, float]:
 
 
 def ladder_of_block(kind: "SingleBlock[D]", design: D) -> Ladder:
-    """The ladder of a design of one block; times are those of the solvers alone."""
+    """Return the ladder of a design of one block; times are those of the solvers alone."""
     by_pairs = replace(design, analysis=replace(design.analysis, criterion="all-pairs"))
     result = replace(kind.analyse(by_pairs), design=design)
     if not result.fos.limit:
@@ -122,14 +123,19 @@ def ladder_of_block(kind: "SingleBlock[D]", design: D) -> Ladder:
         factor = forces_limit(scene.model, forces).factor
         rungs.append(Rung("forces alone", "no turning", len(scene.pairs), None, factor, seconds))
     rungs += kind.finer(design, result, cut)
-    return Ladder(result, tuple(rungs), tuple(_others(result, cut)), neighbours=tuple(_neighbours(scene, cut)))
+    return Ladder(
+        result,
+        tuple(rungs),
+        tuple(_factors_at_other_strengths(result, cut)),
+        neighbours=tuple(_neighbours(scene, cut)),
+    )
 
 
 def meshes(cut: Cut) -> Iterator[Rung]:
-    """Flat joints with their parts, or the pressed parts of their bed, split further and further."""
+    """Yield rungs of flat joints whose parts, or the pressed parts of their bed, are split further and further."""
     for level in range(cut.refine, _MOST_REFINED + 1):
         setting = f"parts split {times(level)}"
-        say(f"ladder, {setting}", head=True)
+        report_stage(f"ladder, {setting}", head=True)
         scene = cut.scene_at(level)
         factor, seconds = timed(partial(_split_factor, scene, level))
         yield Rung("mesh", setting, len(scene.pairs), level, factor, seconds)
@@ -138,20 +144,24 @@ def meshes(cut: Cut) -> Iterator[Rung]:
 def _split_factor(scene: ContactModel, level: int) -> float | None:
     """Return the limit of a block on flat joints whose parts are split so often."""
     assert scene.bedding is not None
-    return refined_factor(flat_limit(scene.model, scene.bedding.polygons, scene.bedding.centroid), level)
+    return refined_factor(
+        flat_limit(scene.model, scene.bedding.polygons, scene.bedding.centroid), level
+    )
 
 
-def limit_rung(scene: ContactModel, analyse: Callable[[Model], LimitAnalysis], setting: str, level: int) -> Rung:
-    """The limit of a scene, timed."""
+def limit_rung(
+    scene: ContactModel, analyse: Callable[[Model], LimitAnalysis], setting: str, level: int
+) -> Rung:
+    """Return the rung of the limit of a scene, with its duration."""
     analysis, seconds = timed(partial(analyse, scene.model))
     limit = analysis.governing
     factor = limit.factor if limit.outcome is not Outcome.NOT_CONVERGED else None
     return Rung("mesh", setting, len(scene.pairs), level, factor, seconds)
 
 
-def _others(result: Result, cut: Cut) -> Iterator[float | None]:
+def _factors_at_other_strengths(result: Result, cut: Cut) -> Iterator[float | None]:
     for k in (OTHER_STRENGTH, result.fos.limit or 1.0):
-        say("other strengths, divided by", k, head=True)
+        report_stage("other strengths, divided by", k, head=True)
         factor = _factor(cut, partial(_reduced, k))
         yield None if factor is None else k * factor
 
@@ -172,7 +182,9 @@ def _neighbours(scene: ContactModel, cut: Cut) -> Iterator[float | None]:
 
 def _factor(cut: Cut, changed: Callable[[Model], Model]) -> float | None:
     """Return the factor of a block whose model is changed."""
-    limit = find_limit(replace(cut, scene_at=lambda level: _scene_with(cut.scene_at(level), changed)), Clock()).limit
+    limit = find_limit(
+        replace(cut, scene_at=lambda level: _scene_with(cut.scene_at(level), changed)), Clock()
+    ).limit
     return limit.factor if limit.factor and limit.outcome is not Outcome.NOT_CONVERGED else None
 
 
@@ -189,8 +201,10 @@ def _reduced(k: float, model: Model) -> Model:
 
 def _joint_reduced(key: int, k: float, model: Model) -> Model:
     """Return a model with the strength of one joint divided by k."""
-    by = np.where(model.interface == key, k, 1.0)
-    return replace(model, cohesion=model.cohesion / by, tan_friction=model.tan_friction / by)
+    divisor = np.where(model.interface == key, k, 1.0)
+    return replace(
+        model, cohesion=model.cohesion / divisor, tan_friction=model.tan_friction / divisor
+    )
 
 
 def _scene_with(scene: ContactModel, changed: Callable[[Model], Model]) -> ContactModel:

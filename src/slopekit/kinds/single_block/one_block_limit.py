@@ -13,7 +13,7 @@ import numpy as np
 
 from slopekit.block_scene import CLOSED, OPEN, SLIP, SLIPS, STICK, Arrows, NodePairState
 from slopekit.core.arrays import Bools, Floats, NDArray, frozen
-from slopekit.core.onlooker import Clock
+from slopekit.core.progress import Clock
 from slopekit.design.parts import Strength
 from slopekit.evidence import Movement, ReductionStep
 from slopekit.extents import Geometry
@@ -24,21 +24,26 @@ from slopekit.kinds.solver_inputs import joint_strength
 from slopekit.loads import Loads
 from slopekit.preie.motion.equilibrium import Equilibrium, equilibrium
 from slopekit.preie.one_block.bed_limits import BedLimits
-from slopekit.preie.one_block.flat_limit import FlatLimit, factor_on_pressed, flat_limit, forces_limit
-from slopekit.preie.one_block.limit import LimitAnalysis, governed
+from slopekit.preie.one_block.flat_limit import (
+    FlatLimit,
+    factor_on_pressed,
+    flat_limit,
+    forces_limit,
+)
+from slopekit.preie.one_block.limit import LimitAnalysis, governing_limit
 from slopekit.preie.one_block.polygon_bed import Beds, PointForces
 from slopekit.preie.outcome import Limit, Outcome, opens
 from slopekit.preie.system.contact import JointStiffness
 from slopekit.preie.system.model import Model, build_model, local_axes
 
-_RISES = 1e-6  # a unit motion
+_LEAST_RISE = 1e-6  # of a unit motion: a larger rise is sliding up
 #: Joints that a block slides on, by the sum of 1 for J1, 2 for J2, 4 for a basal joint; of two, the same but for 3.
 _JOINTS = ("J2", "J1", "J2", "J1_and_J2", "basal", "J1_and_basal", "J2_and_basal")
 
 
 @dataclass(frozen=True)
 class Bedding:
-    """The flat contacts of a block, for pairs of another kind on them.
+    """The flat contacts of a block, on which other node pairs can be placed.
 
     Attributes
     ----------
@@ -52,12 +57,12 @@ class Bedding:
 
     @property
     def size_m(self) -> float:
-        """Root mean square distance of the corners from the centroid."""
+        """The root mean square distance of the corners from the centroid, m."""
         arms = np.concatenate(list(self.polygons.values())) - self.centroid
         return math.sqrt(float((arms * arms).sum()) / len(arms))
 
     def scene(self, pairs: NodePairs) -> "ContactModel":
-        """The scene of node pairs on these contacts."""
+        """Return the contact model of node pairs on these contacts."""
         return ContactModel(pairs, self.model_of(pairs), self)
 
 
@@ -71,26 +76,39 @@ class ContactModel:
 
 
 def bedding_on(
-    polygons: Mapping[int, Floats], loads: Loads, centroid: Floats, strengths: Sequence[Strength], in_section: bool
+    polygons: Mapping[int, Floats],
+    loads: Loads,
+    centroid: Floats,
+    strengths: Sequence[Strength],
+    in_section: bool,
 ) -> Bedding:
-    """The flat contacts of a block under loads; `in_section` where they are lines and it moves in its section alone."""
+    """Return the flat contacts of a block under loads; `in_section`: contacts are lines, motion is in the section."""
     strength = joint_strength(strengths)
     return Bedding(
-        polygons, centroid, lambda pairs: build_model(pairs, loads, centroid, strength, in_section=in_section)
+        polygons,
+        centroid,
+        lambda pairs: build_model(pairs, loads, centroid, strength, in_section=in_section),
     )
 
 
 def opening_pairs(limit: Limit, model: Model, velocity: Floats, by_motion: bool = False) -> Bools:
-    """Which node pairs the mechanism opens beyond what dilation opens, or has opened: (n,); `by_motion` the first."""
-    reduced = model.tan_friction / limit.factor if limit.factor else np.zeros_like(model.tan_friction)
+    """Return which node pairs (n,) open in the mechanism beyond dilation, or (unless `by_motion`) are already open."""
+    reduced = (
+        model.tan_friction / limit.factor if limit.factor else np.zeros_like(model.tan_friction)
+    )
     is_open = opens(model, velocity, np.minimum(model.tan_dilation, reduced))
     return is_open if by_motion else is_open | (limit.bond == 0.0)
 
 
 def pair_state(
-    pairs: NodePairs, model: Model, limit: Limit, interfaces: Sequence[int], origin: Floats, axes: Floats
+    pairs: NodePairs,
+    model: Model,
+    limit: Limit,
+    interfaces: Sequence[int],
+    origin: Floats,
+    axes: Floats,
 ) -> NodePairState:
-    """The node pairs of one block at the limit, in the user's axes; without a limit state they carry nothing.
+    """Return the node pairs of one block at the limit, in the user's axes; without a limit state they carry nothing.
 
     Parameters
     ----------
@@ -103,22 +121,37 @@ def pair_state(
     opened = (opening_pairs(limit, model, velocity) if velocity.any() else none) | none
     is_known = limit.factor is not None or limit.outcome is Outcome.NO_DRIVING_FORCE
     normal = limit.normal_force * model.force_scale if is_known else np.zeros(len(pairs))
-    mode = np.where(opened, OPEN, np.where(slip > SLIPS * max(float(slip.max()), 1e-300), SLIP, STICK))
+    mode = np.where(
+        opened, OPEN, np.where(slip > SLIPS * max(float(slip.max()), 1e-300), SLIP, STICK)
+    )
     shear = np.zeros((len(pairs), 3))
     if limit.friction is not None:
-        shear = np.einsum("nt,ntx->nx", limit.friction, local_axes(pairs.normals)[:, 1:]) * model.force_scale
+        shear = (
+            np.einsum("nt,ntx->nx", limit.friction, local_axes(pairs.normals)[:, 1:])
+            * model.force_scale
+        )
     index = {key: k for k, key in enumerate(interfaces)}
     return NodePairState(
-        frozen(pairs.points @ axes + origin), np.array([index[key] for key in pairs.interface.tolist()]),
-        pairs.control_areas, frozen(pairs.normals @ axes), pairs.plus, pairs.minus,
-        frozen(normal), frozen(shear @ axes), mode.astype(np.int64),
-    )  # fmt: skip
+        frozen(pairs.points @ axes + origin),
+        np.array([index[key] for key in pairs.interface.tolist()]),
+        pairs.control_areas,
+        frozen(pairs.normals @ axes),
+        pairs.plus,
+        pairs.minus,
+        frozen(normal),
+        frozen(shear @ axes),
+        mode.astype(np.int64),
+    )
 
 
 def arrows(
-    loads: Loads, names: Mapping[str, str], origin: Floats, axes: Floats, pulls: Floats | None = None
-) -> Arrows:  # fmt: skip
-    """The loads on one block, in the user's axes; `names` are other names for some of them.
+    loads: Loads,
+    names: Mapping[str, str],
+    origin: Floats,
+    axes: Floats,
+    pulls: Floats | None = None,
+) -> Arrows:
+    """Return the loads on one block as arrows in the user's axes; `names` replaces the labels of some of them.
 
     Parameters
     ----------
@@ -131,19 +164,29 @@ def arrows(
         if pulls is None:
             acting[first + k] = (f"{name}, full capacity", capacity, point)
         else:
-            acting[first + k] = (name, pulls[k] * (capacity / math.sqrt(float(capacity @ capacity))), point)
+            acting[first + k] = (
+                name,
+                pulls[k] * (capacity / math.sqrt(float(capacity @ capacity))),
+                point,
+            )
     count = len(acting)
     return Arrows(
-        tuple(name for name, _, _ in acting), np.arange(count), np.zeros(count, dtype=np.int64),
+        tuple(name for name, _, _ in acting),
+        np.arange(count),
+        np.zeros(count, dtype=np.int64),
         frozen(np.reshape([force for _, force, _ in acting], (count, 3)) @ axes),
         frozen(np.reshape([point for _, _, point in acting], (count, 3)) @ axes + origin),
-    )  # fmt: skip
+    )
 
 
 def series_of(
-    model: Model, factors: Sequence[float], stiffness: JointStiffness, bound: float | None, axes: Floats
+    model: Model,
+    factors: Sequence[float],
+    stiffness: JointStiffness,
+    bound: float | None,
+    axes: Floats,
 ) -> Iterator[ReductionStep]:
-    """Rest at each factor, from one to the next; above the static bound there is none to look for."""
+    """Yield the equilibrium at each strength reduction factor in turn; above the static bound there is none."""
     last_rest: Equilibrium | None = None
     count = len(model.control_area)
     for factor in factors:
@@ -151,25 +194,32 @@ def series_of(
             yield ReductionStep(factor, False, None, count)
             continue
         state = equilibrium(model, factor, stiffness, last_rest)
-        if state.stands:
+        if state.is_balanced:
             last_rest = state
-        movement = rigid_movement(model, state.displacement, axes) if state.stands else None
-        yield ReductionStep(factor, state.stands, movement, state.failed_pairs if state.stands else count)
+        movement = rigid_movement(model, state.displacement, axes) if state.is_balanced else None
+        yield ReductionStep(
+            factor, state.is_balanced, movement, state.failed_pairs if state.is_balanced else count
+        )
 
 
 def rigid_movement(model: Model, displacement: Floats, axes: Floats) -> Movement:
-    """A displacement (u,) of the model in m and radians, in the user's axes."""
-    translation, rotation = model.moved(displacement)
+    """Return a displacement (u,) of the model as a movement in m and radians, in the user's axes."""
+    translation, rotation = model.rigid_motion(displacement)
     return Movement(frozen(translation @ axes), frozen(rotation @ axes))
 
 
 def failure_mechanism(limit: Limit, model: Model, axes: Floats) -> Movement | None:
-    """The mechanism in true proportions: displacement of the centroid in m, rotation in radians, largest size 1."""
-    if limit.outcome in (Outcome.NO_DRIVING_FORCE, Outcome.NOT_CONVERGED) or not limit.velocity.any():
+    """Return the mechanism in true proportions: displacement of the centroid (m), rotation (rad), scaled to size 1."""
+    if (
+        limit.outcome in (Outcome.NO_DRIVING_FORCE, Outcome.NOT_CONVERGED)
+        or not limit.velocity.any()
+    ):
         return None
-    displacement, rotation = model.moved(limit.velocity)
+    displacement, rotation = model.rigid_motion(limit.velocity)
     rotation = rotation / model.length_scale
-    size = math.sqrt(float(displacement @ displacement)) or model.length_scale * math.sqrt(float(rotation @ rotation))
+    size = math.sqrt(float(displacement @ displacement)) or model.length_scale * math.sqrt(
+        float(rotation @ rotation)
+    )
     return Movement(frozen(displacement @ axes / size), frozen(rotation @ axes / size))
 
 
@@ -184,12 +234,23 @@ def motion_statuses(
     partly, wholly : (n, k) joints of which they open a part, and all of it; normal : (n, k) forces on them, or none
     """
     count, closed = len(normal[0]), ~wholly & np.isfinite(normal)
-    moving, turning = ((motion * motion).sum(axis=1) for motion in np.split(velocity, [translations], axis=1))
-    carries = np.where(closed, normal, -np.inf).argsort(axis=1, kind="stable")[:, ::-1][:, :2]  # of three joints two
-    names = np.array(["slides_on_" + ("both" if count == 2 and k == 3 else joints) for k, joints in enumerate(_JOINTS)])
-    joints = (2**carries * np.take_along_axis(closed, carries, axis=1)).sum(axis=1)
+    moving, turning = (
+        (motion * motion).sum(axis=1) for motion in np.split(velocity, [translations], axis=1)
+    )
+    pressed_most = np.where(closed, normal, -np.inf).argsort(axis=1, kind="stable")[:, ::-1][
+        :, :2
+    ]  # of three joints two
+    names = np.array(
+        [
+            "slides_on_" + ("both" if count == 2 and k == 3 else joints)
+            for k, joints in enumerate(_JOINTS)
+        ]
+    )
+    joints = (2**pressed_most * np.take_along_axis(closed, pressed_most, axis=1)).sum(axis=1)
     slides = np.where(
-        velocity[:, translations - 1] > _RISES, "slides_up", names[joints if count > 1 else np.ones_like(joints)]
+        velocity[:, translations - 1] > _LEAST_RISE,
+        "slides_up",
+        names[joints if count > 1 else np.ones_like(joints)],
     )
     return np.where(partly.any(axis=1) | (turning > moving), "rotates", slides)
 
@@ -208,7 +269,7 @@ class Interface:
 
 @dataclass(frozen=True)
 class Cut:
-    """A block, cut and loaded, in local axes: what its limit, its result and its support are made from.
+    """A block, cut and loaded, in local axes: the input of its limit, its result and its support.
 
     Attributes
     ----------
@@ -235,18 +296,21 @@ class Cut:
 
     @property
     def height_m(self) -> float:
-        """From its lowest to its highest point."""
+        """The height of the block from its lowest to its highest point, m."""
         return self.geometry().total_height_m
 
     @property
     def water_kn(self) -> dict[str, float]:
-        """The size of the water's push on each face, kN."""
-        pushes = {name: self.loads.parts.get(f"water {face}", np.zeros(3)) for face, name in self.faces.items()}
+        """The thrust of the water on each face by name, kN."""
+        pushes = {
+            name: self.loads.components.get(f"water {face}", np.zeros(3))
+            for face, name in self.faces.items()
+        }
         return {name: float(np.sqrt(push @ push)) for name, push in pushes.items()}
 
     @property
     def joints(self) -> tuple[int, ...]:
-        """The ids of its joints."""
+        """The ids of the joints."""
         return tuple(interface.key for interface in self.interfaces)
 
 
@@ -273,7 +337,7 @@ class FoundLimit:
 
     @property
     def limit(self) -> Limit:
-        """The limit that governs."""
+        """The governing limit."""
         return self.analysis.governing
 
     @property
@@ -297,22 +361,39 @@ def moment_limit(scene: ContactModel) -> FoundLimit:
         exact = factors.exact
         scene = replace(scene, model=_with_lines(model, exact.normal_force))
         return FoundLimit(
-            scene, scene, LimitAnalysis(exact, exact, exact, False, _curved(scene.model)), factors=factors
+            scene,
+            scene,
+            LimitAnalysis(exact, exact, exact, False, _curved(scene.model)),
+            factors=factors,
         )
     if bed is None or by_forces is None or state is None:
-        return FoundLimit(scene, scene, LimitAnalysis(forces, forces, forces, False), factors=factors)
-    bounded = _drawn_at_limit(scene, factors)
+        return FoundLimit(
+            scene, scene, LimitAnalysis(forces, forces, forces, False), factors=factors
+        )
+    bounded = _with_lines_at_limit(scene, factors)
     if factors.factor is None:
-        limit = Limit(Outcome.NO_REST, None, np.zeros(model.unknowns), 0.0 * forces.normal_force, forces.bond, 0, 0.0)
-        return FoundLimit(scene, bounded, LimitAnalysis(limit, forces, limit, True), factors=factors)
-    carried = state.carried(bed)
-    on_bed, limit = _on_bed_points(bedding, bed, state, carried, model)
-    analysis = governed(forces_limit(on_bed.model, by_forces), limit)
+        limit = Limit(
+            Outcome.NO_REST,
+            None,
+            np.zeros(model.unknowns),
+            0.0 * forces.normal_force,
+            forces.bond,
+            0,
+            0.0,
+        )
+        return FoundLimit(
+            scene, bounded, LimitAnalysis(limit, forces, limit, True), factors=factors
+        )
+    point_forces = state.point_forces(bed)
+    on_bed, limit = _on_bed_points(bedding, bed, state, point_forces, model)
+    analysis = governing_limit(forces_limit(on_bed.model, by_forces), limit)
     change = float(state.change[0]) if analysis.moments_govern else None
     analysis = replace(analysis, model=_curved(on_bed.model))
-    openings, on_pressed = _openings(bed, state, carried, scene), None
+    openings, on_pressed = _openings(bed, state, point_forces, scene), None
     if analysis.moments_govern:
-        on_pressed = factor_on_pressed(bed, np.array([opening["pressed_share"] for opening in openings.values()]))
+        on_pressed = factor_on_pressed(
+            bed, np.array([opening["pressed_share"] for opening in openings.values()])
+        )
     return FoundLimit(on_bed, bounded, analysis, change, factors, openings, on_pressed)
 
 
@@ -322,7 +403,7 @@ def _curved(model: Model) -> Model | None:
 
 def _on_bed_points(
     bedding: Bedding, bed: Beds, state: BedLimits, forces: PointForces, model: Model
-) -> tuple[ContactModel, Limit]:  # fmt: skip
+) -> tuple[ContactModel, Limit]:
     """Return the points of the bed as node pairs, with the model on them, and the limit there."""
     keys, count = np.array(sorted(bedding.polygons))[forces.contact], len(forces.area)
     pairs = NodePairs(
@@ -349,7 +430,9 @@ def _on_bed_points(
     return ContactModel(pairs, on_points, bedding), limit
 
 
-def _openings(bed: Beds, state: BedLimits, forces: PointForces, scene: ContactModel) -> dict[int, Mapping[str, Any]]:
+def _openings(
+    bed: Beds, state: BedLimits, forces: PointForces, scene: ContactModel
+) -> dict[int, Mapping[str, Any]]:
     """Return by interface what is pressed, its force and where that acts, and the corner that opens most."""
     assert scene.bedding is not None
     openings, centroid = dict[int, Mapping[str, Any]](), scene.bedding.centroid
@@ -361,11 +444,15 @@ def _openings(bed: Beds, state: BedLimits, forces: PointForces, scene: ContactMo
         corner_gaps = gaps[bed.corner[k] : bed.corner[k + 1]]
         widest = int(np.argmax(corner_gaps))
         place = (push @ forces.points[contact]) / total + centroid if total > 0.0 else None
-        corner = np.asarray(scene.bedding.polygons[key])[widest] if corner_gaps[widest] > 0.0 else None
+        corner = (
+            np.asarray(scene.bedding.polygons[key])[widest] if corner_gaps[widest] > 0.0 else None
+        )
         openings[key] = {
-            "pressed_share": pressed / float(area.sum()), "normal_kn": total * scene.model.force_scale,
-            "resultant_m": place, "opens_at_m": corner,
-        }  # fmt: skip
+            "pressed_share": pressed / float(area.sum()),
+            "normal_kn": total * scene.model.force_scale,
+            "resultant_m": place,
+            "opens_at_m": corner,
+        }
     return openings
 
 
@@ -375,7 +462,9 @@ def find_limit(cut: Cut, clock: Clock) -> FoundLimit:
         scene = cut.scene_at(cut.refine)
     with clock("solve"):
         if scene.bedding is None:
-            from slopekit.preie.one_block.pairs_limit import pairs_limit  # only curved surfaces pay for the path
+            from slopekit.preie.one_block.pairs_limit import (
+                pairs_limit,
+            )  # only curved surfaces pay for the path
 
             analysis = pairs_limit(scene.model)
             scene = scene if analysis.model is None else replace(scene, model=analysis.model)
@@ -383,12 +472,14 @@ def find_limit(cut: Cut, clock: Clock) -> FoundLimit:
         return moment_limit(scene)
 
 
-def _drawn_at_limit(scene: ContactModel, factors: FlatLimit) -> ContactModel:
+def _with_lines_at_limit(scene: ContactModel, factors: FlatLimit) -> ContactModel:
     """Return the scene with the lines of curved laws at the tractions of the limit on the bed."""
     model, bed, state = scene.model, factors.bed, factors.state
     if model.lines is None or bed is None or state is None or factors.factor is None:
         return scene
-    normal = model.control_area * (-model.normal_rows @ bed.in_units_of(model, state.displacement[0])).clip(0.0)
+    normal = model.control_area * (
+        -model.normal_rows @ bed.in_units_of(model, state.displacement[0])
+    ).clip(0.0)
     return replace(scene, model=_with_lines(model, normal))
 
 
@@ -396,6 +487,6 @@ def _with_lines(model: Model, normal: Floats) -> Model:
     """Return the model with the lines of curved laws at such normal forces of its node pairs."""
     if model.lines is None:
         return model
-    from slopekit.preie.system.strength_lines import drawn  # only curved laws pay for it
+    from slopekit.preie.system.strength_lines import with_secants  # only curved laws pay for it
 
-    return drawn(model, normal)
+    return with_secants(model, normal)

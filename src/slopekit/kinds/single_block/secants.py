@@ -1,4 +1,4 @@
-"""Closed forms of curved strength: the line through the strength at the mean traction of each plane, until it stays.
+"""Closed forms of curved strength, iterated on the secant at the mean normal traction of each plane.
 
 Closed forms know one cohesion and one friction angle a plane. Under a curved law those of the secant at the plane's
 mean effective normal traction are given, the traction that comes out gives the next ones. The normal forces of a wedge
@@ -20,9 +20,9 @@ from slopekit.design.parts import Strength
 
 D = TypeVar("D", bound=Design)
 Found = TypeVar("Found")
-_OF_THREE = ("J1", "J2", "basal")  # of a wedge with a basal joint
+_JOINT_NAMES = ("J1", "J2", "basal")  # of a wedge with a basal joint
 _FIRST_KPA = 100.0
-_STEADY = 1e-14
+_CONVERGED = 1e-14
 _MOST_ROUNDS = 60
 
 
@@ -31,7 +31,7 @@ def on_secants(
     closed: Callable[[Sequence[Strength]], Found],
     tractions: Callable[[Found], Sequence[Floats]],
 ) -> Found:
-    """What a closed form says of n designs, on the secants of the laws that are curved.
+    """Return the closed form of n designs on the secants of curved laws, iterated until the tractions converge.
 
     Parameters
     ----------
@@ -40,18 +40,26 @@ def on_secants(
     """
     if not any(strength.law for strength in strengths):
         return closed(strengths)
-    after = [np.array([_FIRST_KPA])] * len(strengths)
+    next_tractions = [np.array([_FIRST_KPA])] * len(strengths)
     for _ in range(_MOST_ROUNDS):
-        answer = closed([secant_strength(*pair) for pair in zip(strengths, after, strict=True)])
-        before, after = after, [np.maximum(np.nan_to_num(traction), 0.0) for traction in tractions(answer)]
-        changes = zip(strengths, before, after, strict=True)
-        if all(strength.law is None or (np.abs(new - old) <= _STEADY * new).all() for strength, old, new in changes):
+        answer = closed(
+            [secant_strength(*pair) for pair in zip(strengths, next_tractions, strict=True)]
+        )
+        last_tractions, next_tractions = (
+            next_tractions,
+            [np.maximum(np.nan_to_num(traction), 0.0) for traction in tractions(answer)],
+        )
+        changes = zip(strengths, last_tractions, next_tractions, strict=True)
+        if all(
+            strength.law is None or (np.abs(new - old) <= _CONVERGED * new).all()
+            for strength, old, new in changes
+        ):
             break
     return answer
 
 
 def secant_strength(strength: Strength, traction_kpa: Any) -> Strength:
-    """The strength with the lines of a curved law through its strength at tractions, those below 0 taken as 0."""
+    """Return the strength with the secant of a curved law at tractions (kPa; below 0 counts as 0)."""
     if strength.law is None:
         return strength
     from slopekit.strength.protocol import secant
@@ -62,17 +70,19 @@ def secant_strength(strength: Strength, traction_kpa: Any) -> Strength:
 
 
 def secant_at(strength: Strength, normal_kn: Floats, area_m2: Floats) -> Mapping[str, Any]:
-    """The line of a curved law at the mean normal traction of node pairs (n,), and the range of their tractions."""
+    """Return the secant of a curved law at the mean normal traction of node pairs (n,), and the traction range."""
     traction, tractions = float(normal_kn.sum() / area_m2.sum()), normal_kn / area_m2
     line = secant_strength(strength, traction)
     return {
-        "traction_kpa": max(traction, 0.0), "range_kpa": (float(tractions.min()), float(tractions.max())),
-        "cohesion_kpa": line.cohesion_kpa, "friction_angle_deg": line.friction_angle_deg,
-    }  # fmt: skip
+        "traction_kpa": max(traction, 0.0),
+        "range_kpa": (float(tractions.min()), float(tractions.max())),
+        "cohesion_kpa": line.cohesion_kpa,
+        "friction_angle_deg": line.friction_angle_deg,
+    }
 
 
 def left_out_of_laws(strengths: Sequence[Strength]) -> list[str]:
-    """What is not modelled where strength is curved."""
+    """Return what the model leaves out where strength is curved, in words."""
     if not any(strength.law for strength in strengths):
         return []
     return ["the range of the factor under other locked-in forces (strength is curved)"]
@@ -82,18 +92,18 @@ def left_out_of_laws(strengths: Sequence[Strength]) -> list[str]:
 
 
 def steeper(plane: Plane) -> Plane:
-    """A plane that dips one degree more."""
+    """Return a plane that dips one degree more steeply."""
     return replace(plane, dip_deg=plane.dip_deg + 1.0)
 
 
 def other_strengths(design: D) -> Iterator[tuple[str, D]]:
-    """Designs with a little more friction and cohesion, or more of each parameter of their laws, by name."""
+    """Yield designs with a little more friction and cohesion, or more of each parameter of their laws, by name."""
     strengths = design.joint_strengths
     distinct = dict.fromkeys(strengths)
     for strength in distinct:
         joints = [
             joint
-            for joint, strength_of_joint in zip(_OF_THREE, strengths, strict=False)
+            for joint, strength_of_joint in zip(_JOINT_NAMES, strengths, strict=False)
             if strength_of_joint == strength
         ]
         suffix = f" of {' and '.join(joints)}" if len(distinct) > 1 else ""
@@ -105,13 +115,17 @@ def other_strengths(design: D) -> Iterator[tuple[str, D]]:
         yield (
             "φ +1°",
             design.each_strength(
-                lambda strength: replace(strength, friction_angle_deg=strength.friction_angle_deg + 1.0)
+                lambda strength: replace(
+                    strength, friction_angle_deg=strength.friction_angle_deg + 1.0
+                )
             ),
         )
     if any(strength.cohesion_kpa for strength in strengths):
         yield (
             "c +10 %",
-            design.each_strength(lambda strength: replace(strength, cohesion_kpa=strength.cohesion_kpa * 1.1)),
+            design.each_strength(
+                lambda strength: replace(strength, cohesion_kpa=strength.cohesion_kpa * 1.1)
+            ),
         )
 
 
@@ -120,12 +134,13 @@ def _exchanged(old: Strength, new: Strength, strength: Strength) -> Strength:
 
 
 def changed_laws(strength: Strength) -> list[tuple[str, Strength]]:
-    """A curved law with each of its parameters a little larger, one at a time."""
+    """Return a curved law with each of its parameters a little larger, one at a time, by name."""
     law = strength.named_law
     if law is None:
         return []
     return [
-        (name, Strength.by_law(changed, strength.dilation_deg, strength.tension_kpa)) for name, changed in _larger(law)
+        (name, Strength.by_law(changed, strength.dilation_deg, strength.tension_kpa))
+        for name, changed in _larger(law)
     ]
 
 
@@ -133,15 +148,19 @@ def _larger(law: Any) -> Iterator[tuple[str, Any]]:
     for parameter in fields(law):
         value, sign = getattr(law, parameter.name), parameter.metadata.get("sign")
         if hasattr(value, "resistance"):
-            yield from [(name, replace(law, **{parameter.name: changed})) for name, changed in _larger(value)]
+            yield from [
+                (name, replace(law, **{parameter.name: changed}))
+                for name, changed in _larger(value)
+            ]
         elif sign and value is not None:
             step = parameter.metadata.get("step")
             larger = value * 1.1 if step is None else value + step
             angle = "°" if parameter.metadata["unit"] == "angle" else ""
-            is_allowed = larger < parameter.metadata.get("below", math.inf) and larger <= parameter.metadata.get(
-                "most", math.inf
-            )
+            is_allowed = larger < parameter.metadata.get(
+                "below", math.inf
+            ) and larger <= parameter.metadata.get("most", math.inf)
             if larger != value and is_allowed:
-                yield (f"{sign} +10 %" if step is None else f"{sign} +{step:g}{angle}", replace(
-                    law, **{parameter.name: larger}
-                ))  # fmt: skip
+                yield (
+                    f"{sign} +10 %" if step is None else f"{sign} +{step:g}{angle}",
+                    replace(law, **{parameter.name: larger}),
+                )

@@ -11,18 +11,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.preie.elastic_path.bed import Bed
-from slopekit.preie.elastic_path.bed_states import BedForces, NewtonStep
+from slopekit.preie.elastic_path.contact_model import ElasticContactModel
+from slopekit.preie.elastic_path.contact_states import ContactState, NewtonStep
 
-#: Viscosity after a step that went well (after one that did not the inverse), and in large steps.
-EASES, _GENTLY = 0.2, 0.5
-THICK = 1e-2  # viscosity in parts of the elastic stiffness, to go on with
-THIN = 1e-8  # the least
-_FAILS = 6  # steps in a row
-_MANY = 12  # blocks in space
-_FEW, _ROUNDS, _WORK = 0.3, 8, 60  # part of the blocks that are settled by themselves, how often, factorisations
-_ENOUGH = 0.3  # of what may stay unbalanced: blocks that are less out of balance are left alone
-_LESS = 0.5  # of what was out of balance, that has to go
+#: Factors on the viscosity after a converged step (after a failed one the inverse), and on its lower bound.
+VISCOSITY_REDUCTION, _GENTLE_REDUCTION = 0.2, 0.5
+THICK = 1e-2  # viscosity to restart with, in parts of the elastic stiffness
+LEAST_VISCOSITY = 1e-8
+_MAX_FAILED_STEPS = 6  # in a row
+_MANY_BLOCKS = 12  # blocks in space from which unbalanced ones are eliminated
+_MAX_LOCAL_FRACTION = 0.3  # of the blocks that are eliminated at once
+_MAX_ROUNDS = 8  # of elimination
+_LOCAL_FACTORISATIONS = 60  # of the eliminated blocks in a round
+_UNBALANCED_FROM = 0.3  # of the allowed imbalance: blocks below it are not eliminated
+_REQUIRED_REDUCTION = 0.5  # of the imbalance between rounds, else the elimination ends
 
 
 @dataclass
@@ -30,110 +32,156 @@ class Flow:
     """Blocks in viscous flow: displacement, the one before, the viscosity of the last step, and how it ended.
 
     `rounding` is what the law of the joints is rounded by there, in parts of their elastic energy
-    (`elastic_path.lagged`).
+    (`elastic_path.interior_point`).
     """
 
-    at: Floats
-    forces: BedForces
+    displacement: Floats
+    forces: ContactState
     ended: str  # rest, runs, slow, lost
-    before: Floats
+    previous: Floats
     viscosity: float
     rounding: float = 0.0
 
 
-def relaxed(
-    bed: Bed,
-    at: Floats,
+def viscous_relaxation(
+    bed: ElasticContactModel,
+    displacement: Floats,
     parameter: float,
     viscosity: float,
-    most: int = 80,
+    max_steps: int = 80,
     runs_at: float = 1e2,
     patience: int = 10000,
 ) -> Flow:
-    """Let the blocks flow until they rest or run; viscosity 0 tries Newton's method first.
+    """Return blocks in viscous flow from a displacement (N,) until they rest or run.
+
+    Viscosity 0 tries Newton's method first.
 
     Parameters
     ----------
     runs_at : work from where they are, in parts of the elastic, at which they run
-    patience : factorisations after which it is left for later
+    patience : factorisations after which the flow is given up as slow
     """
-    before, last, fails, least = at, viscosity, 0, THIN
-    runs_at += bed.worked(at)
+    previous, last_viscosity, n_failed, least_viscosity = (
+        displacement,
+        viscosity,
+        0,
+        LEAST_VISCOSITY,
+    )
+    runs_at += bed.relative_work(displacement)
     patience += bed.factorisations
-    for _ in range(most):
+    for _ in range(max_steps):
         if bed.factorisations > patience:
             break
-        step = stepped(bed, at, at, parameter, viscosity)
+        step = viscous_step(bed, displacement, displacement, parameter, viscosity)
         if not step.settled:
-            viscosity, fails = max(1.0 / EASES * viscosity, THICK), fails + 1
-            least = viscosity if bed.tangents > 1 else THIN  # of many blocks in space it goes slowly from there
-            if fails > _FAILS:
-                return Flow(at, bed.forces(at, parameter), "lost", before, last)
+            viscosity, n_failed = max(1.0 / VISCOSITY_REDUCTION * viscosity, THICK), n_failed + 1
+            least_viscosity = (
+                viscosity if bed.tangents > 1 else LEAST_VISCOSITY
+            )  # of many blocks in space it goes slowly from there
+            if n_failed > _MAX_FAILED_STEPS:
+                return Flow(
+                    displacement,
+                    bed.forces(displacement, parameter),
+                    "lost",
+                    previous,
+                    last_viscosity,
+                )
             continue
-        before, at, last, fails = at, step.at, viscosity, 0
+        previous, displacement, last_viscosity, n_failed = (
+            displacement,
+            step.displacement,
+            viscosity,
+            0,
+        )
         if viscosity == 0.0 or step.forces.balanced(step.forces.residual):
-            return Flow(at, step.forces, "rest", before, last)
-        if bed.worked(at) > runs_at:
-            return Flow(at, step.forces, "runs", before, last)
-        least = max(_GENTLY * least, THIN)
-        viscosity = max(EASES * viscosity, least)
-    return Flow(at, bed.forces(at, parameter), "slow", before, last)
+            return Flow(displacement, step.forces, "rest", previous, last_viscosity)
+        if bed.relative_work(displacement) > runs_at:
+            return Flow(displacement, step.forces, "runs", previous, last_viscosity)
+        least_viscosity = max(_GENTLE_REDUCTION * least_viscosity, LEAST_VISCOSITY)
+        viscosity = max(VISCOSITY_REDUCTION * viscosity, least_viscosity)
+    return Flow(displacement, bed.forces(displacement, parameter), "slow", previous, last_viscosity)
 
 
-def stepped(
-    bed: Bed, at: Floats, before: Floats, parameter: float, viscosity: float, work: float | None = None
+def viscous_step(
+    bed: ElasticContactModel,
+    displacement: Floats,
+    previous: Floats,
+    parameter: float,
+    viscosity: float,
+    work: float | None = None,
 ) -> NewtonStep:
-    """Balance of the forces and of viscous flow away from `before`.
+    """Return the balance of joint, load and viscous forces after one viscous step away from `previous` (N,).
 
-    Newton downhill; where that stalls a few blocks by themselves, and full steps, which may climb.
+    Newton's method downhill; where it stalls, elimination of a few blocks, and then full steps, which may climb.
 
     Parameters
     ----------
     work : of the driving load, to be met by changing the parameter as well; None: the parameter stays
     """
-    step = bed.newton(at, before, parameter, viscosity, work, downhill=True)
-    many = bed.tangents > 1 and len(bed.model.load) >= _MANY
-    if many and work is None and not step.settled:
-        step = _eliminated(bed, step, before, viscosity)
+    step = bed.newton(displacement, previous, parameter, viscosity, work, downhill=True)
+    has_many_blocks = bed.tangents > 1 and len(bed.model.load) >= _MANY_BLOCKS
+    if has_many_blocks and work is None and not step.settled:
+        step = _nonlinear_elimination(bed, step, previous, viscosity)
     if step.settled or (viscosity == 0.0 and work is None):
         return step
-    return bed.newton(at, before, parameter, viscosity, work, downhill=False)
+    return bed.newton(displacement, previous, parameter, viscosity, work, downhill=False)
 
 
-def _eliminated(bed: Bed, last_step: NewtonStep, before: Floats, viscosity: float) -> NewtonStep:
-    """Newton's method on all blocks, with those out of balance settled first while all others are held.
+def _nonlinear_elimination(
+    bed: ElasticContactModel, last_step: NewtonStep, previous: Floats, viscosity: float
+) -> NewtonStep:
+    """Return Newton's method on all blocks, with unbalanced ones settled first while all others are held.
 
-    By turns those alone, and with their neighbours.
+    Even rounds take the unbalanced blocks alone, odd rounds with their neighbours.
     """
-    size, last = bed.model.unknowns, np.inf
-    for turn in range(_ROUNDS):
-        _, off = bed.unbalanced_parts(last_step.at, before, last_step.parameter, viscosity)
-        off = np.abs(off / bed.unbalanced_at_most).reshape(-1, size).max(axis=1)
-        out = off > _ENOUGH
-        worst = float(off.max())
-        if not 0 < int(out.sum()) <= _FEW * len(out) or (turn > 1 and worst > _LESS * last):
+    size, last_worst = bed.model.unknowns, np.inf
+    for round_number in range(_MAX_ROUNDS):
+        _, imbalance = bed.unbalanced_forces(
+            last_step.displacement, previous, last_step.parameter, viscosity
+        )
+        imbalance = np.abs(imbalance / bed.unbalanced_at_most).reshape(-1, size).max(axis=1)
+        is_unbalanced = imbalance > _UNBALANCED_FROM
+        worst = float(imbalance.max())
+        if not 0 < int(is_unbalanced.sum()) <= _MAX_LOCAL_FRACTION * len(is_unbalanced) or (
+            round_number > 1 and worst > _REQUIRED_REDUCTION * last_worst
+        ):
             break
-        last = worst
-        if turn % 2:
-            out = bed.model.touching(out)
-        blocks = np.flatnonzero(out)
-        if len(blocks) > _FEW * len(out):
+        last_worst = worst
+        if round_number % 2:
+            is_unbalanced = bed.model.touching(is_unbalanced)
+        blocks = np.flatnonzero(is_unbalanced)
+        if len(blocks) > _MAX_LOCAL_FRACTION * len(is_unbalanced):
             break
-        those = (blocks[:, None] * size + np.arange(size)).ravel()
-        few = bed.among(blocks, last_step.at)
+        unknowns = (blocks[:, None] * size + np.arange(size)).ravel()
+        restricted = bed.restricted_to(blocks, last_step.displacement)
         if viscosity:
-            step = stepped(few, last_step.at[those], before[those], last_step.parameter, viscosity)
-            settled, there = step.settled, step.at
+            step = viscous_step(
+                restricted,
+                last_step.displacement[unknowns],
+                previous[unknowns],
+                last_step.parameter,
+                viscosity,
+            )
+            settled, local_displacement = step.settled, step.displacement
         else:
-            flow = relaxed(few, last_step.at[those], last_step.parameter, 0.0, runs_at=1e6, patience=_WORK)
-            settled, there = flow.ended == "rest", flow.at
+            flow = viscous_relaxation(
+                restricted,
+                last_step.displacement[unknowns],
+                last_step.parameter,
+                0.0,
+                runs_at=1e6,
+                patience=_LOCAL_FACTORISATIONS,
+            )
+            settled, local_displacement = flow.ended == "rest", flow.displacement
         if not settled:
-            if turn % 2:
+            if round_number % 2:
                 break
             continue
-        at = last_step.at.copy()
-        at[those] = there
-        last_step = bed.newton(at, before, last_step.parameter, viscosity, None, downhill=True)
+        displacement = last_step.displacement.copy()
+        displacement[unknowns] = local_displacement
+        last_step = bed.newton(
+            displacement, previous, last_step.parameter, viscosity, None, downhill=True
+        )
         if last_step.settled:
             break
     return last_step

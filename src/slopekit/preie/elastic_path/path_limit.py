@@ -1,4 +1,4 @@
-"""What a path ends in: its limit, and the limit state of the contact modes that its motion has (stage L), exact."""
+"""The end of an elastic path: its limit, and the exact limit state of its contact modes (stage L)."""
 
 import math
 from collections.abc import Callable
@@ -9,8 +9,8 @@ import numpy as np
 from scipy.linalg import lapack
 
 from slopekit.core.arrays import Bools, Floats
-from slopekit.preie.elastic_path.bed import Bed
-from slopekit.preie.elastic_path.bed_states import BedForces
+from slopekit.preie.elastic_path.contact_model import ElasticContactModel
+from slopekit.preie.elastic_path.contact_states import ContactState
 from slopekit.preie.tolerances import (
     ADMISSIBLE,
     EQUILIBRIUM,
@@ -22,12 +22,12 @@ from slopekit.preie.tolerances import (
     TINY,
 )
 
-BORDERED = 1000  # unknowns up to which it is tried: its matrix is dense
-_TURNS = 12  # how often directions of slip in space follow the motion
+BORDERED = 1000  # unknowns up to which a limit state is solved for: its matrix is dense
+_MAX_DIRECTION_UPDATES = 12  # how often directions of slip in space follow the motion
 
 
 class PathOutcome(StrEnum):
-    """How the path ended."""
+    """How an elastic path ended."""
 
     LIMIT = "limit state"
     SETTLED = "the running forces stopped changing"
@@ -39,7 +39,7 @@ class PathOutcome(StrEnum):
 
 @dataclass(frozen=True)
 class PathLimit:
-    """What the path found.
+    """The limit that an elastic path found, or the state in which it ended.
 
     Attributes
     ----------
@@ -77,99 +77,138 @@ class PathLimit:
     touching: Bools | None = None
 
     @property
-    def found(self) -> bool:
-        """Whether it is a limit state."""
+    def is_limit(self) -> bool:
+        """Return whether the path ended in a limit state, not a bracket."""
         return self.outcome in (PathOutcome.LIMIT, PathOutcome.SETTLED)
 
 
 def result_of(
-    bed: Bed, outcome: PathOutcome, parameter: float | None, peak: tuple[float, float] | None, at: Floats,
-    motion: Floats, forces: BedForces,
-) -> PathLimit:  # fmt: skip
+    bed: ElasticContactModel,
+    outcome: PathOutcome,
+    parameter: float | None,
+    peak: tuple[float, float] | None,
+    displacement: Floats,
+    motion: Floats,
+    forces: ContactState,
+) -> PathLimit:
+    """Return the end of a path from its state: displacement (N,), motion (N,), forces; the motion is normalised."""
     fastest = max(float(np.abs(motion).max(initial=0.0)), TINY)
     return PathLimit(
-        outcome, parameter, peak, at, motion / fastest, forces.normal, forces.friction,
-        bed.drive.at(parameter or 1.0)[0], forces.residual / bed.load_size, bed.factorisations,
+        outcome,
+        parameter,
+        peak,
+        displacement,
+        motion / fastest,
+        forces.normal,
+        forces.friction,
+        bed.drive.strength_and_load(parameter or 1.0)[0],
+        forces.residual / bed.load_size,
+        bed.factorisations,
         bed.bond if forces.pressed is None else forces.pressed.share[bed.model.group_of_pair],
-    )  # fmt: skip
+    )
 
 
-def limit_state(bed: Bed, at: Floats, moved: Floats, parameter: float) -> PathLimit | None:
-    """Stage L: the exact limit state of the contact modes at a displacement; None where there is none.
+def limit_state(
+    bed: ElasticContactModel, displacement: Floats, motion: Floats, parameter: float
+) -> PathLimit | None:
+    """Return the exact limit state of the contact modes at a displacement (stage L); None where there is none.
 
-    The displacement is t v + w: v the motion, along which nothing changes, w what the joints have given. Newton on w
+    The displacement is t v + w: v the motion, along which nothing changes, w the elastic part. Newton on w
     and the parameter, modes held; accepted only if residual, N >= 0, |T| <= λ r, and the motion all agree. In space
-    the directions of slip are those of the motion found, until they stay.
+    the directions of slip are those of the motion, until they stay the same.
     """
-    modes = bed.forces(at, parameter)
-    v = moved / np.sqrt(float(moved @ moved))
-    at = at - v * (float((across := bed.viscous(v)) @ at) / float(across @ v))
-    for _ in range(1 if bed.tangents == 1 else _TURNS):
-        opened = bed.opened_by(v, parameter, OPENS_ROUGHLY)
-        state = _of_modes(bed.with_opened(opened), modes, at, v, parameter)
+    modes = bed.forces(displacement, parameter)
+    direction = motion / np.sqrt(float(motion @ motion))
+    displacement = displacement - direction * (
+        float((across := bed.viscous(direction)) @ displacement) / float(across @ direction)
+    )
+    for _ in range(1 if bed.tangents == 1 else _MAX_DIRECTION_UPDATES):
+        opens = bed.opening_contacts(direction, parameter, OPENS_ROUGHLY)
+        state = _limit_of_modes(
+            bed.without_cohesion_where(opens), modes, displacement, direction, parameter
+        )
         if state is None:
             return None
-        before = parameter
-        at, parameter, here, v, agrees = state
-        if agrees and (bed.opened_by(v, parameter, NO_MOTION) != opened).any():
+        last_parameter = parameter
+        displacement, parameter, contact_state, direction, agrees = state
+        if agrees and (bed.opening_contacts(direction, parameter, NO_MOTION) != opens).any():
             return None
-        # what opens with the slip moves the parameter by as much as its directions are off, else by the square of that
-        turns = bed.dilates and bed.tangents > 1 and abs(parameter - before) > ROUGHLY_SETTLED * parameter
-        if agrees and not turns:
-            return result_of(bed, PathOutcome.LIMIT, parameter, None, at, v, here)
+        # the error of a dilating joint's limit is of first order in its slip direction, else of second order
+        is_turning = (
+            bed.dilates
+            and bed.tangents > 1
+            and abs(parameter - last_parameter) > ROUGHLY_SETTLED * parameter
+        )
+        if agrees and not is_turning:
+            return result_of(
+                bed, PathOutcome.LIMIT, parameter, None, displacement, direction, contact_state
+            )
         if bed.tangents == 1:
             return None
-        modes = bed.turned(modes, v)
+        modes = bed.with_slip_directions(modes, direction)
     return None
 
 
-def _of_modes(
-    bed: Bed, modes: BedForces, w: Floats, v: Floats, parameter: float
-) -> tuple[Floats, float, BedForces, Floats, bool] | None:
-    """Displacement w, parameter, forces and motion of the modes, and whether the motion has them; None: inadmissible"""
+def _limit_of_modes(
+    bed: ElasticContactModel, modes: ContactState, w: Floats, v: Floats, parameter: float
+) -> tuple[Floats, float, ContactState, Floats, bool] | None:
+    """Return displacement w, parameter, forces and motion of contact modes, and whether that motion has them.
+
+    None where the state is inadmissible.
+    """
     across = bed.viscous(v)
-    along = float(across @ v)
+    norm = float(across @ v)
     for _ in range(8):
-        here = bed.forces(w, parameter, modes=modes)
-        solver = _bordered(bed, here, parameter, across)
+        contact_state = bed.forces(w, parameter, modes=modes)
+        solver = _bordered_solver(bed, contact_state, parameter, across)
         if solver is None:
             return None
-        change = solver(np.append(here.unbalanced, -float(across @ w)))
+        change = solver(np.append(contact_state.unbalanced, -float(across @ w)))
         if not np.isfinite(change).all():
             return None
         w, parameter = w + change[:-1], parameter + float(change[-1])
-        if abs(float(change[-1])) < 1e-13 * abs(parameter) and float(np.abs(change[:-1]).max()) < 1e-12 * float(
-            np.abs(w).max()
-        ):
+        if abs(float(change[-1])) < 1e-13 * abs(parameter) and float(
+            np.abs(change[:-1]).max()
+        ) < 1e-12 * float(np.abs(w).max()):
             break
-    here = bed.forces(w, parameter, modes=modes)
-    reduction, _ = bed.drive.at(parameter)
-    spare = reduction * here.strength - np.sqrt((here.friction * here.friction).sum(axis=1))
-    outside = -min(float(here.normal.min()), float(spare.min()))
+    contact_state = bed.forces(w, parameter, modes=modes)
+    reduction, _ = bed.drive.strength_and_load(parameter)
+    spare = reduction * contact_state.strength - np.sqrt(
+        (contact_state.friction * contact_state.friction).sum(axis=1)
+    )
+    outside = -min(float(contact_state.normal.min()), float(spare.min()))
     if bed.bolted is not None:
-        outside = max(outside, -float(here.friction[bed.bolted, 0].min()))
-    is_off = here.residual > EQUILIBRIUM * max(modes.largest, here.largest)
+        outside = max(outside, -float(contact_state.friction[bed.bolted, 0].min()))
+    is_off = contact_state.residual > EQUILIBRIUM * max(modes.largest, contact_state.largest)
     if parameter <= 0.0 or is_off or outside > ADMISSIBLE * bed.load_size:
         return None
-    solver = _bordered(bed, here, parameter, across)
+    solver = _bordered_solver(bed, contact_state, parameter, across)
     if solver is not None:  # the null vector of the stiffness
-        motion = solver(np.append(np.zeros(bed.size), along))
-        if abs(float(motion[-1])) < NO_MOTION * abs(parameter) and _moves(bed, here, motion[:-1], parameter, NO_MOTION):
-            return w, parameter, here, motion[:-1], True
+        motion = solver(np.append(np.zeros(bed.size), norm))
+        if abs(float(motion[-1])) < NO_MOTION * abs(parameter) and _motion_has_modes(
+            bed, contact_state, motion[:-1], parameter, NO_MOTION
+        ):
+            return w, parameter, contact_state, motion[:-1], True
         if bed.tangents > 1 and abs(float(motion[-1])) < SAME_LIMIT * abs(parameter):
-            several = _moves(bed, here, v, parameter, NO_MOTION)  # and the flow is one of them
-            return w, parameter, here, v if several else motion[:-1], several
-    agrees = _moves(bed, here, v, parameter, 1e-4)  # there are several: the flow itself
-    return (w, parameter, here, v, True) if agrees else None
+            has_motion = _motion_has_modes(
+                bed, contact_state, v, parameter, NO_MOTION
+            )  # and the flow is one of them
+            return w, parameter, contact_state, v if has_motion else motion[:-1], has_motion
+    agrees = _motion_has_modes(
+        bed, contact_state, v, parameter, 1e-4
+    )  # there are several: the flow itself
+    return (w, parameter, contact_state, v, True) if agrees else None
 
 
-def _bordered(bed: Bed, here: BedForces, parameter: float, across: Floats) -> Callable[[Floats], Floats] | None:
-    """A solver of the modes' stiffness with the parameter as one more unknown and `across` as one more equation."""
+def _bordered_solver(
+    bed: ElasticContactModel, contact_state: ContactState, parameter: float, across: Floats
+) -> Callable[[Floats], Floats] | None:
+    """Return a solver of the stiffness of contact modes, bordered by the parameter and the equation `across`."""
     size = bed.size
     matrix = np.zeros((size + 1, size + 1))
-    local = bed.tangent(here, parameter, turning=False) + MODES_SHIFT * bed.elastic
+    local = bed.tangent(contact_state, parameter, turning=False) + MODES_SHIFT * bed.elastic
     matrix[:-1, :-1] = bed.stiffness.dense(local)
-    matrix[:-1, -1] = -bed.by_parameter(here, parameter)
+    matrix[:-1, -1] = -bed.parameter_derivative(contact_state, parameter)
     matrix[-1, :-1] = across
     lu, pivots, info = lapack.dgetrf(matrix)
     if info != 0:
@@ -182,16 +221,22 @@ def _bordered(bed: Bed, here: BedForces, parameter: float, across: Floats) -> Ca
     return solve
 
 
-def _moves(bed: Bed, modes: BedForces, motion: Floats, parameter: float, part: float) -> bool:
-    """Whether a motion opens, slips and holds what the modes say, up to a part of its fastest."""
+def _motion_has_modes(
+    bed: ElasticContactModel,
+    modes: ContactState,
+    motion: Floats,
+    parameter: float,
+    tolerance: float,
+) -> bool:
+    """Return whether a motion opens, slips and sticks as the modes say, to a tolerance in parts of its fastest."""
     opening, slip = bed.motion(motion, parameter)
     forward = (slip * modes.direction).sum(axis=1)
-    aside = np.abs(slip - forward[:, None] * modes.direction).max(axis=1)
-    aside[~modes.slips] = np.abs(slip[~modes.slips]).max(axis=1)
-    most = part * max(float(np.abs(opening).max()), float(np.abs(slip).max()))
+    transverse = np.abs(slip - forward[:, None] * modes.direction).max(axis=1)
+    transverse[~modes.slips] = np.abs(slip[~modes.slips]).max(axis=1)
+    threshold = tolerance * max(float(np.abs(opening).max()), float(np.abs(slip).max()))
     return (
-        float(opening.min()) > -most
-        and float(opening[modes.touching].max(initial=0.0)) < most
-        and float(forward[modes.slips].min(initial=0.0)) > -most
-        and float(aside.max()) < most
+        float(opening.min()) > -threshold
+        and float(opening[modes.touching].max(initial=0.0)) < threshold
+        and float(forward[modes.slips].min(initial=0.0)) > -threshold
+        and float(transverse.max()) < threshold
     )

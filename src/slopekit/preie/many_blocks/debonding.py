@@ -8,10 +8,15 @@ import math
 
 import numpy as np
 
-from slopekit.preie.elastic_path.bed import Bed
-from slopekit.preie.elastic_path.bed_states import Drive
-from slopekit.preie.elastic_path.flow import THICK, Flow, relaxed
-from slopekit.preie.elastic_path.path import ROUGHER, START, at_rest_first, at_rest_next
+from slopekit.preie.elastic_path.contact_model import ElasticContactModel
+from slopekit.preie.elastic_path.contact_states import Drive
+from slopekit.preie.elastic_path.flow import THICK, Flow, viscous_relaxation
+from slopekit.preie.elastic_path.path import (
+    MAX_DOUBLINGS,
+    START,
+    first_equilibrium,
+    next_equilibrium,
+)
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.tolerances import LEAST_STRENGTH, RUNS
 
@@ -34,20 +39,22 @@ def debonding_limit(model: AssemblyModel, limit: float) -> tuple[float, float | 
     WorkSpentError
         The work that is allowed is done.
     """
-    bed = Bed(model, Drive(model.load.ravel()))
-    strength, flow = at_rest_first(bed, _STUCK * START / limit, ROUGHER)
+    bed = ElasticContactModel(model, Drive(model.load.ravel()))
+    strength, flow = first_equilibrium(bed, _STUCK * START / limit, MAX_DOUBLINGS)
     if flow.ended != "rest":
         return None
     begun, stride = strength, _STRIDE
-    bed = _after(bed, flow)
+    bed = _with_history_of(bed, flow)
     while strength > LEAST_STRENGTH * begun:
         trial = strength * math.exp(-stride)
-        tried = at_rest_next(bed, flow.at, trial)
+        tried = next_equilibrium(bed, flow.displacement, trial)
         if tried.ended not in ("rest", "runs"):
-            tried = relaxed(bed, tried.at, trial, max(tried.viscosity, THICK), runs_at=RUNS)
+            tried = viscous_relaxation(
+                bed, tried.displacement, trial, max(tried.viscosity, THICK), runs_at=RUNS
+            )
         if tried.ended == "rest":
             strength, flow = trial, tried
-            bed = _after(bed, flow)
+            bed = _with_history_of(bed, flow)
         elif stride > _NARROWEST:
             stride *= 0.5
         else:
@@ -55,11 +62,13 @@ def debonding_limit(model: AssemblyModel, limit: float) -> tuple[float, float | 
     return None
 
 
-def _after(bed: Bed, flow: Flow) -> Bed:
-    """Return the joints as they are after a rest."""
-    bed = bed.with_slip_of(flow.at, flow.forces)
+def _with_history_of(bed: ElasticContactModel, flow: Flow) -> ElasticContactModel:
+    """Return the contact model with the slip and the lost cohesion of a state at rest."""
+    bed = bed.with_plastic_slip(flow.displacement, flow.forces)
     pressed = flow.forces.pressed
     if pressed is None:
         return bed
     opened = np.bincount(bed.model.group_contact, pressed.share, bed.contacts) == 0.0
-    return bed.with_opened(opened if bed.have_opened is None else np.logical_or(opened, bed.have_opened))
+    return bed.without_cohesion_where(
+        opened if bed.have_opened is None else np.logical_or(opened, bed.have_opened)
+    )

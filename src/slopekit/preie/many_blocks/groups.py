@@ -6,18 +6,23 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.geometry.patches import Assembly
-from slopekit.preie.elastic_path.bed import Bed
-from slopekit.preie.elastic_path.bed_states import Drive
+from slopekit.preie.elastic_path.contact_model import ElasticContactModel
+from slopekit.preie.elastic_path.contact_states import Drive
 from slopekit.preie.elastic_path.flow import Flow
 from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome
-from slopekit.preie.elastic_path.rests import JUST, at_their_limit, rest_at, rests_before
+from slopekit.preie.elastic_path.rests import (
+    CONFIRMATION_GAP,
+    equilibrium_at_strength,
+    equilibrium_below,
+    is_at_limit,
+)
 from slopekit.preie.many_blocks.blocks import first_limit, unit_bound
 from slopekit.preie.many_blocks.blocks_limit import Span
-from slopekit.preie.many_blocks.key_blocks import slide_alone
+from slopekit.preie.many_blocks.key_blocks import blocks_that_slide_alone
 from slopekit.preie.programs.bounds import mechanism_range
 from slopekit.preie.solvers import work_limit
 from slopekit.preie.system.assembly import AssemblyModel
-from slopekit.preie.system.components import WholeAssembly, model_of
+from slopekit.preie.system.components import WholeAssembly, model_of_blocks
 from slopekit.preie.tolerances import BOUND_ACCURACY, FLOWS, RESTS_NEAR
 
 MOST_GROUPS = 8  # that are tried, one after the other
@@ -37,12 +42,25 @@ class Groups:
     """
 
     def __init__(
-        self, scene: WholeAssembly, there: Bools, blocks: Ints, model: AssemblyModel, refine: Ints | None = None
+        self,
+        scene: WholeAssembly,
+        present: Bools,
+        blocks: Ints,
+        model: AssemblyModel,
+        refine: Ints | None = None,
     ) -> None:
-        self.scene, self.there, self.blocks, self.model, self.refine = scene, there, blocks, model, refine
-        gone = ~there & ~scene.assembly.fixed
-        self.sliders, _ = slide_alone(scene.assembly, scene.loads, scene.strength, gone, blocks)
-        self.found: Solution | None = None
+        self.scene, self.present, self.blocks, self.model, self.refine = (
+            scene,
+            present,
+            blocks,
+            model,
+            refine,
+        )
+        gone = ~present & ~scene.assembly.fixed
+        self.sliders, _ = blocks_that_slide_alone(
+            scene.assembly, scene.loads, scene.strength, gone, blocks
+        )
+        self.solution: Solution | None = None
 
     def span(self, motion: Floats, top: float | None) -> Span | None:
         """Return the range of the group's mechanism: what is held beside it can carry any force.
@@ -52,86 +70,111 @@ class Groups:
         motion : (n, 6) of the limit that is asked about; None where the group that was found last moves otherwise
         top : a factor that none exceeds
         """
-        if self.found is None:
+        if self.solution is None:
             return None
-        model, limit = self.found
+        model, limit = self.solution
         assert limit.parameter is not None
-        if not np.array_equal(self._of_all(self.found).motion, motion.ravel()):
+        if not np.array_equal(self._of_all(self.solution).motion, motion.ravel()):
             return None
         forces = limit.normal, limit.friction
         return mechanism_range(model, limit.motion, 1.0 / limit.parameter, limit.bond, forces, top)
 
     def limit(self, top: float) -> PathLimit | None:
         """Return the limit of all blocks, at most `top`; None where groups lead nowhere."""
-        self.found = None
+        self.solution = None
         if not len(self.sliders):
             return None
         group, work = _with_neighbours(self.scene.assembly, self._first(), self.blocks), 0
-        bed = Bed(self.model, Drive(self.model.load.ravel()))
+        bed = ElasticContactModel(self.model, Drive(self.model.load.ravel()))
         for _ in range(MOST_GROUPS):
             solution = self._of_group(group)
             if solution is None:
                 return None
             _, limit = solution
             assert limit.parameter is not None
-            if not limit.found and bed.cells is None:  # it may be a snap of slivers
+            if not limit.is_limit and bed.cells is None:  # it may be a snap of slivers
                 return None
             work += limit.factorisations
             factor = 1.0 / limit.parameter
             below = min(factor, top)
             flow, gap = self._rest_of_all(bed, solution), 0.0
             if flow is None or factor > top:
-                flow, gap = rests_before(bed, below, RESTS_NEAR)
+                flow, gap = equilibrium_below(bed, below, RESTS_NEAR)
             if flow.ended == "rest":
                 if factor > top * (1.0 + BOUND_ACCURACY):
                     return None
                 return self._vouched(bed, solution, flow, below, gap, work)
             if flow.ended == "lost":
                 return None
-            movers = self._movers(flow.at - flow.before)
+            movers = self._movers(flow.displacement - flow.previous)
             group = group if np.isin(movers, group).all() else movers
             group = _with_neighbours(self.scene.assembly, group, self.blocks)
         return None
 
     def _vouched(
-        self, bed: Bed, solution: Solution, flow: Flow, below: float, gap: float, work: int
+        self,
+        bed: ElasticContactModel,
+        solution: Solution,
+        flow: Flow,
+        below: float,
+        gap: float,
+        work: int,
     ) -> PathLimit | None:
         """Return the limit of a group as that of all blocks, which rest near it; None where they are not at it."""
         limit = self._of_all(solution)
         assert limit.parameter is not None
-        if limit.found and not at_their_limit(bed, flow, limit):  # a group that runs by itself has run
+        if limit.is_limit and not is_at_limit(
+            bed, flow, limit
+        ):  # a group that runs by itself has run
             return None
-        self.found = solution
+        self.solution = solution
         factor, rested = 1.0 / limit.parameter, 1.0 / (below * (1.0 - gap))
         width = 1.0 - (1.0 - gap) * below / factor
-        displacement, forces = (flow.at, flow.forces) if flow.rounding else bed.polished(flow.at, rested)
-        if gap > JUST or not limit.found:  # what all blocks vouch for is the last state at rest
-            limit = replace(limit, outcome=PathOutcome.BRACKET, parameter=rested, peak=(rested, 1.0 / factor))
+        displacement, forces = (
+            (flow.displacement, flow.forces)
+            if flow.rounding
+            else bed.refined_equilibrium(flow.displacement, rested)
+        )
+        if (
+            gap > CONFIRMATION_GAP or not limit.is_limit
+        ):  # what all blocks vouch for is the last state at rest
+            limit = replace(
+                limit, outcome=PathOutcome.BRACKET, parameter=rested, peak=(rested, 1.0 / factor)
+            )
             width = 0.0
-        pressed, outcome = forces.pressed, PathOutcome.SETTLED if limit.found else limit.outcome
+        pressed, outcome = forces.pressed, PathOutcome.SETTLED if limit.is_limit else limit.outcome
         return replace(
-            limit, outcome=outcome, width=width, group=len(solution[0].load),
-            displacement=displacement, normal=forces.normal, friction=forces.friction,
-            residual=forces.residual / bed.load_size, factorisations=bed.factorisations + work, rounding=flow.rounding,
+            limit,
+            outcome=outcome,
+            width=width,
+            group=len(solution[0].load),
+            displacement=displacement,
+            normal=forces.normal,
+            friction=forces.friction,
+            residual=forces.residual / bed.load_size,
+            factorisations=bed.factorisations + work,
+            rounding=flow.rounding,
             bond=bed.bond if pressed is None else pressed.share[self.model.group_of_pair],
             touching=flow.forces.touching if flow.rounding else None,
-        )  # fmt: skip
+        )
 
     def _first(self) -> Ints:
         """Return the single block to begin with: bolts hold what would slide out without them."""
         bolts = self.scene.loads.bolts
-        return self.sliders[np.argsort(np.isin(self.sliders, np.append(bolts.head, bolts.toe)), kind="stable")][:1]
+        return self.sliders[
+            np.argsort(np.isin(self.sliders, np.append(bolts.head, bolts.toe)), kind="stable")
+        ][:1]
 
     def _of_group(self, group: Ints) -> Solution | None:
         """Return the limit of a group with all others held."""
         if len(group) > _MOST_GROUP * len(self.blocks):
             return None
-        known = model_of(self.scene, self.there, group, self.refine)
-        if known is None:
+        model_patch = model_of_blocks(self.scene, self.present, group, self.refine)
+        if model_patch is None:
             return None
-        model, _ = known
+        model, _ = model_patch
         try:
-            with work_limit.part(_OF_GROUP):
+            with work_limit.budget_fraction(_OF_GROUP):
                 limit = first_limit(model, unit_bound(model))
         except work_limit.WorkSpentError:
             return None
@@ -140,24 +183,34 @@ class Groups:
     def _of_all(self, solution: Solution) -> PathLimit:
         """Return a limit of a group, its motion that of all blocks."""
         model, limit = solution
-        return replace(limit, motion=self._moved(model, limit.motion, np.zeros(self.model.load.size)))
+        return replace(
+            limit, motion=self._embedded_motion(model, limit.motion, np.zeros(self.model.load.size))
+        )
 
-    def _rest_of_all(self, bed: Bed, solution: Solution) -> Flow | None:
+    def _rest_of_all(self, bed: ElasticContactModel, solution: Solution) -> Flow | None:
         """Return all blocks at rest where a group was last, from there and joints that stick, or None."""
         small, limit = solution
-        if limit.found or limit.parameter is None:
+        if limit.is_limit or limit.parameter is None:
             return None
         model, unit = self.model, small.force_scale / small.area_scale
-        moved = limit.displacement * unit * model.area_scale / model.force_scale
-        return rest_at(bed, self._moved(small, moved, bed.elastic_displacement), limit.parameter)
+        displacement = limit.displacement * unit * model.area_scale / model.force_scale
+        return equilibrium_at_strength(
+            bed,
+            self._embedded_motion(small, displacement, bed.elastic_displacement),
+            limit.parameter,
+        )
 
-    def _moved(self, small: AssemblyModel, motion: Floats, others: Floats) -> Floats:
+    def _embedded_motion(
+        self, small: AssemblyModel, motion: Floats, other_motion: Floats
+    ) -> Floats:
         """Return a motion of the blocks of a group and that of all others (N,)."""
         model, rolls = self.model, np.arange(6) >= 3
-        moved = others.reshape(model.load.shape).copy()
-        own = motion.reshape(small.load.shape) * np.where(rolls, model.length_scale / small.length_scale, 1.0)
-        moved[np.searchsorted(model.moving, small.moving)] = own
-        return moved.ravel()
+        embedded = other_motion.reshape(model.load.shape).copy()
+        group_motion = motion.reshape(small.load.shape) * np.where(
+            rolls, model.length_scale / small.length_scale, 1.0
+        )
+        embedded[np.searchsorted(model.moving, small.moving)] = group_motion
+        return embedded.ravel()
 
     def _movers(self, motion: Floats) -> Ints:
         """Return the blocks that move in a motion (N,) of all."""
@@ -166,11 +219,15 @@ class Groups:
         return movers
 
 
-def _with_neighbours(assembly: Assembly, group: Ints, among: Ints) -> Ints:
+def _with_neighbours(assembly: Assembly, group: Ints, candidates: Ints) -> Ints:
     """A group of blocks with those among others that touch it."""
     patches, inside = assembly.patches, np.zeros(len(assembly) + 1, dtype=bool)
     inside[group] = True
-    near = np.concatenate([
-        group, patches.plus[inside[patches.minus] & (patches.minus >= 0)], patches.minus[inside[patches.plus]]
-    ])  # fmt: skip
-    return np.intersect1d(near, among)
+    neighbours = np.concatenate(
+        [
+            group,
+            patches.plus[inside[patches.minus] & (patches.minus >= 0)],
+            patches.minus[inside[patches.plus]],
+        ]
+    )
+    return np.intersect1d(neighbours, candidates)

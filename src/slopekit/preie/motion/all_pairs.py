@@ -25,14 +25,14 @@ if TYPE_CHECKING:  # one block needs no sparse matrices
 
 @dataclass(frozen=True)
 class AllPairsFailed:
-    """The factor with its bracket and the way there.
+    """The factor at which the first block has failed, with its bracket and the trials of the search.
 
     Attributes
     ----------
-    factor : the upper end of the bracket, None where the search found none
+    factor : the upper end of the bracket, None where the search did not converge
     bracket : (F with every block attached, F with one that is not)
-    lost_equilibrium : the blocks do not stand at the upper end
-    history : (F, failed pairs) of every trial, in the order of the search; all pairs where the blocks do not stand
+    lost_equilibrium : the blocks have no equilibrium at the upper end
+    history : (F, failed pairs) of every trial, in the order of the search; all pairs where there is no equilibrium
     """
 
     factor: float | None
@@ -42,23 +42,31 @@ class AllPairsFailed:
 
 
 def all_pairs_failed(
-    model: "Model | AssemblyModel", stiffness: JointStiffness, limit: float | None = None, growth: float = 1.5,
-    relative: float = 1e-5, bound: float | None = None,
-) -> AllPairsFailed:  # fmt: skip
+    model: "Model | AssemblyModel",
+    stiffness: JointStiffness,
+    limit: float | None = None,
+    growth: float = 1.5,
+    relative: float = 1e-5,
+    bound: float | None = None,
+) -> AllPairsFailed:
     """Bracket and bisect the factor at which the first block fails (Figure 9 of the paper; Dawson et al. 1999).
 
     Parameters
     ----------
-    limit : the factor above which nothing stands; None: the search starts at 1
+    limit : the factor above which there is no equilibrium; None: the search starts at 1
     growth : its iteration coefficient m > 1
     relative : width of the final bracket in parts of the factor
-    bound : of one block, its static bound, above which it is not tried
+    bound : static bound of one block, above which no factor is tried
     """
-    trials: _Trials = _OfOneBlock(model, stiffness, bound) if isinstance(model, Model) else _OfBlocks(model, stiffness)
+    trials: _Trials = (
+        _OneBlockTrials(model, stiffness, bound)
+        if isinstance(model, Model)
+        else _AssemblyTrials(model, stiffness)
+    )
     history: list[tuple[float, int]] = []
 
     def failed(factor: float) -> bool:
-        pairs, has_failed = trials.at(factor)
+        pairs, has_failed = trials.evaluate(factor)
         history.append((factor, pairs))
         return has_failed
 
@@ -76,59 +84,63 @@ def all_pairs_failed(
     while high - low > relative * low:
         middle = 0.5 * (low + high)
         low, high = (low, middle) if failed(middle) else (middle, high)
-    return AllPairsFailed(high, (low, high), high == limit or not trials.stand(high), tuple(history))
+    return AllPairsFailed(
+        high, (low, high), high == limit or not trials.is_stable(high), tuple(history)
+    )
 
 
 class _Trials(Protocol):
-    """Blocks at rest at one factor after the other."""
+    """Equilibrium states of blocks at trial factors."""
 
-    def at(self, factor: float) -> tuple[int, bool]:
-        """Failed pairs, and whether a block has failed."""
+    def evaluate(self, factor: float) -> tuple[int, bool]:
+        """Return the number of failed pairs at a factor, and whether a block has failed."""
 
-    def stand(self, factor: float) -> bool:
-        """Whether all blocks come to rest."""
+    def is_stable(self, factor: float) -> bool:
+        """Return whether all blocks are in equilibrium at a factor."""
 
 
-class _OfOneBlock:
-    """One block, from the largest factor at which some pair has been seen to stick.
+class _OneBlockTrials:
+    """Trials of one block, each from the largest factor so far at which some pair sticks.
 
-    The least factor at which it was lost, or all pairs failed, lies on the way to every larger one: that fails too.
+    Every factor above the least at which equilibrium was lost, or all pairs had failed, fails too.
     """
 
     def __init__(self, model: Model, stiffness: JointStiffness, bound: float | None) -> None:
         self.model, self.stiffness = model, stiffness
-        self.standing: Equilibrium | None = None
+        self.last_equilibrium: Equilibrium | None = None
         self.failed = math.inf if bound is None else bound * (1.0 + EQUILIBRIUM)
 
-    def at(self, factor: float) -> tuple[int, bool]:
-        """On the way there no pair may stick: that ends it."""
+    def evaluate(self, factor: float) -> tuple[int, bool]:
+        """Return failed pairs and failure at a factor, or at a smaller one on the path to it where no pair sticks."""
         count = len(self.model.control_area)
         if factor >= self.failed:
             return count, True
-        state = equilibrium(self.model, factor, self.stiffness, self.standing, until_all_failed=True)
-        if not state.stands or state.failed_pairs == count:
+        state = equilibrium(
+            self.model, factor, self.stiffness, self.last_equilibrium, until_all_failed=True
+        )
+        if not state.is_balanced or state.failed_pairs == count:
             self.failed = state.factor
             return count, True
-        self.standing = state
+        self.last_equilibrium = state
         return state.failed_pairs, False
 
-    def stand(self, factor: float) -> bool:
-        return equilibrium(self.model, factor, self.stiffness, self.standing).stands
+    def is_stable(self, factor: float) -> bool:
+        return equilibrium(self.model, factor, self.stiffness, self.last_equilibrium).is_balanced
 
 
-class _OfBlocks:
-    """Many blocks, from the largest factor at which all have been seen attached."""
+class _AssemblyTrials:
+    """Trials of many blocks, each from the largest factor so far at which all blocks are attached."""
 
     def __init__(self, model: "AssemblyModel", stiffness: JointStiffness) -> None:
         self.model, self.stiffness = model, stiffness
         self.attached: Settlement | None = None
-        self.stood: dict[float, bool] = {}
+        self.stable_factors: dict[float, bool] = {}
 
-    def at(self, factor: float) -> tuple[int, bool]:
+    def evaluate(self, factor: float) -> tuple[int, bool]:
         from slopekit.preie.motion.settlement import settlement
 
         at_rest = settlement(self.model, self.stiffness, factor, self.attached)
-        self.stood[factor] = at_rest is not None
+        self.stable_factors[factor] = at_rest is not None
         if at_rest is None:
             return len(self.model.control_area), True
         if blocks_detached(self.model, ~at_rest.slips & ~self.model.bolted).any():
@@ -136,12 +148,12 @@ class _OfBlocks:
         self.attached = at_rest
         return at_rest.failed_pairs, False
 
-    def stand(self, factor: float) -> bool:
-        return self.stood[factor]
+    def is_stable(self, factor: float) -> bool:
+        return self.stable_factors[factor]
 
 
 def blocks_detached(model: "AssemblyModel", sticks: Bools) -> Bools:
-    """The blocks (n,) that no chain of sticking contacts joins to bedrock.
+    """Return the blocks (n,) that no chain of sticking contacts joins to bedrock.
 
     A contact joins its two blocks where at least one of its friction forces (g,) sticks.
     """
@@ -151,7 +163,9 @@ def blocks_detached(model: "AssemblyModel", sticks: Bools) -> Bools:
     blocks = len(model.load)
     contact = model.group_contact[sticks]
     minus = np.where(model.minus[contact] < 0, blocks, model.minus[contact])  # bedrock is the last
-    graph = sparse.coo_matrix((np.ones(len(contact)), (model.plus[contact], minus)), shape=(blocks + 1, blocks + 1))
-    _, part = connected_components(graph, directed=False)
-    detached: Bools = part[:blocks] != part[blocks]
+    graph = sparse.coo_matrix(
+        (np.ones(len(contact)), (model.plus[contact], minus)), shape=(blocks + 1, blocks + 1)
+    )
+    _, component = connected_components(graph, directed=False)
+    detached: Bools = component[:blocks] != component[blocks]
     return detached

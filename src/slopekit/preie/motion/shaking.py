@@ -2,11 +2,11 @@
 
     M γ̈ = P + M a + Bᵀ f(d, s),    d = B γ
 
-γ is the motion against bedrock, a(t) how the shaking pushes a unit of mass (the ground moves the other way), f the
-springs of the node pairs with Coulomb's law and a memory s of what has slipped. Implicit Euler, Newton's method with a
-line search; the geometry stays as it is. A step that does not settle is halved, again and again, and where that does
-not help the run ends there: it is never taken. The work of each step is added up: what the loads put in is what is
-stored, moves, is lost in friction, and what implicit Euler damps.
+γ is the motion relative to bedrock, a(t) the inertial acceleration (opposite to that of the ground), f the forces of
+springs of the node pairs with Coulomb's law and a memory s of past slip. Implicit Euler, Newton's method with a
+line search; the geometry stays as it is. A step that does not converge is halved repeatedly, and where that does
+not help the run ends before it. The work of each step is added up: the work of the loads equals stored and kinetic
+energy, dissipation by friction, and damping by implicit Euler.
 """
 
 from collections.abc import Callable
@@ -17,8 +17,15 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, frozen
 from slopekit.preie.motion.equilibrium import MOST_RELEASES, equilibrium
-from slopekit.preie.solvers.newton import balanced
-from slopekit.preie.system.contact import CloughDuncan, ContactMode, JointStiffness, Tractions, breaks, tractions
+from slopekit.preie.solvers.newton import newton_equilibrium
+from slopekit.preie.system.contact import (
+    CloughDuncan,
+    ContactMode,
+    JointStiffness,
+    Tractions,
+    breaks,
+    tractions,
+)
 from slopekit.preie.system.model import Model
 from slopekit.preie.tolerances import EQUILIBRIUM, PARALLEL
 
@@ -29,7 +36,7 @@ _MOST_AFTER = 20.0  # s after the end of the record
 
 @dataclass(frozen=True)
 class Work:
-    """Work from rest to rest, kJ; `unbalanced` is what the others leave of the input."""
+    """Work from rest to rest, kJ; `unbalanced` is the input less all other terms."""
 
     JSON_ALSO: ClassVar = ("unbalanced",)
     put_in: float
@@ -40,21 +47,21 @@ class Work:
 
     @property
     def unbalanced(self) -> float:
-        """Input less all the others."""
+        """Input less all other terms, kJ."""
         return self.put_in - self.friction - self.stored - self.kinetic - self.damped
 
 
 @dataclass(frozen=True)
 class Shake:
-    """What comes of one shaking.
+    """Response of a block to one ground motion.
 
     Attributes
     ----------
     times : (m,) s; motion : (m, u) m and radians, of the centroid against bedrock, from rest under the static loads
-    slipped, opened : shares of the joints' area that have slipped, and that were open at once at most
-    debonded : share that has lost its cohesion by opening
-    steps : that were taken; halved : that had to be made shorter
-    ended : rest, or why not: moves (still, when it was given up), refused (a step did not settle)
+    slipped, opened : shares of the joints' area that have slipped, and largest share open at one time
+    debonded : share of the area that has lost its cohesion by opening
+    steps : number of steps taken; halved : number of halvings
+    ended : "rest", or without it "moves" (at the end of the time limit) or "refused" (a step did not converge)
     work : from the state at rest before the shaking
     """
 
@@ -101,18 +108,22 @@ class ShakenBlock:
 
 
 def shaken_block(
-    model: Model, mass_t: float, inertia: Floats, stiffness: JointStiffness, residual: tuple[Floats, Floats] | None
+    model: Model,
+    mass_t: float,
+    inertia: Floats,
+    stiffness: JointStiffness,
+    residual: tuple[Floats, Floats] | None,
 ) -> ShakenBlock | None:
-    """The block of a model with its mass, at rest under its loads; None where it does not come to rest.
+    """Return the block of a model with its mass, at rest under its loads; None where it does not come to rest.
 
     Parameters
     ----------
     inertia : (3, 3) t m² about the centroid
-    stiffness : its tangential one is a number
+    stiffness : of the joints, its tangential one is a number
     residual : c (kPa) and tan φ of each interface after slip
     """
-    still = equilibrium(model, 1.0, stiffness)
-    if not still.stands:
+    rest_state = equilibrium(model, 1.0, stiffness)
+    if not rest_state.is_balanced:
         return None
     section = model.translations == 2
     scale = np.where(np.arange(model.unknowns) < model.translations, 1.0, model.length_scale)
@@ -122,28 +133,40 @@ def shaken_block(
     mass[: model.translations, : model.translations] = mass_t * np.eye(model.translations)
     mass[model.translations :, model.translations :] = turning
     rows = model.rows * scale
-    relative = (rows.reshape(-1, model.unknowns) @ still.displacement).reshape(-1, 3)
-    slipped = relative[:, 1:] + still.forces[:, 1:] / (_shear_stiffness(stiffness) * area[:, None])
+    relative = (rows.reshape(-1, model.unknowns) @ rest_state.displacement).reshape(-1, 3)
+    slipped = relative[:, 1:] + rest_state.forces[:, 1:] / (
+        _shear_stiffness(stiffness) * area[:, None]
+    )
     per_area = model.force_scale / area
-    after = None if residual is None else (residual[0][model.interface], residual[1][model.interface])
+    residual_strength = (
+        None if residual is None else (residual[0][model.interface], residual[1][model.interface])
+    )
     return ShakenBlock(
-        frozen(rows), frozen(area), frozen(model.cohesion * per_area), frozen(model.tension * per_area),
-        model.tan_friction, after, frozen(mass), frozen(model.load * model.force_scale * scale), stiffness,
-        model.translations, (still.displacement, slipped, still.debonded),
-    )  # fmt: skip
+        frozen(rows),
+        frozen(area),
+        frozen(model.cohesion * per_area),
+        frozen(model.tension * per_area),
+        model.tan_friction,
+        residual_strength,
+        frozen(mass),
+        frozen(model.load * model.force_scale * scale),
+        stiffness,
+        model.translations,
+        (rest_state.displacement, slipped, rest_state.debonded),
+    )
 
 
 def _shear_stiffness(stiffness: JointStiffness) -> float:
-    """k_t, kN/m³: a block is shaken on springs whose k_t is constant."""
+    """Return k_t, kN/m³, which is constant while a block is shaken."""
     assert not isinstance(stiffness.tangential, CloughDuncan)
     return stiffness.tangential
 
 
 @dataclass(frozen=True)
 class _Motion:
-    """Where a block is: displacement (u,), velocity (u,), slip memory (n, 2), lost bonds (n,), which have slipped."""
+    """State of a block: displacement (u,), velocity (u,), slip memory (n, 2), lost bonds (n,), slipped pairs (n,)."""
 
-    at: Floats
+    displacement: Floats
     velocity: Floats
     memory: Floats
     debonded: Bools
@@ -151,75 +174,96 @@ class _Motion:
     law: Tractions
 
 
-def shake(block: ShakenBlock, step: float, pushes: Floats, advance: Callable[[int], None] = lambda _: None) -> Shake:
-    """Shake a block.
+def shake(
+    block: ShakenBlock, step: float, pushes: Floats, advance: Callable[[int], None] = lambda _: None
+) -> Shake:
+    """Return the response of a block to a ground motion.
 
     Parameters
     ----------
     step : s; pushes : (m, translations) m/s², the mean of each step
-    advance : told of every step
+    advance : called with 1 after every step
 
     Implicit Euler damps a spring by half its angular frequency times the step, in parts of the critical damping: with
     ω step about 1 the springs follow and do not ring. Undamped they would make a block slip earlier.
     """
-    at, memory, debonded = block.at_rest
+    origin, memory, debonded = block.at_rest
     none: Bools = np.zeros(len(block.area), dtype=bool)
-    state = _Motion(at, np.zeros(block.unknowns), memory, debonded, none, _law(block, at, memory, debonded, none))
+    state = _Motion(
+        origin,
+        np.zeros(block.unknowns),
+        memory,
+        debonded,
+        none,
+        _law(block, origin, memory, debonded, none),
+    )
     motion, work = [np.zeros(block.unknowns)], np.zeros(5)
     steps = halved = 0
     opened, ended = 0.0, ""
 
-    def onward(push: Floats) -> bool:
-        """One step, in as many parts as it takes."""
+    def advance_state(push: Floats) -> bool:
+        """Take one step of the record, halved as often as needed; return whether it converged."""
         nonlocal state, steps, halved, opened, work
-        done, part = 0.0, 1.0
+        done, fraction = 0.0, 1.0
         while done < 1.0:
-            after = _step(block, state, part * step, push)
-            if after is None:
+            next_state = _step(block, state, fraction * step, push)
+            if next_state is None:
                 halved += 1
-                part *= 0.5
-                if part < 0.5**_MOST_HALVINGS:
+                fraction *= 0.5
+                if fraction < 0.5**_MOST_HALVINGS:
                     return False
                 continue
-            work += _work(block, state, after, push)
-            state, done, steps = after, done + part, steps + 1
+            work += _work(block, state, next_state, push)
+            state, done, steps = next_state, done + fraction, steps + 1
             opened = max(opened, float(block.area[state.law.modes == ContactMode.DEBOND].sum()))
-        motion.append(state.at - at)
+        motion.append(state.displacement - origin)
         return True
 
     for push in pushes:
-        if not onward(push):
+        if not advance_state(push):
             ended = "refused"
             break
         advance(1)
-    quiet, after_it = np.zeros(block.translations), 0
+    quiet, quiet_steps = np.zeros(block.translations), 0
     rows = block.rows.reshape(-1, block.unknowns)
-    while not ended and float(np.abs(rows @ state.velocity).max()) > _AT_REST:  # m/s, of the fastest node pair
-        after_it += 1
-        if after_it * step > _MOST_AFTER:
+    while (
+        not ended and float(np.abs(rows @ state.velocity).max()) > _AT_REST
+    ):  # m/s, of the fastest node pair
+        quiet_steps += 1
+        if quiet_steps * step > _MOST_AFTER:
             ended = "moves"
-        elif not onward(quiet):
+        elif not advance_state(quiet):
             ended = "refused"
-    whole = float(block.area.sum())
+    area = float(block.area.sum())
     return Shake(
-        frozen(step * np.arange(len(motion))), frozen(motion), float(block.area[state.slid].sum()) / whole,
-        opened / whole, float(block.area[state.debonded].sum()) / whole, steps, halved, ended or "rest",
-        Work(*(float(part) for part in work)),
-    )  # fmt: skip
+        frozen(step * np.arange(len(motion))),
+        frozen(motion),
+        float(block.area[state.slid].sum()) / area,
+        opened / area,
+        float(block.area[state.debonded].sum()) / area,
+        steps,
+        halved,
+        ended or "rest",
+        Work(*(float(energy) for energy in work)),
+    )
 
 
-def _law(block: ShakenBlock, at: Floats, memory: Floats, debonded: Bools, slid: Bools) -> Tractions:
-    relative = (block.rows.reshape(-1, block.unknowns) @ at).reshape(-1, 3)
+def _law(
+    block: ShakenBlock, displacement: Floats, memory: Floats, debonded: Bools, slid: Bools
+) -> Tractions:
+    relative = (block.rows.reshape(-1, block.unknowns) @ displacement).reshape(-1, 3)
     relative[:, 1:] -= memory
     cohesion, friction = block.cohesion, block.tan_friction
     if block.residual is not None:
         cohesion = np.where(slid, block.residual[0], cohesion)
         friction = np.where(slid, block.residual[1], friction)
-    return tractions(relative, block.stiffness, cohesion, friction, np.zeros_like(friction), 1.0, debonded)
+    return tractions(
+        relative, block.stiffness, cohesion, friction, np.zeros_like(friction), 1.0, debonded
+    )
 
 
 def _step(block: ShakenBlock, state: _Motion, length: float, push: Floats) -> _Motion | None:
-    """The state one step later; None where it does not settle."""
+    """Return the state one step later; None where it does not converge."""
     load = block.load.copy()
     load[: block.translations] += block.mass[: block.translations, : block.translations] @ push
     size = float(np.abs(block.load).max() + np.abs(load).max())
@@ -232,58 +276,91 @@ def _step(block: ShakenBlock, state: _Motion, length: float, push: Floats) -> _M
         rounding = EQUILIBRIUM * size / float(block.area.sum())
         broken: Bools = ~debonded & breaks(law, block.tension, 1.0, rounding)
         if not broken.any():
-            at = state.at + length * velocity
-            relative = (block.rows.reshape(-1, block.unknowns) @ at).reshape(-1, 3)
+            displacement = state.displacement + length * velocity
+            relative = (block.rows.reshape(-1, block.unknowns) @ displacement).reshape(-1, 3)
             memory = relative[:, 1:] + law.tractions[:, 1:] / _shear_stiffness(block.stiffness)
-            return _Motion(at, velocity, memory, debonded, state.slid | (law.modes == ContactMode.SLIP), law)
+            return _Motion(
+                displacement,
+                velocity,
+                memory,
+                debonded,
+                state.slid | (law.modes == ContactMode.SLIP),
+                law,
+            )
         debonded = debonded | broken
     return None
 
 
 def _newton(
-    block: ShakenBlock, state: _Motion, length: float, load: Floats, size: float, debonded: Bools, start: Floats
-) -> tuple[Floats, Tractions] | None:  # fmt: skip
-    """Velocity at the end of a step, with its tractions."""
+    block: ShakenBlock,
+    state: _Motion,
+    length: float,
+    load: Floats,
+    size: float,
+    debonded: Bools,
+    start: Floats,
+) -> tuple[Floats, Tractions] | None:
+    """Return the velocity (u,) at the end of a step, with its tractions; None without convergence."""
     flat, areas = block.rows.reshape(-1, block.unknowns), block.area[:, None]
-    arms = np.ones(block.unknowns)  # moments in kN: by the size of the block
+    arms = np.ones(block.unknowns)  # moments are divided by radii of gyration (m), forces by one
     turns = np.diag(block.mass)[block.translations :]
     arms[block.translations :] = np.maximum(np.sqrt(turns / block.mass[0, 0]), PARALLEL)
 
     def unbalanced(velocity: Floats) -> tuple[Floats, Tractions]:
-        law = _law(block, state.at + length * velocity, state.memory, debonded, state.slid)
-        out = block.mass @ (velocity - state.velocity) / length - load - (law.tractions * areas).ravel() @ flat
-        return out / arms, law
+        law = _law(
+            block, state.displacement + length * velocity, state.memory, debonded, state.slid
+        )
+        residual = (
+            block.mass @ (velocity - state.velocity) / length
+            - load
+            - (law.tractions * areas).ravel() @ flat
+        )
+        return residual / arms, law
 
     def slopes(_: Floats, law: Tractions) -> Floats:
-        own = np.matmul(law.slopes * areas[:, :, None], block.rows).reshape(-1, block.unknowns)
-        matrix: Floats = (block.mass / length - length * (flat.T @ own)) / arms[:, None]
+        area_slopes = np.matmul(law.slopes * areas[:, :, None], block.rows).reshape(
+            -1, block.unknowns
+        )
+        matrix: Floats = (block.mass / length - length * (flat.T @ area_slopes)) / arms[:, None]
         return matrix
 
-    velocity, law, off = balanced(unbalanced, slopes, start, EQUILIBRIUM * size)
-    return (velocity, law) if off <= EQUILIBRIUM * size else None
+    velocity, law, error = newton_equilibrium(unbalanced, slopes, start, EQUILIBRIUM * size)
+    return (velocity, law) if error <= EQUILIBRIUM * size else None
 
 
-def _work(block: ShakenBlock, before: _Motion, after: _Motion, push: Floats) -> Floats:
-    """Put in, friction, stored, kinetic, damped in one step, kJ; each from its own quantities."""
+def _work(block: ShakenBlock, start: _Motion, end: _Motion, push: Floats) -> Floats:
+    """Return input, friction, stored, kinetic and damped work (5,) of one step, kJ, each from its own quantities."""
     load = block.load.copy()
     load[: block.translations] += block.mass[: block.translations, : block.translations] @ push
-    moved = after.at - before.at
-    gained = after.velocity - before.velocity
+    displacement = end.displacement - start.displacement
+    gained = end.velocity - start.velocity
     give = np.array([block.stiffness.normal, *[_shear_stiffness(block.stiffness)] * 2])
-    f0, f1 = before.law.tractions, after.law.tractions
+    f0, f1 = start.law.tractions, end.law.tractions
     area = block.area[:, None]
     stored = 0.5 * (area * (f1 * f1 - f0 * f0) / give).sum()
     sprung = 0.5 * (area * (f1 - f0) ** 2 / give).sum()
-    friction = -(area * f1[:, 1:] * (after.memory - before.memory)).sum()
-    relative = block.rows.reshape(-1, block.unknowns) @ moved
-    gap = relative.reshape(-1, 3)[:, 0] + (f1[:, 0] - f0[:, 0]) / block.stiffness.normal  # that opened or closed
+    friction = -(area * f1[:, 1:] * (end.memory - start.memory)).sum()
+    relative = block.rows.reshape(-1, block.unknowns) @ displacement
+    gap = (
+        relative.reshape(-1, 3)[:, 0] + (f1[:, 0] - f0[:, 0]) / block.stiffness.normal
+    )  # change of the gap of open pairs
     knocked = -(block.area * f1[:, 0] * gap).sum()
-    kinetic = 0.5 * (after.velocity @ block.mass @ after.velocity - before.velocity @ block.mass @ before.velocity)
-    return np.array([load @ moved, friction, stored, kinetic, sprung + knocked + 0.5 * gained @ block.mass @ gained])
+    kinetic = 0.5 * (
+        end.velocity @ block.mass @ end.velocity - start.velocity @ block.mass @ start.velocity
+    )
+    return np.array(
+        [
+            load @ displacement,
+            friction,
+            stored,
+            kinetic,
+            sprung + knocked + 0.5 * gained @ block.mass @ gained,
+        ]
+    )
 
 
 def inertia_of(faces: list[Floats], centroid: Floats) -> tuple[float, Floats]:
-    """Volume and inertia (3, 3) about the centroid, per unit of density, of a body of flat faces.
+    """Return volume and inertia (3, 3) about the centroid, per unit of density, of a body of flat faces.
 
     Parameters
     ----------
@@ -301,8 +378,8 @@ def inertia_of(faces: list[Floats], centroid: Floats) -> tuple[float, Floats]:
         p = face - centroid
         for k in range(1, len(p) - 1):  # tetrahedra from the centroid
             corners = np.stack([p[0], p[k], p[k + 1]])
-            part = float(np.linalg.det(corners)) / 6.0
-            volume += part
+            tetrahedron = float(np.linalg.det(corners)) / 6.0
+            volume += tetrahedron
             total = corners.sum(axis=0)
-            moment += part / 20.0 * (corners.T @ corners + np.outer(total, total))
+            moment += tetrahedron / 20.0 * (corners.T @ corners + np.outer(total, total))
     return volume, np.trace(moment) * np.eye(3) - moment

@@ -19,13 +19,13 @@ from slopekit.preie.one_block.forces_limits import ForcesLimits, ForcesStatus
 from slopekit.preie.one_block.polygon_bed import Beds
 from slopekit.preie.tolerances import NO_FORCE, ROUNDING, SETTLED
 
-_MOST_ROUNDS = 200  # each leaves some tan ψ of what the one before was off
+_MOST_ROUNDS = 200  # each round reduces the error by a factor of about tan ψ
 
 
 def dilating_slides(beds: Beds) -> tuple[Beds, ForcesLimits, BedLimits]:
-    """Return beds that dilation tilts, slides of their blocks, and whether all of these beds is pressed: `PRESSED`.
+    """Return beds tilted by dilation, the slides of their blocks, and their limits: `PRESSED` where all joints are.
 
-    Slides have λ that is no number where no slide presses every joint.
+    λ of a slide is not a number where no slide presses every joint.
     """
     first, count, moves = beds.contact[:-1], np.diff(beds.contact), beds.translations
     inside = np.arange(int(count.max())) < count[:, None]
@@ -37,8 +37,11 @@ def dilating_slides(beds: Beds) -> tuple[Beds, ForcesLimits, BedLimits]:
         axes[:, :, 0],
         axes[:, :, 1:],
     )
-    cohesion = beds.line[contact, 1] * beds.whole[contact, 0, 0] * inside
-    friction, most = (by[contact, None] * inside[:, :, None] for by in (beds.line[:, 2], beds.tan_dilation))
+    cohesion = beds.line[contact, 1] * beds.contact_moments[contact, 0, 0] * inside
+    friction, limits = (
+        values[contact, None] * inside[:, :, None]
+        for values in (beds.line[:, 2], beds.tan_dilation)
+    )
     tilted, forward, reduction = normals, load, np.zeros((len(load), 1, 1))
     pushes = np.maximum(-load @ np.linalg.pinv(normals), 0.0)[:, 0]
     for _ in range(_MOST_ROUNDS):
@@ -51,25 +54,36 @@ def dilating_slides(beds: Beds) -> tuple[Beds, ForcesLimits, BedLimits]:
         pulls = beds.bolt_capacity[:, None] * (velocity @ bolts.swapaxes(1, 2) < 0.0)
         strength = (cohesion + friction[:, :, 0] * pushes)[:, None]
         sides = np.concatenate([normals, pulls @ bolts - strength @ drag], axis=1)
-        before, solution = reduction, -load @ np.linalg.pinv(sides)
+        previous, solution = reduction, -load @ np.linalg.pinv(sides)
         pushes, reduction = solution[:, 0, :-1], solution[:, :, -1:]
-        dilation = np.clip(reduction * friction, 0.0, most)
+        dilation = np.clip(reduction * friction, 0.0, limits)
         tilted = normals - dilation * drag
-        change = np.abs(reduction - before)[:, 0, 0]
+        change = np.abs(reduction - previous)[:, 0, 0]
         if (change <= ROUNDING * np.abs(reduction)[:, 0, 0]).all():
             break
-    apart = np.abs(tilted @ velocity.swapaxes(1, 2)).max(axis=(1, 2))
-    off = np.abs(solution @ sides + load).max(axis=(1, 2))
+    opening_error = np.abs(tilted @ velocity.swapaxes(1, 2)).max(axis=(1, 2))
+    imbalance = np.abs(solution @ sides + load).max(axis=(1, 2))
     lam = reduction[:, 0, 0]
-    good = ((pushes > 0.0) | ~inside).all(axis=1) & (lam > 0.0) & (np.maximum(off, apart) < SETTLED)
+    good = (
+        ((pushes > 0.0) | ~inside).all(axis=1)
+        & (lam > 0.0)
+        & (np.maximum(imbalance, opening_error) < SETTLED)
+    )
     slides = np.zeros((len(lam), beds.load.shape[1] + 1))
-    slides[:, :moves], slides[:, -1] = velocity[:, 0], np.where(good & (change < SETTLED * lam), lam, np.nan)
-    by_forces = ForcesLimits(np.full(len(lam), ForcesStatus.SLIDES), slides, pushes, (reduction * pulls)[:, 0])
+    slides[:, :moves], slides[:, -1] = (
+        velocity[:, 0],
+        np.where(good & (change < SETTLED * lam), lam, np.nan),
+    )
+    by_forces = ForcesLimits(
+        np.full(len(lam), ForcesStatus.SLIDES), slides, pushes, (reduction * pulls)[:, 0]
+    )
     opening, *slips = np.split(beds.rows, 3, axis=1)
     tilt, line = dilation[inside], beds.line
     lam = np.repeat(slides[:, -1], count)
     softer = 1.0 + tilt[:, 0] * lam * line[:, 2] / beds.shear_ratio
-    line = np.column_stack([line[:, 0] / softer, line[:, 1] * softer, line[:, 2] - tilt[:, 0] / lam])
+    line = np.column_stack(
+        [line[:, 0] / softer, line[:, 1] * softer, line[:, 2] - tilt[:, 0] / lam]
+    )
     opening = opening - tilt[:, :, None] * np.einsum("mj,jmku->mku", slip[inside], np.stack(slips))
     bed = replace(beds, rows=np.concatenate([opening, *slips], axis=1), line=line)
     return bed, by_forces, running_limits(bed, slides)[0]

@@ -23,9 +23,9 @@ _EYE = np.eye(2)
 
 
 def intact_limit(model: Model, displacement: Floats) -> Limit | None:
-    """Return the limit with every pair pressed and all of its cohesion; None where there is none.
+    """Return the limit of a slide with every node pair pressed and all cohesion; None where there is no such slide.
 
-    Bolts that are square to the motion, curved laws and dilation are the path's.
+    Bolts normal to the motion, curved laws and dilation are left to the elastic path.
 
     Parameters
     ----------
@@ -38,8 +38,8 @@ def intact_limit(model: Model, displacement: Floats) -> Limit | None:
         return None
     along, elastic = along / pull, rest.T @ displacement
     springs = -model.control_area[:, None] * (model.normal_rows @ rest)
-    drawn = -model.bolt_rows @ (free @ along)
-    pulls = model.bolt_capacity * (drawn > 0.0)
+    extension = -model.bolt_rows @ (free @ along)
+    pulls = model.bolt_capacity * (extension > 0.0)
     strength = line(model.cohesion, model.tan_friction, np.maximum(springs @ elastic, 0.0))
     total = float(strength.sum() + pulls.sum())
     if total < NO_FORCE:
@@ -53,37 +53,58 @@ def intact_limit(model: Model, displacement: Floats) -> Limit | None:
         direction, normal = slip / size[:, None], springs @ elastic
         strength = line(model.cohesion, model.tan_friction, normal)
         friction = (-reduction * strength)[:, None] * direction
-        out = np.column_stack([normal, friction]).ravel() @ model.flat_rows + model.load + reduction * bolts
-        off = np.append(out, (along @ along - 1.0) / 2.0)
-        if steps and np.abs(off).max() < ROUNDING * (1.0 + abs(reduction) * float(np.abs(strength).sum())):
+        imbalance = (
+            np.column_stack([normal, friction]).ravel() @ model.flat_rows
+            + model.load
+            + reduction * bolts
+        )
+        residual = np.append(imbalance, (along @ along - 1.0) / 2.0)
+        if steps and np.abs(residual).max() < ROUNDING * (
+            1.0 + abs(reduction) * float(np.abs(strength).sum())
+        ):
             break
-        slopes = np.zeros((len(size), 3, len(off)))
-        turning = (_EYE - direction[:, :, None] * direction[:, None]) * (-reduction * strength / size)[:, None, None]
+        slopes = np.zeros((len(size), 3, len(residual)))
+        turning = (_EYE - direction[:, :, None] * direction[:, None]) * (
+            -reduction * strength / size
+        )[:, None, None]
         slopes[:, 1:, : len(along)] = turning @ slip_rows
         slopes[:, 0, len(along) : -1] = springs
         softer = (reduction * model.tan_friction)[:, None] * springs
         slopes[:, 1:, len(along) : -1] = -direction[:, :, None] * softer[:, None]
         slopes[:, 1:, -1] = -strength[:, None] * direction
-        matrix = np.zeros((len(off), len(off)))
-        matrix[:-1] = model.flat_rows.T @ slopes.reshape(-1, len(off))
+        matrix = np.zeros((len(residual), len(residual)))
+        matrix[:-1] = model.flat_rows.T @ slopes.reshape(-1, len(residual))
         matrix[:-1, -1] += bolts
         matrix[-1, : len(along)] = along
         unit = 1.0 / np.maximum(np.abs(matrix).max(axis=0), TINY)
         try:
-            step = -np.linalg.solve(matrix * unit, off) * unit
+            step = -np.linalg.solve(matrix * unit, residual) * unit
         except np.linalg.LinAlgError:
             return None
         if not np.abs(step).max() < FARTHEST:
             return None
-        along, elastic, reduction = along + step[: len(along)], elastic + step[len(along) : -1], reduction + step[-1]
+        along, elastic, reduction = (
+            along + step[: len(along)],
+            elastic + step[len(along) : -1],
+            reduction + step[-1],
+        )
     else:
         return None
     velocity = free @ along
     speed = -model.bolt_rows @ velocity
-    as_drawn = (speed[pulls > 0.0] > NO_MOTION).all() and (speed[pulls == 0.0] < -NO_MOTION).all()
-    if not (reduction > 0.0 and normal.min() >= 0.0 and as_drawn):
+    bolts_agree = (speed[pulls > 0.0] > NO_MOTION).all() and (
+        speed[pulls == 0.0] < -NO_MOTION
+    ).all()
+    if not (reduction > 0.0 and normal.min() >= 0.0 and bolts_agree):
         return None
     return Limit(
-        Outcome.SLIDES, 1.0 / float(reduction), velocity, normal, np.ones(len(normal)), 0, 0.0, friction,
+        Outcome.SLIDES,
+        1.0 / float(reduction),
+        velocity,
+        normal,
+        np.ones(len(normal)),
+        0,
+        0.0,
+        friction,
         reduction * pulls,
-    )  # fmt: skip
+    )

@@ -1,4 +1,4 @@
-"""Which of two limits of one block governs, that of its forces alone or that with its moments."""
+"""The governing limit of one block: that of its forces alone or that with its moments."""
 
 from dataclasses import dataclass, replace
 
@@ -9,9 +9,9 @@ from slopekit.preie.tolerances import SAME_LIMIT
 
 @dataclass(frozen=True)
 class LimitAnalysis:
-    """The limit that governs, that of the forces alone, and that with turning; all the same where there is one limit.
+    """The governing limit, the limit of the forces alone, and the limit with turning; equal where there is only one.
 
-    `model`: where laws are curved, the model with the line of each pair at its own traction; None where none is.
+    `model`: with curved laws the model with the strength line of each pair at its own traction; None without.
     """
 
     governing: Limit
@@ -22,10 +22,10 @@ class LimitAnalysis:
 
     @property
     def balanced(self) -> Limit:
-        """The limit whose forces balance the moments too, where there is one.
+        """The limit whose forces balance the moments as well, where there is one.
 
-        Where the forces alone govern although the block could be held to more by its moments, the state with turning
-        is that one: it stands at a higher factor, so at the limit too.
+        Where the forces alone govern it is the limit with turning: that state is in equilibrium at a higher factor, and
+        so at the limit.
         """
         turning, factor = self.with_turning, self.governing.factor
         if factor is None or turning.factor is None or turning.outcome is not Outcome.SLIDES:
@@ -33,12 +33,14 @@ class LimitAnalysis:
         return turning if turning.factor >= factor * (1.0 - SAME_LIMIT) else self.governing
 
 
-def governed(alone: Limit, turning: Limit) -> LimitAnalysis:
-    """Which of two limits governs, that of the forces alone or that with turning (it has a factor)."""
-    assert turning.factor is not None
-    if alone.factor is None or turning.factor < alone.factor * (1.0 - SAME_LIMIT):
-        return LimitAnalysis(turning, alone, turning, True)
-    if turning.factor < alone.factor * (1.0 + SAME_LIMIT):
+def governing_limit(forces_only: Limit, with_turning: Limit) -> LimitAnalysis:
+    """Return the analysis with the governing one of two limits: of the forces alone, or with turning (has a factor)."""
+    assert with_turning.factor is not None
+    if forces_only.factor is None or with_turning.factor < forces_only.factor * (1.0 - SAME_LIMIT):
+        return LimitAnalysis(with_turning, forces_only, with_turning, True)
+    if with_turning.factor < forces_only.factor * (1.0 + SAME_LIMIT):
         # the same slide with its moments balanced: the factor of the forces, the normal forces of the moments
-        return LimitAnalysis(replace(turning, factor=alone.factor), alone, turning, False)
-    return LimitAnalysis(alone, alone, turning, False)
+        return LimitAnalysis(
+            replace(with_turning, factor=forces_only.factor), forces_only, with_turning, False
+        )
+    return LimitAnalysis(forces_only, forces_only, with_turning, False)

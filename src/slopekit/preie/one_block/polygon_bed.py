@@ -28,7 +28,7 @@ from slopekit.strength.mohr_coulomb import line
 from slopekit.strength.protocol import LEAST_KPA, StrengthLaw
 
 BOLT_GIVE = 1e-2  # passive bolts pull fully once drawn out by this part of the bonded displacement
-_STEP = 1e-30  # imaginary part of what slopes are taken by: its square is none
+_STEP = 1e-30  # imaginary step of complex-step differentiation: its square vanishes
 
 
 @dataclass(frozen=True)
@@ -46,8 +46,8 @@ class Beds:
     length : (n,) m, root mean square distance of the corners from the centroid
     shear_ratio : tangential to normal stiffness
     laws : of each contact, None where its strength is a line; empty where all are
-    stress_scale : (m,) kPa of a traction of one on each contact; asked of laws alone
-    tan_dilation : (m,) of the contacts; asked of joints that dilate alone
+    stress_scale : (m,) kPa of a traction of one on each contact; used with laws alone
+    tan_dilation : (m,) of the contacts; used with joints that dilate alone
     """
 
     contact: Ints
@@ -68,15 +68,15 @@ class Beds:
 
     @property
     def translations(self) -> int:
-        """How many of the unknowns are: the first ones."""
+        """Number of translations, which are the first unknowns."""
         return 2 if self.rows.shape[2] == 3 else 3
 
     @property
     def following(self) -> Ints:
-        """The corner (q,) that follows each corner on its contact."""
-        after = np.arange(1, len(self.plane) + 1)
-        after[self.corner[1:] - 1] = self.corner[:-1]
-        return after
+        """The next corner (q,) of each corner on its contact."""
+        corners = np.arange(1, len(self.plane) + 1)
+        corners[self.corner[1:] - 1] = self.corner[:-1]
+        return corners
 
     @property
     def contact_of_corners(self) -> Ints:
@@ -85,69 +85,96 @@ class Beds:
 
     def motions(self, motion: Floats, most: int = 3) -> Floats:
         """Return opening, first and second slip (q, 3), or fewer, at all corners, with motions (n, u) of the blocks."""
-        block, contact = np.repeat(np.arange(len(motion)), np.diff(self.contact)), self.contact_of_corners
-        moved = (self.rows[:, : 3 * most] @ motion[block][:, :, None]).reshape(-1, most, 3)[contact]
-        at: Floats = moved[:, :, 0] + (moved[:, :, 1:] * self.plane[:, None]).sum(axis=2)
-        return at
+        block, contact = (
+            np.repeat(np.arange(len(motion)), np.diff(self.contact)),
+            self.contact_of_corners,
+        )
+        coefficients = (self.rows[:, : 3 * most] @ motion[block][:, :, None]).reshape(-1, most, 3)[
+            contact
+        ]
+        values: Floats = coefficients[:, :, 0] + (coefficients[:, :, 1:] * self.plane[:, None]).sum(
+            axis=2
+        )
+        return values
 
     def moments(self) -> Floats:
         """Return ∫ φ_i φ_j (m, 3, 3) over each contact, φ = (1, ξ, η), times control area per area: exact."""
-        here = np.concatenate([np.ones((len(self.plane), 1)), self.plane], axis=1)
-        there, is_line = here[self.following], (np.diff(self.corner) == 2)[self.contact_of_corners]
-        # triangles with a third corner in the middle of the contact; a line there and back
-        corners = np.stack([here, there, np.outer(~is_line, [1.0, 0.0, 0.0])], axis=1)
+        basis = np.concatenate([np.ones((len(self.plane), 1)), self.plane], axis=1)
+        next_basis, is_line = (
+            basis[self.following],
+            (np.diff(self.corner) == 2)[self.contact_of_corners],
+        )
+        # triangles with a third corner in the middle of the contact; a line counts in both directions
+        corners = np.stack([basis, next_basis, np.outer(~is_line, [1.0, 0.0, 0.0])], axis=1)
         total = corners.sum(axis=1)
-        each = corners.transpose(0, 2, 1) @ corners + total[:, :, None] * total[:, None]
-        length = np.sqrt(((there - here) ** 2).sum(axis=1))
-        size = np.where(is_line, length / 12.0, cross_2d(here[:, 1:], there[:, 1:]) / 24.0)
-        moments = np.add.reduceat(size[:, None, None] * each, self.corner[:-1])
+        products = corners.transpose(0, 2, 1) @ corners + total[:, :, None] * total[:, None]
+        length = np.sqrt(((next_basis - basis) ** 2).sum(axis=1))
+        size = np.where(is_line, length / 12.0, cross_2d(basis[:, 1:], next_basis[:, 1:]) / 24.0)
+        moments = np.add.reduceat(size[:, None, None] * products, self.corner[:-1])
         return np.asarray(moments * (np.sign(moments[:, 0, 0]) * self.line[:, 0])[:, None, None])
 
     @cached_property
-    def whole(self) -> Floats:
+    def contact_moments(self) -> Floats:
         """(m, 3, 3) moments of the whole contacts."""
         return self.moments()
 
     @cached_property
     def stiffness(self) -> Floats:
-        """(n, u, u) with every point bonded."""
-        rows = self.rows.reshape(len(self.whole), 3, 3, -1)
+        """Elastic stiffness (n, u, u) with every point bonded."""
+        rows = self.rows.reshape(len(self.contact_moments), 3, 3, -1)
         springs = np.array([1.0, self.shear_ratio, self.shear_ratio])[:, None, None]
-        each = (rows.transpose(0, 1, 3, 2) @ (self.whole[:, None] @ rows) * springs).sum(axis=1)
-        return np.add.reduceat(each, self.contact[:-1])
+        by_contact = (
+            rows.transpose(0, 1, 3, 2) @ (self.contact_moments[:, None] @ rows) * springs
+        ).sum(axis=1)
+        return np.add.reduceat(by_contact, self.contact[:-1])
 
     @cached_property
     def bonded(self) -> Floats:
-        """(n, u) displacement under the loads with every point bonded."""
+        """Displacement (n, u) under the loads with every point bonded."""
         try:
-            return np.asarray(np.linalg.solve(self.stiffness, self.load[:, :, None])[:, :, 0], dtype=np.float64)
-        except np.linalg.LinAlgError:  # a sheet a thousand million times as long as thick does not resist turning
-            each = zip(self.stiffness, self.load, strict=True)
-            return np.stack([np.linalg.lstsq(matrix, load, rcond=None)[0] for matrix, load in each])
+            return np.asarray(
+                np.linalg.solve(self.stiffness, self.load[:, :, None])[:, :, 0], dtype=np.float64
+            )
+        except (
+            np.linalg.LinAlgError
+        ):  # a sheet a thousand million times as long as thick does not resist turning
+            systems = zip(self.stiffness, self.load, strict=True)
+            return np.stack(
+                [np.linalg.lstsq(matrix, load, rcond=None)[0] for matrix, load in systems]
+            )
 
     @cached_property
-    def first(self) -> Floats:
-        """(n,) the size of that displacement."""
+    def elastic_size(self) -> Floats:
+        """Size (n,) of the bonded displacement: one elastic displacement."""
         size: Floats = np.sqrt((self.bonded * self.bonded).sum(axis=1))
         return size
 
     @cached_property
     def bolt_springs(self) -> Floats:
-        """(n, b) of the passive bolts."""
+        """Stiffness (n, b) of the passive bolts."""
         if not self.bolt_capacity.shape[1]:
             return self.bolt_capacity
-        return self.bolt_capacity / (BOLT_GIVE * self.first)[:, None]
+        return self.bolt_capacity / (BOLT_GIVE * self.elastic_size)[:, None]
 
-    def places(self, k: int, at: Floats) -> Floats:
-        """Return where points (q, 2) in the plane of a contact of a single block lie from its centroid, (q, 3) in m."""
-        return np.asarray((self.middle[k] + at @ self.axes[k, 1:]) * self.length[0])
+    def places(self, k: int, positions: Floats) -> Floats:
+        """Return points (q, 2) in the plane of a contact of a single block as arms (q, 3) from its centroid, m."""
+        return np.asarray((self.middle[k] + positions @ self.axes[k, 1:]) * self.length[0])
 
     def in_units_of(self, model: Model, motion: Floats) -> Floats:
-        """Return a motion (u,) of a single block in the units of a model: turns are per length of each."""
-        return np.where(np.arange(len(motion)) < model.translations, 1.0, model.length_scale / self.length[0]) * motion
+        """Return a motion (u,) of a single block in the units of a model, whose rotations have another length scale."""
+        return (
+            np.where(
+                np.arange(len(motion)) < model.translations,
+                1.0,
+                model.length_scale / self.length[0],
+            )
+            * motion
+        )
 
 
-def contact_rows(arms: Floats, corner: Ints, axes: Floats, columns: Ints) -> tuple[Floats, Floats, Floats]:
+def contact_rows(
+    arms: Floats, corner: Ints, axes: Floats, columns: Ints
+) -> tuple[Floats, Floats, Floats]:
     """Return middle (m, 3), rows (m, 9, u) and plane (q, 2) of m contacts, as of `Beds`.
 
     Parameters
@@ -157,20 +184,20 @@ def contact_rows(arms: Floats, corner: Ints, axes: Floats, columns: Ints) -> tup
     """
     count = np.diff(corner)
     middle = np.add.reduceat(arms, corner[:-1]) / count[:, None]
-    moved = np.zeros((len(count), 3, 3, 6))
-    moved[:, :, 0, :3], moved[:, :, 0, 3:] = axes, cross(middle[:, None], axes)
+    motions = np.zeros((len(count), 3, 3, 6))
+    motions[:, :, 0, :3], motions[:, :, 0, 3:] = axes, cross(middle[:, None], axes)
     for j in (1, 2):
-        moved[:, :, j, 3:] = cross(axes[:, j, None], axes)
+        motions[:, :, j, 3:] = cross(axes[:, j, None], axes)
     contact = np.repeat(np.arange(len(count)), count)
     plane = ((arms - middle[contact])[:, None] * axes[contact, 1:]).sum(axis=2)
-    return middle, np.ascontiguousarray(moved[..., columns].reshape(len(count), 9, -1)), plane
+    return middle, np.ascontiguousarray(motions[..., columns].reshape(len(count), 9, -1)), plane
 
 
 @dataclass(frozen=True)
 class Unbalanced:
     """Unbalanced forces (n, u) of blocks and their slopes by g (n, u, u), by s (n, u, u) and by λ (n, u)."""
 
-    out: Floats
+    force: Floats
     by_opening: Floats
     by_slip: Floats
     by_reduction: Floats
@@ -178,9 +205,9 @@ class Unbalanced:
 
 @dataclass(frozen=True)
 class PointForces:
-    """What the points (q) of a bed carry, scaled: `shear` (q, 2) in the local tangents, `pulls` (b,) of the bolts.
+    """Scaled forces at the points (q) of a bed: `shear` (q, 2) in the local tangents, `pulls` (b,) of the bolts.
 
-    `points` (q, 3) in m from the centroid; `pressed` (q,) those that are.
+    `points` (q, 3) m from the centroid; `pressed` (q,) which points are in compression.
     """
 
     points: Floats
@@ -207,157 +234,229 @@ class BedSprings:
     @cached_property
     def kernels(self) -> Any:
         """The compiled kernels; None where NumPy does their work."""
-        from slopekit.preie.kernels import compiled  # not for a block whose base is whole
+        from slopekit.preie.kernels import (
+            compiled,
+        )  # not needed for a block whose joints are fully pressed
 
         return compiled(solvers=False)
 
     @cached_property
     def polygons(self) -> Any:
-        """The beds as the compiled kernels take them."""
+        """The beds as an object of the compiled kernels."""
         beds = self.beds
-        unknowns, templates = beds.load.shape[1], [part.T.copy() for size in (2, 3) for part in self.templates[size]]
+        unknowns, templates = (
+            beds.load.shape[1],
+            [array.T.copy() for size in (2, 3) for array in self.templates[size]],
+        )
         shapes = beds.contact, beds.corner, beds.rows, beds.plane, beds.line
         laws = _laws_for_kernels(beds, max(len(templates[1]), len(templates[3])))
-        bolts = np.ascontiguousarray(beds.bolt_rows), np.ascontiguousarray(beds.bolt_capacity), beds.bolt_springs
-        return self.kernels.polygons(unknowns, beds.shear_ratio, TINY, *shapes, *templates, *laws, *bolts, NO_MOTION)
+        bolts = (
+            np.ascontiguousarray(beds.bolt_rows),
+            np.ascontiguousarray(beds.bolt_capacity),
+            beds.bolt_springs,
+        )
+        return self.kernels.polygons(
+            unknowns, beds.shear_ratio, TINY, *shapes, *templates, *laws, *bolts, NO_MOTION
+        )
 
     def unbalanced(
-        self, blocks: Ints, opening: Floats, slip: Floats, reduction: Floats, running: bool = False,
+        self,
+        blocks: Ints,
+        opening: Floats,
+        slip: Floats,
+        reduction: Floats,
+        running: bool = False,
         sticks: bool = False,
-    ) -> Unbalanced:  # fmt: skip
-        """Return the unbalanced forces of some blocks with openings (n, u) of one motion and slips of another.
+    ) -> Unbalanced:
+        """Return the unbalanced forces of blocks that open by one motion (n, u) and slip by another (n, u).
 
         Parameters
         ----------
         blocks : (n,) their numbers; reduction : (n,) λ
         running : every pressed point slips, however small the slip; sticks : none does
         """
-        out, size = self.beds.load[blocks], opening.shape[1]
-        slopes = np.zeros((len(out), size, size)), np.zeros((len(out), size, size)), np.zeros((len(out), size))
+        residual, size = self.beds.load[blocks], opening.shape[1]
+        slopes = (
+            np.zeros((len(residual), size, size)),
+            np.zeros((len(residual), size, size)),
+            np.zeros((len(residual), size)),
+        )
         if self.kernels is not None:
-            at = np.ascontiguousarray(opening), np.ascontiguousarray(slip), np.ascontiguousarray(reduction)
-            self.kernels.pressed(self.polygons, blocks, *at, running, sticks, out, *slopes)
-            return Unbalanced(out, *slopes)
+            arrays = (
+                np.ascontiguousarray(opening),
+                np.ascontiguousarray(slip),
+                np.ascontiguousarray(reduction),
+            )
+            self.kernels.pressed(self.polygons, blocks, *arrays, running, sticks, residual, *slopes)
+            return Unbalanced(residual, *slopes)
         states = np.concatenate([opening, slip, reduction[:, None]], axis=1)
         for row, block in enumerate(blocks.tolist()):
-            state = states[row] + 1j * _STEP * np.eye(2 * size + 1)  # slopes are the imaginary parts
+            state = states[row] + 1j * _STEP * np.eye(
+                2 * size + 1
+            )  # slopes are the imaginary parts
             forces = np.zeros((len(state), size), dtype=complex)
             for k in range(*self.beds.contact[block : block + 2].tolist()):
                 forces += self._forces(k, state, running, sticks)
-            out[row] += forces[0].real
+            residual[row] += forces[0].real
             change = forces.imag.T / _STEP
-            slopes[0][row], slopes[1][row], slopes[2][row] = change[:, :size], change[:, size:-1], change[:, -1]
+            slopes[0][row], slopes[1][row], slopes[2][row] = (
+                change[:, :size],
+                change[:, size:-1],
+                change[:, -1],
+            )
         if self.beds.bolt_capacity.shape[1]:
             rows, capacity = self.beds.bolt_rows[blocks], self.beds.bolt_capacity[blocks]
             pull, spring, full = self.pulls(blocks, slip, reduction, running, sticks)
-            out += (pull[:, None] @ rows)[:, 0]
+            residual += (pull[:, None] @ rows)[:, 0]
             slopes[1][:] -= (rows.transpose(0, 2, 1) * spring[:, None]) @ rows
             slopes[2][:] += ((full * capacity)[:, None] @ rows)[:, 0]
-        return Unbalanced(out, *slopes)
+        return Unbalanced(residual, *slopes)
 
     def pulls(
         self, blocks: Ints, slip: Floats, reduction: Floats, running: bool, sticks: bool = False
     ) -> tuple[Floats, Floats, Bools]:
-        """Return the pulls of the passive bolts (n, b), their springs (n, b), and which pull fully."""
+        """Return the pulls (n, b) of the passive bolts, their springs (n, b), and which bolts yield (n, b)."""
         rows, capacity = self.beds.bolt_rows[blocks], self.beds.bolt_capacity[blocks]
-        drawn, most = -(rows @ slip[:, :, None])[:, :, 0], reduction[:, None] * capacity
+        extension, most = -(rows @ slip[:, :, None])[:, :, 0], reduction[:, None] * capacity
         if running:
-            full = drawn > NO_MOTION
-            return most * full, np.zeros_like(drawn), full
+            full = extension > NO_MOTION
+            return most * full, np.zeros_like(extension), full
         stiff = self.beds.bolt_springs[blocks]
-        full = np.zeros(drawn.shape, dtype=bool) if sticks else drawn * stiff > most
-        spring = stiff * ((drawn > 0.0) & ~full)
-        return np.where(full, most, spring * drawn), spring, full
+        full = np.zeros(extension.shape, dtype=bool) if sticks else extension * stiff > most
+        spring = stiff * ((extension > 0.0) & ~full)
+        return np.where(full, most, spring * extension), spring, full
 
     def first_slip(self, blocks: Ints, u: Floats) -> Floats:
-        """Return λ (n,) at which a first corner of a pressed part, or a first bolt, yields if none did at more."""
-        beds, every = self.beds, np.zeros_like(self.beds.load)
-        every[blocks] = u
-        gap, first, second = beds.motions(every).T
+        """Return λ (n,) below which a first corner of a pressed part slips, or a first bolt yields."""
+        beds, displacements = self.beds, np.zeros_like(self.beds.load)
+        displacements[blocks] = u
+        gap, first, second = beds.motions(displacements).T
         line, normal = beds.line[beds.contact_of_corners], np.maximum(-gap, 0.0)
         strength = line[:, 1] + line[:, 2] * normal
         for k in range(len(beds.laws)):
             corners = slice(*beds.corner[k : k + 2])
             strength[corners] = self._resistance(k, normal[corners])
         slip = np.sqrt(first * first + second * second) * (gap < 0.0)
-        called = beds.shear_ratio * slip / np.maximum(strength, TINY)
-        most = np.maximum.reduceat(called, beds.corner[beds.contact[:-1]])[blocks]
+        utilisation = beds.shear_ratio * slip / np.maximum(strength, TINY)
+        most = np.maximum.reduceat(utilisation, beds.corner[beds.contact[:-1]])[blocks]
         if beds.bolt_capacity.shape[1]:
-            drawn = -(beds.bolt_rows[blocks] @ u[:, :, None])[:, :, 0] * (beds.bolt_capacity[blocks] > 0.0)
-            most = np.maximum(most, drawn.max(axis=1) / (BOLT_GIVE * beds.first[blocks]))
+            extension = -(beds.bolt_rows[blocks] @ u[:, :, None])[:, :, 0] * (
+                beds.bolt_capacity[blocks] > 0.0
+            )
+            most = np.maximum(most, extension.max(axis=1) / (BOLT_GIVE * beds.elastic_size[blocks]))
         return most
 
-    def carried(self, opening: Floats, slip: Floats, reduction: float, running: bool) -> PointForces:
-        """Return the forces of a single block point by point: the pressed part of each contact, then the open one."""
-        state, parts = np.concatenate([opening, slip, [reduction]])[None], list[tuple[Floats, ...]]()
+    def point_forces(
+        self, opening: Floats, slip: Floats, reduction: float, running: bool
+    ) -> PointForces:
+        """Return the forces of a single block at its points: of each contact the pressed part, then the open one."""
+        state, regions = (
+            np.concatenate([opening, slip, [reduction]])[None],
+            list[tuple[Floats, ...]](),
+        )
         for k in range(len(self.beds.rows)):
             for pressed in (True, False):
-                part = self._part(k, state[:, : len(opening)], pressed)
-                if part is None:
+                region = self._clipped_region(k, state[:, : len(opening)], pressed)
+                if region is None:
                     continue
-                real = part[1][0] > 0.0  # a corner that hardly opens has triangles of no area
-                at, area = part[0][0, real], part[1][0, real]
-                normal, first, second = pressed * self._tractions(k, at[None], state, running, False)[:, 0] * area
+                real = region[1][0] > 0.0  # a corner that hardly opens has triangles of no area
+                positions, area = region[0][0, real], region[1][0, real]
+                normal, first, second = (
+                    pressed
+                    * self._tractions(k, positions[None], state, running, False)[:, 0]
+                    * area
+                )
                 normal = np.maximum(normal, 0.0)
                 contact, is_pressed = np.full(len(area), k), np.full(len(area), pressed)
                 shear = -np.stack([first, second], axis=1)
-                parts.append((self.beds.places(k, at), area, contact, normal, shear, is_pressed))
+                regions.append(
+                    (self.beds.places(k, positions), area, contact, normal, shear, is_pressed)
+                )
         pulls, _, _ = self.pulls(np.zeros(1, dtype=np.int64), slip[None], state[:, -1], running)
-        points, areas, contacts, normal, shear, inside = (np.concatenate(part) for part in zip(*parts, strict=True))
+        points, areas, contacts, normal, shear, inside = (
+            np.concatenate(region) for region in zip(*regions, strict=True)
+        )
         return PointForces(points, areas, contacts, normal, shear, inside, pulls[0])
 
     def _forces(self, k: int, state: Floats, running: bool, sticks: bool) -> Floats:
-        """Return what a contact adds (d, u) to the forces on its block in states (d, 2 u + 1): opening, slip, λ."""
-        part = self._part(k, state[:, : self.beds.load.shape[1]])
-        if part is None:
+        """Return the forces (d, u) of a contact on its block in states (d, 2 u + 1): opening, slip, λ."""
+        region = self._clipped_region(k, state[:, : self.beds.load.shape[1]])
+        if region is None:
             return np.zeros((len(state), self.beds.load.shape[1]))
-        at, area = part
-        tractions = self._tractions(k, at, state, running, sticks) * np.array([1.0, -1.0, -1.0])[:, None, None] * area
-        moments = np.stack([tractions.sum(axis=2), *(tractions[:, :, None] @ at)[:, :, 0].transpose(2, 0, 1)], axis=1)
+        positions, area = region
+        tractions = (
+            self._tractions(k, positions, state, running, sticks)
+            * np.array([1.0, -1.0, -1.0])[:, None, None]
+            * area
+        )
+        moments = np.stack(
+            [
+                tractions.sum(axis=2),
+                *(tractions[:, :, None] @ positions)[:, :, 0].transpose(2, 0, 1),
+            ],
+            axis=1,
+        )
         return np.asarray(moments.reshape(9, len(state)).T @ self.beds.rows[k])
 
-    def _part(self, k: int, opening: Floats, pressed: bool = True) -> tuple[Floats, Floats] | None:
-        """Return points (d, q, 2) and areas (d, q) of the pressed part of a contact, or of the open one; None: none."""
+    def _clipped_region(
+        self, k: int, opening: Floats, pressed: bool = True
+    ) -> tuple[Floats, Floats] | None:
+        """Return points (d, q, 2) and areas (d, q) of the pressed (or the open) part of a contact; None without one."""
         beds = self.beds
         plane = beds.plane[beds.corner[k] : beds.corner[k + 1]]
         across = np.stack([np.ones(len(plane)), *plane.T])
         gaps = (opening @ beds.rows[k, :3].T @ across) * (1.0 if pressed else -1.0)
         inside = gaps[0].real < 0.0
         count, corners = len(plane), list[Floats]()
-        for here in range(count):
-            there = (here + 1) % count
-            if inside[here]:
-                corners.append(np.broadcast_to(plane[here], (len(gaps), 2)))
-            if inside[here] != inside[there] and (count > 2 or here == 0):
-                share = (gaps[:, here] / (gaps[:, here] - gaps[:, there]))[:, None]
-                corners.append((1.0 - share) * plane[here] + share * plane[there])
+        for corner in range(count):
+            next_corner = (corner + 1) % count
+            if inside[corner]:
+                corners.append(np.broadcast_to(plane[corner], (len(gaps), 2)))
+            if inside[corner] != inside[next_corner] and (count > 2 or corner == 0):
+                share = (gaps[:, corner] / (gaps[:, corner] - gaps[:, next_corner]))[:, None]
+                corners.append((1.0 - share) * plane[corner] + share * plane[next_corner])
         if not inside.any():
             return None
         clipped = np.stack(corners, axis=1)
         if count == 2:
-            cells, size = clipped[:, None], np.sqrt(((clipped[:, 1] - clipped[:, 0]) ** 2).sum(axis=1))[:, None]
+            cells, size = (
+                clipped[:, None],
+                np.sqrt(((clipped[:, 1] - clipped[:, 0]) ** 2).sum(axis=1))[:, None],
+            )
         else:
             cells, size = _fan(clipped)
         points, weights = self.templates[min(count, 3)]
         area = (size * beds.line[k, 0])[:, :, None] * weights
         return (points @ cells).reshape(len(gaps), -1, 2), area.reshape(len(gaps), -1)
 
-    def _tractions(self, k: int, at: Floats, state: Floats, running: bool, sticks: bool) -> Floats:
+    def _tractions(
+        self, k: int, positions: Floats, state: Floats, running: bool, sticks: bool
+    ) -> Floats:
         """Return normal traction and both shear tractions along the slip (3, d, q) at points of a contact."""
         beds, unknowns = self.beds, self.beds.load.shape[1]
         rows = beds.rows[k].reshape(3, 3, -1)
-        fields = [state[:, :unknowns] @ rows[0].T, *(state[:, unknowns:-1] @ rows[j].T for j in (1, 2))]
-        gap, first, second = (by[:, :1] + (at @ by[:, 1:, None])[:, :, 0] for by in fields)
+        fields = [
+            state[:, :unknowns] @ rows[0].T,
+            *(state[:, unknowns:-1] @ rows[j].T for j in (1, 2)),
+        ]
+        gap, first, second = (
+            coefficients[:, :1] + (positions @ coefficients[:, 1:, None])[:, :, 0]
+            for coefficients in fields
+        )
         slip = np.sqrt(first * first + second * second)
         most = state[:, -1:] * self._resistance(k, -gap)
-        slides = (beds.shear_ratio * slip.real > np.maximum(most.real, TINY)) & (not sticks) | running
+        slides = (beds.shear_ratio * slip.real > np.maximum(most.real, TINY)) & (
+            not sticks
+        ) | running
         spring = np.where(slides, most / np.where(slip.real > TINY, slip, np.inf), beds.shear_ratio)
         return np.stack([-gap, spring * first, spring * second])
 
     def _resistance(self, k: int, normal: Floats) -> Floats:
         """Return the shear strength of a contact at normal tractions, both in the scaled units of its block."""
         strength, slope = strength_and_slope(self.beds, k, normal.real)
-        return np.asarray(strength + 1j * slope * normal.imag) if np.iscomplexobj(normal) else strength
+        return (
+            np.asarray(strength + 1j * slope * normal.imag) if np.iscomplexobj(normal) else strength
+        )
 
 
 def strength_and_slope(beds: Beds, k: int, normal: Floats) -> tuple[Floats, Floats]:
@@ -365,7 +464,7 @@ def strength_and_slope(beds: Beds, k: int, normal: Floats) -> tuple[Floats, Floa
     law = beds.laws[k] if beds.laws else None
     if law is None:
         return line(beds.line[k, 1], beds.line[k, 2], normal), np.full_like(normal, beds.line[k, 2])
-    # a mean traction is one part of the load on all contacts; steeper laws are lines below the least traction
+    # below a least traction, a part of the mean, the law is replaced by a line through its value there
     scale = float(beds.stress_scale[k])
     stress, least = normal * scale, max(LEAST_KPA, LEAST_TRACTION * scale)
     above = np.maximum(stress, least)
@@ -376,20 +475,22 @@ def strength_and_slope(beds: Beds, k: int, normal: Floats) -> tuple[Floats, Floa
 
 
 def _laws_for_kernels(beds: Beds, points: int) -> tuple[Any, Bools, Floats]:
-    """Return what asks the laws of contacts, which are curved (m,), and room (3, n) for what they are asked at.
+    """Return a function that evaluates curved laws, which contacts have one (m,), and its arrays (3, n).
 
     Parameters
     ----------
     points : of a triangle, or of a line
     """
     curved = np.array([law is not None for law in beds.laws], dtype=bool)
-    most = int(np.diff(beds.corner).max()) + 2  # corners: where a polygon is cut it gains one or two
-    normal, strength, slope = room = np.zeros((3, most * points if curved.any() else 0))
+    most = (
+        int(np.diff(beds.corner).max()) + 2
+    )  # corners: where a polygon is cut it gains one or two
+    normal, strength, slope = arrays = np.zeros((3, most * points if curved.any() else 0))
 
-    def ask(contact: int, count: int) -> None:
+    def evaluate_law(contact: int, count: int) -> None:
         strength[:count], slope[:count] = strength_and_slope(beds, contact, normal[:count])
 
-    return ask if curved.any() else None, curved, room
+    return evaluate_law if curved.any() else None, curved, arrays
 
 
 def elastic_bed(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> Beds:
@@ -402,17 +503,27 @@ def elastic_bed(model: Model, polygons: Mapping[int, Floats], centroid: Floats) 
     centroid : (3,) m
     """
     keys = sorted(polygons)
-    first, moves = [int(np.flatnonzero(model.interface == key)[0]) for key in keys], model.translations
+    first, moves = (
+        [int(np.flatnonzero(model.interface == key)[0]) for key in keys],
+        model.translations,
+    )
     columns = np.array([0, 2, 4])[: model.unknowns] if moves == 2 else np.arange(model.unknowns)
     arms = np.concatenate([polygons[key] for key in keys]) - centroid
-    corner, normals = np.cumsum([0, *(len(polygons[key]) for key in keys)]), np.zeros((len(keys), 3))
+    corner, normals = (
+        np.cumsum([0, *(len(polygons[key]) for key in keys)]),
+        np.zeros((len(keys), 3)),
+    )
     normals[:, columns[:moves]] = model.rows[first, 0, :moves]
     axes = local_axes(normals)
     length = math.sqrt(float((arms * arms).sum()) / len(arms))
     middle, rows, plane = contact_rows(arms / length, corner, axes, columns)
     to_bed = np.where(np.arange(model.unknowns) < moves, 1.0, model.length_scale / length)
-    one, straight = np.ones(len(keys)), model.tan_friction[first]
-    laws = () if model.lines is None else tuple(model.lines.laws[int(joint)] for joint in model.lines.joint[first])
+    ones, straight = np.ones(len(keys)), model.tan_friction[first]
+    laws = (
+        ()
+        if model.lines is None
+        else tuple(model.lines.laws[int(joint)] for joint in model.lines.joint[first])
+    )
     bed = Beds(
         contact=np.array([0, len(keys)]),
         corner=corner,
@@ -420,7 +531,7 @@ def elastic_bed(model: Model, polygons: Mapping[int, Floats], centroid: Floats) 
         middle=middle,
         rows=rows,
         plane=plane,
-        line=np.stack([one, model.cohesion[first] / model.control_area[first], straight], axis=1),
+        line=np.stack([ones, model.cohesion[first] / model.control_area[first], straight], axis=1),
         load=(model.load * to_bed)[None],
         bolt_rows=(model.bolt_rows * to_bed)[None],
         bolt_capacity=model.bolt_capacity[None],
@@ -429,27 +540,31 @@ def elastic_bed(model: Model, polygons: Mapping[int, Floats], centroid: Floats) 
         stress_scale=np.full(len(keys), model.force_scale / model.area_scale),
         tan_dilation=model.tan_dilation[first],
     )
-    bed.line[:, 0] = [model.control_area[model.interface == key].sum() for key in keys] / bed.moments()[:, 0, 0]
+    bed.line[:, 0] = [
+        model.control_area[model.interface == key].sum() for key in keys
+    ] / bed.moments()[:, 0, 0]
     return bed
 
 
 def _fan(corners: Floats) -> tuple[Floats, Floats]:
     """Return triangles (d, j, 3, 2) of polygons (d, j, 2) about their centroids, and their areas (d, j).
 
-    A corner that comes, or goes, where it is cut has a triangle of no area: the points move without a jump.
+    A corner that appears or vanishes at the cut has a triangle of zero area, so that points move continuously.
     """
-    after, middle = np.roll(corners, -1, axis=1), corners.mean(axis=1, keepdims=True)
-    double = cross_2d(corners - middle, after - middle)
-    whole = double.sum(axis=1)[:, None, None]
-    moment = double[:, None] @ (corners + after - 2.0 * middle)
-    middle = middle + moment / (3.0 * np.where(np.abs(whole) > 0.0, whole, 1.0))
-    cells = np.stack([np.broadcast_to(middle, corners.shape), corners, after], axis=2)
-    return cells, 0.5 * np.sign(whole[:, 0].real) * cross_2d(corners - middle, after - middle)
+    next_corners, middle = np.roll(corners, -1, axis=1), corners.mean(axis=1, keepdims=True)
+    double = cross_2d(corners - middle, next_corners - middle)
+    total = double.sum(axis=1)[:, None, None]
+    moment = double[:, None] @ (corners + next_corners - 2.0 * middle)
+    middle = middle + moment / (3.0 * np.where(np.abs(total) > 0.0, total, 1.0))
+    cells = np.stack([np.broadcast_to(middle, corners.shape), corners, next_corners], axis=2)
+    return cells, 0.5 * np.sign(total[:, 0].real) * cross_2d(
+        corners - middle, next_corners - middle
+    )
 
 
-def cross_2d(here: Floats, there: Floats) -> Floats:
-    """Return the cross products of vectors (..., 2)."""
-    return here[..., 0] * there[..., 1] - here[..., 1] * there[..., 0]
+def cross_2d(first: Floats, second: Floats) -> Floats:
+    """Return the cross products (...) of vectors (..., 2) in a plane."""
+    return first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
 
 
 @cache
@@ -458,5 +573,5 @@ def _line_template(split: int) -> tuple[Floats, Floats]:
     elements = 2**split * 4
     weights = np.where(np.arange(2 * elements + 1) % 2 == 1, 4.0, 2.0)
     weights[[0, -1]] = 1.0
-    at = np.linspace(0.0, 1.0, 2 * elements + 1)
-    return np.stack([1.0 - at, at], axis=1), weights / (6.0 * elements)
+    positions = np.linspace(0.0, 1.0, 2 * elements + 1)
+    return np.stack([1.0 - positions, positions], axis=1), weights / (6.0 * elements)

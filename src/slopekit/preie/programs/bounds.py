@@ -1,4 +1,4 @@
-"""What can be proved about the factor of many blocks: the static bound, and the range of one mechanism.
+"""Proved bounds on the factor of many blocks: the static bound, and the range of one mechanism.
 
 **Static bound** S = 1/λ: the smallest λ for which some admissible forces balance the loads,
 
@@ -18,7 +18,7 @@ from dataclasses import replace
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.onlooker import say
+from slopekit.core.progress import report_stage
 from slopekit.preie.programs.bound import StaticBound
 from slopekit.preie.programs.bound_of_many import bound_in_one_run
 from slopekit.preie.programs.distance import Distance, bound_by_programs
@@ -42,86 +42,105 @@ from slopekit.preie.tolerances import (
 )
 from slopekit.strength.mohr_coulomb import line
 
-_FEW, _FEW_PAIRS = 10, 100  # moving blocks in space, and their pairs, for which programs at one λ take no longer
-_MOST_PROGRAMS = 600  # and from which they take minutes
-_CLEANED = 1500  # unknowns up to which a motion is cleaned onto its exact kinematics
-_RELEASES, _ROUGH = 40, 1e6  # rounds of letting go; springs of contacts in parts of the inertia
-_OUTSIDE = 1e-7  # of a block's own load: forces so far from a mechanism are not its; programs end within some 1e-9
-_BESIDE = 0.1  # of the bracket of an end, where Newton's method came out inside
-_HELD = 120  # unknowns up to which normal forces that hold all blocks are looked for: a dense problem
+_FEW, _FEW_PAIRS = (
+    10,
+    100,
+)  # moving blocks in space, and their pairs, up to which programs at one λ are as fast
+_MOST_PROGRAMS = 600  # blocks, above which such programs take minutes
+_MOST_UNKNOWNS_EXACT = 1500  # unknowns up to which a motion is cleaned onto its exact kinematics
+_RELEASES, _ROUGH = (
+    40,
+    1e6,
+)  # rounds of releasing contacts; springs of contacts in parts of the inertia
+_OUTSIDE = 1e-7  # of a block's load: distance at which forces do not belong to a mechanism; programs end near 1e-9
+_BRACKET_FRACTION = 0.1  # of the bracket of an end: next trial where a Newton step ends inside
+_MOST_UNKNOWNS_NORMALS = (
+    120  # unknowns up to which frictionless equilibrium is tried: a dense problem
+)
 
 
 def static_bound(model: AssemblyModel) -> StaticBound:
-    """The static bound of all blocks of a model."""
-    say("static bound")
-    found: StaticBound | None = None
+    """Return the static bound of all blocks of a model."""
+    report_stage("static bound")
+    bound: StaticBound | None = None
     if model.unknowns == 6 and (len(model.load) > _FEW or len(model.control_area) > _FEW_PAIRS):
-        found = bound_in_one_run(model, BOUND_ACCURACY if len(model.load) <= _MOST_PROGRAMS else BOUND_ROUGHLY)
-    found = found or bound_by_programs(model)
-    if found is not None and not found.lifted:
-        return found
-    normal = held_by_normals(model, model.load.ravel())
-    if normal is not None:  # flat wedges in slots: their forces are many times the load
+        bound = bound_in_one_run(
+            model, BOUND_ACCURACY if len(model.load) <= _MOST_PROGRAMS else BOUND_ROUGHLY
+        )
+    bound = bound or bound_by_programs(model)
+    if bound is not None and not bound.lifted:
+        return bound
+    normal = frictionless_equilibrium(model, model.load.ravel())
+    if normal is not None:  # such as flat wedges in slots, whose forces are many times the load
         return StaticBound(None, False, True, np.zeros(model.load.size), normal, 0)
-    if found is None:
-        return StaticBound(None, False, False, np.zeros(model.load.size), np.zeros(len(model.control_area)), 0)
-    return replace(found, velocity=_first_acceleration(model))
+    if bound is None:
+        return StaticBound(
+            None, False, False, np.zeros(model.load.size), np.zeros(len(model.control_area)), 0
+        )
+    return replace(bound, velocity=_first_acceleration(model))
 
 
 def _first_acceleration(model: AssemblyModel) -> Floats:
-    """How blocks set off that nothing balances, (N,): the acceleration of least constraint, contacts rough.
+    """Return the acceleration (N,) of unbalanced blocks at rest, by Gauss' least constraint with rough contacts.
 
-    Every kind of motion has the same inertia here (scaled by the size of the blocks); contacts that would pull are let
-    go, one round after the other, and bolts that would push.
+    All motions have the same inertia here (scaled by the size of the blocks); contacts in tension and bolts in
+    compression are released, round by round.
     """
     solver, pattern = SparseStiffness(model), ContactPattern(model)
     load = model.load.ravel()
     roughness = _ROUGH * ((model.tan_friction > NO_FORCE) | model.bolted)
-    pressed, taut = np.ones(len(model.control_area), dtype=bool), np.ones(len(roughness), dtype=bool)
+    pressed, taut = (
+        np.ones(len(model.control_area), dtype=bool),
+        np.ones(len(roughness), dtype=bool),
+    )
     velocity = load
     for _ in range(_RELEASES):
         springs = np.where(pressed, _ROUGH * model.control_area, 0.0)
-        held = roughness * taut * (model.by_group(springs) > 0.0)
-        rough = np.eye(model.slip_rows.shape[1]) * held[:, None, None]
-        velocity = solver.factored(pattern.stiffness(springs, rough), 0.0, inertia=np.ones(len(load)))(load)
+        shear_springs = roughness * taut * (model.by_group(springs) > 0.0)
+        rough = np.eye(model.slip_rows.shape[1]) * shear_springs[:, None, None]
+        velocity = solver.factored(
+            pattern.stiffness(springs, rough), 0.0, inertia=np.ones(len(load))
+        )(load)
         opening, slip = model.opening_and_slip(velocity)
         fastest = max(float(np.abs(velocity).max()), TINY)
         pulled = pressed & (opening > PARALLEL * fastest)
         pushed = ~pressed & (opening < -NO_MOTION * fastest)
         slack = taut & model.bolted & (slip[:, 0] > PARALLEL * fastest)
-        drawn = ~taut & (slip[:, 0] < -NO_MOTION * fastest)
-        if not (pulled.any() or pushed.any() or slack.any() or drawn.any()):
+        is_stretched = ~taut & (slip[:, 0] < -NO_MOTION * fastest)
+        if not (pulled.any() or pushed.any() or slack.any() or is_stretched.any()):
             break
-        pressed, taut = (pressed & ~pulled) | pushed, (taut & ~slack) | drawn
+        pressed, taut = (pressed & ~pulled) | pushed, (taut & ~slack) | is_stretched
     return velocity
 
 
-def held_by_normals(model: AssemblyModel, load: Floats) -> Floats | None:
-    """Normal forces (m,) that balance a load (N,) without friction, cohesion or bolts; None where there are none.
+def frictionless_equilibrium(model: AssemblyModel, load: Floats) -> Floats | None:
+    """Return normal forces (m,) that balance a load (N,) without friction, cohesion or bolts; None without any.
 
-    Where there are any nothing moves at any strength: no motion in which no contact closes has work of the load,
+    Where they exist the blocks are stable at any strength: no motion in which no contact closes has work of the load,
 
         P·v = -N·(B_n v) <= 0    as    B_n v >= 0.
 
-    Not looked for where the blocks are many.
+    Not tried for many blocks.
     """
-    if len(load) > _HELD:
+    if len(load) > _MOST_UNKNOWNS_NORMALS:
         return None
-    from scipy.optimize import nnls  # takes a tenth of a second to load, and most designs never ask
+    from scipy.optimize import (
+        nnls,
+    )  # takes a tenth of a second to load, and most designs do not need it
 
     pairs, joints = len(model.control_area), model.joint_pairs.stop
     by_normals = model.statics[:, :joints].toarray()
     least = LIGHTEST * float(np.abs(load).max())
-    own = np.maximum(np.abs(load.reshape(model.load.shape)).max(axis=1), least)
-    parts = 1.0 / np.repeat(own, model.unknowns)
-    matrix, target = parts[:, None] * by_normals, -parts * load
+    block_loads = np.maximum(np.abs(load.reshape(model.load.shape)).max(axis=1), least)
+    scale = 1.0 / np.repeat(block_loads, model.unknowns)
+    matrix, target = scale[:, None] * by_normals, -scale * load
     try:
-        found, _ = nnls(matrix, target)
-    except RuntimeError:  # it took too many steps
+        normal_forces, _ = nnls(matrix, target)
+    except RuntimeError:  # no convergence
         return None
-    if float(np.abs(target - matrix @ found).max(initial=0.0)) > EQUILIBRIUM:
+    if float(np.abs(target - matrix @ normal_forces).max(initial=0.0)) > EQUILIBRIUM:
         return None
-    return np.concatenate([found, np.zeros(pairs - joints)])
+    return np.concatenate([normal_forces, np.zeros(pairs - joints)])
 
 
 # -- the range of one mechanism ---------------------------------------------------------------------------------------
@@ -135,7 +154,7 @@ def mechanism_range(
     forces: tuple[Floats, Floats],
     top: float | None = None,
 ) -> tuple[float | None, float | None] | None:
-    """The lowest and highest factor of a mechanism under any admissible forces; None where it has none itself.
+    """Return the lowest and highest factor of a mechanism under any admissible forces; None where it has no factor.
 
     Parameters
     ----------
@@ -146,62 +165,73 @@ def mechanism_range(
     -------
     (lowest, highest); an end is None where it lies beyond fifty times (a fiftieth of) the factor, or `top`.
     """
-    say("range of the mechanism")
-    away = Distance(model, _cleaned(model, velocity, forces, factor), bond, 1.0 / factor)
-    if away.at(1.0 / factor).distance > LIMIT_BALANCED:
+    report_stage("range of the mechanism")
+    program = Distance(model, _exact_mechanism(model, velocity, forces, factor), bond, 1.0 / factor)
+    if program.evaluate(1.0 / factor).distance > LIMIT_BALANCED:
         return None
-    high = _end(away, 1.0 / factor, 1.0, math.inf)  # λ up: the lowest factor
-    low = _end(away, 1.0 / factor, -1.0, 0.0 if top is None else 1.0 / top)
+    high = _range_end(program, 1.0 / factor, 1.0, math.inf)  # λ up: the lowest factor
+    low = _range_end(program, 1.0 / factor, -1.0, 0.0 if top is None else 1.0 / top)
     return (1.0 / high if high else None), (1.0 / low if low else None)
 
 
-def _end(away: Distance, inside: float, way: float, last: float) -> float | None:
-    """The λ at which the forces leave the mechanism, above (`way` 1) or below; None where not before the `last`."""
+def _range_end(program: Distance, inside: float, direction: float, last: float) -> float | None:
+    """Return λ at an end of the range of a mechanism, above (`direction` 1) or below; None beyond the `last` λ."""
     outside, stride = inside, 1.02
     while True:
-        outside *= stride**way
-        far = away.at(outside)
-        if far.distance > _OUTSIDE:
+        outside *= stride**direction
+        outer = program.evaluate(outside)
+        if outer.distance > _OUTSIDE:
             break
         inside = outside
-        if (inside - last) * way > 0.0:
+        if (inside - last) * direction > 0.0:
             return None
-        if not 1.0 / WIDEST_RANGE < outside * stride**way / inside < WIDEST_RANGE or stride > WIDEST_RANGE:
+        if (
+            not 1.0 / WIDEST_RANGE < outside * stride**direction / inside < WIDEST_RANGE
+            or stride > WIDEST_RANGE
+        ):
             return None
         stride = stride * stride
-    beside = _BESIDE
+    fraction = _BRACKET_FRACTION
     while True:
-        trial = outside - far.distance / far.slope if far.slope * way > 0.0 else inside
+        trial = outside - outer.distance / outer.slope if outer.slope * direction > 0.0 else inside
         if min(abs(trial / outside - 1.0), abs(outside / inside - 1.0)) < NEAR:
-            return trial if inside * way < trial * way < outside * way else inside
-        if not min(inside, outside) < trial < max(inside, outside):  # Newton came out just inside: look beside it
-            trial, beside = inside + beside * (outside - inside), min(4.0 * beside, 0.5)
-        there = away.at(trial)
-        if there.distance > _OUTSIDE:
-            outside, far, beside = trial, there, _BESIDE
+            return trial if inside * direction < trial * direction < outside * direction else inside
+        if (
+            not min(inside, outside) < trial < max(inside, outside)
+        ):  # the Newton step ended inside the range
+            trial, fraction = inside + fraction * (outside - inside), min(4.0 * fraction, 0.5)
+        evaluation = program.evaluate(trial)
+        if evaluation.distance > _OUTSIDE:
+            outside, outer, fraction = trial, evaluation, _BRACKET_FRACTION
         else:
             inside = trial
 
 
-def _cleaned(model: AssemblyModel, velocity: Floats, forces: tuple[Floats, Floats], factor: float) -> Floats:
-    """The motion (N,) made exact: what is pressed does not open, and what carries less than its strength sticks.
+def _exact_mechanism(
+    model: AssemblyModel, velocity: Floats, forces: tuple[Floats, Floats], factor: float
+) -> Floats:
+    """Return a motion (N,) made exact: pressed contacts do not open, and those below their strength stick.
 
     Parameters
     ----------
     forces : normal (m,) and friction (g, t) of the limit state
     """
-    if model.tan_dilation.any() or model.load.size > _CLEANED:
+    if model.tan_dilation.any() or model.load.size > _MOST_UNKNOWNS_EXACT:
         return velocity
     normal, friction = forces
     pressed = normal > CARRIES * float(normal.max(initial=0.0))
     opening, slip = model.opening_and_slip(velocity)
-    size, carried = (np.sqrt((of * of).sum(axis=1)) for of in (slip, friction))
-    hardly = MOVES * max(float(np.abs(opening).max()), float(size.max()))
-    strength = line(model.by_group(model.cohesion), model.tan_friction, model.by_group(normal)) / factor
-    sticks = (carried < (1.0 - MOVES) * strength) & (size < hardly)
-    sticks &= ~model.bolted | (carried > MOVES * strength)  # a slack bolt may get shorter
-    still = np.concatenate([pressed & (np.abs(opening) < hardly), np.repeat(sticks, slip.shape[1])])
-    rows = model.kinematics[np.flatnonzero(still)].toarray()
+    size, shear = (np.sqrt((vectors * vectors).sum(axis=1)) for vectors in (slip, friction))
+    negligible = MOVES * max(float(np.abs(opening).max()), float(size.max()))
+    strength = (
+        line(model.by_group(model.cohesion), model.tan_friction, model.by_group(normal)) / factor
+    )
+    sticks = (shear < (1.0 - MOVES) * strength) & (size < negligible)
+    sticks &= ~model.bolted | (shear > MOVES * strength)  # a slack bolt may get shorter
+    is_fixed = np.concatenate(
+        [pressed & (np.abs(opening) < negligible), np.repeat(sticks, slip.shape[1])]
+    )
+    rows = model.kinematics[np.flatnonzero(is_fixed)].toarray()
     change, *_ = np.linalg.lstsq(rows, rows @ velocity, rcond=1e-10)
     cleaned: Floats = velocity - change
     return cleaned

@@ -22,9 +22,11 @@ from slopekit.preie.system.patterns import ContactPattern
 from slopekit.preie.tolerances import DIAGONAL_SHIFT, LIGHTEST, TINY
 from slopekit.strength.mohr_coulomb import line
 
-PAIR = 24  # numbers that the kernels keep of a pair
-_MOST_LOAD = 1e3  # M: load is shed rather than strength raised more than so often
-_GIVE = 1e-11  # ε, of the elastic give: a thousand times as much moves the bound of 941 blocks by 7e-6
+PAIR = 24  # numbers per node pair in the arrays of the kernels
+_MOST_LOAD = 1e3  # M: penalty of shed load
+_GIVE = (
+    1e-11  # ε, of the elastic give: a thousand times as much moves the bound of 941 blocks by 7e-6
+)
 _LARGE = 10.0  # forces and s to begin with, in parts of the loads: half or twice as much take as many steps
 _LIFTED = 1.0  # least of them about the forces of an elastic bed, in parts of the loads; three times as much is as good
 _TO_BOUNDARY = 0.99  # part of the way to where a force or its multiplier is nothing
@@ -32,20 +34,20 @@ _LEAST_CENTRING = 1e-6  # products fall to so little in a step at most
 
 
 def determinant(point: Floats) -> Floats:
-    """x0² - |x1|² of each row (x0, x1), kept above zero."""
+    """Return the determinant x0² - |x1|² of cone points (g, 1 + t), kept above zero."""
     size: Floats = np.maximum(point[:, 0] ** 2 - (point[:, 1:] * point[:, 1:]).sum(axis=1), TINY)
     return size
 
 
 @dataclass(frozen=True)
 class Iterate:
-    """A point of the method, or a change of one.
+    """An iterate of the interior-point method, or a step between two.
 
     Attributes
     ----------
     normal : (m,) normal forces N; friction : (g, t) friction forces T
     load_factor : 1 + s; shed : σ
-    strength : (g, 1 + t) points of the friction cones: what is allowed, and T
+    strength : (g, 1 + t) points of the friction cones: available strength, and T
     velocity : (n u,) of the blocks
     gap : (m,) multipliers of N; slip : (g, 1 + t) of the cones; shed_slack : of σ
     """
@@ -60,23 +62,32 @@ class Iterate:
     slip: Floats
     shed_slack: float
 
-    def longest(self, at: "Iterate", most: float) -> float:
-        """How far the step may go, at most 1; `most` is what its pairs and cones allow."""
+    def longest(self, iterate: "Iterate", most: float) -> float:
+        """Return the length of this step from an iterate, at most 1; `most` is the limit by its pairs and cones."""
         singles = (
-            (at.shed, self.shed),
-            (at.shed_slack, self.shed_slack),
-            (at.load_factor, self.load_factor),
+            (iterate.shed, self.shed),
+            (iterate.shed_slack, self.shed_slack),
+            (iterate.load_factor, self.load_factor),
         )
-        return min(1.0, _TO_BOUNDARY * min([most, *(-value / change for value, change in singles if change < 0.0)]))
+        return min(
+            1.0,
+            _TO_BOUNDARY
+            * min([most, *(-value / change for value, change in singles if change < 0.0)]),
+        )
 
-    def taken(self, at: "Iterate", length: float) -> "Iterate":
-        """The iterate after so much of the step."""
+    def advanced(self, iterate: "Iterate", length: float) -> "Iterate":
+        """Return the iterate after a length of this step."""
         return Iterate(
-            at.normal + length * self.normal, at.friction + length * self.friction,
-            at.load_factor + length * self.load_factor, at.shed + length * self.shed,
-            at.strength + length * self.strength, at.velocity + length * self.velocity, at.gap + length * self.gap,
-            at.slip + length * self.slip, at.shed_slack + length * self.shed_slack,
-        )  # fmt: skip
+            iterate.normal + length * self.normal,
+            iterate.friction + length * self.friction,
+            iterate.load_factor + length * self.load_factor,
+            iterate.shed + length * self.shed,
+            iterate.strength + length * self.strength,
+            iterate.velocity + length * self.velocity,
+            iterate.gap + length * self.gap,
+            iterate.slip + length * self.slip,
+            iterate.shed_slack + length * self.shed_slack,
+        )
 
 
 class Shortfall:
@@ -85,40 +96,56 @@ class Shortfall:
     def __init__(self, model: AssemblyModel) -> None:
         self.model = model
         self.solver, self.pattern = SparseStiffness(model), ContactPattern(model)
-        self.give, self.group_give = 1.0 / model.control_area, 1.0 / model.by_group(model.control_area)
+        self.give, self.group_give = (
+            1.0 / model.control_area,
+            1.0 / model.by_group(model.control_area),
+        )
         cohesion = model.by_group(model.cohesion)
-        self.cohesion = np.where(model.bolted, 0.5 * cohesion, cohesion)  # about the middle of what a bolt pulls
+        self.cohesion = np.where(
+            model.bolted, 0.5 * cohesion, cohesion
+        )  # about the mean pull of a bolt
         self.own_load, self.pulls = model.load.ravel(), model.mean_pulls
-        own = np.sqrt((model.load * model.load).sum(axis=1))
-        own = np.maximum(own, LIGHTEST * float(own.max()))
-        self.least_load = np.repeat(own, model.unknowns)
-        lighter = np.minimum(own[model.plus], np.where(model.minus < 0, np.inf, own[model.minus]))
+        block_loads = np.sqrt((model.load * model.load).sum(axis=1))
+        block_loads = np.maximum(block_loads, LIGHTEST * float(block_loads.max()))
+        self.least_load = np.repeat(block_loads, model.unknowns)
+        lighter = np.minimum(
+            block_loads[model.plus], np.where(model.minus < 0, np.inf, block_loads[model.minus])
+        )
         self.weight, self.pair_weight = lighter[model.group_contact], lighter[model.pair_contact]
         self.cones = len(self.pair_weight) + len(self.weight) + 1
         self.set_reduction(1.0)
 
     def set_reduction(self, reduction: float) -> None:
-        """Set λ."""
+        """Set the strength reduction λ of the program."""
         self.load = self.own_load + reduction * self.pulls
         self.friction = reduction * self.model.tan_friction
-        self.apart = reduction * self.cohesion - self.weight
+        self.cone_offset = reduction * self.cohesion - self.weight
 
-    def begun(self) -> Iterate:
-        """A start in which every cone has its middle."""
+    def start(self) -> Iterate:
+        """Return a first iterate in the middle of every cone."""
         pairs, (groups, tangents) = len(self.pair_weight), self.model.slip_rows.shape[:2]
         none, unit = np.zeros((groups, tangents)), _LARGE / (2.0 * pairs)
         normal, room = _LARGE * self.pair_weight, _LARGE * self.weight[:, None]
         return Iterate(
-            normal, none, _LARGE, unit / _MOST_LOAD, np.hstack([room, none]), np.zeros(len(self.load)), unit / normal,
-            np.hstack([unit / room, none]), _MOST_LOAD,
-        )  # fmt: skip
+            normal,
+            none,
+            _LARGE,
+            unit / _MOST_LOAD,
+            np.hstack([room, none]),
+            np.zeros(len(self.load)),
+            unit / normal,
+            np.hstack([unit / room, none]),
+            _MOST_LOAD,
+        )
 
-    def begun_elastic(self, reduction: float) -> Iterate:
-        """The same about the forces of an elastic bed, which is nearer to a λ that is known to be good."""
+    def elastic_start(self, reduction: float) -> Iterate:
+        """Return a first iterate near the forces of an elastic bed, for a λ close to the bound."""
         model = self.model
         tangents = np.eye(model.slip_rows.shape[1]) / self.group_give[:, None, None]
         local = self.pattern.stiffness(model.control_area, tangents)
-        opening, slips = model.opening_and_slip(self.solver.factored(local, DIAGONAL_SHIFT)(self.own_load))
+        opening, slips = model.opening_and_slip(
+            self.solver.factored(local, DIAGONAL_SHIFT)(self.own_load)
+        )
         normal, friction = -model.control_area * opening, -slips / self.group_give[:, None]
         normal = np.maximum(normal, _LIFTED * self.pair_weight)
         room = reduction * model.tan_friction * model.by_group(normal) + self.weight
@@ -129,28 +156,35 @@ class Shortfall:
         slip[:, 1:] *= -1.0
         unit = 1.0 / float(self.weight @ slip[:, 0])
         return Iterate(
-            normal, friction, 2.0, unit / _MOST_LOAD, strength, np.zeros(len(self.load)), unit / normal, unit * slip,
+            normal,
+            friction,
+            2.0,
+            unit / _MOST_LOAD,
+            strength,
+            np.zeros(len(self.load)),
+            unit / normal,
+            unit * slip,
             _MOST_LOAD,
-        )  # fmt: skip
+        )
 
-    def falls(self, at: Iterate) -> float:
-        """ds/dλ."""
-        strength = line(self.cohesion, self.model.tan_friction, self.model.by_group(at.normal))
-        return float(self.pulls @ at.velocity) - float(strength @ at.slip[:, 0])
+    def slope(self, iterate: Iterate) -> float:
+        """Return ds/dλ at an iterate."""
+        strength = line(self.cohesion, self.model.tan_friction, self.model.by_group(iterate.normal))
+        return float(self.pulls @ iterate.velocity) - float(strength @ iterate.slip[:, 0])
 
     def inertia(self, gap: float) -> Floats:
-        """Hardly anything of the stiffness of each block, (n u,): of slivers too, which the mean would hold."""
+        """Return a regularisation (n u,), a small part of the stiffness of each block, slivers included."""
         small: Floats = (DIAGONAL_SHIFT * self.cones / gap) * self.least_load * self.least_load
         return small
 
     def laws(self) -> tuple[Floats, Floats, Floats, Floats]:
-        """Elastic give of the pairs, and of their friction; tangents; strength per unit of the load factor."""
+        """Return elastic compliances of pairs (m,) and friction (g,), λ tan φ (g,), strength per load factor (g,)."""
         return _GIVE * self.give, _GIVE * self.group_give, self.friction, self.weight
 
 
 @dataclass(frozen=True)
 class Residuals:
-    """What is off at an iterate, one part for each equation; `gap` is what the multipliers still earn."""
+    """Residuals of the equations at an iterate, by equation; `gap` is the complementarity."""
 
     normal: Floats
     slip: Floats
@@ -161,87 +195,181 @@ class Residuals:
     gap: float
 
     @classmethod
-    def of(cls, program: Shortfall, at: Iterate) -> "Residuals":
-        """What is off at an iterate."""
-        count, balance = len(at.normal), (1.0 - at.shed) * program.load
-        of_normal, of_slip, of_strength = np.empty(count), np.empty((count, 2)), np.empty((count, 3))
+    def evaluate(cls, program: Shortfall, iterate: Iterate) -> "Residuals":
+        """Return the residuals of a program at an iterate."""
+        count, balance = len(iterate.normal), (1.0 - iterate.shed) * program.load
+        normal, slip, strength = (
+            np.empty(count),
+            np.empty((count, 2)),
+            np.empty((count, 3)),
+        )
         work, gaps, _ = compiled().cone_residuals(
-            program.pattern.contacts, *program.laws(), program.apart, at.normal, at.friction, at.gap, at.strength,
-            at.slip, at.velocity, at.load_factor, of_normal, of_slip, of_strength, balance,
-        )  # fmt: skip
+            program.pattern.contacts,
+            *program.laws(),
+            program.cone_offset,
+            iterate.normal,
+            iterate.friction,
+            iterate.gap,
+            iterate.strength,
+            iterate.slip,
+            iterate.velocity,
+            iterate.load_factor,
+            normal,
+            slip,
+            strength,
+            balance,
+        )
         return cls(
-            of_normal, of_slip, of_strength, 1.0 - work, balance,
-            _MOST_LOAD - float(program.load @ at.velocity) - at.shed_slack, gaps + at.shed * at.shed_slack,
-        )  # fmt: skip
+            normal,
+            slip,
+            strength,
+            1.0 - work,
+            balance,
+            _MOST_LOAD - float(program.load @ iterate.velocity) - iterate.shed_slack,
+            gaps + iterate.shed * iterate.shed_slack,
+        )
 
-    def worth(self, at: Iterate) -> float:
-        """What is off at an iterate may be worth to s, but for the cones."""
-        forces = float(np.abs(self.normal * at.normal).sum()) + float(np.abs(self.slip * at.friction).sum())
-        return forces + abs(float(self.balance @ at.velocity)) + abs(self.factor * (at.load_factor - 1.0))
+    def work(self, iterate: Iterate) -> float:
+        """Return by how much the residuals at an iterate may change s, those of the cones left out."""
+        forces = float(np.abs(self.normal * iterate.normal).sum()) + float(
+            np.abs(self.slip * iterate.friction).sum()
+        )
+        return (
+            forces
+            + abs(float(self.balance @ iterate.velocity))
+            + abs(self.factor * (iterate.load_factor - 1.0))
+        )
 
     def outside(self, program: Shortfall) -> float:
-        """How far forces are from balance and cones off at most, in parts of the loads."""
+        """Return the largest unbalanced force or violation of a cone, in parts of the loads."""
         cones = float((np.abs(self.strength).max(axis=1) / program.weight).max())
         return max(float((np.abs(self.balance) / program.least_load).max()), cones)
 
 
 class ConeEquations:
-    """Newton's equations at an iterate, on the central path, scaled after Nesterov & Todd, and factorised."""
+    """Newton's equations of the central path at an iterate, in Nesterov-Todd scaling, factorised."""
 
-    def __init__(self, program: Shortfall, at: Iterate, off: Residuals) -> None:
+    def __init__(self, program: Shortfall, iterate: Iterate, residuals: Residuals) -> None:
         """Raises SolverError (E599) where they are singular."""
-        self.program, self.start, self.off = program, at, off
+        self.program, self.start, self.residuals = program, iterate, residuals
         load, contacts, unknowns = program.load, len(program.model.plus), program.model.unknowns
-        self.pairs, local = np.empty((len(at.normal), PAIR)), np.empty((contacts, unknowns, unknowns))
+        self.pairs, local = (
+            np.empty((len(iterate.normal), PAIR)),
+            np.empty((contacts, unknowns, unknowns)),
+        )
         self.border = np.zeros(len(load))
         corner = compiled().cone_springs(
-            program.pattern.contacts, *program.laws(), at.normal, at.gap, at.strength, at.slip, self.pairs,
-            local, self.border,
-        )  # fmt: skip
-        self.solver: Solver = program.solver.factored(local, 0.0, True, program.inertia(off.gap))
+            program.pattern.contacts,
+            *program.laws(),
+            iterate.normal,
+            iterate.gap,
+            iterate.strength,
+            iterate.slip,
+            self.pairs,
+            local,
+            self.border,
+        )
+        self.solver: Solver = program.solver.factored(
+            local, 0.0, True, program.inertia(residuals.gap)
+        )
         self.columns = self.solver(np.stack([self.border, load], axis=1))
-        self.system = np.array([
-            [corner + self.border @ self.columns[:, 0], self.border @ self.columns[:, 1]],
-            [load @ self.columns[:, 0], at.shed_slack / at.shed + load @ self.columns[:, 1]],
-        ])  # fmt: skip
+        self.system = np.array(
+            [
+                [corner + self.border @ self.columns[:, 0], self.border @ self.columns[:, 1]],
+                [
+                    load @ self.columns[:, 0],
+                    iterate.shed_slack / iterate.shed + load @ self.columns[:, 1],
+                ],
+            ]
+        )
 
-    def step(self, towards: float) -> tuple[Iterate, float]:
-        """Mehrotra's step, and its length: what a step to the end would do tells how far to aim and what to correct.
+    def step(self, least_gap: float) -> tuple[Iterate, float]:
+        """Return the predictor-corrector step of Mehrotra and its length.
 
         Parameters
         ----------
-        towards : no less complementarity than this
+        least_gap : complementarity that the step aims at, at least
         """
-        at, kernels = self.start, compiled()
-        middle, of_normal = np.empty_like(at.slip), np.empty_like(at.normal)
-        target, to_strength = np.empty_like(at.slip), np.empty_like(at.slip)
-        kernels.cone_middle(self.pairs, at.slip, middle)
-        ahead, reach = self.direction(-at.gap * at.normal, -middle, -at.shed * at.shed_slack)
+        iterate, kernels = self.start, compiled()
+        middle, to_normal = np.empty_like(iterate.slip), np.empty_like(iterate.normal)
+        target, to_strength = np.empty_like(iterate.slip), np.empty_like(iterate.slip)
+        kernels.cone_middle(self.pairs, iterate.slip, middle)
+        predictor, reach = self.direction(
+            -iterate.gap * iterate.normal, -middle, -iterate.shed * iterate.shed_slack
+        )
         centring = max((1.0 - reach) ** 3, _LEAST_CENTRING)
-        barrier = max(centring * self.off.gap, towards) / self.program.cones
+        barrier = max(centring * self.residuals.gap, least_gap) / self.program.cones
         kernels.cone_targets(
-            self.pairs, at.strength, at.slip, ahead.normal, ahead.gap, ahead.strength, ahead.slip, middle, barrier,
-            -1.0, barrier, barrier, of_normal, target, to_strength,
-        )  # fmt: skip
-        of_shed = barrier - at.shed * at.shed_slack - ahead.shed * ahead.shed_slack
-        return self.direction(of_normal, to_strength, of_shed)
+            self.pairs,
+            iterate.strength,
+            iterate.slip,
+            predictor.normal,
+            predictor.gap,
+            predictor.strength,
+            predictor.slip,
+            middle,
+            barrier,
+            -1.0,
+            barrier,
+            barrier,
+            to_normal,
+            target,
+            to_strength,
+        )
+        to_shed = (
+            barrier - iterate.shed * iterate.shed_slack - predictor.shed * predictor.shed_slack
+        )
+        return self.direction(to_normal, to_strength, to_shed)
 
-    def direction(self, to_normal: Floats, to_strength: Floats, to_shed: float) -> tuple[Iterate, float]:
-        """The step towards given products of the normal forces (m,), the cones (m, 3) and the shed load; its length."""
-        at, off, kernels, load = self.start, self.off, compiled(), self.program.load
-        contacts, offs = self.program.pattern.contacts, (off.normal, off.slip, off.strength)
-        normal, friction, gap = np.empty_like(at.normal), np.empty_like(at.friction), np.empty_like(at.gap)
-        strength, slip, forces = np.empty_like(at.strength), np.empty_like(at.slip), off.balance.copy()
-        earned = kernels.cone_sources(contacts, self.pairs, to_normal, to_strength, *offs, normal, friction, forces)
+    def direction(
+        self, to_normal: Floats, to_strength: Floats, to_shed: float
+    ) -> tuple[Iterate, float]:
+        """Return the step to target products of normal forces (m,), cones (m, 3) and shed load, and its length."""
+        iterate, residuals, kernels, load = (
+            self.start,
+            self.residuals,
+            compiled(),
+            self.program.load,
+        )
+        contacts, cone_residuals = (
+            self.program.pattern.contacts,
+            (residuals.normal, residuals.slip, residuals.strength),
+        )
+        normal, friction, gap = (
+            np.empty_like(iterate.normal),
+            np.empty_like(iterate.friction),
+            np.empty_like(iterate.gap),
+        )
+        strength, slip, forces = (
+            np.empty_like(iterate.strength),
+            np.empty_like(iterate.slip),
+            residuals.balance.copy(),
+        )
+        earned = kernels.cone_sources(
+            contacts, self.pairs, to_normal, to_strength, *cone_residuals, normal, friction, forces
+        )
         first = self.solver(forces)
-        of_factor = -off.factor + earned + float(self.border @ first)
-        of_shed = -off.shed + to_shed / at.shed + float(load @ first)
+        of_factor = -residuals.factor + earned + float(self.border @ first)
+        of_shed = -residuals.shed + to_shed / iterate.shed + float(load @ first)
         factor, shed = np.linalg.solve(self.system, np.array([of_factor, of_shed])).tolist()
         velocity = first - self.columns @ np.array([factor, shed])
         most = kernels.cone_step(
-            contacts, self.pairs, velocity, factor, float(at.normal.mean() / at.gap.mean()), to_normal, to_strength,
-            *offs, at.strength, at.slip, normal, friction, strength, gap, slip,
-        )  # fmt: skip
-        slack = (to_shed - at.shed_slack * shed) / at.shed
+            contacts,
+            self.pairs,
+            velocity,
+            factor,
+            float(iterate.normal.mean() / iterate.gap.mean()),
+            to_normal,
+            to_strength,
+            *cone_residuals,
+            iterate.strength,
+            iterate.slip,
+            normal,
+            friction,
+            strength,
+            gap,
+            slip,
+        )
+        slack = (to_shed - iterate.shed_slack * shed) / iterate.shed
         step = Iterate(normal, friction, factor, shed, strength, velocity, gap, slip, slack)
-        return step, step.longest(at, most)
+        return step, step.longest(iterate, most)

@@ -15,8 +15,8 @@ bench of 7,251          43506                 3200 (-)       710 (1330)
 ===================  ========  =============  =============  =============
 
 Dense and band are LAPACK's. The third needs compiled kernels, with which its 304 blocks take 2.1 (3.0) ms; the table is
-NumPy's. It is multifrontal (Duff & Reid 1983) by nested dissection (George 1973): blocks are halved by a least set of
-blocks between the halves, and so on; halves first, what separates them last, each in a dense matrix of its own.
+NumPy's. It is multifrontal (Duff & Reid 1983) by nested dissection (George 1973): blocks are halved recursively by a
+least separating set; halves are eliminated first, separators last, each in a dense matrix of its own.
 """
 
 from typing import Any
@@ -31,22 +31,22 @@ from slopekit.core.errors import Fault, SolverError
 from slopekit.preie.kernels import compiled
 from slopekit.preie.solvers.dissection import touching_blocks
 from slopekit.preie.solvers.fronts import Fronts, Solver
-from slopekit.preie.solvers.work_limit import SECOND, factorisation, spend
+from slopekit.preie.solvers.work_limit import UNITS_PER_SECOND, factorisation, spend
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.patterns import compiled_contacts
 
-_MOST_BYTES = 900_000_000  # of the factors of one model: what needs more is refused
-_DENSE = 60  # unknowns from which the narrowest band is as fast, and the widest not slower
-_DISSECT = 1e-3  # s a factorisation in a band takes, below which a dissection does not pay
+_MAX_BYTES = 900_000_000  # memory for the factors of one model; E504 above
+_DENSE_UNKNOWNS = 60  # unknowns from which the narrowest band is as fast, and the widest not slower
+_DISSECTION_SECONDS = 1e-3  # s of a factorisation in a band, below which a dissection does not pay
 
 
 class SparseStiffness:
-    """Where the stiffness of each contact goes; `factored` makes a solver.
+    """Assemble and factorise the stiffness K of a model, with the places of its contacts' stiffnesses found once.
 
     Parameters
     ----------
-    way : Dense, Band or Fronts; the fastest by estimate where it is not given
-    symmetric : whether the first K is; the other kind is planned when it comes
+    storage : Dense, Band or Fronts; None takes the fastest by estimate
+    symmetric : whether the first K is symmetric; the other kind is planned when it is needed
 
     Raises
     ------
@@ -55,26 +55,29 @@ class SparseStiffness:
     """
 
     def __init__(
-        self, model: AssemblyModel, way: "type[Dense | Band | Fronts] | None" = None, symmetric: bool = True
+        self,
+        model: AssemblyModel,
+        storage: "type[Dense | Band | Fronts] | None" = None,
+        symmetric: bool = True,
     ) -> None:
-        self.model, self.way = model, way
+        self.model, self.storage = model, storage
         self.motion = np.concatenate([model.plus_motion, model.minus_motion], axis=2)
         self.motion_t = np.ascontiguousarray(self.motion.transpose(0, 2, 1))
         self.contacts = compiled_contacts(model)
-        self.plans = {symmetric: self._planned(self._chosen(symmetric))}
+        self.plans = {symmetric: self._assembly_plan(self._fastest_storage(symmetric))}
         self._dense_index: Ints | None = None
         self._work = factorisation(model.load.size)
 
     def factored(
         self, stiffness: Floats, shift: float, symmetric: bool = True, inertia: Floats | None = None
     ) -> Solver:
-        """A solver of K x = b, with K = Σ Jᵀ S J of the contact stiffnesses S (k, u, u) and `shift` on its diagonal.
+        """Return a solver of K x = b, with K = Σ Jᵀ S J of the contact stiffnesses S (k, u, u) and a shifted diagonal.
 
         Parameters
         ----------
         symmetric : K is symmetric and is to be positive definite
         inertia : (n u,) added to the diagonal
-        shift : in parts of the diagonal and of its mean
+        shift : added to the diagonal, as a fraction of it and of its mean
 
         Returns
         -------
@@ -85,109 +88,146 @@ class SparseStiffness:
         SolverError
             E504 the factors do not fit into memory; E599 K is singular, or not positive definite.
         WorkSpentError
-            The work that is allowed is done (`solvers.work_limit`).
+            The budget of work is spent (`solvers.work_limit`).
         """
         if symmetric not in self.plans:
-            self.plans[symmetric] = self._planned(self._chosen(symmetric))
+            self.plans[symmetric] = self._assembly_plan(self._fastest_storage(symmetric))
         spend(self._work)
         plan = self.plans[symmetric]
-        whole = self.contacts is not None
-        values = stiffness if whole else np.matmul(self.motion_t, np.matmul(stiffness, self.motion)).ravel()
+        is_compiled = self.contacts is not None
+        values = (
+            stiffness
+            if is_compiled
+            else np.matmul(self.motion_t, np.matmul(stiffness, self.motion)).ravel()
+        )
         solve = plan.factored(values, shift, inertia)
-        if solve is None and not symmetric and self.way is None and isinstance(plan.way, Fronts):
-            # pivots from one front do not do: the band's come from wherever they are
+        if (
+            solve is None
+            and not symmetric
+            and self.storage is None
+            and isinstance(plan.storage, Fronts)
+        ):
+            # pivots from within a front do not suffice: a band takes pivots from any row
             band = Band(self.model, False)
-            spend(SECOND, band.seconds)
-            _fitting(band)
-            solve = self._planned(band).factored(values, shift, inertia)
+            spend(UNITS_PER_SECOND, band.seconds)
+            _within_memory(band)
+            solve = self._assembly_plan(band).factored(values, shift, inertia)
         if solve is not None:
             return solve
-        what = "not positive definite" if symmetric else "singular"
-        raise SolverError([Fault("E599", f"the stiffness of the assembly is {what}")])
+        defect = "not positive definite" if symmetric else "singular"
+        raise SolverError([Fault("E599", f"the stiffness of the assembly is {defect}")])
 
     def dense(self, stiffness: Floats) -> Floats:
-        """K itself, (n u, n u), of a small model."""
+        """Return K as a dense matrix (n u, n u), for small models."""
         model, u = self.model, self.model.unknowns
         size = model.load.size
         values = np.matmul(self.motion_t, np.matmul(stiffness, self.motion))
         if self._dense_index is None:
-            side = np.stack([model.plus, np.where(model.minus < 0, len(model.load), model.minus)], axis=1)
+            side = np.stack(
+                [model.plus, np.where(model.minus < 0, len(model.load), model.minus)], axis=1
+            )
             place = (side[:, :, None] * u + np.arange(u)).reshape(len(side), -1)
             row, column = np.broadcast_arrays(place[:, :, None], place[:, None, :])
-            self._dense_index = np.where((row < size) & (column < size), row * size + column, size * size).ravel()
+            self._dense_index = np.where(
+                (row < size) & (column < size), row * size + column, size * size
+            ).ravel()
         summed = np.bincount(self._dense_index, values.ravel(), size * size + 1)
         return summed[:-1].astype(np.float64).reshape(size, size)
 
-    def _planned(self, way: "Dense | Band | Fronts") -> "_Plan":
-        return _Plan(self.model, way, self.contacts)
+    def _assembly_plan(self, storage: "Dense | Band | Fronts") -> "_Plan":
+        return _Plan(self.model, storage, self.contacts)
 
-    def _chosen(self, symmetric: bool) -> "Dense | Band | Fronts":
-        if self.way is not None:
-            return _fitting(self.way(self.model, symmetric))
-        if self.model.load.size <= _DENSE:
+    def _fastest_storage(self, symmetric: bool) -> "Dense | Band | Fronts":
+        if self.storage is not None:
+            return _within_memory(self.storage(self.model, symmetric))
+        if self.model.load.size <= _DENSE_UNKNOWNS:
             return Dense(self.model, symmetric)
         band = Band(self.model, symmetric)
-        if band.seconds < _DISSECT or self.contacts is None:
-            return _fitting(band)
+        if band.seconds < _DISSECTION_SECONDS or self.contacts is None:
+            return _within_memory(band)
         fronts = Fronts(self.model, symmetric)
-        return _fitting(fronts if fronts.seconds < band.seconds else band)
+        return _within_memory(fronts if fronts.seconds < band.seconds else band)
 
 
-def _fitting(way: "Dense | Band | Fronts") -> "Dense | Band | Fronts":
-    if way.bytes > _MOST_BYTES:
-        message = f"the stiffness of {len(way.place)} blocks needs {way.bytes * 1e-9:.1f} GB"
+def _within_memory(storage: "Dense | Band | Fronts") -> "Dense | Band | Fronts":
+    if storage.bytes > _MAX_BYTES:
+        message = (
+            f"the stiffness of {len(storage.place)} blocks needs {storage.bytes * 1e-9:.1f} GB"
+        )
         raise SolverError([Fault("E504", message, "", "Take fewer blocks, or larger ones.")])
-    return way
+    return storage
 
 
 class _Plan:
-    """Which entries of the contacts' products Jᵀ S J (k, 2u, 2u) go where in the storage of one way."""
+    """The places in one storage of the entries of the contacts' products Jᵀ S J (k, 2u, 2u)."""
 
-    def __init__(self, model: AssemblyModel, way: "Dense | Band | Fronts", contacts: Any = None) -> None:
-        self.way, self._kernels = way, compiled() if contacts is not None else None
+    def __init__(
+        self, model: AssemblyModel, storage: "Dense | Band | Fronts", contacts: Any = None
+    ) -> None:
+        self.storage, self._kernels = storage, compiled() if contacts is not None else None
         u = model.unknowns
         blocks = np.stack([model.plus, model.minus], axis=1)
-        unknown = (way.place[blocks][:, :, None] * u + np.arange(u)).reshape(len(blocks), 2 * u)
-        there = np.repeat(blocks >= 0, u, axis=1)
+        unknown = (storage.place[blocks][:, :, None] * u + np.arange(u)).reshape(len(blocks), 2 * u)
+        is_unknown = np.repeat(blocks >= 0, u, axis=1)
         row, column = np.broadcast_arrays(unknown[:, :, None], unknown[:, None, :])
-        kept = there[:, :, None] & there[:, None, :]
-        self.kept = np.flatnonzero(kept & (row >= column) if way.symmetric else kept)
-        parts = np.array_split(self.kept, 1 + len(self.kept) // 100_000)  # 3 million of 7,251 blocks
-        self.index = np.concatenate([way.at(row.flat[part], column.flat[part]) for part in parts])
-        self.order = (way.place[:, None] * u + np.arange(u)).ravel()  # where each unknown goes
-        self.diagonal = way.at(self.order, self.order)
+        is_stored = is_unknown[:, :, None] & is_unknown[:, None, :]
+        self.stored_entries = np.flatnonzero(
+            is_stored & (row >= column) if storage.symmetric else is_stored
+        )
+        chunks = np.array_split(
+            self.stored_entries, 1 + len(self.stored_entries) // 100_000
+        )  # 3 million of 7,251 blocks
+        self.index = np.concatenate(
+            [storage.storage_index(row.flat[chunk], column.flat[chunk]) for chunk in chunks]
+        )
+        self.order = (storage.place[:, None] * u + np.arange(u)).ravel()  # the row of each unknown
+        self.diagonal = storage.storage_index(self.order, self.order)
         if self._kernels is not None:
-            self._plan = self._kernels.plan(contacts, way.symmetric, way.size, self.kept, self.index, self.diagonal)
+            self._plan = self._kernels.plan(
+                contacts,
+                storage.symmetric,
+                storage.size,
+                self.stored_entries,
+                self.index,
+                self.diagonal,
+            )
 
     def factored(self, values: Floats, shift: float, inertia: Floats | None) -> Solver | None:
-        """A solver, or None; compiled kernels take the contact stiffnesses themselves."""
+        """Return a solver, or None where K is singular or not positive definite.
+
+        values : entries of Jᵀ S J, flat; with compiled kernels the contact stiffnesses S (k, u, u) themselves
+        """
         if self._kernels is not None:
-            entries = np.zeros(self.way.size)
-            self._kernels.assembled(self._plan, np.ascontiguousarray(values), shift, inertia, entries)
+            entries = np.zeros(self.storage.size)
+            self._kernels.assembled(
+                self._plan, np.ascontiguousarray(values), shift, inertia, entries
+            )
         else:
-            entries = np.bincount(self.index, values[self.kept], self.way.size).view(np.float64)
+            entries = np.bincount(self.index, values[self.stored_entries], self.storage.size).view(
+                np.float64
+            )
             diagonal = entries[self.diagonal]
             if inertia is not None:
                 diagonal += inertia
             sizes = np.abs(diagonal)
-            own = diagonal if self.way.symmetric else sizes
-            entries[self.diagonal] = diagonal + shift * (own + sizes.sum() / len(sizes))
-        solve = self.way.factored(entries)
-        if solve is None or isinstance(self.way, Dense):
+            added = diagonal if self.storage.symmetric else sizes
+            entries[self.diagonal] = diagonal + shift * (added + sizes.sum() / len(sizes))
+        solve = self.storage.factored(entries)
+        if solve is None or isinstance(self.storage, Dense):
             return solve
         inner, order = solve, self.order
 
         def solve_in_order(right: Floats) -> Floats:
-            placed = np.empty_like(right)
-            placed[order] = right
-            solution: Floats = inner(placed)[order]
+            ordered = np.empty_like(right)
+            ordered[order] = right
+            solution: Floats = inner(ordered)[order]
             return solution.reshape(right.shape)
 
         return solve_in_order
 
 
 class Dense:
-    """All of K, column by column."""
+    """The storage of all of K, column by column."""
 
     def __init__(self, model: AssemblyModel, symmetric: bool) -> None:
         self.symmetric, self.unknowns = symmetric, model.load.size
@@ -195,22 +235,30 @@ class Dense:
         self.size = self.unknowns**2
         self.bytes = 8 * self.size
 
-    def at(self, row: Ints, column: Ints) -> Ints:
-        """Where entries of K are stored."""
+    def storage_index(self, row: Ints, column: Ints) -> Ints:
+        """Return the indices at which entries (row, column) of K are stored."""
         return column * self.unknowns + row
 
     def factored(self, entries: Floats) -> Solver | None:
-        """A solver, or None where K is singular or not positive definite; `entries` are lost."""
+        """Return a solver, or None where K is singular or not positive definite; `entries` are overwritten."""
         matrix = entries.reshape(self.unknowns, self.unknowns).T
         if self.symmetric:
             factor, info = lapack.dpotrf(matrix, lower=1, clean=0, overwrite_a=1)
-            return None if info else lambda right: lapack.dpotrs(factor, right, lower=1)[0].reshape(right.shape)
+            return (
+                None
+                if info
+                else lambda right: lapack.dpotrs(factor, right, lower=1)[0].reshape(right.shape)
+            )
         factor, pivots, info = lapack.dgetrf(matrix, overwrite_a=1)
-        return None if info else lambda right: lapack.dgetrs(factor, pivots, right)[0].reshape(right.shape)
+        return (
+            None
+            if info
+            else lambda right: lapack.dgetrs(factor, pivots, right)[0].reshape(right.shape)
+        )
 
 
 class Band:
-    """K in a band, blocks numbered from one end to the other (reverse Cuthill-McKee)."""
+    """The storage of K in a band, with blocks numbered by reverse Cuthill-McKee."""
 
     def __init__(self, model: AssemblyModel, symmetric: bool) -> None:
         n, u = model.load.shape
@@ -219,23 +267,33 @@ class Band:
         self.place = np.empty(n, dtype=np.int64)
         self.place[reverse_cuthill_mckee((graph + graph.T).tocsr(), True)] = np.arange(n)
         self.symmetric, self.unknowns = symmetric, n * u
-        self.reach = (int(np.abs(self.place[a] - self.place[b]).max(initial=0)) + 1) * u - 1
-        self.rows = (1 if symmetric else 3) * self.reach + 1
+        self.half_bandwidth = (
+            int(np.abs(self.place[a] - self.place[b]).max(initial=0)) + 1
+        ) * u - 1
+        self.rows = (1 if symmetric else 3) * self.half_bandwidth + 1
         self.size = self.unknowns * self.rows
         self.bytes = 8 * self.size
-        work = (1.0 if symmetric else 3.0) * self.unknowns * self.reach**2
-        self.seconds = work / 25e9 + self.unknowns * (1e-7 + self.reach * 3e-9)
+        work = (1.0 if symmetric else 3.0) * self.unknowns * self.half_bandwidth**2
+        self.seconds = work / 25e9 + self.unknowns * (1e-7 + self.half_bandwidth * 3e-9)
 
-    def at(self, row: Ints, column: Ints) -> Ints:
-        """Where entries of K are stored."""
-        at: Ints = column * self.rows + (row - column) + (0 if self.symmetric else 2 * self.reach)
-        return at
+    def storage_index(self, row: Ints, column: Ints) -> Ints:
+        """Return the indices at which entries (row, column) of K are stored."""
+        index: Ints = (
+            column * self.rows + (row - column) + (0 if self.symmetric else 2 * self.half_bandwidth)
+        )
+        return index
 
     def factored(self, entries: Floats) -> Solver | None:
-        """A solver, or None where K is singular or not positive definite; `entries` are lost."""
-        band, reach = entries.reshape(self.unknowns, self.rows).T, self.reach
+        """Return a solver, or None where K is singular or not positive definite; `entries` are overwritten."""
+        band, half_bandwidth = entries.reshape(self.unknowns, self.rows).T, self.half_bandwidth
         if self.symmetric:
             factor, info = lapack.dpbtrf(band, lower=1, overwrite_ab=1)
             return None if info else lambda right: lapack.dpbtrs(factor, right, lower=1)[0]
-        factor, pivots, info = lapack.dgbtrf(band, reach, reach, overwrite_ab=1)
-        return None if info else lambda right: lapack.dgbtrs(factor, reach, reach, right, pivots)[0]
+        factor, pivots, info = lapack.dgbtrf(band, half_bandwidth, half_bandwidth, overwrite_ab=1)
+        return (
+            None
+            if info
+            else lambda right: lapack.dgbtrs(factor, half_bandwidth, half_bandwidth, right, pivots)[
+                0
+            ]
+        )

@@ -4,17 +4,17 @@ from contextlib import AbstractContextManager
 from functools import cache
 from typing import Any
 
-import scipy.linalg  # noqa: F401  it brings a linear algebra of its own, which is counted once it is there
+import scipy.linalg  # noqa: F401  it loads its own BLAS, which the controller only finds once it is loaded
 from threadpoolctl import ThreadpoolController
 
 
 @cache
-def _libraries() -> Any:
-    """The libraries that have threads: to look for them takes a millisecond, to set their threads a hundredth of it."""
+def _linear_algebra_libraries() -> Any:
+    """Return a controller of the threaded libraries: finding them takes 1 ms, setting their threads 0.01 ms."""
     return ThreadpoolController()
 
 
 def one_thread() -> AbstractContextManager[Any]:
-    """While it is open linear algebra works with one thread."""
-    limited: AbstractContextManager[Any] = _libraries().limit(limits=1)
+    """Return a context in which linear algebra works with one thread."""
+    limited: AbstractContextManager[Any] = _linear_algebra_libraries().limit(limits=1)
     return limited

@@ -1,9 +1,9 @@
-"""How much work the limit of many blocks may take: counted, not timed, so that every machine ends at the same place.
+"""A budget of work for the limit of many blocks: counted, not timed, so that every machine stops at the same place.
 
-The unit is about 0.07 µs of one core: a factorisation of n unknowns counts n^1.5 and 10⁴ for what stands about it,
-whichever way it is done; a cone program counts as a hundred of them.
+The unit is about 0.07 µs of one core: a factorisation of n unknowns counts n^1.5 and 10⁴ of overhead, whatever its
+storage; a cone program counts as a hundred factorisations.
 
->>> with allowed(3e4):
+>>> with work_budget(3e4):
 ...     spend(factorisation(1.0), 2.0)
 ...     spend(factorisation(1.0), 2.0)
 Traceback (most recent call last):
@@ -16,84 +16,84 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
-#: Of one round of many blocks: some six minutes.
-MOST = 5e9
+#: Units for one limit of many blocks: some six minutes.
+LIMIT_UNITS = 5e9
 
-SECOND = 1.5e7  # units of a second
-PROGRAM = 100.0  # factorisations that a cone program counts as
-_ABOUT = 1e4  # units that stand about a factorisation
+UNITS_PER_SECOND = 1.5e7  # units of a second of one core
+CONE_PROGRAM_FACTORISATIONS = 100.0  # factorisations that a cone program counts as
+_FIXED_UNITS = 1e4  # overhead of one factorisation
 
 
 class WorkSpentError(Exception):
-    """The work that was allowed is done, and what was asked is not found.
+    """The budget of work is spent before the limit was found.
 
-    `rested` is the factor at which all blocks were at rest last, None where that is not known.
+    `rested` is the last factor with an equilibrium of all blocks, None where no factor is known.
     """
 
     def __init__(self, rested: float | None = None) -> None:
         super().__init__()
         self.rested = rested
 
-    def times(self, by: float) -> "WorkSpentError":
-        """The same in another unit of strength."""
-        return WorkSpentError(None if self.rested is None else by * self.rested)
+    def times(self, factor: float) -> "WorkSpentError":
+        """Return this error with its factor in another unit of strength, `factor` times as large."""
+        return WorkSpentError(None if self.rested is None else factor * self.rested)
 
 
 class _Meter:
-    """What has been spent, and how far it may go."""
+    """The work spent so far and its limit, in units."""
 
-    __slots__ = ("most", "spent")
+    __slots__ = ("limit", "spent")
 
     def __init__(self) -> None:
-        self.spent, self.most = 0.0, math.inf
+        self.spent, self.limit = 0.0, math.inf
 
 
 _METER: ContextVar[_Meter | None] = ContextVar("work", default=None)
 
 
 def factorisation(unknowns: float) -> float:
-    """Units of one factorisation."""
-    return float(unknowns) * math.sqrt(unknowns) + _ABOUT
+    """Return the units that one factorisation of so many unknowns counts."""
+    return float(unknowns) * math.sqrt(unknowns) + _FIXED_UNITS
 
 
 def spend(units: float, times: float = 1.0) -> None:
-    """Count work that is about to be done.
+    """Count `times` times so many units of work that is about to be done.
 
     Raises
     ------
     WorkSpentError
-        It is more than is allowed.
+        The budget is exceeded.
     """
     meter = _METER.get()
     if meter is not None:
         meter.spent += times * units
-        if meter.spent > meter.most:
+        if meter.spent > meter.limit:
             raise WorkSpentError
 
 
 @contextmanager
-def allowed(units: float) -> Iterator[None]:
-    """Allow so much work within; where less is left of what is allowed about it, that."""
+def work_budget(units: float) -> Iterator[None]:
+    """Limit the work of a `with` block to so many units, and to what an enclosing budget has left."""
     meter, token = _METER.get(), None
     if meter is None:
         meter = _Meter()
         token = _METER.set(meter)
-    before = meter.most
-    meter.most = min(before, meter.spent + units)
+    outer_limit = meter.limit
+    meter.limit = min(outer_limit, meter.spent + units)
     try:
         yield
     finally:
-        meter.most = before
+        meter.limit = outer_limit
         if token is not None:
             _METER.reset(token)
 
 
 @contextmanager
-def part(of_left: float) -> Iterator[None]:
-    """Allow a part of what is left within: the rest is for what comes after."""
+def budget_fraction(fraction: float) -> Iterator[None]:
+    """Limit the work of a `with` block to a fraction of what the budget has left: the rest serves later work."""
     meter = _METER.get()
-    if meter is None or meter.most == math.inf:
+    if meter is None or meter.limit == math.inf:
         yield
         return
-    with allowed(of_left * max(meter.most - meter.spent, 0.0)):
+    with work_budget(fraction * max(meter.limit - meter.spent, 0.0)):
         yield

@@ -1,4 +1,4 @@
-"""An assembly in parts: components that touch each other, and the model of some of its blocks with all others held."""
+"""Components of an assembly whose blocks touch each other, and the model of some blocks with all others fixed."""
 
 from dataclasses import dataclass, replace
 
@@ -15,7 +15,7 @@ from slopekit.preie.system.model import JointStrength
 
 @dataclass(frozen=True, eq=False)
 class WholeAssembly:
-    """What every part of an assembly shares."""
+    """An assembly with its loads and joint strengths, shared by the models of all its components."""
 
     assembly: Assembly
     loads: AssemblyLoads
@@ -26,7 +26,7 @@ class WholeAssembly:
 def whole_model(
     assembly: Assembly, loads: AssemblyLoads, strength: JointStrength, refine: Ints | None = None
 ) -> AssemblyModel | None:
-    """One model of all blocks that touch something and are not fixed; None where there is none.
+    """Return one model of all blocks that touch something and are not fixed; None without such blocks.
 
     Parameters
     ----------
@@ -35,70 +35,103 @@ def whole_model(
     patches = assembly.patches
     touched = np.zeros(len(assembly) + 1, dtype=bool)
     touched[patches.plus] = touched[patches.minus] = True
-    held = assembly.fixed | ~touched[:-1]
-    free = np.append(~held, False)
+    fixed = assembly.fixed | ~touched[:-1]
+    free = np.append(~fixed, False)
     if not (free[patches.plus] | free[patches.minus]).any():
         return None
     return build_assembly(
-        patches, held, assembly.centroids, loads.forces, loads.moments, strength, assembly.in_section,
-        refine, loads.live, loads.bolts,
-    )  # fmt: skip
+        patches,
+        fixed,
+        assembly.centroids,
+        loads.forces,
+        loads.moments,
+        strength,
+        assembly.in_section,
+        refine,
+        loads.live,
+        loads.bolts,
+    )
 
 
-def components(scene: WholeAssembly, among: Ints) -> list[Ints]:
-    """Blocks that touch each other or are bolted together, not only bedrock or what is held, together."""
-    if len(among) == 0:
+def components(scene: WholeAssembly, blocks: Ints) -> list[Ints]:
+    """Return the components of some blocks: sets that touch each other or are bolted together, not via other blocks."""
+    if len(blocks) == 0:
         return []
     assembly, bolts = scene.assembly, scene.loads.bolts
-    plus, minus = np.append(assembly.patches.plus, bolts.head), np.append(assembly.patches.minus, bolts.toe)
+    plus, minus = (
+        np.append(assembly.patches.plus, bolts.head),
+        np.append(assembly.patches.minus, bolts.toe),
+    )
     inside = np.zeros(len(assembly) + 1, dtype=bool)
-    inside[among] = True
+    inside[blocks] = True
     both = inside[plus] & inside[minus] & (minus >= 0) & (plus >= 0)
-    graph = sparse.coo_matrix((np.ones(int(both.sum())), (plus[both], minus[both])), shape=(len(assembly),) * 2)
+    graph = sparse.coo_matrix(
+        (np.ones(int(both.sum())), (plus[both], minus[both])), shape=(len(assembly),) * 2
+    )
     _, label = connected_components(graph, directed=False)
-    order = np.argsort(label[among], kind="stable")
-    return np.split(among[order], np.flatnonzero(np.diff(label[among][order])) + 1)
+    order = np.argsort(label[blocks], kind="stable")
+    return np.split(blocks[order], np.flatnonzero(np.diff(label[blocks][order])) + 1)
 
 
-def model_of(
-    scene: WholeAssembly, there: Bools, free: Ints, refine: Ints | None = None
+def model_of_blocks(
+    scene: WholeAssembly, is_present: Bools, free: Ints, refine: Ints | None = None
 ) -> tuple[AssemblyModel, Ints] | None:
-    """The model with the blocks `free` moving and all others held, those that are gone taken away, and its patches.
+    """Return the model with the blocks `free` moving and all others fixed, and the indices of its patches.
 
-    A block that has gone takes its bolts with it.
+    Blocks that are not present are removed, with their bolts. None where the free blocks touch nothing.
     """
     assembly, patches, loads = scene.assembly, scene.assembly.patches, scene.loads
-    held = np.ones(len(assembly), dtype=bool)
-    held[free] = False
-    out, moves = np.append(~there & ~assembly.fixed, False), np.append(~held, False)  # bedrock never goes nor moves
-    kept = (moves[patches.plus] | moves[patches.minus]) & ~out[patches.plus] & ~out[patches.minus]
-    if not kept.any():
+    fixed = np.ones(len(assembly), dtype=bool)
+    fixed[free] = False
+    is_removed, is_moving = (
+        np.append(~is_present & ~assembly.fixed, False),
+        np.append(~fixed, False),
+    )  # bedrock is neither removed nor moving
+    is_active = (
+        (is_moving[patches.plus] | is_moving[patches.minus])
+        & ~is_removed[patches.plus]
+        & ~is_removed[patches.minus]
+    )
+    if not is_active.any():
         return None
-    off = out[loads.bolts.head] | out[loads.bolts.toe]
-    head, toe = (np.where(off, BEDROCK, end) for end in (loads.bolts.head, loads.bolts.toe))
+    is_loose = is_removed[loads.bolts.head] | is_removed[loads.bolts.toe]
+    head, toe = (np.where(is_loose, BEDROCK, end) for end in (loads.bolts.head, loads.bolts.toe))
     model = build_assembly(
-        _chosen(patches, kept), held, assembly.centroids, loads.forces, loads.moments, scene.strength,
-        assembly.in_section, None if refine is None else refine[kept], loads.live,
+        _active_patches(patches, is_active),
+        fixed,
+        assembly.centroids,
+        loads.forces,
+        loads.moments,
+        scene.strength,
+        assembly.in_section,
+        None if refine is None else refine[is_active],
+        loads.live,
         replace(loads.bolts, head=head, toe=toe),
-    )  # fmt: skip
-    return model, np.flatnonzero(kept)[model.patch]
+    )
+    return model, np.flatnonzero(is_active)[model.patch]
 
 
-def _chosen(patches: Patches, kept: Bools) -> Patches:
-    """Some patches (k,) of an assembly, in their order."""
+def _active_patches(patches: Patches, is_active: Bools) -> Patches:
+    """Return the active patches (k,) of an assembly, in their order."""
     counts = np.diff(patches.first)
-    first = np.concatenate([[0], np.cumsum(counts[kept])])
+    first = np.concatenate([[0], np.cumsum(counts[is_active])])
     return Patches(
-        patches.plus[kept], patches.minus[kept], patches.joint[kept], patches.normals[kept], patches.areas[kept],
-        patches.centroids[kept], patches.corners[np.repeat(kept, counts)], first,
-    )  # fmt: skip
+        patches.plus[is_active],
+        patches.minus[is_active],
+        patches.joint[is_active],
+        patches.normals[is_active],
+        patches.areas[is_active],
+        patches.centroids[is_active],
+        patches.corners[np.repeat(is_active, counts)],
+        first,
+    )
 
 
 def block_sizes(assembly: Assembly) -> Floats:
-    """Half the size of each block, m: in a section that of its area, whatever the thickness."""
-    root = np.cbrt(assembly.volumes)
+    """Return half the edge (m) of a cube of each block's volume; in a section of a square of its area."""
+    edge = np.cbrt(assembly.volumes)
     if assembly.in_section and len(assembly.patches):
         ends = assembly.patches.corners.reshape(-1, 2, 3)
         length = float(np.sqrt(((ends[:, 1] - ends[:, 0]) ** 2).sum(axis=1)).sum())
-        root = np.sqrt(assembly.volumes * length / float(assembly.patches.areas.sum()))
-    return root / 2.0
+        edge = np.sqrt(assembly.volumes * length / float(assembly.patches.areas.sum()))
+    return edge / 2.0

@@ -23,44 +23,51 @@ class ContactCells:
 
     Attributes
     ----------
-    contact : (c,) of each cell, ascending
+    contact : (c,) contact of each cell, ascending
     corners : (c, v) node pairs at its corners; v is 3, in a section 2
-    groups : (c, e) friction forces that have some of their cohesion there
-    parts : (c, e) how much of it
+    groups : (c, e) friction forces with some of their cohesion in the cell
+    cohesion_shares : (c, e) fraction of the force's cohesion that lies in the cell
     """
 
     contact: Ints
     corners: Ints
     groups: Ints
-    parts: Floats
+    cohesion_shares: Floats
 
     def renumbered(self, contact: Ints, pair: Ints, group: Ints) -> "ContactCells":
-        """Return the cells of the contacts that have a number; contacts, pairs and groups have none where it is -1."""
-        kept = contact[self.contact] >= 0
+        """Return the cells with new numbers of contacts, pairs and groups; contacts with number -1 are left out."""
+        is_retained = contact[self.contact] >= 0
         return ContactCells(
-            contact[self.contact[kept]], pair[self.corners[kept]], group[self.groups[kept]], self.parts[kept]
+            contact[self.contact[is_retained]],
+            pair[self.corners[is_retained]],
+            group[self.groups[is_retained]],
+            self.cohesion_shares[is_retained],
         )
 
     def pressed_share(self, gaps: Floats, rows: Floats, groups: int) -> tuple[Floats, Floats]:
-        """Return the share of its cohesion that each friction force (g,) has, and its slopes (g, u).
+        """Return the fraction of its cohesion that acts in each friction force (g,), and its slopes (g, u).
 
-        Forces without cells have all of theirs.
+        It is 1 for forces without cells.
 
         Parameters
         ----------
-        gaps : (m,) of the node pairs; rows : (m, u) how they follow the motion of the contact
+        gaps : (m,) of the node pairs, open +; rows : (m, u) gap per motion of the contact
         """
         fraction, slopes = pressed_fraction(gaps[self.corners])
-        by_motion = np.einsum("cv,cvu->cu", slopes, rows[self.corners])
-        share, of_motion = np.ones(groups), np.zeros((groups, rows.shape[1]))
+        fraction_slopes = np.einsum("cv,cvu->cu", slopes, rows[self.corners])
+        share, share_slopes = np.ones(groups), np.zeros((groups, rows.shape[1]))
         share[self.groups] = 0.0
-        np.add.at(share, self.groups, self.parts * fraction[:, None])
-        np.add.at(of_motion, self.groups, self.parts[:, :, None] * by_motion[:, None, :])
-        return share, of_motion
+        np.add.at(share, self.groups, self.cohesion_shares * fraction[:, None])
+        np.add.at(
+            share_slopes,
+            self.groups,
+            self.cohesion_shares[:, :, None] * fraction_slopes[:, None, :],
+        )
+        return share, share_slopes
 
 
 def pressed_fraction(gaps: Floats) -> tuple[Floats, Floats]:
-    """Return the part of each cell (c,) whose gap, linear between its corners (c, v), is negative, and its slopes.
+    """Return the fraction (c,) of each cell with a negative gap, linear between its corners (c, v), and its slopes.
 
     >>> pressed_fraction(np.array([[-1.0, 1.0, 1.0], [-1.0, -3.0, 1.0]]))[0].tolist()
     [0.25, 0.875]
@@ -75,16 +82,21 @@ def pressed_fraction(gaps: Floats) -> tuple[Floats, Floats]:
         return fraction, slopes
     is_alone = count[cut] == 1  # one corner is pressed, or one is open
     lone = np.argmax(pressed[cut] == is_alone[:, None], axis=1)
-    turned = (lone[:, None] + np.arange(corners)) % corners
-    gap = np.take_along_axis(gaps[cut], turned, axis=1)
-    to_others = gap[:, :1] - gap[:, 1:]
-    side = np.prod(gap[:, :1] / to_others, axis=1)
-    by_others = side[:, None] / to_others
+    corner_order = (lone[:, None] + np.arange(corners)) % corners
+    gap = np.take_along_axis(gaps[cut], corner_order, axis=1)
+    gap_differences = gap[:, :1] - gap[:, 1:]
+    side = np.prod(gap[:, :1] / gap_differences, axis=1)
+    opposite_slopes = side[:, None] / gap_differences
     with np.errstate(divide="ignore", invalid="ignore"):
-        by_lone = side * ((corners - 1) / gap[:, 0]) - by_others.sum(axis=1)
-    by_lone = np.where(gap[:, 0] == 0.0, 0.0, by_lone)
+        lone_slope = side * ((corners - 1) / gap[:, 0]) - opposite_slopes.sum(axis=1)
+    lone_slope = np.where(gap[:, 0] == 0.0, 0.0, lone_slope)
     fraction[cut] = np.where(is_alone, side, 1.0 - side)
-    of_corners = np.empty_like(gap)
-    np.put_along_axis(of_corners, turned, np.concatenate([by_lone[:, None], by_others], axis=1), axis=1)
-    slopes[cut] = np.where(is_alone, 1.0, -1.0)[:, None] * of_corners
+    corner_slopes = np.empty_like(gap)
+    np.put_along_axis(
+        corner_slopes,
+        corner_order,
+        np.concatenate([lone_slope[:, None], opposite_slopes], axis=1),
+        axis=1,
+    )
+    slopes[cut] = np.where(is_alone, 1.0, -1.0)[:, None] * corner_slopes
     return fraction, slopes

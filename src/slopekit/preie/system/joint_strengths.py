@@ -1,11 +1,11 @@
-"""What friction forces of elastic joints may be at most, and how that follows the normal forces of their node pairs.
+"""Shear strengths of the friction forces of elastic joints, and their slopes by the normal forces of the node pairs.
 
-Lines have r = Σ c + μ Σ N. Of curved laws the elastic path asks the law itself at every displacement,
+A straight line has r = Σ c + μ Σ N. A curved law is evaluated at every displacement of the elastic path,
 
     r = Σ c + Σ A (τ(N / A) - τ(0)),    dr/dN_i = τ'(N_i / A_i),
 
-so that its rests, limit states and peaks are those of the law, found on one path. Below the least traction, and where
-a state that is tried pulls, a law is the line to its strength there: the steepest have no slope at none.
+so that its equilibria and limit states are those of the law, found on one path. Below the least traction, and in
+tension, a law is the secant to its strength there: the steepest laws have no finite slope at zero traction.
 """
 
 import numpy as np
@@ -18,26 +18,32 @@ from slopekit.strength.protocol import LEAST_KPA, StrengthLaw
 
 
 class JointStrengths:
-    """Of joints with the lines of a model; strengths are not reduced."""
+    """Strengths of joints with straight lines: cohesion and tan φ of a model, not reduced."""
 
     curved = False
 
     def __init__(self, model: AssemblyModel, group_of_pair: Ints) -> None:
-        self.friction, self._group, self._first = model.tan_friction, group_of_pair, model.group_first
+        self.friction, self._group, self._first = (
+            model.tan_friction,
+            group_of_pair,
+            model.group_first,
+        )
 
-    def summed(self, of_pairs: Floats) -> Floats:
-        """Sums over the node pairs of each friction force: (m,) to (g,)."""
-        return np.bincount(self._group, of_pairs, len(self._first)).astype(np.float64, copy=False)
+    def summed(self, pair_values: Floats) -> Floats:
+        """Return the sums (g,) of values (m,) over the node pairs of each friction force."""
+        return np.bincount(self._group, pair_values, len(self._first)).astype(
+            np.float64, copy=False
+        )
 
-    def at(self, normal: Floats, cohesion: Floats) -> Floats:
-        """(g,) at normal forces (m,), with the cohesion (g,) that is left."""
+    def strength(self, normal: Floats, cohesion: Floats) -> Floats:
+        """Return the strengths (g,) at normal forces (m,), with the cohesion (g,) that still acts."""
         return line(cohesion, self.friction, self.summed(normal))
 
     def slopes(self, normal: Floats) -> Floats:
-        """How strength follows normal forces (m,): of each friction force, (g,); where laws are curved of each pair."""
+        """Return the slopes of strength by normal force at normal forces (m,): (g,); with curved laws (m,)."""
         return self.friction
 
-    def followed(self, slopes: Floats, pressed: Floats) -> Floats:
+    def strength_change(self, slopes: Floats, pressed: Floats) -> Floats:
         """What changes of the normal forces (m,) are worth, (g,)."""
         return slopes * self.summed(pressed)
 
@@ -47,7 +53,7 @@ class JointStrengths:
 
 
 class CurvedStrengths(JointStrengths):
-    """Of joints some of whose laws are curved; a friction force has one law."""
+    """Strengths of joints with curved laws; the pairs of one friction force have one law."""
 
     curved = True
 
@@ -55,9 +61,13 @@ class CurvedStrengths(JointStrengths):
         super().__init__(model, group_of_pair)
         assert model.lines is not None
         self._straight = model.tan_friction[group_of_pair]
-        self._area = model.control_area * (model.area_scale / model.force_scale)  # a traction of one kPa
-        self._least = max(LEAST_KPA, LEAST_TRACTION * len(model.load) / float(self._area[model.joint_pairs].sum()))
-        # of each law: the node pairs that have it, its strength at no traction, its slope below the least traction
+        self._area = model.control_area * (
+            model.area_scale / model.force_scale
+        )  # normal force at 1 kPa
+        self._least = max(
+            LEAST_KPA, LEAST_TRACTION * len(model.load) / float(self._area[model.joint_pairs].sum())
+        )
+        # for each law: its node pairs, its strength at zero traction, its slope below the least traction
         self._curves = list[tuple[StrengthLaw, Ints, float, float]]()
         for key, law in enumerate(model.lines.laws):
             pairs = np.flatnonzero(model.lines.joint == key)
@@ -66,8 +76,8 @@ class CurvedStrengths(JointStrengths):
                 self._curves.append((law, pairs, float(none), float(least - none) / self._least))
                 self._straight[pairs] = 0.0
 
-    def at(self, normal: Floats, cohesion: Floats) -> Floats:
-        """(g,) at normal forces (m,), with the cohesion τ(0) (g,) that is left."""
+    def strength(self, normal: Floats, cohesion: Floats) -> Floats:
+        """Return the strengths (g,) at normal forces (m,), with the cohesion τ(0) (g,) that still acts."""
         resists = self._straight * normal
         for law, pairs, none, steepest in self._curves:
             area = self._area[pairs]
@@ -77,14 +87,16 @@ class CurvedStrengths(JointStrengths):
         return cohesion + self.summed(resists)
 
     def slopes(self, normal: Floats) -> Floats:
-        """How strength follows normal forces (m,), (m,)."""
+        """Return the slopes (m,) of strength by normal force at normal forces (m,)."""
         slopes = self._straight.copy()
         for law, pairs, _, steepest in self._curves:
             traction = normal[pairs] / self._area[pairs]
-            slopes[pairs] = np.where(traction < self._least, steepest, law.slope(np.maximum(traction, self._least)))
+            slopes[pairs] = np.where(
+                traction < self._least, steepest, law.slope(np.maximum(traction, self._least))
+            )
         return slopes
 
-    def followed(self, slopes: Floats, pressed: Floats) -> Floats:
+    def strength_change(self, slopes: Floats, pressed: Floats) -> Floats:
         """What changes of the normal forces (m,) are worth, (g,)."""
         return self.summed(slopes * pressed)
 
@@ -94,6 +106,6 @@ class CurvedStrengths(JointStrengths):
 
 
 def strengths_of(model: AssemblyModel, group_of_pair: Ints) -> JointStrengths:
-    """Of the laws of a model where the path follows them, else of its lines."""
-    curved = model.lines is not None and model.lines.followed
+    """Return the strengths of a model: those of its curved laws where the path follows them, else of its lines."""
+    curved = model.lines is not None and model.lines.follows_laws
     return (CurvedStrengths if curved else JointStrengths)(model, group_of_pair)

@@ -1,4 +1,4 @@
-"""The PRE-IE model of a few rigid blocks as arrays, moved to a local origin and scaled.
+"""The PRE-IE model of one rigid block as arrays, moved to a local origin and scaled.
 
 Mixed system of the paper (eq. 23) in node-pair forces f and block displacements γ:
 
@@ -28,15 +28,19 @@ if TYPE_CHECKING:
     from slopekit.preie.system.strength_lines import StrengthLines
     from slopekit.strength.protocol import StrengthLaw
 
-_SECTION = [0, 2, 4]  # of the six unknowns of a block those that stay in its x-z section
+_SECTION_UNKNOWNS = [
+    0,
+    2,
+    4,
+]  # translations x and z and rotation about y, of the six unknowns of a block
 
 
 @dataclass(frozen=True)
 class JointStrength:
-    """Strength of each interface as a line: (k,) arrays; kPa and tangents.
+    """Strength of each interface as a straight line: (k,) arrays; kPa and tangents.
 
-    Dilation and tension are those of the joint at full strength. `laws` are the curved ones by interface, None where
-    the line is all; empty where no law is curved. Their cohesion is τ(0).
+    Dilation and tension are those of the joint at full strength. `laws` are the curved laws by interface, None for a
+    straight one; empty where no law is curved. The cohesion of a curved law is τ(0).
     """
 
     cohesion: Floats
@@ -53,15 +57,15 @@ class Model:
     Attributes
     ----------
     rows : (n, 3, u) relative displacement of pair i per unknown; local axes normal, first and second tangent
-    control_area : (n,) parts of the whole; sums to 1
-    cohesion, tension : (n,) strength forces c A and σ_t A, in parts of the load
+    control_area : (n,) as a fraction of all; sums to 1
+    cohesion, tension : (n,) strength forces c A and σ_t A, in units of the load
     tan_friction, tan_dilation : (n,)
     interface : (n,) the interface of each pair
     load : (u,) P; generalised forces of the loads that do not depend on the strength
     bolt_rows : (b, u) shortening of each passive bolt per unknown; bolt_capacity : (b,) at full strength
     length_scale : m; force_scale : kN; area_scale : m²
     translations : how many of the unknowns are translations (they come first): 3, or 2 in a vertical section
-    lines : where tan_friction was drawn on curved laws, None where none is
+    lines : tractions at which tan_friction is the line of a curved law; None without curved laws
     """
 
     rows: Floats
@@ -82,13 +86,13 @@ class Model:
 
     @property
     def section_slip_rows(self) -> Floats:
-        """Slip (n, 1, 3) of the pairs of a section per unknown: of their two tangents one lies across it."""
+        """Slip (n, 1, 3) of the pairs per unknown in a section; the other of their two tangents is normal to it."""
         slips: Floats = self.rows[:, 1:].sum(axis=1, keepdims=True)
         return slips
 
     @property
     def unknowns(self) -> int:
-        """Number of unknowns u: six a block, three in a vertical section, fewer where it may not turn."""
+        """Number of unknowns u: six, three in a vertical section, fewer for a block that cannot rotate."""
         return int(self.rows.shape[2])
 
     @property
@@ -103,21 +107,21 @@ class Model:
 
     @property
     def dilates(self) -> bool:
-        """Whether slip opens any joint."""
+        """Whether any joint dilates."""
         return bool(self.tan_dilation.any())
 
     def relative(self, displacement: Floats) -> Floats:
-        """Relative displacement of the pairs, (n, 3): normal (opening positive) and two tangents."""
+        """Return the relative displacements of the pairs, (n, 3): normal (opening positive) and two tangents."""
         return (self.flat_rows @ displacement).reshape(-1, 3)
 
     def slip(self, displacement: Floats) -> Floats:
-        """Size of the tangential relative displacement, (n,)."""
+        """Return the magnitude of the tangential relative displacement of each pair, (n,)."""
         tangential = self.relative(displacement)[:, 1:]
         size: Floats = np.sqrt((tangential * tangential).sum(axis=1))
         return size
 
-    def moved(self, displacement: Floats) -> tuple[Floats, Floats]:
-        """Displacement (u,) as translation (3,) and rotation (3,), zeros where there is no such unknown."""
+    def rigid_motion(self, displacement: Floats) -> tuple[Floats, Floats]:
+        """Return a displacement (u,) as translation (3,) and rotation (3,), with zeros for missing unknowns."""
         translation, rotation = np.zeros(3), np.zeros(3)
         if self.translations == 2:
             translation[[0, 2]] = displacement[:2]
@@ -129,9 +133,13 @@ class Model:
 
 
 def build_model(
-    pairs: NodePairs, loads: Loads, centroid: Floats, strength: JointStrength, in_section: bool = False
+    pairs: NodePairs,
+    loads: Loads,
+    centroid: Floats,
+    strength: JointStrength,
+    in_section: bool = False,
 ) -> Model:
-    """The model of one block on bedrock.
+    """Return the scaled model of one block on bedrock.
 
     Parameters
     ----------
@@ -146,7 +154,7 @@ def build_model(
         E599 there is nothing to solve, or normals are no unit vectors.
     """
     # the sum of all loads' sizes, not the size of their sum: bolts may hold the block in balance
-    force_scale = sum(math.sqrt(float(part @ part)) for part in loads.parts.values())
+    force_scale = sum(math.sqrt(float(force @ force)) for force in loads.components.values())
     if len(pairs) == 0 or not force_scale > 0.0:
         raise SolverError([Fault("E599", "the model has no node pairs or no load")])
     arms = pairs.points - centroid
@@ -155,24 +163,32 @@ def build_model(
     axes = local_axes(pairs.normals)
     rows = np.concatenate([axes, cross(arms[:, None, :], axes)], axis=2)
     if float(np.abs(axes @ axes.transpose(0, 2, 1) - np.eye(3)).max()) > PARALLEL:
-        raise SolverError([Fault("E599", "a rigid translation does not move the node pairs by its own length")])
+        raise SolverError(
+            [Fault("E599", "a rigid translation does not move the node pairs by its own length")]
+        )
     bolt_arms = (loads.passive_points - centroid) / length
-    bolt_axes = np.concatenate([loads.passive_forces, cross(bolt_arms, loads.passive_forces)], axis=1)
+    bolt_axes = np.concatenate(
+        [loads.passive_forces, cross(bolt_arms, loads.passive_forces)], axis=1
+    )
     capacity = np.sqrt((loads.passive_forces**2).sum(axis=1))
     load = np.concatenate([loads.force, loads.moment / length]) / force_scale
     if in_section:
-        rows, bolt_axes, load = rows[:, :, _SECTION], bolt_axes[:, _SECTION], load[_SECTION]
+        rows, bolt_axes, load = (
+            rows[:, :, _SECTION_UNKNOWNS],
+            bolt_axes[:, _SECTION_UNKNOWNS],
+            load[_SECTION_UNKNOWNS],
+        )
     area = float(pairs.control_areas.sum())
     per_force = pairs.control_areas / force_scale
-    at = pairs.interface
+    interface = pairs.interface
     model = Model(
         rows=frozen(rows),
         control_area=frozen(pairs.control_areas / area),
-        cohesion=frozen(strength.cohesion[at] * per_force),
-        tension=frozen(strength.tension[at] * per_force),
-        tan_friction=frozen(strength.tan_friction[at]),
-        tan_dilation=frozen(strength.tan_dilation[at]),
-        interface=at,
+        cohesion=frozen(strength.cohesion[interface] * per_force),
+        tension=frozen(strength.tension[interface] * per_force),
+        tan_friction=frozen(strength.tan_friction[interface]),
+        tan_dilation=frozen(strength.tan_dilation[interface]),
+        interface=interface,
         load=frozen(load),
         bolt_rows=frozen(bolt_axes / capacity[:, None]),
         bolt_capacity=frozen(capacity / force_scale),
@@ -183,20 +199,22 @@ def build_model(
     )
     if not strength.laws:
         return model
-    from slopekit.preie.system.strength_lines import first_lines  # only curved laws pay for it
+    from slopekit.preie.system.strength_lines import (
+        with_initial_lines,  # only curved laws pay for it
+    )
 
-    return first_lines(strength.laws, at, model, force_scale / area)
+    return with_initial_lines(strength.laws, interface, model, force_scale / area)
 
 
 def local_axes(normals: Floats) -> Floats:
-    """Local axes ξ (normal), η, ζ (tangents) of node pairs: (n, 3) unit normals to (n, 3, 3), one axis a row.
+    """Return the local axes ξ (normal), η, ζ (tangents) of unit normals (n, 3): (n, 3, 3), one axis a row.
 
     >>> local_axes(np.array([[0.0, 0.0, 1.0]])).round(12).tolist()
     [[[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]]
     """
-    other = np.zeros_like(normals)
+    reference = np.zeros_like(normals)
     steep = np.abs(normals[:, 0]) > 0.9
-    other[steep, 1], other[~steep, 0] = 1.0, 1.0
-    first = cross(normals, other)
+    reference[steep, 1], reference[~steep, 0] = 1.0, 1.0
+    first = cross(normals, reference)
     first /= np.sqrt((first * first).sum(axis=1))[:, None]
     return np.stack([normals, first, cross(normals, first)], axis=1)

@@ -1,7 +1,7 @@
-"""Sums of what node pairs and friction forces resist, as the stiffness of contacts.
+"""The stiffness of contacts as weighted sums over their node pairs and friction forces.
 
-A pair reads its opening off three numbers of the motion of its contact and its slip off three others (two and one in
-a section): products of those are made once, and a step of the solver only weighs and adds them up.
+The opening of a pair depends on three components of its contact's motion and its slip on the three others (two and
+one in a section): their products are computed once, and a step of the solver only weighs and sums them.
 """
 
 from typing import Any
@@ -14,39 +14,51 @@ from slopekit.preie.system.assembly import AssemblyModel
 
 
 def compiled_contacts(model: AssemblyModel) -> Any:
-    """The contacts of a model for the compiled kernels, None where there are none."""
+    """Return the contacts of a model as the object of the compiled kernels, None without kernels."""
     kernels = compiled()
     if kernels is None:
         return None
-    normal, slip = _read_off(model)
-    each = np.arange(len(model.plus) + 1)
+    normal, slip = _motion_components(model)
+    contact_numbers = np.arange(len(model.plus) + 1)
     pairs, groups = len(model.control_area), len(model.group_first)
     return kernels.contacts(
-        model.unknowns, model.slip_rows.shape[1], len(model.load), len(model.plus), groups, pairs, model.plus,
-        model.minus, np.searchsorted(model.group_contact, each), np.append(model.group_first, pairs),
-        np.ascontiguousarray(model.normal_rows[:, normal]), np.ascontiguousarray(model.slip_rows[:, :, slip]),
-        np.ascontiguousarray(model.plus_motion), np.ascontiguousarray(model.minus_motion),
-    )  # fmt: skip
+        model.unknowns,
+        model.slip_rows.shape[1],
+        len(model.load),
+        len(model.plus),
+        groups,
+        pairs,
+        model.plus,
+        model.minus,
+        np.searchsorted(model.group_contact, contact_numbers),
+        np.append(model.group_first, pairs),
+        np.ascontiguousarray(model.normal_rows[:, normal]),
+        np.ascontiguousarray(model.slip_rows[:, :, slip]),
+        np.ascontiguousarray(model.plus_motion),
+        np.ascontiguousarray(model.minus_motion),
+    )
 
 
-def _read_off(model: AssemblyModel) -> tuple[Ints, Ints]:
-    """Which numbers of the motion of a contact its openings, and its slips, are read off."""
+def _motion_components(model: AssemblyModel) -> tuple[Ints, Ints]:
+    """Return the components of a contact's motion on which openings depend, and those of slips."""
     in_space = model.unknowns == 6
     return np.array([0, 4, 5] if in_space else [0, 2]), np.array([1, 2, 3] if in_space else [1])
 
 
 class ContactPattern:
-    """Where the products of the rows of a model go in the stiffness (k, u, u) of its contacts."""
+    """The products of a model's rows and their places in the stiffness (k, u, u) of its contacts."""
 
     def __init__(self, model: AssemblyModel) -> None:
-        self.normal, self.slip = _read_off(model)
+        self.normal, self.slip = _motion_components(model)
         self.unknowns, self.size = model.unknowns, len(model.plus)
         self.kernels, self.contacts = compiled(), compiled_contacts(model)
         if self.kernels is not None:
             return
         self.pairs_first = np.searchsorted(model.pair_contact, np.arange(len(model.plus)))
         self.group_first = model.group_first
-        self.one_each = len(model.group_first) == len(model.plus)  # a friction force a contact: a section
+        self.one_group_per_contact = len(model.group_first) == len(
+            model.plus
+        )  # a friction force a contact: a section
         self.rows = np.ascontiguousarray(model.normal_rows[:, self.normal])
         self.slips = np.ascontiguousarray(model.slip_rows[:, :, self.slip])
         self.upper = np.triu_indices(len(self.normal))
@@ -64,27 +76,36 @@ class ContactPattern:
         )  # (g, entries, entries of the tangent stiffness)
 
     def stiffness(self, springs: Floats, tangent: Floats) -> Floats:
-        """Stiffness (k, u, u) of normal springs (m,) and symmetric tangent stiffnesses (g, t, t)."""
-        out = np.zeros((self.size, self.unknowns, self.unknowns))
+        """Return the stiffness (k, u, u) of contacts with normal springs (m,) and tangent stiffnesses (g, t, t)."""
+        stiffness = np.zeros((self.size, self.unknowns, self.unknowns))
         if self.kernels is not None:
-            self.kernels.stiffness(self.contacts, springs, np.ascontiguousarray(tangent), out)
-            return out
+            self.kernels.stiffness(self.contacts, springs, np.ascontiguousarray(tangent), stiffness)
+            return stiffness
         weights = tangent[:, self.tangents[0], self.tangents[1]]
-        of_slip = np.matmul(self.slip_products, weights[:, :, None])[:, :, 0]
-        self._add(out, self.normal, self.upper, np.add.reduceat(self.products * springs[:, None], self.pairs_first))
-        self._add(out, self.slip, self.slip_upper, self._by_contact(of_slip))
-        return out
+        slip_entries = np.matmul(self.slip_products, weights[:, :, None])[:, :, 0]
+        self._add(
+            stiffness,
+            self.normal,
+            self.upper,
+            np.add.reduceat(self.products * springs[:, None], self.pairs_first),
+        )
+        self._add(stiffness, self.slip, self.slip_upper, self._by_contact(slip_entries))
+        return stiffness
 
-    def _by_contact(self, of_groups: Floats) -> Floats:
-        """Sums over the friction forces of each contact."""
-        if self.one_each:
-            return of_groups
-        return np.add.reduceat(of_groups, self.pairs_first)
+    def _by_contact(self, group_values: Floats) -> Floats:
+        """Return the sums over the friction forces of each contact."""
+        if self.one_group_per_contact:
+            return group_values
+        return np.add.reduceat(group_values, self.pairs_first)
 
     @staticmethod
-    def _add(out: Floats, part: Ints, upper: tuple[Ints, Ints], entries: Floats) -> None:
-        """Add entries of an upper triangle, and mirror them."""
-        for k, (i, j) in enumerate(zip(part[upper[0]].tolist(), part[upper[1]].tolist(), strict=True)):
-            out[:, i, j] += entries[:, k]
+    def _add(
+        stiffness: Floats, components: Ints, upper: tuple[Ints, Ints], entries: Floats
+    ) -> None:
+        """Add entries of an upper triangle to a stiffness (k, u, u), and their mirror images."""
+        for k, (i, j) in enumerate(
+            zip(components[upper[0]].tolist(), components[upper[1]].tolist(), strict=True)
+        ):
+            stiffness[:, i, j] += entries[:, k]
             if i != j:
-                out[:, j, i] += entries[:, k]
+                stiffness[:, j, i] += entries[:, k]

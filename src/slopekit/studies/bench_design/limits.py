@@ -1,6 +1,6 @@
-"""PRE-IE of the wedges and planes of all benches that the closed forms let stand: what falls short fails too.
+"""PRE-IE limits of the wedges and planes that are stable by the closed forms: blocks below the target fail too.
 
-A limit is never above the factor of the forces, so that what fails by the closed form fails.
+A PRE-IE limit is never above the factor by forces alone, so a block that fails by the closed form fails.
 """
 
 from dataclasses import fields, replace
@@ -16,85 +16,135 @@ from slopekit.design.parts import Strength, Water
 from slopekit.kinds.plane import ON_ARRAYS as PLANES
 from slopekit.kinds.plane import PlaneDesign
 from slopekit.kinds.single_block.blocks_on_arrays import LimitsOfMany, limits_on_arrays
-from slopekit.studies.bench_design.bench import CLOSED_OUTCOMES, PLANE, WEDGE, Bench, Part, bench_of, parts_of
-from slopekit.studies.bench_design.given import BenchInputs
+from slopekit.studies.bench_design.bench import (
+    CLOSED_OUTCOMES,
+    PLANE,
+    WEDGE,
+    Bench,
+    ModeResult,
+    bench_of,
+    closed_form_modes,
+)
+from slopekit.studies.bench_design.inputs import BenchInputs
 from slopekit.studies.bench_design.trials import Trials
 from slopekit.studies.evaluation.rows import BlockRows, evaluated
 from slopekit.studies.joint_wedges import limits_of_wedges
-from slopekit.studies.outcomes import BothMethods, ByMethod, compared, one_after_the_other
+from slopekit.studies.outcomes import BothMethods, ByMethod, agreement_of_methods, concatenated
 from slopekit.studies.protocol import Workplace
-from slopekit.studies.running import Crew
+from slopekit.studies.running import ExecutorOptions
 
 
-def _limits(asked: BenchInputs, every: Floats, rows: Ints) -> LimitsOfMany:
-    """What PRE-IE says of some blocks (m,) in benches.
+def _block_limits(inputs: BenchInputs, all_blocks: Floats, rows: Ints) -> LimitsOfMany:
+    """Return the PRE-IE limits of some blocks (m,) in benches.
 
     Parameters
     ----------
-    every : (n, 5) the mode of blocks, the dip of the face, their joints by number (the second of a plane is none), how
-        high they are in m
+    all_blocks : (n, 5) mode, dip of the face in degrees, numbers of both joints (the second of a plane is -1), height
+        in m
     """
-    blocks, toward, upper = every[rows], asked.toward_deg, Plane(0.0, asked.toward_deg)
+    blocks, toward, upper = all_blocks[rows], inputs.toward_deg, Plane(0.0, inputs.toward_deg)
     status, (limit, forces) = np.empty(len(rows), dtype=object), np.empty((2, len(rows)))
-    for mode, limits_of in ((WEDGE, _wedges), (PLANE, _planes)):
-        own = np.flatnonzero(blocks[:, 0] == mode)
-        if len(own):
-            dip: Any = blocks[own, 1]
-            slope = replace(asked.slope, face=Plane(dip, toward), upper=upper)
-            first, second = blocks[own, 2:4].astype(np.int64).T
-            found = limits_of(asked, slope, first, second, blocks[own, 4])
-            status[own], limit[own], forces[own] = found.status, found.limit, found.forces
+    for mode, limits_of in ((WEDGE, _wedge_limits), (PLANE, _plane_limits)):
+        mode_rows = np.flatnonzero(blocks[:, 0] == mode)
+        if len(mode_rows):
+            dip: Any = blocks[mode_rows, 1]
+            slope = replace(inputs.slope, face=Plane(dip, toward), upper=upper)
+            first, second = blocks[mode_rows, 2:4].astype(np.int64).T
+            limits = limits_of(inputs, slope, first, second, blocks[mode_rows, 4])
+            status[mode_rows], limit[mode_rows], forces[mode_rows] = (
+                limits.status,
+                limits.limit,
+                limits.forces,
+            )
     return LimitsOfMany(status.astype(np.str_), limit, forces)
 
 
-def _wedges(asked: BenchInputs, slope: Any, first: Ints, second: Ints, height: Floats) -> LimitsOfMany:
-    strengths = asked.cohesion_kpa, asked.friction_deg
-    return limits_of_wedges(slope, asked.joints, strengths, first, second, height)
+def _wedge_limits(
+    inputs: BenchInputs, slope: Any, first: Ints, second: Ints, height: Floats
+) -> LimitsOfMany:
+    strengths = inputs.cohesion_kpa, inputs.friction_deg
+    return limits_of_wedges(slope, inputs.joints, strengths, first, second, height)
 
 
-def _planes(asked: BenchInputs, slope: Any, first: Ints, _: Ints, height: Any) -> LimitsOfMany:
+def _plane_limits(
+    inputs: BenchInputs, slope: Any, first: Ints, _: Ints, height: Any
+) -> LimitsOfMany:
     common = {field.name: getattr(slope, field.name) for field in fields(Design)}
     if slope.water.mode == "pressures":
         common["water"] = Water("pressures", 0.0, slope.water.pressures_kpa[:1])
-    dip: Any = asked.joints.dips_deg[first]  # in the section, as the closed form has it
-    own: list[Any] = [of[first] for of in (asked.cohesion_kpa, asked.friction_deg)]
-    strength = Strength(*own)
+    dip: Any = inputs.joints.dips_deg[first]  # in the section, as the closed form has it
+    cohesion_friction: list[Any] = [
+        joint_values[first] for joint_values in (inputs.cohesion_kpa, inputs.friction_deg)
+    ]
+    strength = Strength(*cohesion_friction)
     plane = PlaneDesign(
-        **common, joint=Plane(dip, asked.toward_deg), joint_name="J1", face=slope.face, upper=slope.upper,
-        height_m=height, strength=strength,
-    )  # fmt: skip
+        **common,
+        joint=Plane(dip, inputs.toward_deg),
+        joint_name="J1",
+        face=slope.face,
+        upper=slope.upper,
+        height_m=height,
+        strength=strength,
+    )
     return limits_on_arrays(plane, PLANES, [strength], len(first))
 
 
-def judged_benches(
-    asked: BenchInputs, trials: Trials, crew: Crew, desk: Workplace
+def evaluated_benches(
+    inputs: BenchInputs, trials: Trials, crew: ExecutorOptions, desk: Workplace
 ) -> tuple[list[Bench], list[BothMethods]]:
-    """Return all benches judged by both methods, and how far these agree in each mode of each."""
-    sizes = [(height, dip) for height in asked.heights_m for dip in asked.face_dips_deg]
-    parts = [parts_of(asked, trials, *size) for size in sizes]
-    standing, blocks, closed = list[tuple[Part, Ints, Ints]](), list[Floats](), list[ByMethod]()
-    # blocks of all sizes have the same factor: there is neither cohesion nor a pressure given in kPa
-    is_free_of_size, count = not asked.has_cohesion and asked.slope.water.mode != "pressures", 0
-    for (height, face), of_bench in zip(sizes, parts, strict=True):
+    """Return all benches judged by both methods, and the agreement of the methods by bench and mode."""
+    sizes = [(height, dip) for height in inputs.heights_m for dip in inputs.face_dips_deg]
+    bench_modes = [closed_form_modes(inputs, trials, *size) for size in sizes]
+    stable_blocks, blocks, closed = (
+        list[tuple[ModeResult, Ints, Ints]](),
+        list[Floats](),
+        list[ByMethod](),
+    )
+    # without cohesion and pressures in kPa the factor does not depend on the size of a block
+    is_free_of_size, count = not inputs.has_cohesion and inputs.slope.water.mode != "pressures", 0
+    for (height, face), modes in zip(sizes, bench_modes, strict=True):
         for mode in (WEDGE, PLANE):
-            part = of_bench[mode]
-            rows = np.flatnonzero(part["forms"] & ~part["fails"])
+            mode_result = modes[mode]
+            rows = np.flatnonzero(mode_result["forms"] & ~mode_result["fails"])
             second = trials.second[rows] if mode == WEDGE else np.full(len(rows), -1)
-            heights = np.full(len(rows), height) if is_free_of_size else part["block_height_m"][rows]
-            of_all = np.stack([trials.first[rows], second, heights], axis=1)
-            different, at, back = np.unique(of_all, axis=0, return_index=True, return_inverse=True)
-            standing.append((part, rows, back.reshape(-1) + count))
-            blocks.append(np.insert(different, 0, np.array([[mode], [face]]), axis=1))
-            closed.append(ByMethod(CLOSED_OUTCOMES[mode], part["outcome"][rows[at]], part["factor"][rows[at]]))
-            count += len(different)
-    every = np.concatenate(blocks)
-    source = [asked.input_hash(), asked.has_cohesion]
-    block_rows = BlockRows(asked.slope, one_after_the_other(closed), source, partial(_limits, asked, every))
+            heights = (
+                np.full(len(rows), height)
+                if is_free_of_size
+                else mode_result["block_height_m"][rows]
+            )
+            block_keys = np.stack([trials.first[rows], second, heights], axis=1)
+            unique_keys, first_rows, inverse = np.unique(
+                block_keys, axis=0, return_index=True, return_inverse=True
+            )
+            stable_blocks.append((mode_result, rows, inverse.reshape(-1) + count))
+            blocks.append(np.insert(unique_keys, 0, np.array([[mode], [face]]), axis=1))
+            closed.append(
+                ByMethod(
+                    CLOSED_OUTCOMES[mode],
+                    mode_result["outcome"][rows[first_rows]],
+                    mode_result["factor"][rows[first_rows]],
+                )
+            )
+            count += len(unique_keys)
+    all_blocks = np.concatenate(blocks)
+    source = [inputs.input_hash(), inputs.has_cohesion]
+    block_rows = BlockRows(
+        inputs.slope,
+        concatenated(closed),
+        source,
+        partial(_block_limits, inputs, all_blocks),
+    )
     outcomes = evaluated(block_rows, "bench-design", crew, desk, label="blocks")
-    target = asked.number("fos")
+    target = inputs.number("fos")
     both = list[BothMethods]()
-    for part, rows, places in standing:
-        of_part = outcomes.of(places)
-        part["fails"][rows] = of_part.limit.falls_short(target)
-        both.append(compared(of_part, part["fails"][rows], of_part.closed_form.falls_short(target)))
-    return [bench_of(*size, of_bench) for size, of_bench in zip(sizes, parts, strict=True)], both
+    for mode_result, rows, places in stable_blocks:
+        mode_outcomes = outcomes.take(places)
+        mode_result["fails"][rows] = mode_outcomes.limit.falls_short(target)
+        both.append(
+            agreement_of_methods(
+                mode_outcomes,
+                mode_result["fails"][rows],
+                mode_outcomes.closed_form.falls_short(target),
+            )
+        )
+    return [bench_of(*size, modes) for size, modes in zip(sizes, bench_modes, strict=True)], both

@@ -1,4 +1,4 @@
-"""What the trials of one bench come to: probabilities with limits, distributions, berms and inter-ramp angles."""
+"""Statistics of one bench: probabilities with limits, backbreak, volume and spill, berms and inter-ramp angles."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -10,25 +10,31 @@ import numpy as np
 from slopekit.closed_form.berms import effective_face_angle, inter_ramp_angle
 from slopekit.core.arrays import Floats
 from slopekit.studies.bench_design.bench import MODES, Bench
-from slopekit.studies.bench_design.given import BenchInputs
-from slopekit.studies.bench_design.trials import Trials, bootstrapped, share_of
+from slopekit.studies.bench_design.inputs import BenchInputs
+from slopekit.studies.bench_design.trials import Trials, bootstrapped_shares, survey_share
 from slopekit.studies.prob.estimates import Share
 
 STRETCH_M = 100.0
 PERCENTILES = (0.5, 0.8, 0.9, 0.95, 0.99)
 #: Of the curves in JSON.
-_CURVE = tuple(k / 100.0 for k in range(101))
-_CALLED = (*MODES, "any")
+_CURVE_SHARES = tuple(k / 100.0 for k in range(101))
+_MODE_KEYS = (*MODES, "any")
 
 
-def along_the_bench(values: Floats, weights: Floats | None = None) -> dict[str, Any]:
-    """Mean, quantiles by share and max of values (n,) of places or stretches, each as often as its weight."""
+def length_statistics(values: Floats, weights: Floats | None = None) -> dict[str, Any]:
+    """Return mean, quantiles by share and maximum of values (n,) of places or stretches, weighted."""
     shares = dict(zip(PERCENTILES, quantiles(values, PERCENTILES, weights), strict=True))
-    return {"mean": float(np.average(values, weights=weights)), "quantiles": shares, "max": float(values.max())}
+    return {
+        "mean": float(np.average(values, weights=weights)),
+        "quantiles": shares,
+        "max": float(values.max()),
+    }
 
 
-def quantiles(values: Floats, shares: Sequence[float], weights: Floats | None = None) -> list[float]:
-    """The least values that so large a share lies at or below: values that were drawn, none between them.
+def quantiles(
+    values: Floats, shares: Sequence[float], weights: Floats | None = None
+) -> list[float]:
+    """Return for each share the least drawn value that this share of the values does not exceed.
 
     `weights` (n,), one for all where None.
 
@@ -36,15 +42,17 @@ def quantiles(values: Floats, shares: Sequence[float], weights: Floats | None = 
     [0.0, 3.0]
     """
     order = np.argsort(values, kind="stable")
-    below = np.cumsum(np.ones(len(values)) if weights is None else weights[order])
-    at = np.searchsorted(below, np.array(shares) * below[-1] * (1.0 - 1e-12), side="left")
-    least_values: list[float] = values[order][np.minimum(at, len(values) - 1)].tolist()
+    cumulative_weights = np.cumsum(np.ones(len(values)) if weights is None else weights[order])
+    positions = np.searchsorted(
+        cumulative_weights, np.array(shares) * cumulative_weights[-1] * (1.0 - 1e-12), side="left"
+    )
+    least_values: list[float] = values[order][np.minimum(positions, len(values) - 1)].tolist()
     return least_values
 
 
 @dataclass(frozen=True)
-class OfBerm:
-    """A berm of a bench.
+class BermStatistics:
+    """A berm width on a bench, with its reliability.
 
     Attributes
     ----------
@@ -66,8 +74,8 @@ class OfBerm:
 
 
 @dataclass(frozen=True)
-class OfBench:
-    """A height and a face.
+class BenchStatistics:
+    """Statistics of a bench of one height and face angle.
 
     Attributes
     ----------
@@ -75,7 +83,7 @@ class OfBench:
         `forms`, `fails_if_formed` and `fails`
     backbreak : along the bench, m; as `along_the_bench` has it, as volume and spill
     curve_m : backbreak at 0, 1 ... 100 % of the length
-    effective_face_deg : at the reliability wanted
+    effective_face_deg : at the target reliability
     volume_m3, crest_lost : on 100 m of bench: what fails, and the part of the crest above it
     spill : where something fails, m
     berm_needed_m : so that the share wanted of the length keeps the catch width; inter_ramp_deg : with that berm
@@ -94,12 +102,12 @@ class OfBench:
     spill: Mapping[str, Any] | None = field(metadata={"json": "spill_width_m"})
     berm_needed_m: float
     inter_ramp_deg: float = field(metadata={"json": "inter_ramp_at_berm_needed_deg"})
-    berms: tuple[OfBerm, ...] = field(metadata={"json": "reliability"})
+    berms: tuple[BermStatistics, ...] = field(metadata={"json": "reliability"})
     bare: Mapping[str, Any] | None = field(default=None, metadata={"json": "without_cohesion"})
 
 
-def without_cohesion(inputs: BenchInputs, bench: Bench, outcome: OfBench) -> dict[str, Any]:
-    """What is said of a bench without cohesion: shares that fail, the berm needed, whether cohesion decides.
+def without_cohesion(inputs: BenchInputs, bench: Bench, outcome: BenchStatistics) -> dict[str, Any]:
+    """Return statistics of a bench without cohesion: failing shares, berm needed, whether cohesion decides.
 
     It decides where half or more of what fails without it is held by it, and that is more than the limits of the share
     with it allow.
@@ -108,78 +116,109 @@ def without_cohesion(inputs: BenchInputs, bench: Bench, outcome: OfBench) -> dic
     ----------
     bench : without cohesion; outcome : what is said of it with cohesion
     """
-    forms, fails = ([*part, part.any(axis=0)] for part in (bench.forms, bench.fails))
-    shares = {name: float(part.mean()) for name, part in zip(_CALLED, fails, strict=True)}
-    among = {
-        name: float((bad & there).sum() / there.sum()) if there.any() else None
-        for name, bad, there in zip(_CALLED, fails, forms, strict=True)
+    forms, fails_by_mode = (
+        [*mode_flags, mode_flags.any(axis=0)] for mode_flags in (bench.forms, bench.fails)
+    )
+    shares = {
+        name: float(mode_flags.mean())
+        for name, mode_flags in zip(_MODE_KEYS, fails_by_mode, strict=True)
     }
-    steps = steps_of(bench, inputs.step_m(bench.height_m))
-    lost = quantiles(bench.setback_m, [inputs.number("reliability")], steps)[0]
+    share_of_forming = {
+        name: float((is_failed & is_formed).sum() / is_formed.sum()) if is_formed.any() else None
+        for name, is_failed, is_formed in zip(_MODE_KEYS, fails_by_mode, forms, strict=True)
+    }
+    steps = place_lengths(bench, inputs.step_m(bench.height_m))
+    backbreak = quantiles(bench.setback_m, [inputs.number("reliability")], steps)[0]
     with_cohesion = outcome.modes["any"]["fails"]
-    decides = shares["any"] > with_cohesion.high and 2.0 * (with_cohesion.share or 0.0) <= shares["any"]
-    needed = inputs.catch_m(bench.height_m) + lost
-    return {"fails_if_formed": among, "fails": shares, "berm_needed_m": needed, "decides": decides}
+    decides = (
+        shares["any"] > with_cohesion.high and 2.0 * (with_cohesion.share or 0.0) <= shares["any"]
+    )
+    berm_needed = inputs.catch_m(bench.height_m) + backbreak
+    return {
+        "fails_if_formed": share_of_forming,
+        "fails": shares,
+        "berm_needed_m": berm_needed,
+        "decides": decides,
+    }
 
 
-def outcome_of(inputs: BenchInputs, trials: Trials, bench: Bench) -> OfBench:
-    """Everything that is said of one bench."""
+def bench_statistics(inputs: BenchInputs, trials: Trials, bench: Bench) -> BenchStatistics:
+    """Return the statistics of one bench."""
     height, face, confidence = bench.height_m, bench.face_dip_deg, inputs.number("confidence")
-    wanted, catch = inputs.number("reliability"), inputs.catch_m(height)
-    lost, steps = bench.setback_m, steps_of(bench, inputs.step_m(height))
-    loss_at = quantiles(lost, [wanted], steps)[0]
-    needed = catch + loss_at
-    berms = (needed,) if inputs.berms_m is None else inputs.berms_m
+    reliability, catch = inputs.number("reliability"), inputs.catch_m(height)
+    backbreak, steps = bench.setback_m, place_lengths(bench, inputs.step_m(height))
+    design_backbreak = quantiles(backbreak, [reliability], steps)[0]
+    berm_needed = catch + design_backbreak
+    berms = (berm_needed,) if inputs.berms_m is None else inputs.berms_m
     forms = [*bench.forms, bench.forms.any(axis=0)]
     fails = [*bench.fails, bench.fails.any(axis=0)]
-    # a width lost to rounding is not lost
-    keeps = [berm - lost >= catch * (1.0 - 1e-12) - 1e-12 for berm in berms]
+    # a berm narrower than the catch width by rounding alone keeps it
+    keeps = [berm - backbreak >= catch * (1.0 - 1e-12) - 1e-12 for berm in berms]
     seed = int(inputs.number("seed"))
-    places, length = (np.array(part, dtype=np.float64).T for part in ([*forms, *fails], keeps))
-    surveys = bootstrapped(inputs.joints, trials, places, seed)
-    of_forms, of_fails = surveys[:, :4], surveys[:, 4:]
-    of_keeps = bootstrapped(inputs.joints, trials, length, seed, steps)
+    places, length = (np.array(flags, dtype=np.float64).T for flags in ([*forms, *fails], keeps))
+    surveys = bootstrapped_shares(inputs.joints, trials, places, seed)
+    survey_forms, survey_fails = surveys[:, :4], surveys[:, 4:]
+    survey_keeps = bootstrapped_shares(inputs.joints, trials, length, seed, steps)
     with np.errstate(invalid="ignore", divide="ignore"):
-        of_both = of_fails / of_forms
+        survey_fails_if_formed = survey_fails / survey_forms
     modes = {
         name: {
-            "forms": share_of(forms[k], None, of_forms[:, k], confidence),
-            "fails_if_formed": share_of(fails[k], forms[k], of_both[:, k], confidence),
-            "fails": share_of(fails[k], None, of_fails[:, k], confidence),
+            "forms": survey_share(forms[k], None, survey_forms[:, k], confidence),
+            "fails_if_formed": survey_share(
+                fails[k], forms[k], survey_fails_if_formed[:, k], confidence
+            ),
+            "fails": survey_share(fails[k], None, survey_fails[:, k], confidence),
         }
-        for k, name in enumerate(_CALLED)
-    }  # fmt: skip
+        for k, name in enumerate(_MODE_KEYS)
+    }
     failed = bench.governs >= 0
-    volumes, crest_lost = along(bench, steps)
-    curve = quantiles(lost, _CURVE, steps)
-    return OfBench(
-        height, face, catch, modes, along_the_bench(lost, steps), tuple(curve),
-        float(effective_face_angle(height, face, loss_at)),
-        along_the_bench(volumes) if len(volumes) else None, crest_lost,
-        along_the_bench(bench.spill_m[failed]) if failed.any() else None, needed,
-        float(inter_ramp_angle(height, face, needed)),
+    volumes, crest_lost = stretch_volumes(bench, steps)
+    curve = quantiles(backbreak, _CURVE_SHARES, steps)
+    return BenchStatistics(
+        height,
+        face,
+        catch,
+        modes,
+        length_statistics(backbreak, steps),
+        tuple(curve),
+        float(effective_face_angle(height, face, design_backbreak)),
+        length_statistics(volumes) if len(volumes) else None,
+        crest_lost,
+        length_statistics(bench.spill_m[failed]) if failed.any() else None,
+        berm_needed,
+        float(inter_ramp_angle(height, face, berm_needed)),
         tuple(
-            OfBerm(
-                height, face, berm, catch, float(inter_ramp_angle(height, face, berm)),
-                share_of(keep, None, of_keeps[:, k], confidence, steps),
-                {share: max(0.0, berm - value) for share, value in
-                 zip(PERCENTILES, quantiles(lost, PERCENTILES, steps), strict=True)},
+            BermStatistics(
+                height,
+                face,
+                berm,
+                catch,
+                float(inter_ramp_angle(height, face, berm)),
+                survey_share(keep, None, survey_keeps[:, k], confidence, steps),
+                {
+                    share: max(0.0, berm - value)
+                    for share, value in zip(
+                        PERCENTILES, quantiles(backbreak, PERCENTILES, steps), strict=True
+                    )
+                },
                 float((bench.spill_m <= berm).mean()),
             )
             for k, (berm, keep) in enumerate(zip(berms, keeps, strict=True))
         ),
-    )  # fmt: skip
+    )
 
 
-def steps_of(bench: Bench, every_m: float) -> Floats:
-    """How much of the bench each place stands for, (n,): `every_m`, or what has failed there where that is wider."""
+def place_lengths(bench: Bench, every_m: float) -> Floats:
+    """Return the length of bench (n,) in m that each place stands for: `every_m`, or the width that failed if wider."""
     return np.maximum(every_m, bench.width_m)
 
 
-def along(bench: Bench, steps: Floats) -> tuple[Floats, float]:
-    """Volumes (k,) that fail on each 100 m of a bench on which the places follow each other; the part of crest lost."""
+def stretch_volumes(bench: Bench, steps: Floats) -> tuple[Floats, float]:
+    """Return the failing volumes (k,) in m³ by 100 m of consecutive places, and the lost fraction of the crest."""
     ends = np.cumsum(steps)
     stretch = ((ends - steps) // STRETCH_M).astype(np.int64)
-    whole = math.floor(ends[-1] / STRETCH_M)
-    volumes: Floats = np.bincount(stretch, bench.volume_m3, minlength=whole)[:whole].astype(np.float64)
+    stretches = math.floor(ends[-1] / STRETCH_M)
+    volumes: Floats = np.bincount(stretch, bench.volume_m3, minlength=stretches)[:stretches].astype(
+        np.float64
+    )
     return volumes, float(bench.width_m.sum() / ends[-1])

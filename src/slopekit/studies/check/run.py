@@ -15,23 +15,27 @@ from typing import Any, ClassVar
 from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import Notice
 from slopekit.core.sheet import Column
-from slopekit.kinds import kind_of, with_all_said
+from slopekit.kinds import add_common_notices, kind_of
 from slopekit.kinds.single_block.ladders import NEAR_STRENGTH, Ladder, Rung
 from slopekit.preie.motion.balance import Balance
 from slopekit.preie.tolerances import LIMIT_SETTLED
 from slopekit.result import Result
 from slopekit.studies.protocol import DESK, ADesign, StudyOutcome, Workplace, study
 
-_EXACT = 1e-9  # a mesh that moves the factor by less does not matter
-_ALIKE = 1e-6  # factors that differ by less are one
-_STIFFNESS = 1e-2  # that k_t / k_n from 0.1 to 1 may move a limit: of 683 random sections it moved 48 by more
-_BALANCED = 1e-5  # of a block's load: what settles balances to 1e-6 or better
-_INDEPENDENT = ("closed form", "node pairs", "upper bound")  # findings that hold the number against something else
+_MESH_ROUNDING = 1e-9  # a mesh that moves the factor by less does not matter
+_SAME_FACTOR = 1e-6  # factors that differ by less are one
+_STIFFNESS_TOLERANCE = 1e-2  # that k_t / k_n from 0.1 to 1 may move a limit: of 683 random sections it moved 48 by more
+_BALANCE_TOLERANCE = 1e-5  # of a block's load: what settles balances to 1e-6 or better
+_INDEPENDENT_FINDINGS = (
+    "closed form",
+    "node pairs",
+    "upper bound",
+)  # findings that hold the number against something else
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that was looked at.
+    """A finding of a check: a figure, the most it may be, and a sentence.
 
     Attributes
     ----------
@@ -78,7 +82,13 @@ class Check(StudyOutcome):
         """
         if any(finding.met is False for finding in self.findings) or self.result.exit_code == 4:
             return False
-        return True if any(finding.met and finding.name in _INDEPENDENT for finding in self.findings) else None
+        return (
+            True
+            if any(
+                finding.met and finding.name in _INDEPENDENT_FINDINGS for finding in self.findings
+            )
+            else None
+        )
 
     @property
     def exit_code(self) -> int:
@@ -108,28 +118,36 @@ class Check(StudyOutcome):
         def of_result(column: Column[Any]) -> Column[Any]:
             return replace(column, of=lambda checked: column.of(checked.result))
 
-        *own, status = map(of_result, self.result.case_columns())
+        *result_columns, status = map(of_result, self.result.case_columns())
         word = {True: "yes", False: "NO", None: "open"}
-        consistent: Column[Any] = Column("consistent", "consistent", "consistent", show=word.__getitem__, width=12)
-        return [*own, consistent, status]
+        consistent: Column[Any] = Column(
+            "consistent", "consistent", "consistent", show=word.__getitem__, width=12
+        )
+        return [*result_columns, consistent, status]
 
     def to_dict(self) -> dict[str, Any]:
         """The check as JSON values; times, and what depends on them, stand in a block of their own."""
         result = self.result.to_dict()
         return {
             **self.head(self.result.design),
-            **{key: result[key] for key in ("status", "fos", "methods", "moments_govern", "accepted", "rules")},
+            **{
+                key: result[key]
+                for key in ("status", "fos", "methods", "moments_govern", "accepted", "rules")
+            },
             "consistent": self.consistent,
             "agree_within": self.result.design.analysis.agree_within,
             "reference": {"value": self.reference, "what": self.against},
             "findings": json_of(self.findings),
             "ladder": [
-                record_of(rung) | {"error": error} for rung, error in zip(self.ladder, self.errors, strict=True)
+                record_of(rung) | {"error": error}
+                for rung, error in zip(self.ladder, self.errors, strict=True)
             ],
             "balance": result["balance"],
             "timing_s": {
                 "total": self.seconds,
-                "ladder": [{"setting": rung.setting, "seconds": rung.seconds} for rung in self.ladder],
+                "ladder": [
+                    {"setting": rung.setting, "seconds": rung.seconds} for rung in self.ladder
+                ],
             },
             **self.words(),
         }
@@ -168,21 +186,26 @@ def check(
     (True, 1.6487, 0)
     """
     evidence = kind_of(design).ladder(design)
-    evidence = replace(evidence, result=with_all_said(evidence.result))
+    evidence = replace(evidence, result=add_common_notices(evidence.result))
     result, ladder = evidence.result, evidence.rungs
     reference, against = _reference(result, ladder)
     errors = tuple(
-        None if rung.factor is None or reference is None else abs(rung.factor / reference - 1.0) for rung in ladder
+        None if rung.factor is None or reference is None else abs(rung.factor / reference - 1.0)
+        for rung in ladder
     )
     findings = tuple(_findings(result, ladder, evidence))
     return Check(result, ladder, errors, reference, against, findings)
 
 
 def _reference(result: Result, ladder: tuple[Rung, ...]) -> tuple[float | None, str]:
-    """The closed form where it is compared, else the finest of our own."""
+    """Return the reference factor of the ladder and its name: closed form, finest node pairs, or settled limit."""
     if result.fos.limit is None:
         return None, "nothing: there is no factor of safety"
-    if result.agree is not None and not result.moments_govern and result.fos.closed_form is not None:
+    if (
+        result.agree is not None
+        and not result.moments_govern
+        and result.fos.closed_form is not None
+    ):
         return result.fos.closed_form, "the closed form"
     finest = [rung for rung in ladder if rung.method == "mesh" and rung.factor is not None]
     if finest:
@@ -191,139 +214,234 @@ def _reference(result: Result, ladder: tuple[Rung, ...]) -> tuple[float | None, 
 
 
 def _findings(result: Result, ladder: tuple[Rung, ...], evidence: Ladder) -> Iterator[Finding]:
-    design, fos, others = result.design, result.fos, evidence.others
+    design, fos, other_factors = result.design, result.fos, evidence.factors_at_other_strengths
     yield _agreement(result)
     if fos.limit is None:
-        met = False if result.status == "not_converged" else None
-        yield Finding("factor of safety", None, None, met, f"none, by its status: {result.status_text}")
+        is_met = False if result.status == "not_converged" else None
+        yield Finding(
+            "factor of safety", None, None, is_met, f"none, by its status: {result.status_text}"
+        )
         return
     yield _convergence(result, ladder, evidence.unrefined)
     width = "how far above the last stable state the blocks fail (0: an exact limit state)"
-    yield Finding("bracket", result.model.residual, LIMIT_SETTLED, result.model.residual <= LIMIT_SETTLED, width)
+    yield Finding(
+        "bracket",
+        result.model.residual,
+        LIMIT_SETTLED,
+        result.model.residual <= LIMIT_SETTLED,
+        width,
+    )
     yield from _balance(result, evidence.rest, fos.limit)
-    if others:
-        off = max((abs(other / fos.limit - 1.0) for other in others if other), default=0.0)
-        words = "the same F where strength is doubled, and where it is divided by F" if all(others) else (
-            "with its strength changed the scene has no factor: the limit state is not the only one"
-        )  # fmt: skip
-        if all(others) and off > design.analysis.agree_within:
-            words = "with its strength changed another limit state is found: the factor is not unique"
-        yield Finding("other strengths", off if all(others) else None, design.analysis.agree_within,
-                      bool(all(others)) and off <= design.analysis.agree_within, words)  # fmt: skip
-    if near := evidence.neighbours:
-        yield _neighbours(fos.limit, near, design.analysis.agree_within)
-    yield from _stiffness(result, fos.limit, [rung for rung in ladder if rung.method == "stiffness"])
+    if other_factors:
+        deviation = max(
+            (abs(factor / fos.limit - 1.0) for factor in other_factors if factor), default=0.0
+        )
+        words = (
+            "the same F where strength is doubled, and where it is divided by F"
+            if all(other_factors)
+            else (
+                "with its strength changed the scene has no factor: the limit state is not the only one"
+            )
+        )
+        if all(other_factors) and deviation > design.analysis.agree_within:
+            words = (
+                "with its strength changed another limit state is found: the factor is not unique"
+            )
+        yield Finding(
+            "other strengths",
+            deviation if all(other_factors) else None,
+            design.analysis.agree_within,
+            bool(all(other_factors)) and deviation <= design.analysis.agree_within,
+            words,
+        )
+    if neighbours := evidence.neighbours:
+        yield _neighbours(fos.limit, neighbours, design.analysis.agree_within)
+    yield from _stiffness(
+        result, fos.limit, [rung for rung in ladder if rung.method == "stiffness"]
+    )
     if fos.static_bound is None:
-        yield Finding("upper bound", None, None, None, "not found: nothing is said of limit <= bound")
+        yield Finding(
+            "upper bound", None, None, None, "not found: nothing is said of limit <= bound"
+        )
     else:
         above = max(fos.limit / fos.static_bound - 1.0, 0.0)
         words = f"limit {fos.limit:.6g}, bound {fos.static_bound:.6g}: how far the limit lies above"
-        yield Finding("upper bound", above, _ALIKE, above <= _ALIKE, words)
+        yield Finding("upper bound", above, _SAME_FACTOR, above <= _SAME_FACTOR, words)
     for notice in result.warnings:
-        if notice.code == "W504":  # cohesive blocks fail at less with progressive slip and debonding
+        if (
+            notice.code == "W504"
+        ):  # cohesive blocks fail at less with progressive slip and debonding
             yield Finding("debonding", None, None, False, notice.message, notice.code)
     if fos.all_pairs_failed is not None:
-        yield Finding("all pairs failed", fos.all_pairs_failed, None, None,
-                      f"the paper's criterion, no safety factor: {design.stiffness.in_words()}")  # fmt: skip
+        yield Finding(
+            "all pairs failed",
+            fos.all_pairs_failed,
+            None,
+            None,
+            f"the paper's criterion, no safety factor: {design.stiffness.in_words()}",
+        )
 
 
 def _agreement(result: Result) -> Finding:
-    name, within = "closed form", result.design.analysis.agree_within
+    name, tolerance = "closed form", result.design.analysis.agree_within
     if result.agree is None:
         words = "there is none of this kind"
         if result.fos.closed_form is not None:
             words = f"{result.fos.closed_form:.6g}, not compared: see NOTE"
         return Finding(name, None, None, None, words)
     if result.difference is None:
-        words = "the same status from both" if result.agree else "statuses differ, or no convergence"
+        words = (
+            "the same status from both" if result.agree else "statuses differ, or no convergence"
+        )
         return Finding(name, None, None, result.agree, words)
-    what = "forces alone (it knows no moments)" if result.moments_govern else "limit"
-    return Finding(name, result.difference, within, result.agree, f"the {what} against the closed form")
+    quantity = "forces alone (it knows no moments)" if result.moments_govern else "limit"
+    return Finding(
+        name, result.difference, tolerance, result.agree, f"the {quantity} against the closed form"
+    )
 
 
 def _convergence(result: Result, ladder: tuple[Rung, ...], unrefined: str) -> Finding:
     """Self-convergence: how far the limit and the finest two meshes lie apart."""
-    name, within = "node pairs", result.design.analysis.agree_within
+    name, tolerance = "node pairs", result.design.analysis.agree_within
     meshes = [rung for rung in ladder if rung.method == "mesh"]
-    lost = sum(rung.factor is None for rung in meshes)
-    if lost:
-        return Finding(name, None, None, False, f"{lost} of {len(meshes)} meshes gave no factor")
+    without_factor = sum(rung.factor is None for rung in meshes)
+    if without_factor:
+        return Finding(
+            name, None, None, False, f"{without_factor} of {len(meshes)} meshes gave no factor"
+        )
     if unrefined or len(meshes) < 2:
         return Finding(name, None, None, None, unrefined or "no finer ones to compare with")
-    finest, before = meshes[-1], meshes[-2]
+    finest, coarser = meshes[-1], meshes[-2]
     if (finest.node_pairs or 0) <= result.model.node_pairs:
         return Finding(
-            name, None, None, None, f"finer than {result.model.node_pairs} were not tried: they would take long"
+            name,
+            None,
+            None,
+            None,
+            f"finer than {result.model.node_pairs} were not tried: they would take long",
         )
-    limit, last, other = result.fos.limit, finest.factor, before.factor
-    if not limit or not last or not other:
+    limit, finest_factor, coarser_factor = result.fos.limit, finest.factor, coarser.factor
+    if not limit or not finest_factor or not coarser_factor:
         return Finding(name, None, None, False, "a mesh gave no factor to compare with")
     # what changed by little on coarse meshes may not change by more on finer ones
     steps = [abs(b / a - 1.0) for a, b in pairwise(rung.factor for rung in meshes if rung.factor)]
-    flips = (step for step, least in zip(steps, accumulate(steps, min), strict=True) if least <= within < step)
-    off = max(abs(limit / last - 1.0), abs(other / last - 1.0), *flips)
-    if off > within:
+    late_steps = (
+        step
+        for step, least in zip(steps, accumulate(steps, min), strict=True)
+        if least <= tolerance < step
+    )
+    deviation = max(
+        abs(limit / finest_factor - 1.0), abs(coarser_factor / finest_factor - 1.0), *late_steps
+    )
+    if deviation > tolerance:
         words = "finer ones change the factor: it is not settled"
-    elif off < _EXACT:
+    elif deviation < _MESH_ROUNDING:
         words = "finer ones leave the factor as it is"
     else:
         words = "how far the limit and the last two meshes lie apart"
-    return Finding(name, off, within, off <= within, words)
+    return Finding(name, deviation, tolerance, deviation <= tolerance, words)
 
 
-def _neighbours(limit: float, near: Sequence[float | None], within: float) -> Finding:
+def _neighbours(limit: float, neighbours: Sequence[float | None], tolerance: float) -> Finding:
     """Whether the limit stays between those of strengths a little lower and higher, as scaling has it."""
-    by, factors = f"{NEAR_STRENGTH:.0%}", [limit, *(factor for factor in near if factor)]
-    if len(factors) <= len(near):
-        return Finding("neighbours", None, within, False, f"with {by} more or less strength of one joint none is found")
+    change, factors = f"{NEAR_STRENGTH:.0%}", [limit, *(factor for factor in neighbours if factor)]
+    if len(factors) <= len(neighbours):
+        return Finding(
+            "neighbours",
+            None,
+            tolerance,
+            False,
+            f"with {change} more or less strength of one joint none is found",
+        )
     least, most = min(factors), max(factors)
-    off = max(1.0 - least / limit, most / limit - 1.0, NEAR_STRENGTH) - NEAR_STRENGTH
-    words = f"{least:.4g} to {most:.4g} with {by} more or less strength of one joint, how far beyond {by}"
-    words += "" if off <= within else ": two limit states, take the lower"
-    return Finding("neighbours", off, within, off <= within, words)
+    deviation = max(1.0 - least / limit, most / limit - 1.0, NEAR_STRENGTH) - NEAR_STRENGTH
+    words = f"{least:.4g} to {most:.4g} with {change} more or less strength of one joint, how far beyond {change}"
+    words += "" if deviation <= tolerance else ": two limit states, take the lower"
+    return Finding("neighbours", deviation, tolerance, deviation <= tolerance, words)
 
 
 def _stiffness(result: Result, limit: float, rungs: Sequence[Rung]) -> Iterator[Finding]:
     """Whether the limit of many blocks depends on the stiffness ratio of their joints, which nobody measures."""
     if not rungs:
         return
-    name, shown = "stiffness ratio", ", ".join(
-        f"{'none' if rung.factor is None else f'{rung.factor:.4g}'} with k_t/k_n {rung.setting_value:g}"
-        for rung in rungs
-    )  # fmt: skip
-    off = max((abs(rung.factor / limit - 1.0) for rung in rungs if rung.factor), default=0.0)
-    if off > _STIFFNESS:
-        low, high = ("none" if end is None else f"{end:.4g}" for end in (result.fos.lowest, result.fos.highest))
-        ranged = "" if high == "none" else f", judge by the range of its mechanism, {low} .. {high}"
-        words = f"{shown}: the limit depends on the stiffness of the joints{ranged} (W364)"
-        yield Finding(name, off, _STIFFNESS, False, words, "W364")
+    name, factors = (
+        "stiffness ratio",
+        ", ".join(
+            f"{'none' if rung.factor is None else f'{rung.factor:.4g}'} with k_t/k_n {rung.setting_value:g}"
+            for rung in rungs
+        ),
+    )
+    deviation = max((abs(rung.factor / limit - 1.0) for rung in rungs if rung.factor), default=0.0)
+    if deviation > _STIFFNESS_TOLERANCE:
+        low, high = (
+            "none" if end is None else f"{end:.4g}"
+            for end in (result.fos.lowest, result.fos.highest)
+        )
+        range_remark = (
+            "" if high == "none" else f", judge by the range of its mechanism, {low} .. {high}"
+        )
+        words = f"{factors}: the limit depends on the stiffness of the joints{range_remark} (W364)"
+        yield Finding(name, deviation, _STIFFNESS_TOLERANCE, False, words, "W364")
     elif all(rung.factor for rung in rungs):
-        within = "the same limit" if off <= _ALIKE else "the limit moves by no more"
-        yield Finding(name, off, _STIFFNESS, True, f"{within} on joints of k_t/k_n "
-                      + " and ".join(f"{rung.setting_value:g}" for rung in rungs))  # fmt: skip
+        verdict = "the same limit" if deviation <= _SAME_FACTOR else "the limit moves by no more"
+        yield Finding(
+            name,
+            deviation,
+            _STIFFNESS_TOLERANCE,
+            True,
+            f"{verdict} on joints of k_t/k_n "
+            + " and ".join(f"{rung.setting_value:g}" for rung in rungs),
+        )
     else:
-        yield Finding(name, None, None, None, f"{shown}: whether the limit depends on it is not known", "W364")
+        yield Finding(
+            name,
+            None,
+            None,
+            None,
+            f"{factors}: whether the limit depends on it is not known",
+            "W364",
+        )
 
 
 def _balance(result: Result, rest: Balance | None, limit: float) -> Iterator[Finding]:
     """The forces held against loads and strength: at the limit, or where all blocks last rest before it."""
     balance = rest or result.limit_state.balance
     if balance is None:
-        yield Finding("forces", None, None, None, "none were kept of this limit: nothing to hold it against")
+        yield Finding(
+            "forces", None, None, None, "none were kept of this limit: nothing to hold it against"
+        )
         return
-    yield Finding("forces", balance.force, _BALANCED, balance.force <= _BALANCED,
-                  "unbalanced force of a block, in parts of its load")  # fmt: skip
-    yield Finding("moments", balance.moment, _BALANCED, balance.moment <= _BALANCED, "unbalanced moment, likewise")
+    yield Finding(
+        "forces",
+        balance.force,
+        _BALANCE_TOLERANCE,
+        balance.force <= _BALANCE_TOLERANCE,
+        "unbalanced force of a block, in parts of its load",
+    )
+    yield Finding(
+        "moments",
+        balance.moment,
+        _BALANCE_TOLERANCE,
+        balance.moment <= _BALANCE_TOLERANCE,
+        "unbalanced moment, likewise",
+    )
     worst = max(balance.pull, balance.friction_excess)
-    yield Finding("admissible", worst, _BALANCED, balance.admissible_within(_BALANCED),
-                  f"of {balance.node_pairs} node pairs none pulls, none beyond its strength")  # fmt: skip
+    yield Finding(
+        "admissible",
+        worst,
+        _BALANCE_TOLERANCE,
+        balance.admissible_within(_BALANCE_TOLERANCE),
+        f"of {balance.node_pairs} node pairs none pulls, none beyond its strength",
+    )
     # admissible forces that balance at a factor prove that the blocks can be held at every lower one, not at a higher
-    short = max(1.0 - balance.factor / limit, 0.0)
+    shortfall = max(1.0 - balance.factor / limit, 0.0)
     if rest is not None:
-        within = result.design.analysis.agree_within
+        tolerance = result.design.analysis.agree_within
         words = f"these forces hold at F = {balance.factor:.6g}, where all blocks last rest: so far below that limit"
-        yield Finding("holds at limit", short, within, short <= within, words)
+        yield Finding("holds at limit", shortfall, tolerance, shortfall <= tolerance, words)
         return
-    above = balance.factor > limit * (1.0 + _ALIKE)
-    words = f"these forces hold at F = {balance.factor:.6g}" + (", above the limit: turning would add" if above else "")
-    yield Finding("holds at limit", short, _ALIKE, short <= _ALIKE, words)
+    above = balance.factor > limit * (1.0 + _SAME_FACTOR)
+    words = f"these forces hold at F = {balance.factor:.6g}" + (
+        ", above the limit: turning would add" if above else ""
+    )
+    yield Finding("holds at limit", shortfall, _SAME_FACTOR, shortfall <= _SAME_FACTOR, words)

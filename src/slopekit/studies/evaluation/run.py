@@ -12,9 +12,9 @@ from typing import Annotated, Any
 
 import numpy as np
 
+from slopekit.core.argument_checks import wrong_kind
 from slopekit.core.errors import DesignError, Fault, Faults, fail
 from slopekit.core.options import DESIGN, Option, documented
-from slopekit.core.taken import wrong_kind
 from slopekit.design.reading.files import design_from
 from slopekit.studies.evaluation.columns import ColumnRows
 from slopekit.studies.evaluation.rows import chosen_methods, evaluated
@@ -67,39 +67,52 @@ def evaluate(
     >>> found.limit.factor.round(3).tolist()
     [2.535, 2.064]
     """
-    crew, read = checked_crew(jobs, scheduler), design_from(design, "evaluate", "design")
-    if read.cases:
+    crew, loaded = checked_crew(jobs, scheduler), design_from(design, "evaluate", "design")
+    if loaded.cases:
         fail(
             "E313",
-            f"the design has load cases ({', '.join(case.name for case in read.cases)}): rows are of one of them",
+            f"the design has load cases ({', '.join(case.name for case in loaded.cases)}): rows are of one of them",
             "design",
             "Load it with one: load(path, case=NAME).",
         )
-    chosen_methods(read, closed_form)
+    chosen_methods(loaded, closed_form)
     keys, values, faults = list[Key](), list[Any](), Faults()
     paths = getattr(columns, "columns", columns)
     if isinstance(columns, str) or not isinstance(paths, Iterable):
         raise wrong_kind("evaluate", "columns", "values by the path of a number", columns)
     for path in paths:
-        with faults.kept():
-            key = key_of(read, str(path))
+        with faults.collecting():
+            key = key_of(loaded, str(path))
             keys.append(key)
             values.append(_numbers(key, columns[path]))
     if len({key.path for key in keys}) < len(keys):
-        faults.add("E313", f"a number is given twice: {', '.join(key.path for key in keys)}", "columns")
+        faults.add(
+            "E313", f"a number is given twice: {', '.join(key.path for key in keys)}", "columns"
+        )
     faults.refuse()
     try:
         places = np.stack(np.broadcast_arrays(*values), axis=1)
     except ValueError:
-        sizes = ", ".join(f"{key.path} {len(of)}" for key, of in zip(keys, values, strict=True))
+        sizes = ", ".join(
+            f"{key.path} {len(column)}" for key, column in zip(keys, values, strict=True)
+        )
         message = f"columns have other numbers of values: {sizes or 'there are none'}"
-        raise DesignError([Fault("E312", message, "columns", "Give n values of each, or one for all rows.")]) from None
-    return evaluated(ColumnRows(read, keys, places, not closed_form), "evaluate", crew, desk, not closed_form, "rows")
+        raise DesignError(
+            [Fault("E312", message, "columns", "Give n values of each, or one for all rows.")]
+        ) from None
+    return evaluated(
+        ColumnRows(loaded, keys, places, not closed_form),
+        "evaluate",
+        crew,
+        desk,
+        not closed_form,
+        "rows",
+    )
 
 
-def _numbers(key: Key, given: Any) -> Any:
-    """Return the values of a column, (n,), or (1,) of one for all rows."""
-    every = np.atleast_1d(np.asarray(given))
-    if every.dtype.kind in "iuf" and np.isfinite(every).all() and every.ndim == 1:
-        return every.astype(np.float64)
-    return np.array([key.read(value) for value in every.tolist()], dtype=np.float64)
+def _numbers(key: Key, column: Any) -> Any:
+    """Return the values of a column (n,), or (1,) where one value holds for all rows."""
+    numbers = np.atleast_1d(np.asarray(column))
+    if numbers.dtype.kind in "iuf" and np.isfinite(numbers).all() and numbers.ndim == 1:
+        return numbers.astype(np.float64)
+    return np.array([key.read(value) for value in numbers.tolist()], dtype=np.float64)

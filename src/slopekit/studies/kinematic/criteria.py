@@ -47,14 +47,29 @@ NO_COLUMN, DIRECT, OBLIQUE = range(3)
 #: Base planes, numbered as the zones of Dips: columns may slide on them; they release; they release obliquely.
 NO_BASE, SLIDING_BASE, RELEASE, OBLIQUE_RELEASE = range(4)
 #: What is counted of joints and of lines of intersection, in the order of the sheet.
-OF_JOINTS = ("planar", "planar_without_limits", "flexural", "base_sliding", "base_release", "base_oblique")
-OF_LINES = ("wedge", "wedge_primary", "wedge_secondary", "wedge_on_both", "wedge_by_friction", "direct", "oblique")
+JOINT_MODES = (
+    "planar",
+    "planar_without_limits",
+    "flexural",
+    "base_sliding",
+    "base_release",
+    "base_oblique",
+)
+LINE_MODES = (
+    "wedge",
+    "wedge_primary",
+    "wedge_secondary",
+    "wedge_on_both",
+    "wedge_by_friction",
+    "direct",
+    "oblique",
+)
 #: Pairs up to which all are tested: those of 3000 joints; of more a sample is, its shares within 0.1 % (95 %).
-MOST_PAIRS, DRAWN_PAIRS = 4_498_500, 1_000_000
-_ANGLE = 1e-9  # degrees
-_TOUCHES = 1e-12  # cosine, as in geometry.rock.rockmass
+MAX_PAIRS, DRAWN_PAIRS = 4_498_500, 1_000_000
+_ANGLE_TOLERANCE_DEG = 1e-9  # degrees
+_COSINE_TOLERANCE = 1e-12  # cosine, as in geometry.rock.rockmass
 
-Words = NDArray[np.int8]
+ModeCodes = NDArray[np.int8]
 
 
 @dataclass(frozen=True)
@@ -79,7 +94,7 @@ class Lines:
 
 @dataclass(frozen=True)
 class Modes:
-    """What could move in a slope of one face.
+    """Critical joints and lines of intersection in a slope of one face.
 
     Attributes
     ----------
@@ -92,44 +107,56 @@ class Modes:
     planar: Bools
     planar_without_limits: Bools
     flexural: Bools
-    base: Words
-    wedge: Words
+    base: ModeCodes
+    wedge: ModeCodes
     by_friction: Bools
     secondary_of_dips: Bools
-    column: Words
+    column: ModeCodes
 
     def of_joints(self) -> dict[str, Bools]:
-        """Joints by what could happen to them."""
+        """Return the critical joints (n,) by mode, in the order of `JOINT_MODES`."""
         return {
-            "planar": self.planar, "planar_without_limits": self.planar_without_limits, "flexural": self.flexural,
-            "base_sliding": self.base == SLIDING_BASE, "base_release": self.base == RELEASE,
+            "planar": self.planar,
+            "planar_without_limits": self.planar_without_limits,
+            "flexural": self.flexural,
+            "base_sliding": self.base == SLIDING_BASE,
+            "base_release": self.base == RELEASE,
             "base_oblique": self.base == OBLIQUE_RELEASE,
-        }  # fmt: skip
+        }
 
     def of_lines(self) -> dict[str, Bools]:
-        """Lines of intersection likewise."""
+        """Return the critical lines of intersection (m,) by mode, in the order of `LINE_MODES`."""
         primary = (self.wedge == PRIMARY_BOTH) | (self.wedge == PRIMARY_ONE)
         return {
-            "wedge": self.wedge != NO_WEDGE, "wedge_primary": primary, "wedge_secondary": self.wedge == SECONDARY,
-            "wedge_on_both": self.wedge == PRIMARY_BOTH, "wedge_by_friction": self.by_friction,
-            "direct": self.column == DIRECT, "oblique": self.column == OBLIQUE,
-        }  # fmt: skip
+            "wedge": self.wedge != NO_WEDGE,
+            "wedge_primary": primary,
+            "wedge_secondary": self.wedge == SECONDARY,
+            "wedge_on_both": self.wedge == PRIMARY_BOTH,
+            "wedge_by_friction": self.by_friction,
+            "direct": self.column == DIRECT,
+            "oblique": self.column == OBLIQUE,
+        }
 
     def counts(self) -> dict[str, int]:
-        """How many joints and lines."""
-        return {name: int(critical.sum()) for name, critical in (self.of_joints() | self.of_lines()).items()}
+        """Return the number of critical joints and lines by mode."""
+        return {
+            name: int(critical.sum())
+            for name, critical in (self.of_joints() | self.of_lines()).items()
+        }
 
     def shares(self, of_joints: Floats, of_lines: Floats) -> dict[str, float | None]:
-        """The part of all joints, or of all lines, in per cent, each by its weight (n,), (m,); None of none."""
+        """Return the weighted share of critical joints or lines by mode, per cent; None where all weights are 0."""
         return {
-            name: 100.0 * float(weights[critical].sum()) / whole if (whole := float(weights.sum())) else None
+            name: 100.0 * float(weights[critical].sum()) / total_weight
+            if (total_weight := float(weights.sum()))
+            else None
             for weights, kinds in ((of_joints, self.of_joints()), (of_lines, self.of_lines()))
             for name, critical in kinds.items()
         }
 
 
 def tested_pairs(joints: "JointList | Planes", rng: np.random.Generator) -> tuple[Ints, Ints]:
-    """The first and second joint of every pair, or of `DRAWN_PAIRS` different ones drawn where there are too many.
+    """Return the joints of every pair, or of `DRAWN_PAIRS` different pairs drawn at random above `MAX_PAIRS`.
 
     >>> planes = Planes(np.full(4000, 45.0), np.linspace(0.0, 359.0, 4000))
     >>> first, second = tested_pairs(planes, np.random.default_rng(1))
@@ -137,13 +164,18 @@ def tested_pairs(joints: "JointList | Planes", rng: np.random.Generator) -> tupl
     (1000000, True)
     """
     count = len(joints)
-    if count * (count - 1) // 2 <= MOST_PAIRS:
+    if count * (count - 1) // 2 <= MAX_PAIRS:
         return joints.pairs()
     pairs = np.zeros(0, dtype=np.int64)
     while len(pairs) < DRAWN_PAIRS:
-        one, other = rng.integers(0, count, DRAWN_PAIRS), rng.integers(0, count - 1, DRAWN_PAIRS)
-        other += other >= one
-        pairs = np.sort(np.concatenate([pairs, np.minimum(one, other) * count + np.maximum(one, other)]))
+        joint1, joint2 = (
+            rng.integers(0, count, DRAWN_PAIRS),
+            rng.integers(0, count - 1, DRAWN_PAIRS),
+        )
+        joint2 += joint2 >= joint1
+        pairs = np.sort(
+            np.concatenate([pairs, np.minimum(joint1, joint2) * count + np.maximum(joint1, joint2)])
+        )
         pairs = pairs[np.diff(pairs, prepend=-1) > 0]
     pairs = np.sort(rng.permutation(pairs)[:DRAWN_PAIRS])
     return pairs // count, pairs % count
@@ -160,7 +192,14 @@ def lines_of(joints: "JointList | Planes", pairs: tuple[Ints, Ints]) -> Lines:
     first, second, line = first[crossing], second[crossing], line[crossing] / sine[crossing, None]
     turn = np.where(line[:, 2] > 0.0, -1.0, 1.0)
     line *= turn[:, None]
-    return Lines(first, second, line, *_trend_plunge(line), np.einsum("ij,ij->i", a[crossing], b[crossing]), turn)
+    return Lines(
+        first,
+        second,
+        line,
+        *_trend_plunge(line),
+        np.einsum("ij,ij->i", a[crossing], b[crossing]),
+        turn,
+    )
 
 
 def modes_of(
@@ -171,95 +210,131 @@ def modes_of(
     lateral_deg: float,
     lateral_toppling_deg: float,
 ) -> Modes:
-    """What could move in a slope with this face; the criteria stand above."""
+    """Return the critical joints and lines in a slope with this face, by the criteria in the head of this file."""
     dip, direction, normals = joints.dips_deg, joints.dip_directions_deg, joints.normals()
-    out, friction = face.normal(), friction_deg
-    off = beside_deg(direction, face.dip_direction_deg)
+    face_normal, friction = face.normal(), friction_deg
+    deviation = direction_difference_deg(direction, face.dip_direction_deg)
 
     # planar sliding
-    down = np.stack([
-        np.sin(np.radians(direction)) * np.cos(np.radians(dip)),
-        np.cos(np.radians(direction)) * np.cos(np.radians(dip)),
-        -np.sin(np.radians(dip)),
-    ], axis=-1)  # fmt: skip
-    slides = (down @ out > _TOUCHES) & (down[:, 2] < -_TOUCHES) & (dip >= friction - _ANGLE)
-    planar = slides & (off <= lateral_deg + _ANGLE)
+    down = np.stack(
+        [
+            np.sin(np.radians(direction)) * np.cos(np.radians(dip)),
+            np.cos(np.radians(direction)) * np.cos(np.radians(dip)),
+            -np.sin(np.radians(dip)),
+        ],
+        axis=-1,
+    )
+    slides = (
+        (down @ face_normal > _COSINE_TOLERANCE)
+        & (down[:, 2] < -_COSINE_TOLERANCE)
+        & (dip >= friction - _ANGLE_TOLERANCE_DEG)
+    )
+    planar = slides & (deviation <= lateral_deg + _ANGLE_TOLERANCE_DEG)
 
     # flexural toppling: a vertical joint dips into the slope as much as out of it
-    vertical = dip >= 90.0 - _ANGLE
-    off_pole = np.where(vertical, np.minimum(off, 180.0 - off), 180.0 - off)
-    slip = np.radians(face.dip_deg - friction)
+    vertical = dip >= 90.0 - _ANGLE_TOLERANCE_DEG
+    pole_deviation = np.where(vertical, np.minimum(deviation, 180.0 - deviation), 180.0 - deviation)
+    slip_limit = np.radians(face.dip_deg - friction)
     plunge = np.radians(90.0 - dip)
-    outside = np.sin(slip) * np.cos(plunge) * np.cos(np.radians(off_pole)) - np.cos(slip) * np.sin(plunge)
-    flexural = (slip >= -np.radians(_ANGLE)) & (outside >= -_TOUCHES) & (off_pole <= lateral_toppling_deg + _ANGLE)
+    plunge_margin = np.sin(slip_limit) * np.cos(plunge) * np.cos(
+        np.radians(pole_deviation)
+    ) - np.cos(slip_limit) * np.sin(plunge)
+    flexural = (
+        (slip_limit >= -np.radians(_ANGLE_TOLERANCE_DEG))
+        & (plunge_margin >= -_COSINE_TOLERANCE)
+        & (pole_deviation <= lateral_toppling_deg + _ANGLE_TOLERANCE_DEG)
+    )
 
     # base planes of columns
-    off_base = np.where(dip <= _ANGLE, 0.0, off)
-    flatter = dip <= face.dip_deg + _ANGLE
-    within = flatter & (off_base <= lateral_toppling_deg + _ANGLE)
-    beside = flatter & ~within & (off_base <= 90.0 + _ANGLE)
-    holds = dip < friction - _ANGLE
+    base_deviation = np.where(dip <= _ANGLE_TOLERANCE_DEG, 0.0, deviation)
+    is_flatter = dip <= face.dip_deg + _ANGLE_TOLERANCE_DEG
+    is_lateral = is_flatter & (base_deviation <= lateral_toppling_deg + _ANGLE_TOLERANCE_DEG)
+    is_oblique = is_flatter & ~is_lateral & (base_deviation <= 90.0 + _ANGLE_TOLERANCE_DEG)
+    friction_holds = dip < friction - _ANGLE_TOLERANCE_DEG
     base = np.zeros(len(dip), dtype=np.int8)
-    base[within & ~holds] = SLIDING_BASE
-    base[within & holds] = RELEASE
-    base[beside & holds] = OBLIQUE_RELEASE
+    base[is_lateral & ~friction_holds] = SLIDING_BASE
+    base[is_lateral & friction_holds] = RELEASE
+    base[is_oblique & friction_holds] = OBLIQUE_RELEASE
 
-    wedge, by_friction, zone = _wedges(lines, normals, out, face, friction, dip)
+    wedge, by_friction, dips_secondary = _wedges(lines, normals, face_normal, face, friction, dip)
 
     # edges of columns
-    off_line = np.where(
-        lines.plunge_deg >= 90.0 - _ANGLE, 0.0, beside_deg(lines.trend_deg, face.dip_direction_deg + 180.0)
+    line_deviation = np.where(
+        lines.plunge_deg >= 90.0 - _ANGLE_TOLERANCE_DEG,
+        0.0,
+        direction_difference_deg(lines.trend_deg, face.dip_direction_deg + 180.0),
     )
-    within = off_line <= lateral_toppling_deg + _ANGLE
-    plunges = lines.down[:, 2] < -_TOUCHES
+    is_lateral = line_deviation <= lateral_toppling_deg + _ANGLE_TOLERANCE_DEG
+    plunges = lines.down[:, 2] < -_COSINE_TOLERANCE
     column = np.zeros(len(lines.first), dtype=np.int8)
-    column[within & plunges & (lines.plunge_deg >= 90.0 - face.dip_deg - _ANGLE)] = DIRECT
-    upright = lines.plunge_deg >= 90.0 - float(friction.max()) - _ANGLE
-    column[~within & (off_line <= 90.0 + _ANGLE) & plunges & upright] = OBLIQUE
-    return Modes(planar, slides, flexural, base, wedge, by_friction, zone, column)
+    column[
+        is_lateral & plunges & (lines.plunge_deg >= 90.0 - face.dip_deg - _ANGLE_TOLERANCE_DEG)
+    ] = DIRECT
+    upright = lines.plunge_deg >= 90.0 - float(friction.max()) - _ANGLE_TOLERANCE_DEG
+    column[~is_lateral & (line_deviation <= 90.0 + _ANGLE_TOLERANCE_DEG) & plunges & upright] = (
+        OBLIQUE
+    )
+    return Modes(planar, slides, flexural, base, wedge, by_friction, dips_secondary, column)
 
 
 def _wedges(
-    lines: Lines, normals: Floats, out: Floats, face: Plane, friction: Floats, dip: Floats
-) -> tuple[Words, Bools, Bools]:
-    """How the wedge of each pair would slide, whether friction holds it not, and Dips' secondary zone."""
-    daylight = np.flatnonzero((lines.down @ out > _TOUCHES) & (lines.down[:, 2] < -_TOUCHES))
+    lines: Lines, normals: Floats, face_normal: Floats, face: Plane, friction: Floats, dip: Floats
+) -> tuple[ModeCodes, Bools, Bools]:
+    """Return of each line (m,) how its wedge slides, whether friction alone fails, and Dips' secondary zone."""
+    daylight = np.flatnonzero(
+        (lines.down @ face_normal > _COSINE_TOLERANCE) & (lines.down[:, 2] < -_COSINE_TOLERANCE)
+    )
     first, second, down = lines.first[daylight], lines.second[daylight], lines.down[daylight]
     plunge = lines.plunge_deg[daylight]
     # the wedge lies on the side of each joint on which the trace of the other climbs up the face
-    climb, turn = np.cross(normals, out)[:, 2], lines.turn[daylight]
+    climb, turn = np.cross(normals, face_normal)[:, 2], lines.turn[daylight]
     climb = np.where(np.abs(climb) < SAME_DIRECTION, 0.0, np.sign(climb))
     side1, side2 = turn * climb[second], -turn * climb[first]
     up1, up2, cosine = normals[first, 2], normals[second, 2], lines.cosine[daylight]
     # a joint that strikes with the face ends nowhere: the other only releases one end, and the block may part from it
     side1 = np.where(side1 == 0.0, np.where(up2 * cosine >= up1, 1.0, -1.0), side1)
     side2 = np.where(side2 == 0.0, np.where(up1 * cosine >= up2, 1.0, -1.0), side2)
-    on1, on2, between = -side1 * up1, -side2 * up2, side1 * side2 * cosine  # the weight along the inward normals
-    alone1 = (on1 < 0.0) & (on2 - on1 * between >= 0.0)
-    alone2 = (on2 < 0.0) & (on1 - on2 * between >= 0.0) & ~alone1
-    on_both = ~(alone1 | alone2)
-    steep = dip >= friction - _ANGLE
-    slides_alone = (alone1 & steep[first]) | (alone2 & steep[second])
+    weight1, weight2, cosine_inward = (
+        -side1 * up1,
+        -side2 * up2,
+        side1 * side2 * cosine,
+    )  # the weight along the inward normals
+    slides_on1 = (weight1 < 0.0) & (weight2 - weight1 * cosine_inward >= 0.0)
+    slides_on2 = (weight2 < 0.0) & (weight1 - weight2 * cosine_inward >= 0.0) & ~slides_on1
+    on_both = ~(slides_on1 | slides_on2)
+    steep = dip >= friction - _ANGLE_TOLERANCE_DEG
+    slides_on_single = (slides_on1 & steep[first]) | (slides_on2 & steep[second])
 
     least = np.minimum(friction[first], friction[second])
-    primary = plunge >= least - _ANGLE
+    primary = plunge >= least - _ANGLE_TOLERANCE_DEG
     wedge = np.zeros(len(lines.first), dtype=np.int8)
     wedge[daylight] = np.where(
-        primary, np.where(on_both, PRIMARY_BOTH, PRIMARY_ONE), np.where(slides_alone, SECONDARY, NO_WEDGE)
+        primary,
+        np.where(on_both, PRIMARY_BOTH, PRIMARY_ONE),
+        np.where(slides_on_single, SECONDARY, NO_WEDGE),
     )
     # on both: N1 tan φ1 + N2 tan φ2 against the weight along the line
     tangent = np.tan(np.radians(friction))
-    held = (on2 * between - on1) * tangent[first] + (on1 * between - on2) * tangent[second]
-    overcome = held <= -down[:, 2] * (1.0 - between * between) * (1.0 + _TOUCHES)
+    friction_resistance = (weight2 * cosine_inward - weight1) * tangent[first] + (
+        weight1 * cosine_inward - weight2
+    ) * tangent[second]
+    exceeds_friction = friction_resistance <= -down[:, 2] * (
+        1.0 - cosine_inward * cosine_inward
+    ) * (1.0 + _COSINE_TOLERANCE)
     by_friction = np.zeros(len(wedge), dtype=np.bool_)
-    by_friction[daylight] = np.where(on_both, overcome, slides_alone)
+    by_friction[daylight] = np.where(on_both, exceeds_friction, slides_on_single)
 
     # outside the great circle of the plane that dips at the friction angle with the face
-    slope, off = np.radians(least), np.radians(beside_deg(lines.trend_deg[daylight], face.dip_direction_deg))
-    beyond = np.tan(slope) * np.cos(off) < np.tan(np.radians(plunge)) * (1.0 - _TOUCHES)
-    zone = np.zeros(len(wedge), dtype=np.bool_)
-    zone[daylight] = ~primary & beyond
-    return wedge, by_friction, zone
+    slope, deviation = (
+        np.radians(least),
+        np.radians(direction_difference_deg(lines.trend_deg[daylight], face.dip_direction_deg)),
+    )
+    is_outside = np.tan(slope) * np.cos(deviation) < np.tan(np.radians(plunge)) * (
+        1.0 - _COSINE_TOLERANCE
+    )
+    dips_secondary = np.zeros(len(wedge), dtype=np.bool_)
+    dips_secondary[daylight] = ~primary & is_outside
+    return wedge, by_friction, dips_secondary
 
 
 def _trend_plunge(down: Floats) -> tuple[Floats, Floats]:
@@ -268,8 +343,8 @@ def _trend_plunge(down: Floats) -> tuple[Floats, Floats]:
     return trend, np.degrees(np.arctan2(-down[:, 2], np.hypot(down[:, 0], down[:, 1])))
 
 
-def beside_deg(directions_deg: Floats, toward_deg: float) -> Floats:
-    """Degrees between dip directions and another direction, 0 to 180."""
+def direction_difference_deg(directions_deg: Floats, toward_deg: float) -> Floats:
+    """Return the angle in degrees between dip directions (n,) and another direction, 0 to 180."""
     return np.abs((directions_deg - toward_deg + 180.0) % 360.0 - 180.0)
 
 
@@ -306,10 +381,12 @@ def planes_of_poles(poles: Floats) -> Planes:
 def zones_of_poles(
     poles: Floats, face: Plane, friction_deg: float, lateral_deg: float, lateral_toppling_deg: float
 ) -> dict[str, Bools]:
-    """Where joints with these downward poles (n, 3) could move: (n,) for each of `OF_JOINTS`."""
+    """Where joints with these downward poles (n, 3) could move: (n,) for each of `JOINT_MODES`."""
     planes = planes_of_poles(poles)
     none = np.zeros(0)
-    no_lines = Lines(none.astype(np.intp), none.astype(np.intp), np.zeros((0, 3)), none, none, none, none)
+    no_lines = Lines(
+        none.astype(np.intp), none.astype(np.intp), np.zeros((0, 3)), none, none, none, none
+    )
     friction = np.full(len(planes), friction_deg)
     return modes_of(planes, no_lines, face, friction, lateral_deg, lateral_toppling_deg).of_joints()
 
@@ -322,10 +399,12 @@ def zones_of_lines(
     wedge_primary, wedge_secondary_of_dips, direct, oblique: what depends on the line alone. Whether a wedge slides in
     the secondary zone depends on its joints.
     """
-    any_two, count = Planes(np.array([45.0, 45.0]), np.array([115.0, 245.0])), len(down)
+    placeholder, count = Planes(np.array([45.0, 45.0]), np.array([115.0, 245.0])), len(down)
     first = np.zeros(count, dtype=np.intp)
     lines = Lines(first, first + 1, down, *_trend_plunge(down), np.zeros(count), np.ones(count))
-    modes: Modes = modes_of(any_two, lines, face, np.full(2, friction_deg), lateral_deg, lateral_toppling_deg)
+    modes: Modes = modes_of(
+        placeholder, lines, face, np.full(2, friction_deg), lateral_deg, lateral_toppling_deg
+    )
     critical = modes.of_lines()
     return {
         **{kind: critical[kind] for kind in ("wedge_primary", "direct", "oblique")},

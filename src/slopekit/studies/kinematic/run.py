@@ -20,17 +20,25 @@ from slopekit.core.errors import Faults, Notice
 from slopekit.core.orientation import Plane, number
 from slopekit.core.units import quantity
 from slopekit.design.fields import fields_of
-from slopekit.design.joint_lists import JointList, joint_list, own_or_given, plane_of
+from slopekit.design.joint_lists import JointList, joint_list, measured_or_common, slope_plane
 from slopekit.design.parts import Strength
 from slopekit.studies.kinematic.criteria import (
-    OF_JOINTS,
+    JOINT_MODES,
     Lines,
     Modes,
     lines_of,
     modes_of,
     tested_pairs,
 )
-from slopekit.studies.protocol import DESK, Option, StudyOutcome, Workplace, documented, numbers_given, timed
+from slopekit.studies.protocol import (
+    DESK,
+    Option,
+    StudyOutcome,
+    Workplace,
+    documented,
+    numbers_given,
+    timed,
+)
 from slopekit.studies.surveys import (
     LATERAL_LIMITS,
     MOST_JOINTS,
@@ -39,7 +47,7 @@ from slopekit.studies.surveys import (
     Columns,
     Convention,
     SkipBad,
-    left_out,
+    joint_list_notices,
     range_of,
     survey_head,
 )
@@ -93,21 +101,28 @@ class Kinematic(StudyOutcome):
         direct = bool(counts["direct"] and counts["base_sliding"] + counts["base_release"])
         return direct, bool(counts["oblique"] and counts["base_release"] + counts["base_oblique"])
 
-    def joint_names(self, what: str) -> tuple[str, ...]:
-        """The joints of one kind (`OF_JOINTS`), in the order of the list."""
-        is_critical = self.modes.of_joints()[what]
-        return tuple(joint.name for joint, critical in zip(self.joints.joints, is_critical, strict=True) if critical)
+    def joint_names(self, kind: str) -> tuple[str, ...]:
+        """The joints of one kind (`JOINT_MODES`), in the order of the list."""
+        is_critical = self.modes.of_joints()[kind]
+        return tuple(
+            joint.name
+            for joint, critical in zip(self.joints.joints, is_critical, strict=True)
+            if critical
+        )
 
     def by_set(self) -> dict[str, dict[str, int]]:
         """Joints of each set, and those of them that could move; joints without a set stand under an empty name."""
         if not self.joints.sets():
             return {}
-        own = np.array([joint.set_name for joint in self.joints.joints])
+        set_names = np.array([joint.set_name for joint in self.joints.joints])
         kinds = self.modes.of_joints()
         return {
-            name: {"joints": int((own == name).sum())}
-            | {kind: int((critical & (own == name)).sum()) for kind, critical in kinds.items()}
-            for name in (*self.joints.sets(), *([""] if (own == "").any() else []))
+            name: {"joints": int((set_names == name).sum())}
+            | {
+                kind: int((critical & (set_names == name)).sum())
+                for kind, critical in kinds.items()
+            }
+            for name in (*self.joints.sets(), *([""] if (set_names == "").any() else []))
         }
 
     def by_set_pair(self) -> dict[tuple[str, str], dict[str, int]]:
@@ -116,21 +131,31 @@ class Kinematic(StudyOutcome):
             return {}
         sets = list(self.by_set())
         number_of = {name: k for k, name in enumerate(sets)}
-        own = np.array([number_of[joint.set_name] for joint in self.joints.joints])
-        a, b = own[self.lines.first], own[self.lines.second]
+        set_numbers = np.array([number_of[joint.set_name] for joint in self.joints.joints])
+        a, b = set_numbers[self.lines.first], set_numbers[self.lines.second]
         key = np.minimum(a, b) * len(sets) + np.maximum(a, b)
         size = len(sets) ** 2
         counted = {"lines": np.bincount(key, minlength=size)}
-        counted |= {kind: np.bincount(key[lines], minlength=size) for kind, lines in self.modes.of_lines().items()}
+        counted |= {
+            kind: np.bincount(key[lines], minlength=size)
+            for kind, lines in self.modes.of_lines().items()
+        }
         return {
-            (sets[k // len(sets)], sets[k % len(sets)]): {kind: int(lines[k]) for kind, lines in counted.items()}
+            (sets[k // len(sets)], sets[k % len(sets)]): {
+                kind: int(lines[k]) for kind, lines in counted.items()
+            }
             for k in np.flatnonzero(counted["lines"])
         }
 
     def input_hash(self) -> str:
         """SHA-256 of the face, the limits and the joints with their friction angles."""
         face = (self.face.dip_deg, self.face.dip_direction_deg)
-        exact = [face, (self.lateral_deg, self.lateral_toppling_deg), self.joints.rows(), self.friction_deg.tolist()]
+        exact = [
+            face,
+            (self.lateral_deg, self.lateral_toppling_deg),
+            self.joints.rows(),
+            self.friction_deg.tolist(),
+        ]
         exact += [self.joints.quantities.tolist()] if self.joints.has_quantities else []
         exact += [SEED] if self.is_sample else []
         return digest(exact)
@@ -140,8 +165,9 @@ class Kinematic(StudyOutcome):
         return {
             "face": str(self.face),
             "friction_deg": range_of(self.friction_deg, self.measured),
-            "lateral_deg": self.lateral_deg, "lateral_toppling_deg": self.lateral_toppling_deg,
-        } | ({"seed": SEED} if self.is_sample else {})  # fmt: skip
+            "lateral_deg": self.lateral_deg,
+            "lateral_toppling_deg": self.lateral_toppling_deg,
+        } | ({"seed": SEED} if self.is_sample else {})
 
     def to_dict(self) -> dict[str, Any]:
         """The result as JSON values; critical lines are counted by joint, `intersections.csv` has them all."""
@@ -153,8 +179,14 @@ class Kinematic(StudyOutcome):
             "defaults": list(self.defaults),
             "joints": n,
             "orientations": [
-                {"joint": name, "set": of, "dip_deg": dip, "dip_direction_deg": direction, "friction_deg": friction}
-                for (name, of, dip, direction), friction in zip(
+                {
+                    "joint": name,
+                    "set": set_name,
+                    "dip_deg": dip,
+                    "dip_direction_deg": direction,
+                    "friction_deg": friction,
+                }
+                for (name, set_name, dip, direction), friction in zip(
                     self.joints.rows(), self.friction_deg.tolist(), strict=True
                 )
             ],
@@ -165,12 +197,14 @@ class Kinematic(StudyOutcome):
             "percent": dict(self.percent),
             "direct_toppling": direct,
             "oblique_toppling": oblique,
-            "critical_joints": {kind: list(self.joint_names(kind)) for kind in OF_JOINTS},
+            "critical_joints": {kind: list(self.joint_names(kind)) for kind in JOINT_MODES},
             "sets": [{"set": name} | tally for name, tally in self.by_set().items()],
-            "set_pairs": [{"sets": list(names)} | tally for names, tally in self.by_set_pair().items()],
+            "set_pairs": [
+                {"sets": list(names)} | tally for names, tally in self.by_set_pair().items()
+            ],
             "timing_s": {"total": self.seconds},
             **self.words(),
-        }  # fmt: skip
+        }
 
 
 @timed
@@ -218,17 +252,29 @@ def kinematic(
     faults, defaults = Faults(), list[str]()
 
     listed: JointList | None = faults.of(
-        lambda: joint_list(joints, convention, skip_bad, 1, desk.named("convention"), most=MOST_JOINTS, columns=columns)
+        lambda: joint_list(
+            joints,
+            convention,
+            skip_bad,
+            1,
+            desk.named("convention"),
+            most=MOST_JOINTS,
+            columns=columns,
+        )
     )
-    plane: Plane | None = faults.of(lambda: plane_of(face, "face", desk.named("face")))
-    friction_angle = faults.of(lambda: _friction(phi, f"{desk.named('phi')} {phi}")) if phi is not None else PHI_DEG
+    plane: Plane | None = faults.of(lambda: slope_plane(face, "face", desk.named("face")))
+    friction_angle = (
+        faults.of(lambda: _friction(phi, f"{desk.named('phi')} {phi}"))
+        if phi is not None
+        else PHI_DEG
+    )
     limits = {"lateral": lateral, "lateral_toppling": lateral_toppling}
     defaults += [key for key, value in limits.items() if value is None]
     limits_deg = numbers_given(LATERAL_LIMITS, limits, desk.named, faults)
     faults.refuse()
     assert listed is not None and plane is not None  # noqa: PT018  # no fault: nothing is missing
     lateral_deg, toppling_deg = (limit or 0.0 for limit in limits_deg.values())
-    friction, measured, _ = own_or_given(listed, "phi", friction_angle, desk.named("phi"))
+    friction, measured, _ = measured_or_common(listed, "phi", friction_angle, desk.named("phi"))
     if phi is None and measured < len(listed):
         defaults.append("phi")
     pairs = tested_pairs(listed, np.random.default_rng(SEED))
@@ -236,19 +282,31 @@ def kinematic(
     weights = listed.quantities, listed.quantities[lines.first] * listed.quantities[lines.second]
     modes = modes_of(listed, lines, plane, friction, lateral_deg, toppling_deg)
     return Kinematic(
-        listed, plane, friction, measured, lateral_deg, toppling_deg, lines, len(pairs[0]),
-        modes, modes.shares(*weights), tuple(defaults), tuple(_notices(listed, plane, friction)),
-    )  # fmt: skip
+        listed,
+        plane,
+        friction,
+        measured,
+        lateral_deg,
+        toppling_deg,
+        lines,
+        len(pairs[0]),
+        modes,
+        modes.shares(*weights),
+        tuple(defaults),
+        tuple(_notices(listed, plane, friction)),
+    )
 
 
-def _friction(value: object, where: str) -> float:
-    friction_deg = quantity(value, "angle", "phi", where)
-    return fields_of(Strength)["friction_angle_deg"].checked(friction_deg, "phi", where, str(value))
+def _friction(value: object, option: str) -> float:
+    friction_deg = quantity(value, "angle", "phi", option)
+    return fields_of(Strength)["friction_angle_deg"].checked(
+        friction_deg, "phi", option, str(value)
+    )
 
 
 def _notices(joints: JointList, face: Plane, friction: Floats) -> Iterator[Notice]:
     """Yield what is not used of the list, and how percentages are counted."""
-    yield from left_out(joints)
+    yield from joint_list_notices(joints)
     if joints.has_quantities:
         yield Notice(
             "W373",
@@ -257,9 +315,11 @@ def _notices(joints: JointList, face: Plane, friction: Floats) -> Iterator[Notic
         )
     if any(joint.cohesion_kpa for joint in joints.joints):
         yield Notice(
-            "W366", "the cohesion of the list is left out: kinematic tests know friction alone, combos takes it"
+            "W366",
+            "the cohesion of the list is left out: kinematic tests know friction alone, combos takes it",
         )
     if face.dip_deg <= float(friction.min()):
         yield Notice(
-            "W369", f"the face dips {number(face.dip_deg)}°, no steeper than friction: nothing slides out of it"
+            "W369",
+            f"the face dips {number(face.dip_deg)}°, no steeper than friction: nothing slides out of it",
         )

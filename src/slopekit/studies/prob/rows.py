@@ -1,4 +1,4 @@
-"""Samples of a design as rows: what was drawn of its numbers."""
+"""Samples of a design as rows of a study: each row is the design with the values drawn for one sample."""
 
 from dataclasses import replace
 
@@ -15,30 +15,34 @@ from slopekit.studies.evaluation.rows import Rows, outcomes_on_arrays
 from slopekit.studies.evaluation.vectorised import DesignRows, vectorised
 from slopekit.studies.outcomes import UNJUDGED, ByMethod, Outcomes
 from slopekit.studies.points import WITHOUT_FORCE, Point
-from slopekit.studies.prob.judged import IMPOSSIBLE
 from slopekit.studies.prob.sampling import Samples, settings_of
+from slopekit.studies.prob.verdicts import IMPOSSIBLE
 
-_FIRST = 8  # samples that are read, beside those at the ends of every column
+_TRIAL_ROWS = 8  # samples that are read, beside those at the ends of every column
 
 
 class SampleRows(Rows):
-    """Samples of a design, and how they are taken.
+    """Samples of a design, evaluated on arrays where its kind allows that, else design by design.
 
     Parameters
     ----------
-    samples : as drawn
+    samples : the drawn values
 
     Attributes
     ----------
-    columns : take all samples at once, None where each is a design of its own
+    columns : evaluates all samples on arrays, None where each is read as a design
     """
 
     def __init__(self, design: Design, samples: Samples) -> None:
         super().__init__(design, (), True)
         ends = [piece[[*piece.argmin(axis=0), *piece.argmax(axis=0)]] for piece in samples.pieces()]
-        values = np.unique(np.concatenate([samples.rows(0, min(_FIRST, samples.count)), *ends]), axis=0)
+        values = np.unique(
+            np.concatenate([samples.rows(0, min(_TRIAL_ROWS, samples.count)), *ends]), axis=0
+        )
         self.samples = samples
-        self.columns = vectorised(design, values, lambda row: settings_of(design.variables, values[row]))
+        self.columns = vectorised(
+            design, values, lambda row: settings_of(design.variables, values[row])
+        )
         self.is_on_arrays = self.columns is not None
 
     def __len__(self) -> int:
@@ -46,10 +50,16 @@ class SampleRows(Rows):
 
     def inputs(self) -> list[object]:
         design, samples = self.design, self.samples
-        drawn = [repr(design.variables), repr(design.correlation), samples.count, samples.method, samples.seed]
-        return [*super().inputs(), *drawn]
+        sample_inputs = [
+            repr(design.variables),
+            repr(design.correlation),
+            samples.count,
+            samples.method,
+            samples.seed,
+        ]
+        return [*super().inputs(), *sample_inputs]
 
-    def part(self, start: int, stop: int) -> tuple[Rows, int, int]:
+    def piece(self, start: int, stop: int) -> tuple[Rows, int, int]:
         return self, start, stop  # each worker draws its own samples
 
     def at_once(self, start: int, stop: int, pre_ie: bool) -> tuple[Ints, Outcomes | None]:
@@ -60,11 +70,21 @@ class SampleRows(Rows):
 
     def point(self, row: int, pre_ie: bool) -> Point:
         point = super().point(row, pre_ie)
-        notes = (WITHOUT_FORCE,) * (WITHOUT_FORCE in point.notes)  # all others are said of the means once
-        return point if point.factors is None else replace(point, factors=replace(point.factors, notes=notes))
+        notes = (WITHOUT_FORCE,) * (
+            WITHOUT_FORCE in point.notes
+        )  # the design at its means has the other notices
+        return (
+            point
+            if point.factors is None
+            else replace(point, factors=replace(point.factors, notes=notes))
+        )
 
     def whole(self, row: int, point: Point) -> WithoutBasal | None:
-        if point.factors is not None or not point.code.startswith(("E2", "E44")) or point.code in UNJUDGED:
+        if (
+            point.factors is not None
+            or not point.code.startswith(("E2", "E44"))
+            or point.code in UNJUDGED
+        ):
             return point.also
         try:
             sample = with_values(self.design, self.settings_at(row))
@@ -76,18 +96,22 @@ class SampleRows(Rows):
         return self.samples.settings(row)
 
     def sizes(self, start: int, stop: int, forms: Bools) -> dict[str, Floats]:
-        """The sizes of the blocks of some samples by their keys, nan where none forms; empty: not known.
+        """Return the block sizes of samples `start` to `stop` by key, nan without a block; empty where not known.
 
         Parameters
         ----------
-        forms : (stop - start,) which of them form a block
+        forms : (stop - start,) whether a sample forms a block
         """
-        return {} if self.columns is None else self.columns.rows(self.samples.rows(start, stop)).sizes(forms)
+        return (
+            {}
+            if self.columns is None
+            else self.columns.rows(self.samples.rows(start, stop)).sizes(forms)
+        )
 
     def without_force(self, outcomes: Outcomes, forms: Bools) -> Ints:
-        """How many bolts do not hold the block of each sample (n,), 0 where none forms.
+        """Return the number of bolts (n,) that give no force to the block of each sample, 0 without a block.
 
-        Of samples that are read one by one, 1 for any number of them.
+        Samples that are read one by one have 1 for any number of bolts.
         """
         if self.columns is None:
             return (forms & [WITHOUT_FORCE in notes for notes in outcomes.notes]).astype(np.int64)
@@ -95,13 +119,19 @@ class SampleRows(Rows):
         return np.where(forms, np.concatenate(pieces), 0)
 
     def _closed_form(self, rows: DesignRows) -> ByMethod:
-        """Return what the closed form says of samples, also of values that no design can have."""
+        """Return outcomes and factors of the closed form; values that no design can have are `IMPOSSIBLE`."""
         closed, design = rows.closed_form, self.design
-        names, outcome, impossible = (*closed.names, IMPOSSIBLE), closed.outcome, rows.dilation()[1].copy()
+        names, outcome, impossible = (
+            (*closed.names, IMPOSSIBLE),
+            closed.outcome,
+            rows.dilation()[1].copy(),
+        )
         root = None if design.source is None else design.source.root
-        for drawn, path in zip(rows.values.T, self.samples.names, strict=False):  # the place of a crack fits
+        for column, path in zip(
+            rows.values.T, self.samples.names, strict=False
+        ):  # the distance of a crack is not checked
             field = field_in(type(design), root, path)
             if field is not None and not field.turns:
-                impossible |= (drawn < field.least) | (drawn > field.most)
+                impossible |= (column < field.least) | (column > field.most)
         outcome = np.where(impossible, len(names) - 1, outcome).astype(np.int16)
         return ByMethod(names, outcome, np.where(impossible, np.nan, closed.factor))

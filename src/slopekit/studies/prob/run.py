@@ -1,4 +1,4 @@
-"""Probability of failure: samples of what scatters, each judged by both methods.
+"""Probability of failure: samples of the random variables, each evaluated by both methods.
 
 samples -> outcome and factor of each -> shares with their confidence limits.
 """
@@ -16,21 +16,26 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import Faults, Notice, fail
-from slopekit.core.onlooker import Clock
+from slopekit.core.progress import Clock
 from slopekit.core.sheet import Column, counted
 from slopekit.design.common import Design
 from slopekit.design.fields import declare
-from slopekit.kinds import likely_slips, peak_only
+from slopekit.kinds import implausible_inputs, peak_strength_notice
 from slopekit.kinds.single_block.held_bolts import has_heads
-from slopekit.notices import new_notices, not_as_given
+from slopekit.notices import defaulted_inputs, new_notices
 from slopekit.studies.evaluation.rows import evaluated
 from slopekit.studies.marginals import checked_limits
-from slopekit.studies.outcomes import BothMethods, Outcomes, compared
+from slopekit.studies.outcomes import BothMethods, Outcomes, agreement_of_methods
 from slopekit.studies.points import Point, point_of
 from slopekit.studies.prob.estimates import Share, Summary, sample_statistics, share_of, summary_of
-from slopekit.studies.prob.judged import Judged, notices_of, sensitivities, with_whole
 from slopekit.studies.prob.rows import SampleRows
 from slopekit.studies.prob.sampling import METHODS, Method, Samples, samples
+from slopekit.studies.prob.verdicts import (
+    SampleVerdicts,
+    estimate_notices,
+    sensitivities,
+    with_second_mechanism,
+)
 from slopekit.studies.protocol import (
     DESK,
     MOST_SEED,
@@ -48,17 +53,21 @@ from slopekit.studies.protocol import (
 )
 from slopekit.studies.running import checked_crew
 
-By = Literal["closed-form", "pre-ie"]
-#: Samples that are drawn where none are asked for, where each takes milliseconds or is read by itself, and where the
-#: crack of each may be looked for by itself.
-MANY, FEW, FEWEST = 20_000, 1_000, 200
-_MOST, _MOST_BY_PRE_IE = 10_000_000, 1_000_000
+FactorMethod = Literal["closed-form", "pre-ie"]
+#: Default numbers of samples: on arrays; where each takes milliseconds or is read by itself; with a crack search.
+SAMPLES_ON_ARRAYS, SAMPLES_READ_SINGLY, SAMPLES_WITH_CRACK_SEARCH = 20_000, 1_000, 200
+_MAX_SAMPLES, _MAX_SAMPLES_BY_PRE_IE = 10_000_000, 1_000_000
 #: Limits of numbers by their parameters.
-_NUMBERS = {
-    "seed": declare("seed", "ratio", 0, MOST_SEED, whole=True, code="E307"),
+_NUMBER_LIMITS = {
+    "seed": declare("seed", "ratio", 0, MOST_SEED, is_integer=True, code="E307"),
     "fos": declare("the target", "ratio", 1e-6, 1e6, code="E307"),
     "confidence": declare(
-        "confidence", "ratio", 0.5, 0.9999, code="E307", advice="A part of all is written 0.95 or 95%."
+        "confidence",
+        "ratio",
+        0.5,
+        0.9999,
+        code="E307",
+        advice="A part of all is written 0.95 or 95%.",
     ),
     "accept": declare(
         "accept",
@@ -73,20 +82,20 @@ _NUMBERS = {
 
 @dataclass(frozen=True)
 class ProbabilityOptions:
-    """What a study of probability was asked for.
+    """Options of a study of probability, checked.
 
     Attributes
     ----------
-    n : samples; seed : of all random numbers; method : of sampling
-    by : whose factors count: PRE-IE's, beside the closed form's, or the closed form's alone
-    target : what fails has a factor of safety below it
-    confidence : of the limits; accept : largest probability that is accepted, None where none is given
+    n : number of samples; seed : of all random numbers; method : of sampling
+    by : method whose factors count: PRE-IE (with the closed form for comparison), or the closed form alone
+    target : a sample with a factor of safety below it fails
+    confidence : of the limits; accept : largest accepted probability of failure, None without one
     """
 
     n: int
     seed: int
     method: Method
-    by: By
+    by: FactorMethod
     target: float
     confidence: float
     accept: float | None
@@ -94,14 +103,14 @@ class ProbabilityOptions:
 
 @dataclass(frozen=True, repr=False)
 class Probability(StudyOutcome):
-    """What came of it.
+    """The probability of failure of a design, with the samples and verdicts behind it.
 
     Attributes
     ----------
-    rows : what was drawn; judged : the outcome of each, its factor by the method that counts, whether it fails
+    rows : the samples; judged : outcome, factor by the governing method, and failure of each sample
     all_samples, forming : the probability of failure among all possible samples, and among those that form a block
-    outcomes : what is said of each; both : how far the methods agree, None where the closed form was asked alone
-    closed_form : what that says beside PRE-IE, None as there, or where the kind has none
+    outcomes : results of both methods; both : their agreement, None with the closed form alone
+    closed_form : verdicts of the closed form beside PRE-IE, None with it alone, or where the kind has none
     """
 
     name: ClassVar[str] = "prob"
@@ -109,25 +118,25 @@ class Probability(StudyOutcome):
     design: Design
     asked: ProbabilityOptions
     rows: SampleRows
-    judged: Judged
+    judged: SampleVerdicts
     all_samples: Share
     forming: Share
     outcomes: Outcomes
     both: BothMethods | None
-    closed_form: Judged | None
+    closed_form: SampleVerdicts | None
     of_samples: tuple[Notice, ...]
     timing_s: Mapping[str, float]
 
     @property
     def samples(self) -> Samples:
-        """What was drawn."""
+        """The drawn samples."""
         return self.rows.samples
 
-    # what is asked of a study that is shown, and of none of the many that a range of means makes
+    # computed on access: a sheet needs these, the many studies of a range of means do not
 
     @cached_property
     def variables(self) -> tuple[dict[str, Any], ...]:
-        """What was drawn of each number, in short."""
+        """Path, mean, sd, min and max of each drawn variable."""
         return tuple(sample_statistics(self.samples.names, self.samples.pieces))
 
     @cached_property
@@ -140,7 +149,7 @@ class Probability(StudyOutcome):
 
     @cached_property
     def summary(self) -> Summary | None:
-        """The factors in short, None where there is none."""
+        """Statistics of the factors of safety, None where no sample has one."""
         return summary_of(self.judged.factor)
 
     @cached_property
@@ -150,10 +159,12 @@ class Probability(StudyOutcome):
 
     @cached_property
     def warnings(self) -> tuple[Notice, ...]:
-        """What a reader must know: of the samples, and what a run says of the design at its means."""
+        """Notices of the samples, and those of a run of the design at its means."""
         notes = new_notices(self.means.notes, self.of_samples)
-        at_means = (Notice(note.code, f"of the design at its means: {note.message}") for note in notes)
-        peak = peak_only(self.design, "samples are judged by factors")
+        at_means = (
+            Notice(note.code, f"of the design at its means: {note.message}") for note in notes
+        )
+        peak = peak_strength_notice(self.design, "samples are judged by factors")
         return (*self.of_samples, *at_means, *peak)
 
     @cached_property
@@ -163,7 +174,7 @@ class Probability(StudyOutcome):
 
     @cached_property
     def scaled_down(self) -> int:
-        """How many samples limits of size made smaller."""
+        """Number of samples whose block the limits of size made smaller."""
         scaled = 0
         for start, stop in pairwise(self.samples.ends):
             scale = self.rows.sizes(start, stop, self.judged.forms[start:stop]).get("scale")
@@ -174,28 +185,27 @@ class Probability(StudyOutcome):
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many samples there are of each outcome, the most frequent first."""
+        """Number of samples by outcome, the most frequent first."""
         frequencies = np.bincount(self.judged.outcome, minlength=len(self.judged.names)).tolist()
         counts = Counter(dict(zip(self.judged.names, frequencies, strict=True)))
         return {name: count for name, count in counts.most_common() if count}
 
     @property
     def accepted(self) -> bool | None:
-        """Whether the upper confidence limit is not above the probability accepted, and nothing speaks against it.
-
-        What `doubts` has speaks against it.
-        """
+        """Whether the upper confidence limit is not above the accepted probability, and there are no `doubts`."""
         if self.asked.accept is None:
             return None
         return not self.doubts and self.all_samples.high <= self.asked.accept
 
     @cached_property
     def by_closed_form(self) -> Share | None:
-        """The share that fails by the closed form, where that stands beside PRE-IE."""
-        own, samples = self.closed_form, self.samples
-        if own is None:
+        """The probability of failure by the closed form where PRE-IE governs, else None."""
+        closed_form, samples = self.closed_form, self.samples
+        if closed_form is None:
             return None
-        return share_of(own.fails, self.judged.counted, samples.replicate, self.asked.confidence)
+        return share_of(
+            closed_form.fails, self.judged.counted, samples.replicate, self.asked.confidence
+        )
 
     @property
     def methods_disagree(self) -> bool:
@@ -204,7 +214,7 @@ class Probability(StudyOutcome):
 
     @property
     def doubts(self) -> list[str]:
-        """Why nothing is accepted, however low the limit is."""
+        """Reasons against acceptance, however low the upper limit is."""
         unjudged = int(self.judged.unjudged.sum())
         doubts = ["the methods disagree"] if self.methods_disagree else []
         if self.forming.of == 0 and not unjudged:
@@ -215,17 +225,21 @@ class Probability(StudyOutcome):
 
     @property
     def margin(self) -> float | None:
-        """The probability that it does not fail."""
+        """The probability that the slope does not fail, None without samples."""
         share = self.all_samples.share
         return None if share is None else 1.0 - share
 
     def case_columns(self) -> list[Column[Any]]:
-        """The probability of failure, its limits."""
-        columns = (("P of failure", "share", "probability", 14), ("from", "low", "low", 10), ("to", "high", "high", 10))
+        """Columns of a table of load cases: the probability of failure and its limits."""
+        columns = (
+            ("P of failure", "share", "probability", 14),
+            ("from", "low", "low", 10),
+            ("to", "high", "high", 10),
+        )
         return [
             Column(title, attrgetter(f"all_samples.{name}"), key, show=".3g", width=width)
             for title, name, key, width in columns
-        ]  # fmt: skip
+        ]
 
     @property
     def exit_code(self) -> int:
@@ -238,50 +252,81 @@ class Probability(StudyOutcome):
 
     def to_dict(self) -> dict[str, Any]:
         """The study as JSON values; the samples themselves are in the CSV."""
-        asked, summary, judged = self.asked, self.summary, self.judged
+        options, summary, verdicts = self.asked, self.summary, self.judged
         return {
             **self.head(self.design),
-            "n": self.samples.count, "replicates": int(self.samples.replicate.max()) + 1, "seed": asked.seed,
-            "sampling": asked.method, "by": asked.by, "evaluator": self.judged.evaluator, "target": asked.target,
+            "n": self.samples.count,
+            "replicates": int(self.samples.replicate.max()) + 1,
+            "seed": options.seed,
+            "sampling": options.method,
+            "by": options.by,
+            "evaluator": self.judged.evaluator,
+            "target": options.target,
             "probability_of_failure": {
-                "all_samples": record_of(self.all_samples), "samples_that_form_a_block": record_of(self.forming),
+                "all_samples": record_of(self.all_samples),
+                "samples_that_form_a_block": record_of(self.forming),
                 "closed_form": json_of(self.by_closed_form),
             },
-            "accept": asked.accept, "accepted": self.accepted, "outcomes": self.counts,
-            "fos": None if summary is None else record_of(summary) | {"beta": summary.beta(asked.target)},
-            "histogram": None if summary is None else {
-                "edges": list(summary.edges), "counts": list(summary.counts), "below": summary.below,
-                "above": summary.above, "failing_without_factor": int((judged.fails & np.isnan(judged.factor)).sum()),
+            "accept": options.accept,
+            "accepted": self.accepted,
+            "outcomes": self.counts,
+            "fos": None
+            if summary is None
+            else record_of(summary) | {"beta": summary.beta(options.target)},
+            "histogram": None
+            if summary is None
+            else {
+                "edges": list(summary.edges),
+                "counts": list(summary.counts),
+                "below": summary.below,
+                "above": summary.above,
+                "failing_without_factor": int((verdicts.fails & np.isnan(verdicts.factor)).sum()),
             },
             "variables": list(self.variables),
-            "correlation": [{"between": [a, b], "rank": value} for a, b, value in self.design.correlation],
+            "correlation": [
+                {"between": [a, b], "rank": value} for a, b, value in self.design.correlation
+            ],
             "sensitivity": [
-                {"variable": name, "rank_correlation_with_fos": value} for name, value in self.sensitivities
+                {"variable": name, "rank_correlation_with_fos": value}
+                for name, value in self.sensitivities
             ],
             "methods": json_of(self.both),
             "scaled_down": self.scaled_down,
             "defaults": list(self.design.reading.defaults),
             "timing_s": dict(self.timing_s),
             **self.words(),
-        }  # fmt: skip
+        }
 
 
 #: Largest probability accepted; the old word is still understood.
-Accept = Annotated[float | None, Option(
-    "Largest probability of failure accepted; exit code 1 where the upper limit lies above.", number_of,
-    "--accept-pf", also=("--accept",),
-)]  # fmt: skip
+Accept = Annotated[
+    float | None,
+    Option(
+        "Largest probability of failure accepted; exit code 1 where the upper limit lies above.",
+        number_of,
+        "--accept-pf",
+        also=("--accept",),
+    ),
+]
 
 
 @study
 def prob(
     design: ADesign,
-    n: Annotated[int | None, Option("Samples [20000; 1000 where each takes milliseconds].", whole_number, "-n")] = None,
+    n: Annotated[
+        int | None,
+        Option("Samples [20000; 1000 where each takes milliseconds].", whole_number, "-n"),
+    ] = None,
     *,
-    method: Annotated[Method, Option("monte-carlo or latin-hypercube [monte-carlo].")] = "monte-carlo",
-    by: Annotated[By, Option("pre-ie, beside the closed form, or closed-form alone [pre-ie].")] = "pre-ie",
+    method: Annotated[
+        Method, Option("monte-carlo or latin-hypercube [monte-carlo].")
+    ] = "monte-carlo",
+    by: Annotated[
+        FactorMethod, Option("pre-ie, beside the closed form, or closed-form alone [pre-ie].")
+    ] = "pre-ie",
     fos: Annotated[
-        float, Option("What fails has a factor of safety below this [1].", number_of, also=("--target",))
+        float,
+        Option("What fails has a factor of safety below this [1].", number_of, also=("--target",)),
     ] = 1.0,
     confidence: Annotated[float, Option("Of the confidence limits [95%].", number_of)] = 0.95,
     accept: Accept = None,
@@ -330,66 +375,100 @@ def prob(
             "analysis.partial_factors",
             "Take analysis.partial_factors out for it, or: --set analysis.partial_factors=null",
         )
-    asked = _asked(design, n, seed, method, by, fos, confidence, accept, desk.named)
+    options = _checked_options(design, n, seed, method, by, fos, confidence, accept, desk.named)
     clock = Clock()
-    pre_ie = asked.by == "pre-ie"
+    pre_ie = options.by == "pre-ie"
     with clock("draw"):
-        drawn = samples(design.variables, design.correlation, asked.n, asked.seed, method)
-        rows = SampleRows(design, drawn)
+        sample_set = samples(design.variables, design.correlation, options.n, options.seed, method)
+        rows = SampleRows(design, sample_set)
         # milliseconds each; where a crack was looked for, every place of it may cut a block for its loads
-        is_dear = getattr(design, "crack_searched", "") and getattr(design, "is_cut_for_loads", False)
+        is_dear = getattr(design, "crack_searched", "") and getattr(
+            design, "is_cut_for_loads", False
+        )
         laws = [strength.law for strength in design.joint_strengths]
         is_slow = any(laws) or any(bolt.acts == "passive" for bolt in design.bolts)
         if n is None and rows.is_on_arrays and not (is_dear or is_slow):
-            asked = replace(asked, n=MANY)
-            rows = SampleRows(design, replace(drawn, count=MANY))
+            options = replace(options, n=SAMPLES_ON_ARRAYS)
+            rows = SampleRows(design, replace(sample_set, count=SAMPLES_ON_ARRAYS))
     with clock("factors"):
         outcomes = evaluated(rows, "prob", crew, desk, pre_ie, "samples")
         has_closed_form = design.HAS_CLOSED_FORM
-        whose = " and ".join(["closed form"] * has_closed_form + ["PRE-IE"] * pre_ie)
-        evaluator = f"{whose} of every sample{', all at once' if rows.is_on_arrays else ''}"
-        judged = with_whole(Judged.by(outcomes.limit, fos, evaluator), outcomes.whole, fos)
-        bolt_notices = tuple(_bolt_notices(rows, outcomes, judged.forms))
-    beside = (
-        with_whole(Judged.by(outcomes.closed_form, fos, ""), outcomes.whole, fos)
+        methods = " and ".join(["closed form"] * has_closed_form + ["PRE-IE"] * pre_ie)
+        evaluator = f"{methods} of every sample{', all at once' if rows.is_on_arrays else ''}"
+        verdicts = with_second_mechanism(
+            SampleVerdicts.from_method(outcomes.limit, fos, evaluator), outcomes.whole, fos
+        )
+        bolt_notices = tuple(_bolt_notices(rows, outcomes, verdicts.forms))
+    closed_form_verdicts = (
+        with_second_mechanism(
+            SampleVerdicts.from_method(outcomes.closed_form, fos, ""), outcomes.whole, fos
+        )
         if pre_ie and has_closed_form
         else None
     )
-    both = compared(outcomes, judged.fails, (beside or judged).fails) if pre_ie else None
-    replicate, counted_samples = rows.samples.replicate, judged.counted
-    all_samples = share_of(judged.fails, counted_samples, replicate, confidence)
-    forming = share_of(judged.fails, counted_samples & judged.forms, replicate, confidence)
-    said = () if both is None else tuple(both.notices("samples", asked.n))
+    both = (
+        agreement_of_methods(outcomes, verdicts.fails, (closed_form_verdicts or verdicts).fails)
+        if pre_ie
+        else None
+    )
+    replicate, counted_samples = rows.samples.replicate, verdicts.counted
+    all_samples = share_of(verdicts.fails, counted_samples, replicate, confidence)
+    forming = share_of(verdicts.fails, counted_samples & verdicts.forms, replicate, confidence)
+    method_notices = () if both is None else tuple(both.notices("samples", options.n))
     return Probability(
-        design, asked, rows, judged, all_samples, forming, outcomes, both, beside,
-        (*notices_of(fos, judged, rows.samples, all_samples), *said, *bolt_notices, *not_as_given(design),
-         *likely_slips(design)), clock.done(),
-    )  # fmt: skip
+        design,
+        options,
+        rows,
+        verdicts,
+        all_samples,
+        forming,
+        outcomes,
+        both,
+        closed_form_verdicts,
+        (
+            *estimate_notices(fos, verdicts, rows.samples, all_samples),
+            *method_notices,
+            *bolt_notices,
+            *defaulted_inputs(design),
+            *implausible_inputs(design),
+        ),
+        clock.done(),
+    )
 
 
 def _bolt_notices(rows: SampleRows, outcomes: Outcomes, forms: Bools) -> Iterator[Notice]:
-    """W311 where bolts with heads do not hold the block of every sample."""
+    """Yield W311 where bolts with heads give no force to the block of some sample."""
     if not has_heads(rows.design.bolts):
         return
-    bolts, among = rows.without_force(outcomes, forms), counted(int(forms.sum()), "sample")
+    bolts, forming_samples = (
+        rows.without_force(outcomes, forms),
+        counted(int(forms.sum()), "sample"),
+    )
     if bolts.any():
         up_to = (
             f" (up to {int(bolts.max())} of {sum(bolt.head_m is not None for bolt in rows.design.bolts)})"
-            * rows.is_on_arrays  # one by one it is not known how many
+            * rows.is_on_arrays  # samples read one by one do not count their bolts
         )
         heads = ". Heads stand on each sample's own face" * rows.is_on_arrays
         yield Notice(
             "W311",
-            f"bolts give no force in {int((bolts > 0).sum())} of {among} that form a block{up_to}: there they miss it, "
-            f"or end within it{heads}",
+            f"bolts give no force in {int((bolts > 0).sum())} of {forming_samples} that form a block{up_to}: "
+            f"there they miss it, or end within it{heads}",
         )
 
 
-def _asked(
-    design: Design, n: int | None, seed: int, method: Method, by: By, target: float, confidence: float,
-    accept: float | None, named: Callable[[str], str],
-) -> ProbabilityOptions:  # fmt: skip
-    """What was asked for, checked."""
+def _checked_options(
+    design: Design,
+    n: int | None,
+    seed: int,
+    method: Method,
+    factor_method: FactorMethod,
+    target: float,
+    confidence: float,
+    accept: float | None,
+    option_name: Callable[[str], str],
+) -> ProbabilityOptions:
+    """Check the options of `prob`, and return them; every fault at once."""
     faults = Faults()
     if not design.variables:
         faults.add(
@@ -399,19 +478,28 @@ def _asked(
             "Write one: phi: {dist: normal, mean: 20, sd: 2}.",
         )
     if method not in METHODS:
-        faults.add("E126", f"{method} is not a way to draw samples", "", f"Known: {', '.join(METHODS)}.")
-    if by not in ("closed-form", "pre-ie"):
-        faults.add("E126", f"{by} is not a method", "", "Known: closed-form, pre-ie.")
-    if by == "closed-form" and not design.HAS_CLOSED_FORM:
+        faults.add(
+            "E126", f"{method} is not a way to draw samples", "", f"Known: {', '.join(METHODS)}."
+        )
+    if factor_method not in ("closed-form", "pre-ie"):
+        faults.add("E126", f"{factor_method} is not a method", "", "Known: closed-form, pre-ie.")
+    if factor_method == "closed-form" and not design.HAS_CLOSED_FORM:
         faults.add("E126", f"a {design.kind} has no closed form to sample", "", "Take pre-ie.")
-    few = FEWEST if getattr(design, "crack_searched", "") else FEW
-    count = few if n is None else n
-    most, advice = _MOST if by == "closed-form" else _MOST_BY_PRE_IE, ""
-    if most < count <= _MOST:
-        advice = f"--by closed-form takes up to {_MOST}."
-    samples_limit = declare("n", "ratio", 1, most, whole=True, code="E307", advice=advice)
-    given = {"n": count, "seed": seed, "fos": target, "confidence": confidence, "accept": accept}
-    numbers_given({"n": samples_limit} | _NUMBERS, given, named, faults)
+    default_count = (
+        SAMPLES_WITH_CRACK_SEARCH if getattr(design, "crack_searched", "") else SAMPLES_READ_SINGLY
+    )
+    count = default_count if n is None else n
+    max_samples, advice = (
+        _MAX_SAMPLES if factor_method == "closed-form" else _MAX_SAMPLES_BY_PRE_IE,
+        "",
+    )
+    if max_samples < count <= _MAX_SAMPLES:
+        advice = f"--by closed-form takes up to {_MAX_SAMPLES}."
+    samples_limit = declare(
+        "n", "ratio", 1, max_samples, is_integer=True, code="E307", advice=advice
+    )
+    values = {"n": count, "seed": seed, "fos": target, "confidence": confidence, "accept": accept}
+    numbers_given({"n": samples_limit} | _NUMBER_LIMITS, values, option_name, faults)
     faults.refuse()
     checked_limits(design)
-    return ProbabilityOptions(count, seed, method, by, target, confidence, accept)
+    return ProbabilityOptions(count, seed, method, factor_method, target, confidence, accept)

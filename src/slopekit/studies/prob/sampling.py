@@ -1,6 +1,6 @@
-"""Samples of what scatters in a design: Monte Carlo or Latin hypercube, correlated by a Gaussian copula.
+"""Samples of the random variables of a design: Monte Carlo or Latin hypercube, correlated by a Gaussian copula.
 
-They are drawn in blocks, each with random numbers of its own, whenever they are asked for.
+Samples are drawn in blocks on demand, each block from a random stream of its own.
 """
 
 from bisect import bisect_left, bisect_right
@@ -25,21 +25,21 @@ Method: TypeAlias = Literal["monte-carlo", "latin-hypercube"]
 METHODS: tuple[Method, ...] = ("monte-carlo", "latin-hypercube")
 #: Samples of a Monte Carlo block, which is the most of a Latin hypercube.
 BLOCK = 8192
-REPLICATES, FEWEST_IN_REPLICATE, MOST_REPLICATES = 16, 8, 32767
-_HELD = 16  # blocks: of no more than 131,072 samples none is drawn twice
+REPLICATES, MIN_SAMPLES_PER_REPLICATE, MAX_REPLICATES = 16, 8, 32767
+_CACHED_BLOCKS = 16  # blocks: of no more than 131,072 samples none is drawn twice
 _PIECE = 4096  # samples whose angles stay in the innermost cache
 
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Values drawn for what scatters, again and again: nothing is kept of them but where they come from.
+    """Samples of random variables, drawn anew on each access: only the source of their random numbers is stored.
 
     Attributes
     ----------
-    variables : that are drawn
+    variables : the random variables
     names : of the columns, k of them: the path of a number; two of an orientation, `<path>.dip` and
         `<path>.dip_direction` (of a line `<path>.trend` and `<path>.plunge`), also where only one of them scatters
-    count : n, how many; source : of the numbers of each block, by its number and size; seed : of these
+    count : n, number of samples; source : of the numbers of each block, by its number and size; seed : of the source
     """
 
     variables: tuple[Variable, ...]
@@ -50,29 +50,36 @@ class Samples:
     seed: int
 
     def rows(self, start: int, stop: int) -> Floats:
-        """The values of some samples (stop - start, k), each column contiguous, read-only."""
+        """Return the values of samples `start` to `stop`, (stop - start, k), each column contiguous, read-only."""
         ends = self.ends
         blocks = range(bisect_right(ends, start) - 1, bisect_left(ends, stop))
-        parts = [_block(self, block)[:, max(start - ends[block], 0) : stop - ends[block]] for block in blocks]
-        columns = parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
+        block_columns = [
+            _block_columns(self, block)[:, max(start - ends[block], 0) : stop - ends[block]]
+            for block in blocks
+        ]
+        columns = (
+            block_columns[0] if len(block_columns) == 1 else np.concatenate(block_columns, axis=1)
+        )
         columns.setflags(write=False)
         return columns.T
 
     def pieces(self) -> Iterator[Floats]:
-        """The values of all samples, block by block."""
+        """Yield the values of all samples, block by block."""
         return (self.rows(*block) for block in pairwise(self.ends))
 
-    def at(self, rows: Ints) -> Floats:
-        """The values of samples in rising order, some of them (m, k)."""
-        parts = zip(pairwise(self.ends), pairwise(np.searchsorted(rows, self.ends)), strict=True)
+    def select(self, rows: Ints) -> Floats:
+        """Return the values (m, k) of the samples whose numbers `rows` (m,) are in rising order."""
+        spans = zip(pairwise(self.ends), pairwise(np.searchsorted(rows, self.ends)), strict=True)
         blocks = (
-            self.rows(start, stop)[rows[first:end] - start] for (start, stop), (first, end) in parts if first < end
+            self.rows(start, stop)[rows[first:end] - start]
+            for (start, stop), (first, end) in spans
+            if first < end
         )
         return np.concatenate(list(blocks))
 
     @cached_property
     def ends(self) -> Sequence[int]:
-        """The ends of the blocks that are drawn each by itself, from 0."""
+        """The ends of the blocks of samples, from 0."""
         return ends_of_blocks(self.count, self.method)
 
     @cached_property
@@ -88,61 +95,80 @@ class Samples:
         return np.repeat(np.arange(len(self.ends) - 1, dtype=np.int16), np.diff(self.ends))
 
     def settings(self, row: int) -> dict[str, float | str]:
-        """A sample as values by dotted path, as `slopekit.design.reading.files.with_values` takes them."""
+        """Return a sample as values by dotted path, as `slopekit.design.reading.files.with_values` takes them."""
         return settings_of(self.variables, self.rows(row, row + 1)[0])
 
 
 def settings_of(variables: Iterable[Variable], values: Iterable[float]) -> dict[str, float | str]:
-    """The values (k,) of the columns of variables by dotted path, as `with_values` takes them."""
+    """Return the values (k,) of the columns of variables by dotted path, as `with_values` takes them."""
     by_path, columns = dict[str, float | str](), map(float, values)
     for variable in variables:
-        own = [next(columns) for _ in variable.columns]
-        if variable.of is not None:
-            by_path[variable.path] = as_text(Plane(*own) if variable.of == "plane" else Line(*own))
+        column_values = [next(columns) for _ in variable.columns]
+        if variable.orientation_kind is not None:
+            by_path[variable.path] = as_text(
+                Plane(*column_values)
+                if variable.orientation_kind == "plane"
+                else Line(*column_values)
+            )
         else:
-            (by_path[variable.path],) = own
+            (by_path[variable.path],) = column_values
     return by_path
 
 
-@lru_cache(_HELD)
-def _block(samples: Samples, block: int) -> Floats:
-    """The columns (k, count) of a block."""
+@lru_cache(_CACHED_BLOCKS)
+def _block_columns(samples: Samples, block: int) -> Floats:
+    """Draw the columns (k, count) of a block of samples."""
     size, k, coordinates = samples.ends[block + 1] - samples.ends[block], 0, count()
     columns = np.empty((len(samples.names), size))
     # a block of Monte Carlo is drawn whole: a longer run begins with a shorter one
     column = samples.source(block, BLOCK if samples.method == "monte-carlo" else size)
     for variable in samples.variables:
-        parts, turned = _parts(variable)
-        drawn = [
-            column(next(coordinates), part)[:size] if isinstance(part, Marginal) else np.full(size, part)
-            for part in parts
+        coordinate_marginals, to_angles = _coordinate_marginals(variable)
+        coordinate_values = [
+            column(next(coordinates), distribution)[:size]
+            if isinstance(distribution, Marginal)
+            else np.full(size, distribution)
+            for distribution in coordinate_marginals
         ]
-        if turned is None:
-            columns[k] = drawn[0]
+        if to_angles is None:
+            columns[k] = coordinate_values[0]
         else:
-            steep, direction = (k, k + 1) if variable.of == "plane" else (k + 1, k)
+            steep, direction = (k, k + 1) if variable.orientation_kind == "plane" else (k + 1, k)
             for begin in range(0, size, _PIECE):
                 piece = slice(begin, begin + _PIECE)
-                columns[steep, piece], columns[direction, piece] = turned(*(values[piece] for values in drawn))
+                columns[steep, piece], columns[direction, piece] = to_angles(
+                    *(values[piece] for values in coordinate_values)
+                )
         k += len(variable.columns)
     return columns
 
 
-def _parts(variable: Variable) -> tuple[list[Marginal | float], Callable[..., tuple[Floats, Floats]] | None]:
-    """How each coordinate of a variable scatters, fixed angles as they are, and what turns two of them into angles."""
-    own = variable.distribution
-    if isinstance(own, Distribution):
-        return [marginal(own)], None
-    if isinstance(own, Fisher):
-        return [standard_normal(), standard_normal()], partial(fisher, own.mean, own.k)
-    angles = [marginal(angle) if isinstance(angle, Distribution) else angle for angle in (own.steep, own.direction)]
-    return angles, folded_planes if own.of == "plane" else folded_lines
+def _coordinate_marginals(
+    variable: Variable,
+) -> tuple[list[Marginal | float], Callable[..., tuple[Floats, Floats]] | None]:
+    """Return the marginal of each coordinate of a variable (a number where fixed), and the map of two to angles."""
+    distribution = variable.distribution
+    if isinstance(distribution, Distribution):
+        return [marginal(distribution)], None
+    if isinstance(distribution, Fisher):
+        return [standard_normal(), standard_normal()], partial(
+            fisher, distribution.mean, distribution.k
+        )
+    angles = [
+        marginal(angle) if isinstance(angle, Distribution) else angle
+        for angle in (distribution.steep, distribution.direction)
+    ]
+    return angles, folded_planes if distribution.orientation_kind == "plane" else folded_lines
 
 
 def samples(
-    variables: Iterable[Variable], correlation: Iterable[Pair], n: int, seed: int, method: Method = "monte-carlo"
+    variables: Iterable[Variable],
+    correlation: Iterable[Pair],
+    n: int,
+    seed: int,
+    method: Method = "monte-carlo",
 ) -> Samples:
-    """All samples of what scatters.
+    """Return the samples of some random variables.
 
     The same seed gives the same numbers. With Monte Carlo a longer run begins with the samples of a shorter one.
 
@@ -159,20 +185,29 @@ def samples(
         replicate would pass 8192
     seed : whole number from 0
     """
-    made = tuple(variables)
-    coordinates = [name for variable in made for name in variable.coordinates]
+    drawn_variables = tuple(variables)
+    coordinates = [name for variable in drawn_variables for name in variable.coordinates]
     source = sources.source(method, coordinates, tuple(correlation), seed)
-    return Samples(made, tuple(name for variable in made for name in variable.columns), n, method, source, seed)
+    return Samples(
+        drawn_variables,
+        tuple(name for variable in drawn_variables for name in variable.columns),
+        n,
+        method,
+        source,
+        seed,
+    )
 
 
 def ends_of_blocks(n: int, method: Method) -> list[int]:
-    """The ends of the blocks that are drawn each by itself, from 0: Monte Carlo's 8192 samples, or replicates.
+    """Return the ends of the blocks of n samples, from 0: Monte Carlo's 8192 samples, or Latin hypercube replicates.
 
     >>> ends_of_blocks(20000, "monte-carlo"), ends_of_blocks(100, "latin-hypercube")[-3:]
     ([0, 8192, 16384, 20000], [84, 92, 100])
     """
     if method == "monte-carlo":
         return [*range(0, n, BLOCK), n]
-    replicates = max(min(REPLICATES, n // FEWEST_IN_REPLICATE), min(-(-n // BLOCK), MOST_REPLICATES), 1)
+    replicates = max(
+        min(REPLICATES, n // MIN_SAMPLES_PER_REPLICATE), min(-(-n // BLOCK), MAX_REPLICATES), 1
+    )
     size, larger = divmod(n, replicates)
     return [block * size + min(block, larger) for block in range(replicates + 1)]

@@ -1,10 +1,10 @@
-"""Where random numbers come from, for each way of drawing: block by block, coordinate by coordinate.
+"""Sources of random numbers for Monte Carlo and Latin hypercube sampling, block by block, coordinate by coordinate.
 
 A source is a callable (block, size) that gives a callable (coordinate, marginal), which gives the column of one
-coordinate. Coordinates are asked for in their order, once each,
-or not at all. All random numbers of a block come from its own stream, SFC64 seeded by (seed, block).
+coordinate. Coordinates are drawn in their order, once each, or not at all. All random numbers of a block come from
+its own stream, SFC64 seeded by (seed, block).
 
-Orientations scatter by Fisher's distribution about a mean; angles are folded back to the plane they mean.
+Orientations scatter by Fisher's distribution about a mean; angles out of range are folded back to the same plane.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -24,18 +24,18 @@ from slopekit.studies.marginals import Marginal
 Column: TypeAlias = Callable[[int, Marginal], Floats]
 Source: TypeAlias = Callable[[int, int], Column]
 _PIECE = 8192  # samples of all coordinates that stay in the cache, and are had without asking the system for pages
-_NOT_ZERO = 2.0**-54  # half a step of uniform numbers, so that no tail is 0
-_SURELY_CONCENTRATED = 100.0  # k from which exp(-2k) is beyond all digits of any sample
+_HALF_STEP = 2.0**-54  # half a step of uniform numbers, so that no tail is 0
+_CONCENTRATED = 100.0  # k from which exp(-2k) is beyond all digits of any sample
 
 
 @dataclass(frozen=True)
 class Copula:
-    """Which coordinates hang together, and how.
+    """A Gaussian copula of the correlated coordinates.
 
     Attributes
     ----------
-    members : their numbers; factor : (members, rank) of their normals
-    copies : of a member that is another's equal or opposite: that other and 1 or -1
+    members : numbers of the coordinates; factor : (members, rank) of the correlation matrix of their normals
+    copies : (member, original, 1 or -1) of each member that equals another, or is its opposite
     """
 
     members: tuple[int, ...]
@@ -44,34 +44,39 @@ class Copula:
 
     @property
     def rank(self) -> int:
-        """How many independent normals drive them."""
+        """Number of independent normals behind the members."""
         return int(self.factor.shape[1])
 
     @property
     def originals(self) -> dict[int, tuple[int, float]]:
-        """Of the coordinates that are another's equal or opposite: that coordinate, and 1 or -1."""
-        return {self.members[member]: (self.members[of], sign) for member, of, sign in self.copies}
+        """The original and 1 or -1 of each coordinate that equals another, or is its opposite."""
+        return {
+            self.members[member]: (self.members[original], sign)
+            for member, original, sign in self.copies
+        }
 
-    def joined(self, normals: Floats) -> dict[int, Floats]:
-        """The normals of the members, each (n,), from (rank, n) independent ones."""
+    def correlated_normals(self, normals: Floats) -> dict[int, Floats]:
+        """Return the correlated normals of each member (n,) from independent normals (rank, n)."""
         correlated = np.empty((len(self.members), normals.shape[1]))
         for first in range(0, normals.shape[1], _PIECE):
             piece = slice(first, first + _PIECE)
             np.matmul(self.factor, normals[:, piece], out=correlated[:, piece])
-        for member, of, sign in self.copies:
-            correlated[member] = sign * correlated[of]  # not by a product: ranks shall be the same to the last digit
+        for member, original, sign in self.copies:
+            correlated[member] = (
+                sign * correlated[original]
+            )  # a copy, no matrix product: ranks stay the same to the last digit
         return dict(zip(self.members, correlated, strict=True))
 
 
 def copula(coordinates: Sequence[str], pairs: Sequence[Pair]) -> Copula:
-    """The copula of rank correlations that do not contradict each other.
+    """Return the copula of rank correlations that do not contradict each other.
 
     >>> copula(["a", "b", "c"], [("a", "c", -1.0)])
     Copula(members=(0, 2), factor=array([[ 1.],
            [-1.]]), copies=((1, 0, -1.0),))
     """
-    named = {name for a, b, value in pairs if value for name in (a, b)}
-    members = tuple(k for k, name in enumerate(coordinates) if name in named)
+    correlated_names = {name for a, b, value in pairs if value for name in (a, b)}
+    members = tuple(k for k, name in enumerate(coordinates) if name in correlated_names)
     place = {coordinates[k]: i for i, k in enumerate(members)}
     ranks = np.eye(len(members))
     for a, b, value in pairs:
@@ -79,47 +84,47 @@ def copula(coordinates: Sequence[str], pairs: Sequence[Pair]) -> Copula:
             ranks[place[a], place[b]] = ranks[place[b], place[a]] = value
     copies = []
     for i in range(len(members)):
-        of = next((j for j in range(i) if abs(ranks[i, j]) == 1.0), None)
-        copies += [] if of is None else [(i, of, float(ranks[i, of]))]
+        original = next((j for j in range(i) if abs(ranks[i, j]) == 1.0), None)
+        copies += [] if original is None else [(i, original, float(ranks[i, original]))]
     matrix = factor(normal_correlation(ranks)) if members else np.empty((0, 0))
     return Copula(members, matrix, tuple(copies))
 
 
 def source(method: str, coordinates: Sequence[str], pairs: Sequence[Pair], seed: int) -> Source:
-    """The source of a method."""
-    joined = copula(coordinates, pairs)
+    """Return the source of a sampling method, `monte-carlo` or `latin-hypercube`."""
+    correlation = copula(coordinates, pairs)
     if method == "monte-carlo":
-        return partial(_monte_carlo, joined, seed)
-    return partial(_latin_hypercube, joined, seed)
+        return partial(_monte_carlo, correlation, seed)
+    return partial(_latin_hypercube, correlation, seed)
 
 
-def _stream(seed: int, block: int) -> np.random.Generator:
+def _random_stream(seed: int, block: int) -> np.random.Generator:
     return np.random.Generator(np.random.SFC64(np.random.SeedSequence(seed, spawn_key=(block,))))
 
 
 # -- Monte Carlo ------------------------------------------------------------------------------------------------------
 
 
-def _monte_carlo(joined: Copula, seed: int, block: int, size: int) -> Column:
-    rng = _stream(seed, block)
-    normals = joined.joined(rng.standard_normal((joined.rank, size)))
+def _monte_carlo(correlation: Copula, seed: int, block: int, size: int) -> Column:
+    rng = _random_stream(seed, block)
+    normals = correlation.correlated_normals(rng.standard_normal((correlation.rank, size)))
 
     def column(coordinate: int, marginal: Marginal) -> Floats:
         if coordinate in normals:
             return marginal.of_normal(normals[coordinate])
         if marginal.is_normal:
             return marginal.of_normal(rng.standard_normal(size))
-        return marginal.of_tail(*_tails(rng.random(size)))
+        return marginal.of_tail(*_nearer_tails(rng.random(size)))
 
     return column
 
 
-def _tails(uniform: Floats) -> tuple[Floats, Floats]:
-    """The nearer tail of uniform numbers on multiples of 2⁻⁵³, and its side; the numbers are used up.
+def _nearer_tails(uniform: Floats) -> tuple[Floats, Floats]:
+    """Return the nearer tail of uniform numbers on multiples of 2⁻⁵³, and its side; the numbers are overwritten.
 
     Each is moved to the middle of its step, so that no tail is 0; nothing is rounded.
 
-    >>> tail, side = _tails(np.array([0.0, 0.5, 1.0 - 2.0**-53]))
+    >>> tail, side = _nearer_tails(np.array([0.0, 0.5, 1.0 - 2.0**-53]))
     >>> (tail * 2.0**54).tolist(), np.sign(side).tolist()
     ([1.0, 9007199254740991.0, 1.0], [-1.0, 1.0, 1.0])
     """
@@ -136,53 +141,61 @@ def _tails(uniform: Floats) -> tuple[Floats, Floats]:
 # -- Latin hypercube --------------------------------------------------------------------------------------------------
 
 
-def _latin_hypercube(joined: Copula, seed: int, block: int, size: int) -> Column:
-    """One sample in each of `size` strata of equal probability, in every coordinate (McKay et al. 1979).
+def _latin_hypercube(correlation: Copula, seed: int, block: int, size: int) -> Column:
+    """Return the columns of a Latin hypercube: one sample in each of `size` strata per coordinate (McKay et al. 1979).
 
-    Where in a stratum is drawn for the lower half of them; the upper half is its mirror image, and what is the equal or
-    opposite of another coordinate takes that one's places. Strata are dealt out at random, and to coordinates that
-    hang together by the ranks of their normals (Stein 1987, Technometrics 29).
+    The position in a stratum is drawn for the lower half of them; the upper half is its mirror image, and a coordinate
+    that equals another, or is its opposite, takes the positions of that one. Strata are shuffled at random, and those
+    of correlated coordinates follow the ranks of their normals (Stein 1987, Technometrics 29).
     """
-    rng = _stream(seed, block)
-    normals = joined.joined(rng.standard_normal((joined.rank, size)))
+    rng = _random_stream(seed, block)
+    normals = correlation.correlated_normals(rng.standard_normal((correlation.rank, size)))
     half, strata = size // 2, np.arange((size + 1) // 2, dtype=np.float64)
-    originals, kept = joined.originals, dict[int, Floats]()
-    wanted = {original for original, _ in originals.values()}
+    originals, drawn_positions = correlation.originals, dict[int, Floats]()
+    mirrored_originals = {original for original, _ in originals.values()}
 
     def column(coordinate: int, marginal: Marginal) -> Floats:
-        place = _mirrored(kept, *originals[coordinate], size) if coordinate in originals else rng.random(len(strata))
-        if coordinate in wanted:
-            kept[coordinate] = place
+        position = (
+            _mirrored_positions(drawn_positions, *originals[coordinate], size)
+            if coordinate in originals
+            else rng.random(len(strata))
+        )
+        if coordinate in mirrored_originals:
+            drawn_positions[coordinate] = position
         values = np.empty(size)  # ascending
         if marginal.is_normal:
-            lower = ndtri((place + (strata + _NOT_ZERO)) / size)
+            lower = ndtri((position + (strata + _HALF_STEP)) / size)
             values[: len(lower)] = lower
             values[len(lower) :] = -lower[:half][::-1]
             values = marginal.of_normal(values)
         else:
-            tail = (place + (strata + _NOT_ZERO)) / size
+            tail = (position + (strata + _HALF_STEP)) / size
             values[: len(tail)] = marginal.of_tail(tail, -1.0)
             values[len(tail) :] = marginal.of_tail(tail[:half][::-1], 1.0)
         if coordinate not in normals:
             rng.shuffle(values)
             return values
-        dealt = np.empty(size)
-        dealt[np.argsort(normals[coordinate])] = values
-        return dealt
+        ranked_values = np.empty(size)
+        ranked_values[np.argsort(normals[coordinate])] = values
+        return ranked_values
 
     return column
 
 
-def _mirrored(kept: Mapping[int, Floats], original: int, sign: float, size: int) -> Floats:
-    """The places of a coordinate whose equal or opposite this one is: others only in the middle of an odd number."""
-    place = kept[original]
+def _mirrored_positions(
+    drawn_positions: Mapping[int, Floats], original: int, sign: float, size: int
+) -> Floats:
+    """Return the stratum positions of a coordinate's original; of an opposite the middle of an odd number is 1 - u."""
+    position = drawn_positions[original]
     if sign < 0.0 and size % 2:
-        place = place.copy()
-        place[-1] = 1.0 - place[-1]
-    return place
+        position = position.copy()
+        position[-1] = 1.0 - position[-1]
+    return position
 
 
-def fisher(mean: Plane | Line, concentration: float, steeper: Floats, clockwise: Floats) -> tuple[Floats, Floats]:
+def fisher(
+    mean: Plane | Line, concentration: float, steeper: Floats, clockwise: Floats
+) -> tuple[Floats, Floats]:
     """Orientations with Fisher's distribution from two standard normals.
 
     Parameters
@@ -208,15 +221,17 @@ def fisher(mean: Plane | Line, concentration: float, steeper: Floats, clockwise:
     ([85.01, 86.89], [119.07, 295.0])
     """
     half_square = 0.5 * (steeper * steeper + clockwise * clockwise)
-    if concentration >= _SURELY_CONCENTRATED:
+    if concentration >= _CONCENTRATED:
         gap = np.minimum(half_square / concentration, 2.0)
         slope = np.sqrt((1.0 - 0.5 * gap) / concentration)  # sin θ / r
     else:
         # 1 - S where S is near 1, S itself where it is small
-        near = np.log1p(np.expm1(-half_square) * -np.expm1(-2.0 * concentration))
+        log_near_mean = np.log1p(np.expm1(-half_square) * -np.expm1(-2.0 * concentration))
         share = np.exp(-half_square)
-        far = np.log(share + (1.0 - share) * np.exp(-2.0 * concentration))
-        gap = np.minimum(np.where(half_square < 0.5, near, far) / -concentration, 2.0)
+        log_far_from_mean = np.log(share + (1.0 - share) * np.exp(-2.0 * concentration))
+        gap = np.minimum(
+            np.where(half_square < 0.5, log_near_mean, log_far_from_mean) / -concentration, 2.0
+        )
         slope = np.sqrt(gap * (1.0 - 0.5 * gap) / (half_square + np.finfo(float).tiny))
     cosine, up_dip, across = 1.0 - gap, slope * steeper, slope * clockwise
     if isinstance(mean, Plane):
@@ -231,43 +246,43 @@ def fisher(mean: Plane | Line, concentration: float, steeper: Floats, clockwise:
     along = cosine * np.cos(angle) - up_dip * np.sin(angle)
     down = cosine * np.sin(angle) + up_dip * np.cos(angle)
     plunge = np.degrees(np.arctan2(down, np.sqrt(along * along + across * across)))
-    return plunge, _round_the_circle(mean.trend_deg + np.degrees(np.arctan2(across, along)))
+    return plunge, _wrapped_azimuth(mean.trend_deg + np.degrees(np.arctan2(across, along)))
 
 
 def folded_planes(dip: Floats, direction: Floats) -> tuple[Floats, Floats]:
-    """The same planes with dips of 0 to 90 and directions of 0 to 360 degrees.
+    """Return planes (n,) with any dip and direction as dips of 0 to 90 and directions of 0 to 360 degrees.
 
     >>> folded_planes(np.array([95.0, -5.0, 45.0]), np.array([10.0, 10.0, 370.0]))
     (array([85.,  5., 45.]), array([190., 190.,  10.]))
     """
-    beyond = (dip < 0.0) | (dip > 90.0)
-    if beyond.any():
+    is_outside = (dip < 0.0) | (dip > 90.0)
+    if is_outside.any():
         dip, direction = dip.copy(), direction.copy()
-        turned = dip[beyond] % 180.0  # a plane and its other side
-        is_over = turned > 90.0
-        dip[beyond] = np.where(is_over, 180.0 - turned, turned)
-        direction[beyond] += 180.0 * is_over
-    return dip, _round_the_circle(direction)
+        folded = dip[is_outside] % 180.0  # a plane and its other side
+        is_over = folded > 90.0
+        dip[is_outside] = np.where(is_over, 180.0 - folded, folded)
+        direction[is_outside] += 180.0 * is_over
+    return dip, _wrapped_azimuth(direction)
 
 
 def folded_lines(plunge: Floats, trend: Floats) -> tuple[Floats, Floats]:
-    """The same lines, as they point, with plunges of -90 to 90 and trends of 0 to 360 degrees.
+    """Return pointing lines (n,) with any angles as plunges of -90 to 90 and trends of 0 to 360 degrees.
 
     >>> folded_lines(np.array([95.0, -100.0]), np.array([10.0, 200.0]))
     (array([ 85., -80.]), array([190.,  20.]))
     """
-    beyond = np.abs(plunge) > 90.0
-    if beyond.any():
+    is_outside = np.abs(plunge) > 90.0
+    if is_outside.any():
         plunge, trend = plunge.copy(), trend.copy()
-        turned = (plunge[beyond] + 180.0) % 360.0 - 180.0
-        is_over = np.abs(turned) > 90.0
-        plunge[beyond] = np.where(is_over, np.copysign(180.0, turned) - turned, turned)
-        trend[beyond] += 180.0 * is_over
-    return plunge, _round_the_circle(trend)
+        folded = (plunge[is_outside] + 180.0) % 360.0 - 180.0
+        is_over = np.abs(folded) > 90.0
+        plunge[is_outside] = np.where(is_over, np.copysign(180.0, folded) - folded, folded)
+        trend[is_outside] += 180.0 * is_over
+    return plunge, _wrapped_azimuth(trend)
 
 
-def _round_the_circle(direction: Floats) -> Floats:
-    beyond = (direction < 0.0) | (direction > 360.0)
-    if not beyond.any():
+def _wrapped_azimuth(direction: Floats) -> Floats:
+    is_outside = (direction < 0.0) | (direction > 360.0)
+    if not is_outside.any():
         return direction
-    return np.where(beyond, direction % 360.0, direction)
+    return np.where(is_outside, direction % 360.0, direction)

@@ -22,11 +22,35 @@ from slopekit.core.orientation import number, opposite
 from slopekit.core.units import quantity
 from slopekit.design.common import Design
 from slopekit.design.reading.files import with_values
-from slopekit.kinds import also_falls_short, dilates, kind_of, notices_of_inputs, peak_only
+from slopekit.kinds import (
+    dilates,
+    kind_of,
+    notices_of_inputs,
+    peak_strength_notice,
+    whole_wedge_notice,
+)
 from slopekit.notices import new_notices
-from slopekit.studies.protocol import DESK, ADesign, Argument, Jobs, Option, StudyOutcome, Workplace, number_of, study
+from slopekit.studies.protocol import (
+    DESK,
+    ADesign,
+    Argument,
+    Jobs,
+    Option,
+    StudyOutcome,
+    Workplace,
+    number_of,
+    study,
+)
 from slopekit.studies.quake.records import Record, read_record, read_records
-from slopekit.studies.quake.six import SETTLED, WAYS, InSix, RecordSlide, Shaking, shaken_in_six, slide
+from slopekit.studies.quake.six import (
+    POLARITIES,
+    SETTLED_CHANGE,
+    RecordSlide,
+    Shaking,
+    SixDofResponse,
+    six_dof_response,
+    slide,
+)
 from slopekit.studies.quake.yielding import (
     KEY,
     MOST_K,
@@ -39,20 +63,22 @@ from slopekit.studies.quake.yielding import (
     yields_of,
 )
 from slopekit.studies.running import checked_crew
-from slopekit.studies.solve.solutions import beyond_sense
+from slopekit.studies.solve.solutions import seismic_coefficient_notices
 
-_ABOUT = 150  # evaluations: for the bar
-_MOST_DRAWN = 2000  # points of a motion in JSON
-_ON = 40  # of them on the way to rest after the end of the record
-_PGA = (1e-4, 10.0)  # g
-_FARTHEST_M = 1000.0  # no slope slides so far while it is shaken
-_SPREAD = 7  # records that a 16th and an 84th percentile ask for: of fewer they lie on the first and the last
-_MOVES_ON = 0.01  # of a displacement, beyond the end of the record
+_EXPECTED_EVALUATIONS = 150  # evaluations: for the bar
+_MAX_MOTION_POINTS = 2000  # points of a motion in JSON
+_POINTS_AFTER_END = 40  # of them on the way to rest after the end of the record
+_PGA_RANGE_G = (1e-4, 10.0)  # g
+_MAX_DISPLACEMENT_M = 1000.0  # no slope slides so far while it is shaken
+_MIN_RECORDS_FOR_PERCENTILES = (
+    7  # of fewer, the 16th and 84th percentile lie on the first and the last
+)
+_SLIDE_AFTER_END = 0.01  # of a displacement, beyond the end of the record
 
 
 @dataclass(frozen=True)
 class Shaken:
-    """What one record does.
+    """Sliding displacements in one earthquake record.
 
     Attributes
     ----------
@@ -81,7 +107,7 @@ class Shaken:
 
 @dataclass(frozen=True, repr=False)
 class Quake(StudyOutcome):
-    """What earthquakes do to a design.
+    """Yield coefficients of a design and its displacements in earthquake records.
 
     Attributes
     ----------
@@ -102,7 +128,7 @@ class Quake(StudyOutcome):
     motion: Mapping[str, Any]
     scale_pga: float | None
     warnings: tuple[Notice, ...] = ()
-    in_six: InSix | None = None
+    in_six: SixDofResponse | None = None
 
     @property
     def six(self) -> tuple[Shaking, ...]:
@@ -129,12 +155,14 @@ class Quake(StudyOutcome):
             return None
         if self.yields[0].agree is not None and not self.moments_govern:
             return self.yields[0].agree
-        ours, other = (one.coefficient for one in self.yields)
-        if ours is None or other is None:
-            return ours is None and other is None
+        pre_ie, closed_form = (method_yield.coefficient for method_yield in self.yields)
+        if pre_ie is None or closed_form is None:
+            return pre_ie is None and closed_form is None
         if self.moments_govern:
             return None
-        return abs(ours - other) <= self.design.analysis.agree_within * max(ours, other)
+        return abs(pre_ie - closed_form) <= self.design.analysis.agree_within * max(
+            pre_ie, closed_form
+        )
 
     @property
     def moments_govern(self) -> bool:
@@ -144,7 +172,7 @@ class Quake(StudyOutcome):
     @property
     def exit_code(self) -> int:
         """0 done, 1 what acceptance asks besides moves before (W507), 4 the methods disagree, or no convergence."""
-        if self.agree is False or any(one.ended == "refused" for one in self.six):
+        if self.agree is False or any(shaking.ended == "refused" for shaking in self.six):
             return 4
         return 1 if any(notice.code == "W507" for notice in self.warnings) else 0
 
@@ -156,7 +184,11 @@ class Quake(StudyOutcome):
     @property
     def one_way(self) -> dict[str, Any]:
         """How far the rigid block that slides one way goes: as `leading`."""
-        return _displacement("one_way", [one.mean_m for one in self.shaken], [one.larger_m for one in self.shaken])
+        return _displacement(
+            "one_way",
+            [record_result.mean_m for record_result in self.shaken],
+            [record_result.larger_m for record_result in self.shaken],
+        )
 
     @property
     def leading(self) -> dict[str, Any]:
@@ -168,7 +200,7 @@ class Quake(StudyOutcome):
         if self.in_six is None:
             return self.one_way
         means = self.in_six.means_m() if self.in_six.is_settled else []
-        return _displacement("six", means, [one.slid_m for one in self.six])
+        return _displacement("six", means, [shaking.slid_m for shaking in self.six])
 
     def to_dict(self) -> dict[str, Any]:
         """The study as JSON values."""
@@ -183,38 +215,51 @@ class Quake(StudyOutcome):
             "moments_govern": self.moments_govern,
             "records": [
                 {
-                    "name": one.record.name, "samples": len(one.record.times_s), "duration_s": one.record.duration_s,
-                    "unit": one.record.unit, "pga_g": one.record.pga_g, "pgv_m_s": one.record.pgv_m_s,
-                    "arias_m_s": one.record.arias_m_s, "as_recorded_m": one.as_recorded_m,
-                    "reversed_m": one.reversed_m, "mean_m": one.mean_m, "newmark_m": one.newmark_m,
-                    "newmark_reversed_m": one.newmark_reversed_m, "after_m": one.after_m,
+                    "name": result.record.name,
+                    "samples": len(result.record.times_s),
+                    "duration_s": result.record.duration_s,
+                    "unit": result.record.unit,
+                    "pga_g": result.record.pga_g,
+                    "pgv_m_s": result.record.pgv_m_s,
+                    "arias_m_s": result.record.arias_m_s,
+                    "as_recorded_m": result.as_recorded_m,
+                    "reversed_m": result.reversed_m,
+                    "mean_m": result.mean_m,
+                    "newmark_m": result.newmark_m,
+                    "newmark_reversed_m": result.newmark_reversed_m,
+                    "after_m": result.after_m,
                 }
-                for one in self.shaken
+                for result in self.shaken
             ],
             "six": json_of(self.six) or None,
             "motion": _thinned(self.motion) if self.motion else None,
-            "six_pairs": None if self.in_six is None else {"pairs": self.in_six.pairs, "change": self.in_six.change},
+            "six_pairs": None
+            if self.in_six is None
+            else {"pairs": self.in_six.pairs, "change": self.in_six.change},
             "six_motion": None if self.in_six is None else _thinned(self.in_six.motion),
             "timing_s": {"total": self.seconds},
             **self.words(),
-        }  # fmt: skip
+        }
 
 
 def _displacement(model: str, means: list[float], largest: list[float]) -> dict[str, Any]:
-    low, median, high = np.percentile(means, (16.0, 50.0, 84.0)).tolist() if means else (None, None, None)
-    most, has_spread = max(largest) if means else None, len(means) >= _SPREAD
+    low, median, high = (
+        np.percentile(means, (16.0, 50.0, 84.0)).tolist() if means else (None, None, None)
+    )
+    most, has_spread = max(largest) if means else None, len(means) >= _MIN_RECORDS_FOR_PERCENTILES
     spread = {"p16_m": low if has_spread else None, "p84_m": high if has_spread else None}
     return {"model": model, "median_m": median, "largest_m": most, **spread}
 
 
 def _thinned(motion: Mapping[str, Any]) -> dict[str, Any]:
     """A motion as JSON values; of a long one every k-th sample, k under `every`."""
-    every = max(1, math.ceil(len(motion["t_s"]) / _MOST_DRAWN))
+    stride = max(1, math.ceil(len(motion["t_s"]) / _MAX_MOTION_POINTS))
     columns = {
-        name: [float(f"{value:.7g}") for value in column[::every]]
-        for name, column in motion.items() if not isinstance(column, str)
-    }  # fmt: skip
-    return {"record": motion["record"], "way": motion["way"], "every": every, **columns}
+        name: [float(f"{value:.7g}") for value in column[::stride]]
+        for name, column in motion.items()
+        if not isinstance(column, str)
+    }
+    return {"record": motion["record"], "way": motion["way"], "every": stride, **columns}
 
 
 def _degrees(text: str, option: str) -> float:
@@ -241,15 +286,25 @@ def quake(
             _degrees,
         ),
     ] = None,
-    scale_pga: Annotated[float | None, Option("Peak that every record is scaled to, g.", number_of)] = None,
-    unit: Annotated[str | None, Option("Unit of files that name none: g, m/s2, cm/s2, gal.")] = None,
+    scale_pga: Annotated[
+        float | None, Option("Peak that every record is scaled to, g.", number_of)
+    ] = None,
+    unit: Annotated[
+        str | None, Option("Unit of files that name none: g, m/s2, cm/s2, gal.")
+    ] = None,
     six: Annotated[
-        bool, Option("In six degrees of freedom too: the block on its springs, which opens and turns.")
+        bool,
+        Option("In six degrees of freedom too: the block on its springs, which opens and turns."),
     ] = False,
     across: Annotated[
-        Any, Option("With --six: record of the same earthquake to the right of the first.", metavar="RECORD")
+        Any,
+        Option(
+            "With --six: record of the same earthquake to the right of the first.", metavar="RECORD"
+        ),
     ] = None,
-    vertical: Annotated[Any, Option("With --six: vertical record, up where positive.", metavar="RECORD")] = None,
+    vertical: Annotated[
+        Any, Option("With --six: vertical record, up where positive.", metavar="RECORD")
+    ] = None,
     jobs: Jobs = 1,
     desk: Workplace = DESK,
 ) -> Quake:
@@ -287,19 +342,32 @@ def quake(
     >>> round(found.coefficient, 4), round(found.factor, 4), round(found.shaken[0].as_recorded_m, 4)
     (0.1962, 1.1057, 0.2649)
     """
-    if scale_pga is not None and not _PGA[0] <= scale_pga <= _PGA[1]:
+    if scale_pga is not None and not _PGA_RANGE_G[0] <= scale_pga <= _PGA_RANGE_G[1]:
         fail(
             "E307",
-            f"{desk.named('scale_pga')} is {number(scale_pga)} g, it lies between {_PGA[0]:g} and {_PGA[1]:g}",
+            f"{desk.named('scale_pga')} is {number(scale_pga)} g, it lies between {_PGA_RANGE_G[0]:g} and "
+            f"{_PGA_RANGE_G[1]:g}",
             "",
             "Peaks are in g: 0.3.",
         )
-    given = [records] if isinstance(records, str | Record) or not isinstance(records, Sequence) else list(records)
-    taken = read_records(given, unit)
-    taken = taken if scale_pga is None else tuple(record.scaled(scale_pga) for record in taken)
-    others = [
-        None if one is None else one if isinstance(one, Record) else read_record(one, unit)
-        for one in (across, vertical)
+    sources = (
+        [records]
+        if isinstance(records, str | Record) or not isinstance(records, Sequence)
+        else list(records)
+    )
+    scaled_records = read_records(sources, unit)
+    scaled_records = (
+        scaled_records
+        if scale_pga is None
+        else tuple(record.scaled(scale_pga) for record in scaled_records)
+    )
+    components = [
+        None
+        if source is None
+        else source
+        if isinstance(source, Record)
+        else read_record(source, unit)
+        for source in (across, vertical)
     ]
     if not six and (across is not None or vertical is not None):
         fail(
@@ -317,48 +385,66 @@ def quake(
         )
     static = static_design(design, toward, desk.named("toward"))
     check_stands(static)
-    with desk.bar("evaluations and records", _ABOUT + (3 if six else 1) * len(taken)) as advance:
-        in_six = shaken_in_six(static, taken, others[0], others[1], advance) if six else None
+    with desk.bar(
+        "evaluations and records", _EXPECTED_EVALUATIONS + (3 if six else 1) * len(scaled_records)
+    ) as advance:
+        in_six = (
+            six_dof_response(static, scaled_records, components[0], components[1], advance)
+            if six
+            else None
+        )
         yields = yields_of(static, checked_crew(jobs), advance)
-        shaken, motion = _shaken(static, yields[0], taken, advance)
-        out = way_out(static, yields[0], advance)
-    warnings = tuple(dict.fromkeys(_notices(static, yields, shaken, out, others, in_six)))
-    return Quake(static, static.seismic.trend_deg, yields, shaken, motion, scale_pga, warnings, in_six)
+        shaken, motion = _record_results(static, yields[0], scaled_records, advance)
+        outward = way_out(static, yields[0], advance)
+    warnings = tuple(dict.fromkeys(_notices(static, yields, shaken, outward, components, in_six)))
+    return Quake(
+        static, static.seismic.trend_deg, yields, shaken, motion, scale_pga, warnings, in_six
+    )
 
 
-def _shaken(
-    static: Design, ours: Yield, records: Sequence[Record], advance: Any
+def _record_results(
+    static: Design, pre_ie: Yield, records: Sequence[Record], advance: Any
 ) -> tuple[tuple[Shaken, ...], dict[str, Any]]:
-    """Displacement in every record, both ways, and the motion in the one that moves it most."""
-    if ours.coefficient is None:
+    """Return the displacements in every record with both polarities, and the motion with the largest one."""
+    if pre_ie.coefficient is None:
         return tuple(Shaken(record, 0.0, 0.0, 0.0, 0.0, 0.0) for record in records), {}
-    limit, factor = ours.coefficient * static.rock.gravity_m_s2, ours.factor or 1.0
+    limit, factor = pre_ie.coefficient * static.rock.gravity_m_s2, pre_ie.factor or 1.0
     shaken: list[Shaken] = []
     faults = Faults()
-    farthest, motion = 0.0, dict[str, Any]()
+    largest_m, motion = 0.0, dict[str, Any]()
     for record in records:
-        slides = {way: slide(record.times_s, sign * record.accelerations, limit) for way, sign in WAYS.items()}
-        plain = [one.displacement_m for one in slides.values()]
-        way = max(slides, key=lambda one: slides[one].displacement_m)
+        slides = {
+            way: slide(record.times_s, sign * record.accelerations, limit)
+            for way, sign in POLARITIES.items()
+        }
+        newmark_m = [polarity.displacement_m for polarity in slides.values()]
+        way = max(slides, key=lambda polarity: slides[polarity].displacement_m)
         shaken.append(
-            Shaken(record, factor * plain[0], factor * plain[1], plain[0], plain[1], factor * slides[way].after_m)
+            Shaken(
+                record,
+                factor * newmark_m[0],
+                factor * newmark_m[1],
+                newmark_m[0],
+                newmark_m[1],
+                factor * slides[way].after_m,
+            )
         )
-        if slides[way].displacement_m > farthest:
-            farthest = slides[way].displacement_m
+        if slides[way].displacement_m > largest_m:
+            largest_m = slides[way].displacement_m
             motion = _motion(record, way, slides[way], limit, factor, static.rock.gravity_m_s2)
-        if shaken[-1].larger_m > _FARTHEST_M:
-            faults.append(_too_far(shaken[-1], ours.coefficient))
+        if shaken[-1].larger_m > _MAX_DISPLACEMENT_M:
+            faults.append(_displacement_fault(shaken[-1], pre_ie.coefficient))
         advance(1)
     faults.refuse()
     return tuple(shaken), motion
 
 
-def _too_far(one: Shaken, coefficient: float) -> Fault:
-    """E524: a slope that would slide out of sight."""
-    record = one.record
+def _displacement_fault(result: Shaken, coefficient: float) -> Fault:
+    """Return E524 for a displacement that no earthquake causes."""
+    record = result.record
     return Fault(
         "E524",
-        f"{record.name}: a displacement of {one.larger_m * 1e-3:.3g} km is none of an earthquake, at k_y "
+        f"{record.name}: a displacement of {result.larger_m * 1e-3:.3g} km is none of an earthquake, at k_y "
         f"{shown_k(coefficient)} in {record.duration_s:.4g} s with a peak velocity of the ground of "
         f"{record.pgv_m_s:.3g} m/s (the highest measured are about 4)",
         record.name,
@@ -366,12 +452,19 @@ def _too_far(one: Shaken, coefficient: float) -> Fault:
     )
 
 
-def _motion(record: Record, way: str, of: RecordSlide, limit: float, factor: float, gravity: float) -> dict[str, Any]:
+def _motion(
+    record: Record, way: str, record_slide: RecordSlide, limit: float, factor: float, gravity: float
+) -> dict[str, Any]:
     """The motion in a record, until the block is at rest."""
-    t, a, v, d = record.times_s, WAYS[way] * record.accelerations, of.velocity, of.displacement
+    t, a, v, d = (
+        record.times_s,
+        POLARITIES[way] * record.accelerations,
+        record_slide.velocity,
+        record_slide.displacement,
+    )
     if v[-1] > 0.0:
-        x = np.linspace(0.0, v[-1] / limit, _ON + 1)[1:]
-        t, a = np.concatenate([t, t[-1] + x]), np.concatenate([a, np.zeros(_ON)])
+        x = np.linspace(0.0, v[-1] / limit, _POINTS_AFTER_END + 1)[1:]
+        t, a = np.concatenate([t, t[-1] + x]), np.concatenate([a, np.zeros(_POINTS_AFTER_END)])
         d = np.concatenate([d, d[-1] + x * (v[-1] - 0.5 * limit * x)])
         v = np.concatenate([v, v[-1] - limit * x])
     columns = {"t_s": t, "a_g": a / gravity, "v_m_s": factor * v, "d_m": factor * d}
@@ -379,74 +472,96 @@ def _motion(record: Record, way: str, of: RecordSlide, limit: float, factor: flo
 
 
 def _notices(
-    static: Design, yields: Sequence[Yield], shaken: Sequence[Shaken], out: tuple[float, float] | None,
-    others: Sequence[Record | None], six: InSix | None,
-) -> Iterator[Notice]:  # fmt: skip
+    static: Design,
+    yields: Sequence[Yield],
+    shaken: Sequence[Shaken],
+    outward: tuple[float, float] | None,
+    components: Sequence[Record | None],
+    six: SixDofResponse | None,
+) -> Iterator[Notice]:
     """Yield what is to be known: of the direction, of the records, of κ, of the methods, of six degrees of freedom.
 
     Parameters
     ----------
-    out : the way out of the slope and a coefficient that moves it there, where the shaking pushes into it
+    outward : the way out of the slope and a coefficient that moves it there, where the shaking pushes into it
     """
-    ours, trend = yields[0], static.seismic.trend_deg
+    pre_ie, trend = yields[0], static.seismic.trend_deg
     share = 1.0 if static.section_share is None else static.section_share
-    if out is not None:
-        toward, back = (f"{number(way):0>3}" for way in (opposite(out[0]), out[0]))
-        message = f"toward {toward} pushes into the slope: k_y is {shown_k(ours.coefficient)}; toward {back} pushes out"
-        yield Notice("W328", f"{message} of it, k_y is below {shown_k(out[1])}: --toward {back}")
-    elif trend is not None and abs(share) <= 1.0 - 1e-6:
-        why = "what acts along the face is left out, and moves a slope too: k_y is too high, or none is found"
-        where = f"toward {number(trend):0>3} is off the section, which knows {share * 100:.4g} % of the shaking alone"
-        yield Notice("W323", f"{where}: {why}")
-    for record in (*others, *(one.record for one in shaken)):
-        yield from () if record is None else record.notices
-    if ours.coefficient is not None and ours.factor is None:
-        message = f"no factor: {ours.why_not}; displacements are plain Newmark's, with 1, and may be too small"
-        yield Notice("W462", message)
-    if ours.first_factor is not None:
-        message = f"contacts change just above k_y: the factor is {ours.first_factor:.4g} right at it and"
-        message += f" {ours.factor:.4g} a hundredth above, which is taken; further up more blocks may join in"
-        yield Notice("W462", message)
-    yield from ours.notes
-    if all(note.code != "W507" for note in ours.notes):  # of a jump, or where nothing moves it
-        k = MOST_K if ours.coefficient is None else ours.coefficient
-        also = kind_of(static).without_basal(with_values(static, {KEY: k}))
-        yield from also_falls_short(also, 1.0, f"at k = {shown_k(k)}")
-    if ours.coefficient is None:
-        yield Notice("W462", f"{ours.why_not}: no displacement in any record")
-    on = [one.record.name for one in shaken if one.after_m > _MOVES_ON * one.larger_m and not one.record.is_pulse]
-    if on:
-        listed = ", ".join(on[:6]) + (", ..." if len(on) > 6 else "")
+    if outward is not None:
+        toward, back = (f"{number(way):0>3}" for way in (opposite(outward[0]), outward[0]))
         message = (
-            f"the block still slides when the record ends ({listed}): what it slides on without shaking is counted"
+            f"toward {toward} pushes into the slope: k_y is {shown_k(pre_ie.coefficient)}; "
+            f"toward {back} pushes out"
+        )
+        yield Notice(
+            "W328", f"{message} of it, k_y is below {shown_k(outward[1])}: --toward {back}"
+        )
+    elif trend is not None and abs(share) <= 1.0 - 1e-6:
+        consequence = "what acts along the face is left out, and moves a slope too: k_y is too high, or none is found"
+        direction = (
+            f"toward {number(trend):0>3} is off the section, "
+            f"which knows {share * 100:.4g} % of the shaking alone"
+        )
+        yield Notice("W323", f"{direction}: {consequence}")
+    for record in (*components, *(result.record for result in shaken)):
+        yield from () if record is None else record.notices
+    if pre_ie.coefficient is not None and pre_ie.factor is None:
+        message = f"no factor: {pre_ie.why_not}; displacements are plain Newmark's, with 1, and may be too small"
+        yield Notice("W462", message)
+    if pre_ie.first_factor is not None:
+        message = f"contacts change just above k_y: the factor is {pre_ie.first_factor:.4g} right at it and"
+        message += f" {pre_ie.factor:.4g} a hundredth above, which is taken; further up more blocks may join in"
+        yield Notice("W462", message)
+    yield from pre_ie.notes
+    if all(note.code != "W507" for note in pre_ie.notes):  # of a jump, or where nothing moves it
+        k = MOST_K if pre_ie.coefficient is None else pre_ie.coefficient
+        whole_wedge = kind_of(static).without_basal(with_values(static, {KEY: k}))
+        yield from whole_wedge_notice(whole_wedge, 1.0, f"at k = {shown_k(k)}")
+    if pre_ie.coefficient is None:
+        yield Notice("W462", f"{pre_ie.why_not}: no displacement in any record")
+    sliding_records = [
+        result.record.name
+        for result in shaken
+        if result.after_m > _SLIDE_AFTER_END * result.larger_m and not result.record.is_pulse
+    ]
+    if sliding_records:
+        listed = ", ".join(sliding_records[:6]) + (", ..." if len(sliding_records) > 6 else "")
+        message = (
+            f"the block still slides when the record ends ({listed}): what it slides "
+            "on without shaking is counted"
         )
         yield Notice("W464", f"{message}; a record cut off lacks what came after")
-    if len(yields) > 1 and ours.why_not.startswith("moments"):
+    if len(yields) > 1 and pre_ie.why_not.startswith("moments"):
         message = (
-            f"moments govern: PRE-IE has k_y {shown_k(ours.coefficient)}, the closed form, which knows no moments,"
+            f"moments govern: PRE-IE has k_y {shown_k(pre_ie.coefficient)}, the closed "
+            "form, which knows no moments,"
         )
         yield Notice("W353", f"{message} {shown_k(yields[1].coefficient)}")
-    elif ours.jumps:
-        message = f"moments govern: at k_y {shown_k(ours.coefficient)} a joint opens and strength is gone"
+    elif pre_ie.jumps:
+        message = f"moments govern: at k_y {shown_k(pre_ie.coefficient)} a joint opens and strength is gone"
         yield Notice("W353", message)
-    yield from beyond_sense(KEY, ours.coefficient) if out is None else ()
-    yield from new_notices(notices_of_inputs(static, [KEY]), ours.notes)
-    yield from peak_only(static, "displacements one way are those")
-    yield from () if six is None else _of_six(six)
+    yield from seismic_coefficient_notices(KEY, pre_ie.coefficient) if outward is None else ()
+    yield from new_notices(notices_of_inputs(static, [KEY]), pre_ie.notes)
+    yield from peak_strength_notice(static, "displacements one way are those")
+    yield from () if six is None else _six_notices(six)
 
 
-def _of_six(six: InSix) -> Iterator[Notice]:
-    """Yield what depends on the node pairs, and what did not come to rest."""
-    if (six.change or 0.0) > SETTLED:
+def _six_notices(six: SixDofResponse) -> Iterator[Notice]:
+    """Yield W312 where the displacement depends on the node pairs, W464 for records that did not end at rest."""
+    if (six.change or 0.0) > SETTLED_CHANGE:
         yield Notice(
             "W312",
             f"the last refinement of the node pairs, to {six.pairs}, still moved what slides by {six.percent} %: where "
             "joints open it depends on them",
         )
-    ends = {"refused": "a step did not settle however short, nothing of it was taken", "moves": "it still moves"}
-    for one in six.shaken:
-        if one.ended in ends:
+    ends = {
+        "refused": "a step did not settle however short, nothing of it was taken",
+        "moves": "it still moves",
+    }
+    for shaking in six.shaken:
+        if shaking.ended in ends:
             yield Notice(
                 "W464",
-                f"{one.record}, {one.way}, in six degrees of freedom: at {one.until_s:.4g} s {ends[one.ended]}",
+                f"{shaking.record}, {shaking.way}, in six degrees of freedom: "
+                f"at {shaking.until_s:.4g} s {ends[shaking.ended]}",
             )

@@ -29,7 +29,7 @@ from slopekit.studies.quake.yielding import KEY
 
 
 class RecordSlide(NamedTuple):
-    """What comes of one record.
+    """Sliding of a rigid block in one record.
 
     Attributes
     ----------
@@ -63,41 +63,43 @@ def slide(times: Floats, accelerations: Floats, yield_acceleration: float) -> Re
     share = first[turns] / (first[turns] - last[turns])
     t = np.insert(times, turns + 1, times[turns] + share * steps[turns])
     r = np.insert(drive, turns + 1, 0.0)
-    sample = np.arange(len(times)) + np.searchsorted(turns, np.arange(len(times)))  # where the samples went
+    sample = np.arange(len(times)) + np.searchsorted(
+        turns, np.arange(len(times))
+    )  # where the samples went
     h, r0, r1 = np.diff(t), r[:-1], r[1:]
-    gained = np.concatenate([[0.0], np.cumsum(0.5 * (r0 + r1) * h)])
-    v = gained - np.minimum.accumulate(gained)
+    velocity_integral = np.concatenate([[0.0], np.cumsum(0.5 * (r0 + r1) * h)])
+    v = velocity_integral - np.minimum.accumulate(velocity_integral)
     v0, slows = v[:-1], (r0 <= 0.0) & (r1 <= 0.0)
-    x = np.where(slows & (v[1:] <= 0.0), np.minimum(_until_rest(v0, r0, r1, h), h), h)
+    x = np.where(slows & (v[1:] <= 0.0), np.minimum(_time_to_rest(v0, r0, r1, h), h), h)
     bend = np.divide(r1 - r0, h, out=np.zeros_like(h), where=h > 0.0)
-    moved = np.where(slows & (v0 <= 0.0), 0.0, x * (v0 + x * (0.5 * r0 + x * bend / 6.0)))
-    d = np.concatenate([[0.0], np.cumsum(moved)])
-    after = float(v[-1]) ** 2 / (2.0 * yield_acceleration)
-    return RecordSlide(float(d[-1]) + after, after, v[sample], d[sample])
+    increments = np.where(slows & (v0 <= 0.0), 0.0, x * (v0 + x * (0.5 * r0 + x * bend / 6.0)))
+    d = np.concatenate([[0.0], np.cumsum(increments)])
+    after_m = float(v[-1]) ** 2 / (2.0 * yield_acceleration)
+    return RecordSlide(float(d[-1]) + after_m, after_m, v[sample], d[sample])
 
 
-def _until_rest(v0: Floats, r0: Floats, r1: Floats, h: Floats) -> Floats:
+def _time_to_rest(v0: Floats, r0: Floats, r1: Floats, h: Floats) -> Floats:
     """First x > 0 where v0 + r0 x + (r1 - r0) x² / 2h is 0, with r0, r1 <= 0; by the form that does not cancel."""
     bend = np.divide(r1 - r0, h, out=np.zeros_like(h), where=h > 0.0)
     root = np.sqrt(np.maximum(r0 * r0 - 2.0 * bend * v0, 0.0)) - r0
     return np.divide(2.0 * v0, root, out=np.full_like(h, math.inf), where=root > 0.0)
 
 
-_STEP = 0.005  # s: springs of joints follow and do not ring, and the block slides to some 1e-3
-_SAME_VOLUME = 1e-6
+_STEP_S = 0.005  # s: springs of joints follow and do not ring, and the block slides to some 1e-3
+_VOLUME_TOLERANCE = 1e-6
 #: Of what slides, that finer node pairs may still change.
-SETTLED = 0.01
-_SLIDES = 1e-3  # m: what slides less does not ask for finer ones
-_MOST_REFINED = 4  # times that the parts of the joints are split
-_MOST_PAIRS = 2000
+SETTLED_CHANGE = 0.01
+_MIN_SLIDE_M = 1e-3  # m: what slides less does not ask for finer ones
+_MAX_REFINEMENTS = 4  # times that the parts of the joints are split
+_MAX_PAIRS = 2000
 _COLUMNS = ("east_m", "north_m", "up_m", "about_east_deg", "about_north_deg", "about_up_deg")
 #: Polarities by their names.
-WAYS = {"as recorded": 1.0, "reversed": -1.0}
+POLARITIES = {"as recorded": 1.0, "reversed": -1.0}
 
 
 @dataclass(frozen=True)
 class Shaking:
-    """What one record does to the block in six degrees of freedom, in one polarity.
+    """Response of the block to one record and polarity, in six degrees of freedom.
 
     Attributes
     ----------
@@ -121,8 +123,8 @@ class Shaking:
 
 
 @dataclass(frozen=True)
-class InSix:
-    """What the records do to the block in six degrees of freedom.
+class SixDofResponse:
+    """Responses of the block to all records, in six degrees of freedom.
 
     Attributes
     ----------
@@ -140,11 +142,11 @@ class InSix:
     @property
     def is_settled(self) -> bool:
         """Whether every step of every record settled, without which there is no displacement."""
-        return all(one.ended != "refused" for one in self.shaken)
+        return all(shaking.ended != "refused" for shaking in self.shaken)
 
     def means_m(self) -> list[float]:
         """The displacement in each record, the mean of both polarities, m."""
-        slid = [one.slid_m for one in self.shaken]
+        slid = [shaking.slid_m for shaking in self.shaken]
         return [0.5 * (first + second) for first, second in zip(slid[::2], slid[1::2], strict=True)]
 
     @property
@@ -153,10 +155,13 @@ class InSix:
         return "" if self.change is None else number(float(f"{100.0 * self.change:.2g}"))
 
 
-def shaken_in_six(
-    static: Design, records: Sequence[Record], across: Record | None, vertical: Record | None,
+def six_dof_response(
+    static: Design,
+    records: Sequence[Record],
+    across: Record | None,
+    vertical: Record | None,
     advance: Callable[[int], None],
-) -> InSix:  # fmt: skip
+) -> SixDofResponse:
     """Every record in both polarities, on node pairs that are fine enough for the strongest of them.
 
     Raises
@@ -171,33 +176,52 @@ def shaken_in_six(
             "",
             "Run each earthquake by itself.",
         )
-    made, on_pairs = _blocks_of(static)
-    block = on_pairs(made.refine)
+    block_cut, on_pairs = _shaken_block_on_pairs(static)
+    block = on_pairs(block_cut.refine)
     if block is None:
-        raise _none("on its springs it does not come to rest without an earthquake")
+        raise _unsupported("on its springs it does not come to rest without an earthquake")
     if across is not None and block.translations == 2:
         fail("E313", "a section does not move across itself: --across says nothing of it")
-    ways = _ways(static, made, block.translations)
-    strongest = max(records, key=lambda one: one.pga_g)
-    block, known, change = _settled(block, made.refine, on_pairs, _components(strongest, across, vertical, ways))
+    axes = _shaking_axes(static, block_cut, block.translations)
+    strongest = max(records, key=lambda candidate: candidate.pga_g)
+    block, strongest_motions, change = _refined_until_settled(
+        block, block_cut.refine, on_pairs, _components(strongest, across, vertical, axes)
+    )
     shaken, motions = list[Shaking](), list[Mapping[str, Any]]()
     for record in records:
-        pushes = _components(record, across, vertical, ways)
-        for way, sign in WAYS.items():
-            out = known[way] if record is strongest else shake(block, _STEP, sign * pushes)
-            moved, turned = _in_space(out, block, made)
-            shaken.append(Shaking(
-                record.name, way, moved[-1], float(np.linalg.norm(moved[-1])), float(np.linalg.norm(turned[-1])),
-                out.slipped, out.opened, out.debonded, out.ended, float(out.times[-1]), out.work,
-            ))  # fmt: skip
-            columns = zip(_COLUMNS, np.hstack([moved, turned]).T, strict=True)
-            motions.append({"record": record.name, "way": way, "t_s": out.times, **dict(columns)})
+        pushes = _components(record, across, vertical, axes)
+        for way, sign in POLARITIES.items():
+            response = (
+                strongest_motions[way]
+                if record is strongest
+                else shake(block, _STEP_S, sign * pushes)
+            )
+            translation, rotation = _spatial_motion(response, block, block_cut)
+            shaken.append(
+                Shaking(
+                    record.name,
+                    way,
+                    translation[-1],
+                    float(np.linalg.norm(translation[-1])),
+                    float(np.linalg.norm(rotation[-1])),
+                    response.slipped,
+                    response.opened,
+                    response.debonded,
+                    response.ended,
+                    float(response.times[-1]),
+                    response.work,
+                )
+            )
+            columns = zip(_COLUMNS, np.hstack([translation, rotation]).T, strict=True)
+            motions.append(
+                {"record": record.name, "way": way, "t_s": response.times, **dict(columns)}
+            )
             advance(1)
     farthest = max(range(len(shaken)), key=lambda k: shaken[k].slid_m)
-    return InSix(tuple(shaken), motions[farthest], len(block.area), change)
+    return SixDofResponse(tuple(shaken), motions[farthest], len(block.area), change)
 
 
-def _settled(
+def _refined_until_settled(
     block: ShakenBlock, refined: int, on_pairs: Callable[[int], ShakenBlock | None], pushes: Floats
 ) -> tuple[ShakenBlock, dict[str, Shake], float | None]:
     """The block on node pairs that finer ones no longer change, its motions, and what the last refinement did.
@@ -211,43 +235,53 @@ def _settled(
     """
 
     def shaken(block: ShakenBlock) -> dict[str, Shake]:
-        return {way: shake(block, _STEP, sign * pushes) for way, sign in WAYS.items()}
+        return {way: shake(block, _STEP_S, sign * pushes) for way, sign in POLARITIES.items()}
 
     motions = shaken(block)
     change: float | None = None
-    for level in range(refined + 1, _MOST_REFINED + 1):
+    for level in range(refined + 1, _MAX_REFINEMENTS + 1):
         finer = on_pairs(level)
-        if finer is None or not len(block.area) < len(finer.area) <= _MOST_PAIRS:
+        if finer is None or not len(block.area) < len(finer.area) <= _MAX_PAIRS:
             break
-        after = shaken(finer)
-        if any(one.ended == "refused" for one in after.values()):
+        finer_motions = shaken(finer)
+        if any(response.ended == "refused" for response in finer_motions.values()):
             break
-        before, motions, block = motions, after, finer
-        slid = [
-            [float(np.linalg.norm(one[way].motion[-1, : block.translations])) for one in (before, motions)]
-            for way in WAYS
+        coarser_motions, motions, block = motions, finer_motions, finer
+        displacements = [
+            [
+                float(np.linalg.norm(response[way].motion[-1, : block.translations]))
+                for response in (coarser_motions, motions)
+            ]
+            for way in POLARITIES
         ]
-        change = max(abs(a - b) / max(a, b, _SLIDES) for a, b in slid)
-        opens = any(one.opened or one.debonded for one in motions.values())
-        if change < SETTLED and (level > refined + 1 or not opens):
+        change = max(abs(a - b) / max(a, b, _MIN_SLIDE_M) for a, b in displacements)
+        opens = any(response.opened or response.debonded for response in motions.values())
+        if change < SETTLED_CHANGE and (level > refined + 1 or not opens):
             break
     return block, motions, change
 
 
 def _components(
-    record: Record, across: Record | None, vertical: Record | None, ways: tuple[Floats, Floats, Floats]
+    record: Record,
+    across: Record | None,
+    vertical: Record | None,
+    axes: tuple[Floats, Floats, Floats],
 ) -> Floats:
     """Mean pushes (m, translations) m/s² of up to three records in equal steps, until the last has ended."""
-    given = [(one, way) for one, way in zip((record, across, vertical), ways, strict=True) if one is not None]
-    count = math.ceil(max(one.duration_s for one, _ in given) / _STEP - 1e-9)
-    grid: Floats = np.linspace(0.0, _STEP * count, count + 1)
-    pushes = np.zeros((count, len(ways[0])))
-    for one, way in given:
-        pushes += (np.diff(_velocity_at(one, grid)) / _STEP)[:, None] * way
+    components = [
+        (component, axis)
+        for component, axis in zip((record, across, vertical), axes, strict=True)
+        if component is not None
+    ]
+    count = math.ceil(max(component.duration_s for component, _ in components) / _STEP_S - 1e-9)
+    grid: Floats = np.linspace(0.0, _STEP_S * count, count + 1)
+    pushes = np.zeros((count, len(axes[0])))
+    for component, axis in components:
+        pushes += (np.diff(_ground_velocity(component, grid)) / _STEP_S)[:, None] * axis
     return pushes
 
 
-def _velocity_at(record: Record, times: Floats) -> Floats:
+def _ground_velocity(record: Record, times: Floats) -> Floats:
     """Velocity of the ground (k,) at any times, exact; after the end it stays."""
     t, a = record.times_s, record.accelerations
     k = np.clip(np.searchsorted(t, times, side="right") - 1, 0, len(t) - 2)
@@ -258,44 +292,52 @@ def _velocity_at(record: Record, times: Floats) -> Floats:
     return np.where(times >= t[-1], record.ground_velocity[-1], velocity)
 
 
-def _blocks_of(static: Design) -> tuple[Cut, Callable[[int], ShakenBlock | None]]:
+def _shaken_block_on_pairs(static: Design) -> tuple[Cut, Callable[[int], ShakenBlock | None]]:
     """The block of a design, and how it is on node pairs refined so often: None where it does not come to rest."""
-    made = cut(static)
-    if not isinstance(made, Cut):
-        raise _none("several blocks: six degrees of freedom are those of one")
-    model = made.scene_at(made.refine).model
+    block_cut = cut(static)
+    if not isinstance(block_cut, Cut):
+        raise _unsupported("several blocks: six degrees of freedom are those of one")
+    model = block_cut.scene_at(block_cut.refine).model
     strengths: Sequence[Strength] = static.joint_strengths
     if model.dilates:
-        raise _none("its joints dilate")
+        raise _unsupported("its joints dilate")
     if model.lines is not None:
-        raise _none("its joints have a curved strength")
+        raise _unsupported("its joints have a curved strength")
     if len(model.bolt_capacity):
-        raise _none("it has passive bolts, which would be drawn out and in")
-    weight = float(-made.loads.parts["weight"][2])
-    volume, inertia = inertia_of(list(made.block.faces.values()), made.block.centroid)
-    if abs(volume / made.block.volume - 1.0) > _SAME_VOLUME:
-        raise _none("its faces are not flat")
+        raise _unsupported("it has passive bolts, which would be drawn out and in")
+    weight = float(-block_cut.loads.components["weight"][2])
+    volume, inertia = inertia_of(list(block_cut.block.faces.values()), block_cut.block.centroid)
+    if abs(volume / block_cut.block.volume - 1.0) > _VOLUME_TOLERANCE:
+        raise _unsupported("its faces are not flat")
     residual = None
     if any(strength.residual for strength in strengths):
-        left = [interface.strength.at_residual() for interface in made.interfaces]
-        keys = [interface.key for interface in made.interfaces]
+        residual_strengths = [
+            interface.strength.at_residual() for interface in block_cut.interfaces
+        ]
+        keys = [interface.key for interface in block_cut.interfaces]
         cohesion, friction = np.zeros(max(keys) + 1), np.zeros(max(keys) + 1)
-        cohesion[keys] = [one.cohesion_kpa for one in left]
-        friction[keys] = np.tan(np.radians([one.friction_angle_deg for one in left]))
+        cohesion[keys] = [strength.cohesion_kpa for strength in residual_strengths]
+        friction[keys] = np.tan(
+            np.radians([strength.friction_angle_deg for strength in residual_strengths])
+        )
         residual = cohesion, friction
     mass = weight / static.rock.gravity_m_s2
 
     def on_pairs(level: int) -> ShakenBlock | None:
-        finer = model if level == made.refine else made.scene_at(level).model
+        finer = model if level == block_cut.refine else block_cut.scene_at(level).model
         return shaken_block(finer, mass, inertia * (mass / volume), _springs(static), residual)
 
-    return made, on_pairs
+    return block_cut, on_pairs
 
 
-def _ways(static: Design, made: Cut, translations: int) -> tuple[Floats, Floats, Floats]:
+def _shaking_axes(
+    static: Design, block_cut: Cut, translations: int
+) -> tuple[Floats, Floats, Floats]:
     """The ways (translations,) that the shaking pushes: toward, to the right of that, up."""
     shaken = cut(with_values(static, {KEY: 1.0}))
-    toward = (shaken.loads.parts["seismic"] - made.loads.parts["seismic"]) / -made.loads.parts["weight"][2]
+    toward = (
+        shaken.loads.components["seismic"] - block_cut.loads.components["seismic"]
+    ) / -block_cut.loads.components["weight"][2]
     right, up = np.array([toward[1], -toward[0], 0.0]), np.array([0.0, 0.0, 1.0])
     in_plane = [0, 2] if translations == 2 else [0, 1, 2]
     return toward[in_plane], right[in_plane], up[in_plane]
@@ -303,9 +345,13 @@ def _ways(static: Design, made: Cut, translations: int) -> tuple[Floats, Floats,
 
 def _springs(static: Design) -> JointStiffness:
     """The design's stiffness; in place of a hyperbola, which has no memory, a constant part of the normal one."""
-    own = joint_stiffness(static)
-    give = own.tangential if isinstance(own.tangential, float | int) else SHEAR_TO_NORMAL * own.normal
-    return JointStiffness(own.normal, 0.0, float(give))
+    stiffness = joint_stiffness(static)
+    shear_stiffness = (
+        stiffness.tangential
+        if isinstance(stiffness.tangential, float | int)
+        else SHEAR_TO_NORMAL * stiffness.normal
+    )
+    return JointStiffness(stiffness.normal, 0.0, float(shear_stiffness))
 
 
 def springs_in_words(static: Design) -> str:
@@ -314,14 +360,16 @@ def springs_in_words(static: Design) -> str:
     return f"springs {springs.normal:g} kN/m³ normal, {springs.tangential:g} shear"
 
 
-def _none(why: str) -> DesignError:
-    return DesignError([Fault("E288", f"--six has no answer for this design: {why}", "", "Leave --six out.")])
+def _unsupported(reason: str) -> DesignError:
+    return DesignError(
+        [Fault("E288", f"--six has no answer for this design: {reason}", "", "Leave --six out.")]
+    )
 
 
-def _in_space(out: Shake, block: ShakenBlock, made: Cut) -> tuple[Floats, Floats]:
+def _spatial_motion(response: Shake, block: ShakenBlock, block_cut: Cut) -> tuple[Floats, Floats]:
     """How the centroid moves, m east, north, up, and how the block turns about these axes, degrees: (m, 3) each."""
-    moved, turned = np.zeros((len(out.times), 3)), np.zeros((len(out.times), 3))
+    translation, rotation = np.zeros((len(response.times), 3)), np.zeros((len(response.times), 3))
     section = block.translations == 2
-    moved[:, [0, 2] if section else [0, 1, 2]] = out.motion[:, : block.translations]
-    turned[:, [1] if section else [0, 1, 2]] = out.motion[:, block.translations :]
-    return moved @ made.axes, np.degrees(turned @ made.axes)
+    translation[:, [0, 2] if section else [0, 1, 2]] = response.motion[:, : block.translations]
+    rotation[:, [1] if section else [0, 1, 2]] = response.motion[:, block.translations :]
+    return translation @ block_cut.axes, np.degrees(rotation @ block_cut.axes)

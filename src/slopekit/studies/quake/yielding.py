@@ -24,7 +24,7 @@ from slopekit.kinds.protocol import Gain
 from slopekit.studies.points import UNSETTLED, Method, factor_at, point_of, status_of
 from slopekit.studies.protocol import Advance
 from slopekit.studies.roots import RootSearch
-from slopekit.studies.running import ALONE, Crew
+from slopekit.studies.running import ALONE, ExecutorOptions
 from slopekit.studies.solve.factor_request import FactorRequest
 from slopekit.studies.solve.run import for_factor
 from slopekit.studies.solve.solutions import NO_CONVERGENCE, Solution
@@ -32,15 +32,22 @@ from slopekit.studies.words import status_words
 
 KEY, TOWARD = "loads.seismic.k", "loads.seismic.toward"
 MOST_K = 2.0  # where a design's coefficient ends
-_SOME_K = 0.1  # a coefficient to ask whether the design takes one
+_TRIAL_K = 0.1  # a coefficient to ask whether the design takes one
 _PUSH = 0.02  # of the yield coefficient, in parts of the weight: how much a force along the sliding moves it
-_LEAST_PUSH = 1e-3
-_CLOSE = {"resolution": 1e-12, "near": 1e-13}  # how near these are found
-_NEAR = (1e-3, 1e-2, 0.1, 0.5)  # of it, to both sides: where the moved ones are looked for
+_MIN_PUSH = 1e-3
+_ROOT_TOLERANCES = {"resolution": 1e-12, "near": 1e-13}  # how near these are found
+_SEARCH_FRACTIONS = (
+    1e-3,
+    1e-2,
+    0.1,
+    0.5,
+)  # of it, to both sides: where the moved ones are looked for
 _METHODS: tuple[Method, ...] = ("pre_ie", "closed_form")
 NO_FORM = "it says nothing of shaking that way"
 _DILATES = "its joints dilate: it rises as it slides"
-_JUST_ABOVE = 1.0 + 1e-7  # of k_y: the block moves as it will, and no elastic state at rest is asked for
+_ABOVE_YIELD = (
+    1.0 + 1e-7
+)  # of k_y: the block moves as it will, and no elastic state at rest is asked for
 
 
 @dataclass(frozen=True)
@@ -77,7 +84,7 @@ class Yield:
         return self.why_not.startswith("moments open")
 
 
-def static_design(design: Design, toward: float | None, named: str = "toward") -> Design:
+def static_design(design: Design, toward: float | None, option: str = "toward") -> Design:
     """The design without its earthquake, which pushes another way where that is given.
 
     Raises
@@ -87,30 +94,34 @@ def static_design(design: Design, toward: float | None, named: str = "toward") -
     """
     values: dict[str, object] = {KEY: 0.0}
     if toward is not None and not 0.0 <= toward <= 360.0:
-        fail("E122", f"{named} is {number(toward)}, it lies between 0 and 360", named)
+        fail("E122", f"{option} is {number(toward)}, it lies between 0 and 360", option)
     if toward is not None:
         values[TOWARD] = float(toward)
     try:
-        with_values(design, values | {KEY: _SOME_K})
+        with_values(design, values | {KEY: _TRIAL_K})
     except DesignError as error:
         codes = {fault.code for fault in error.faults}
         if not codes <= {"E142", "E253"}:
             raise
-        raise DesignError([_takes_none(design, toward, named, "E142" in codes)]) from None
+        raise DesignError([_no_shaking_fault(design, toward, option, "E142" in codes)]) from None
     return with_values(design, values)
 
 
-def _takes_none(design: Design, toward: float | None, named: str, has_no_key: bool) -> Fault:
+def _no_shaking_fault(design: Design, toward: float | None, option: str, has_no_key: bool) -> Fault:
     """E253: no seismic coefficient, no direction of it, or one that leaves the section."""
     if has_no_key:
         message = f"quake needs a design with a seismic coefficient: a {design.kind} has none"
-        known = ", ".join(name for name in KINDS if "loads" not in record_of(name).WITHOUT)
-        return Fault("E253", message, "", f"Kinds with loads.seismic.k: {known}.")
+        kinds = ", ".join(name for name in KINDS if "loads" not in record_of(name).WITHOUT)
+        return Fault("E253", message, "", f"Kinds with loads.seismic.k: {kinds}.")
     if toward is None:
-        message = "quake needs the direction of the shaking: the blocks do not say which way they fall"
+        message = (
+            "quake needs the direction of the shaking: the blocks do not say which way they fall"
+        )
     else:
-        message = f"{named} is {number(toward)}: a section is shaken toward 090 or 270"
-    return Fault("E253", message, "", f"Give {named} 270 (or 090): x is east (090), -x west (270).")
+        message = f"{option} is {number(toward)}: a section is shaken toward 090 or 270"
+    return Fault(
+        "E253", message, "", f"Give {option} 270 (or 090): x is east (090), -x west (270)."
+    )
 
 
 def way_out(static: Design, ours: Yield, advance: Advance) -> tuple[float, float] | None:
@@ -127,86 +138,129 @@ def way_out(static: Design, ours: Yield, advance: Advance) -> tuple[float, float
 def check_stands(static: Design) -> None:
     """Refuse a slope that does not stand without an earthquake, or has no factor of safety: E520."""
     point = point_of(static, {})
-    before = factor_at(point, "pre_ie")
-    if before is None:
-        ends = status_of(point, "pre_ie")
-        said = NO_CONVERGENCE if ends == UNSETTLED else f"PRE-IE ends as {ends}"
-        said = f"{point.code} {point.message}" if point.code else said
-        fault = Fault("E520", f"the design has no factor of safety without an earthquake: {said}")
-        raise (NoConvergenceError if ends == UNSETTLED else DesignError)([fault])
-    also = point.also
-    if before > 1.0 and also is not None and also.falls_short(1.0):
+    static_factor = factor_at(point, "pre_ie")
+    if static_factor is None:
+        status = status_of(point, "pre_ie")
+        reason = NO_CONVERGENCE if status == UNSETTLED else f"PRE-IE ends as {status}"
+        reason = f"{point.code} {point.message}" if point.code else reason
+        fault = Fault("E520", f"the design has no factor of safety without an earthquake: {reason}")
+        raise (NoConvergenceError if status == UNSETTLED else DesignError)([fault])
+    whole_wedge = point.also
+    if static_factor > 1.0 and whole_wedge is not None and whole_wedge.falls_short(1.0):
         fail(
             "E520",
-            f"the slope does not stand without an earthquake: {also.WHAT}: {also.in_words()}{also.ALONE}",
+            f"the slope does not stand without an earthquake: {whole_wedge.WHAT}: "
+            f"{whole_wedge.in_words()}{whole_wedge.ALONE}",
             "",
             "Give it strength or support that holds it first.",
         )
-    if before <= 1.0:
-        shown = f"{before:.4g}" if before < 0.9995 else f"{before:.8g}"  # 0.99996 is not 1
-        has = f"its factor of safety is {shown}"
-        if before == 0.0:  # nothing holds it: a status, no number
-            has = status_words(static, status_of(point, "pre_ie"))
+    if static_factor <= 1.0:
+        digits = (
+            f"{static_factor:.4g}" if static_factor < 0.9995 else f"{static_factor:.8g}"
+        )  # 0.99996 is not 1
+        description = f"its factor of safety is {digits}"
+        if static_factor == 0.0:  # nothing holds it: a status, no number
+            description = status_words(static, status_of(point, "pre_ie"))
         fail(
             "E520",
-            f"the slope does not stand without an earthquake: {has}",
+            f"the slope does not stand without an earthquake: {description}",
             "",
             "Give it strength or support that holds it first.",
         )
 
 
-def yields_of(static: Design, crew: Crew, advance: Advance) -> tuple[Yield, ...]:
+def yields_of(static: Design, crew: ExecutorOptions, advance: Advance) -> tuple[Yield, ...]:
     """The yield coefficient by PRE-IE, and by the closed form where there is one, of a slope that stands."""
     solution = for_factor(static, KEY, 1.0, None, crew, advance)
     reason = solution.pre_ie.reason
-    if reason is not None and (solution.is_open or reason.code in ("E318", "E319")):  # not found is not "no k moves it"
+    if reason is not None and (
+        solution.is_open or reason.code in ("E318", "E319")
+    ):  # not found is not "no k moves it"
         raise (NoConvergenceError if solution.is_open else DesignError)([reason])
     request = FactorRequest(static, solution.key, 0.0, MOST_K, 1.0, ALONE, advance)
     request = replace(request, columns=request.on_arrays)
-    ours, closed = (_yield_by(request, solution, method) for method in _METHODS)
-    if closed is not None and closed.coefficient is None and ours is not None and ours.coefficient is not None:
-        at = point_of(static, {KEY: ours.coefficient})
+    pre_ie, closed_form = (_yield_by(request, solution, method) for method in _METHODS)
+    if (
+        closed_form is not None
+        and closed_form.coefficient is None
+        and pre_ie is not None
+        and pre_ie.coefficient is not None
+    ):
+        yield_point = point_of(static, {KEY: pre_ie.coefficient})
         advance(1)
-        if at.factors is not None and not at.has_closed_form and closed.before > 1.0:
-            closed = replace(closed, why_not=NO_FORM)
-    return tuple(one for one in (ours, closed) if one is not None)
+        if (
+            yield_point.factors is not None
+            and not yield_point.has_closed_form
+            and closed_form.before > 1.0
+        ):
+            closed_form = replace(closed_form, why_not=NO_FORM)
+    return tuple(method_yield for method_yield in (pre_ie, closed_form) if method_yield is not None)
 
 
 def _yield_by(request: FactorRequest, solution: Solution, method: Method) -> Yield | None:
     """The yield coefficient by one method; None where it says nothing of the design."""
-    before, answers = factor_at(solution.before, method), solution.pre_ie
-    if before is None or (method == "closed_form" and not solution.before.has_closed_form):
+    static_factor, answers = factor_at(solution.before, method), solution.pre_ie
+    if static_factor is None or (method == "closed_form" and not solution.before.has_closed_form):
         return None
-    if before <= 1.0:
-        return Yield(method, None, status_of(solution.before, method), None, "it does not hold at k = 0", before)
+    if static_factor <= 1.0:
+        return Yield(
+            method,
+            None,
+            status_of(solution.before, method),
+            None,
+            "it does not hold at k = 0",
+            static_factor,
+        )
     if method == "closed_form" and solution.closed_form is not None:
         answers = solution.closed_form
-    roots = [one for one in (*answers.roots, *answers.others) if one.value > 0.0]
-    first = min(roots, key=lambda one: one.value, default=None)
+    roots = [root for root in (*answers.roots, *answers.others) if root.value > 0.0]
+    first = min(roots, key=lambda root: root.value, default=None)
     if first is None:
         notes = tuple(solution.before.notes) if method == "pre_ie" else ()
-        return Yield(method, None, "", None, f"no k up to {MOST_K:g} moves it", before, notes=notes)
-    found = Yield(method, first.value, first.status, None, "", before, first.both.agree, notes=first.notes)
+        return Yield(
+            method, None, "", None, f"no k up to {MOST_K:g} moves it", static_factor, notes=notes
+        )
+    method_yield = Yield(
+        method,
+        first.value,
+        first.status,
+        None,
+        "",
+        static_factor,
+        first.both.agree,
+        notes=first.notes,
+    )
     if answers.method != method:  # a closed form that comes with PRE-IE: columns
-        found = replace(found, coefficient=_root(request, method, first.value), agree=None, notes=())
+        method_yield = replace(
+            method_yield, coefficient=_root(request, method, first.value), agree=None, notes=()
+        )
     elif first not in answers.roots and method == "pre_ie":
-        (_, stands), (_, falls) = first.bracket
-        why = f"moments open a joint there, the factor of safety jumps from {stands:.3g} to {falls:.3g}"
-        return replace(found, why_not=why, notes=())
-    if found.coefficient is None:
-        return replace(found, why_not=f"no k up to {MOST_K:g} moves it")
-    gain = _gain(request, method, found.coefficient)
+        (_, stable_factor), (_, failing_factor) = first.bracket
+        reason = (
+            "moments open a joint there, the factor of safety jumps "
+            f"from {stable_factor:.3g} to {failing_factor:.3g}"
+        )
+        return replace(method_yield, why_not=reason, notes=())
+    if method_yield.coefficient is None:
+        return replace(method_yield, why_not=f"no k up to {MOST_K:g} moves it")
+    gain = _gain(request, method, method_yield.coefficient)
     if isinstance(gain, str):
-        return replace(found, why_not=gain)
-    return replace(found, factor=gain.factor, factor_of=gain.block, first_factor=gain.first)
+        return replace(method_yield, why_not=gain)
+    return replace(method_yield, factor=gain.factor, factor_of=gain.block, first_factor=gain.first)
 
 
 def _root(request: FactorRequest, method: Method, start: float) -> float | None:
     """Return the yield coefficient by a method near another one; None where none is found."""
-    search = RootSearch(partial(request.samples, method), MOST_K, **_CLOSE)
-    near = (start * by for part in _NEAR for by in (1.0 - part, 1.0 + part))
-    search.look_outwards((0.0, *(k for k in near if k <= MOST_K), MOST_K), start)
-    return next((crossing.best.at for crossing in search.crossings() if crossing.how == "root"), None)
+    search = RootSearch(partial(request.samples, method), MOST_K, **_ROOT_TOLERANCES)
+    candidates = (
+        start * ratio
+        for fraction in _SEARCH_FRACTIONS
+        for ratio in (1.0 - fraction, 1.0 + fraction)
+    )
+    search.search_outwards((0.0, *(k for k in candidates if k <= MOST_K), MOST_K), start)
+    return next(
+        (crossing.best.place for crossing in search.crossings() if crossing.how == "root"), None
+    )
 
 
 def _gain(request: FactorRequest, method: Method, k: float) -> Gain | str:
@@ -218,7 +272,7 @@ def _gain(request: FactorRequest, method: Method, k: float) -> Gain | str:
         unit = with_values(static, {KEY: 1.0})
         gain = None if dilates else kind.seismic_gain(static, unit, k, method == "closed_form")
         return _DILATES if dilates else gain or "the motion of the blocks did not settle"
-    result = analyse(with_values(static, {KEY: k * _JUST_ABOVE}))
+    result = analyse(with_values(static, {KEY: k * _ABOVE_YIELD}))
     advance(1)
     mechanism = result.limit_state.mechanism
     if mechanism is None or not result.status.startswith("slides"):
@@ -229,14 +283,20 @@ def _gain(request: FactorRequest, method: Method, k: float) -> Gain | str:
         return _DILATES
     along = mechanism.displacement
     along = along / math.sqrt(float(along @ along))
-    push = max(_PUSH * k, _LEAST_PUSH)
-    forces = [Force(tuple(np.asarray(side * push * result.forces.weight * along).tolist())) for side in (-1.0, 1.0)]
+    push = max(_PUSH * k, _MIN_PUSH)
+    forces = [
+        Force(tuple(np.asarray(side * push * result.forces.weight * along).tolist()))
+        for side in (-1.0, 1.0)
+    ]
     starts = [k + push, k - push if k > push else 0.5 * k]
-    pushed = [replace(request, forces=(force,), points={}) for force in forces]
-    moved = [_root(one, method, start) for one, start in zip(pushed, starts, strict=True)]
-    if moved[0] is None or moved[1] is None or not moved[0] > moved[1]:
+    pushed_requests = [replace(request, forces=(force,), points={}) for force in forces]
+    coefficients = [
+        _root(pushed_request, method, start)
+        for pushed_request, start in zip(pushed_requests, starts, strict=True)
+    ]
+    if coefficients[0] is None or coefficients[1] is None or not coefficients[0] > coefficients[1]:
         return "another way to move is as near"
-    return Gain(2.0 * push / (moved[0] - moved[1]), "")
+    return Gain(2.0 * push / (coefficients[0] - coefficients[1]), "")
 
 
 def shown_k(k: float | None) -> str:

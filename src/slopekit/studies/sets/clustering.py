@@ -22,17 +22,17 @@ import numpy as np
 
 from slopekit.core.arrays import Floats, Ints
 
-MOST_SETS = 8
-LEAST_JOINTS = 4  # of a set that is found
+MAX_SETS = 8
+MIN_JOINTS = 4  # of a set that is found
 _STARTS = 8
 _SAMPLE = 500  # joints that the starts are tried on
 _ROUNDS, _STEPS, _FIRST_STEPS = 20, 100, 30
-_SETTLED = 1e-9
-_SMALLEST = 1e-12  # squared sine of a pole on the mean of a set
-_LARGEST_K = 1e4  # a scatter below 0.8° is rounding of compass readings
+_CONVERGED = 1e-9
+_MIN_SQUARED_SINE = 1e-12  # squared sine of a pole on the mean of a set
+_MAX_K = 1e4  # a scatter below 0.8° is rounding of compass readings
 _NO_SET = -1
-_FITTED = 1e-4  # of ln K, and of the part of joints of no set
-_PART_AT_FIRST = 0.1  # of joints of no set, before they are counted
+_FIT_TOLERANCE = 1e-4  # of ln K, and of the part of joints of no set
+_INITIAL_NO_SET_FRACTION = 0.1  # of joints of no set, before they are counted
 
 
 @dataclass(frozen=True)
@@ -42,20 +42,22 @@ class Clusters:
     Attributes
     ----------
     means : (m, 3) downward unit vectors, the largest set first
-    of : (n,) the set of each pole, -1 of none
+    labels : (n,) the set of each pole, -1 of none
     bic : see above
     """
 
     means: Floats
-    of: Ints
+    labels: Ints
     bic: float
 
     def __len__(self) -> int:
         return len(self.means)
 
 
-def clusters_of(poles: Floats, weights: Floats, sets: int | None, rng: np.random.Generator) -> list[Clusters]:
-    """Poles divided among so many sets, or among 0, 1, 2, ... of them.
+def clusters_of(
+    poles: Floats, weights: Floats, sets: int | None, rng: np.random.Generator
+) -> list[Clusters]:
+    """Divide poles among a number of sets, or among 0, 1, 2, ... sets.
 
     Parameters
     ----------
@@ -70,84 +72,101 @@ def clusters_of(poles: Floats, weights: Floats, sets: int | None, rng: np.random
     >>> about = np.repeat([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], 30, axis=0) + 0.1 * rng.normal(size=(60, 3))
     >>> poles = about / np.sqrt((about * about).sum(axis=1))[:, None]
     >>> found = clusters_of(poles, np.ones(60), None, rng)
-    >>> best(found), sorted(np.bincount(found[2].of).tolist())
+    >>> least_bic(found), sorted(np.bincount(found[2].labels).tolist())
     (2, [30, 30])
     """
     if sets is not None:
-        return [_divided(poles, weights, sets, rng)]
-    return [_divided(poles, weights, count, rng) for count in range(min(MOST_SETS, len(poles) // LEAST_JOINTS) + 1)]
+        return [_clustered(poles, weights, sets, rng)]
+    return [
+        _clustered(poles, weights, count, rng)
+        for count in range(min(MAX_SETS, len(poles) // MIN_JOINTS) + 1)
+    ]
 
 
-def best(clusterings: list[Clusters]) -> int:
-    """Which of several has the least BIC."""
-    return int(np.argmin([one.bic for one in clusterings]))
+def least_bic(clusterings: list[Clusters]) -> int:
+    """Return the index of the clustering with the least BIC."""
+    return int(np.argmin([clusters.bic for clusters in clusterings]))
 
 
-def _divided(poles: Floats, weights: Floats, sets: int, rng: np.random.Generator) -> Clusters:
+def _clustered(poles: Floats, weights: Floats, sets: int, rng: np.random.Generator) -> Clusters:
     n = len(poles)
     none = np.full(n, _NO_SET)
     if sets == 0:
         return Clusters(np.zeros((0, 3)), none, 0.0)
-    means = _started(poles, weights, sets, rng)
-    of, seen = none, set[bytes]()
+    means = _initial_means(poles, weights, sets, rng)
+    labels, visited = none, set[bytes]()
     for _ in range(_ROUNDS):
-        inside = of != _NO_SET if seen else np.ones(n, dtype=np.bool_)
+        inside = labels != _NO_SET if visited else np.ones(n, dtype=np.bool_)
         if not inside.any():
             break
-        means = _settled(poles[inside], weights[inside], means)
-        nearest = _shares(poles, means).argmax(axis=1)
-        mixture = _fitted(poles, weights, nearest, means)
-        of = np.where(mixture.densities(poles, nearest) > mixture.none, nearest, _NO_SET)
-        if of.tobytes() in seen:
+        means = _converged_means(poles[inside], weights[inside], means)
+        nearest = _memberships(poles, means).argmax(axis=1)
+        mixture = _fitted_mixture(poles, weights, nearest, means)
+        labels = np.where(
+            mixture.densities(poles, nearest) > mixture.no_set_fraction, nearest, _NO_SET
+        )
+        if labels.tobytes() in visited:
             break
-        seen.add(of.tobytes())
-    order = np.lexsort((np.arange(sets), -np.bincount(of[of >= 0], weights[of >= 0], minlength=sets)))
-    of = np.where(of == _NO_SET, _NO_SET, np.argsort(order)[of])
+        visited.add(labels.tobytes())
+    order = np.lexsort(
+        (np.arange(sets), -np.bincount(labels[labels >= 0], weights[labels >= 0], minlength=sets))
+    )
+    labels = np.where(labels == _NO_SET, _NO_SET, np.argsort(order)[labels])
     means = means[order]
     means = np.where(means[:, 2:] > 0.0, -means, means)
-    return Clusters(means, of, _bic(poles, weights, mixture))
+    return Clusters(means, labels, _bic(poles, weights, mixture))
 
 
 # -- fuzzy K-means ----------------------------------------------------------------------------------------------------
 
 
-def _squares(poles: Floats, means: Floats) -> Floats:
+def _squared_sines(poles: Floats, means: Floats) -> Floats:
     """Squared sines (n, m) between poles and means."""
-    return np.maximum(1.0 - (poles @ means.T) ** 2, _SMALLEST)
+    return np.maximum(1.0 - (poles @ means.T) ** 2, _MIN_SQUARED_SINE)
 
 
-def _shares(poles: Floats, means: Floats) -> Floats:
-    near = 1.0 / _squares(poles, means)
-    return np.asarray(near / near.sum(axis=1, keepdims=True))
+def _memberships(poles: Floats, means: Floats) -> Floats:
+    inverse_squares = 1.0 / _squared_sines(poles, means)
+    return np.asarray(inverse_squares / inverse_squares.sum(axis=1, keepdims=True))
 
 
-def _settled(poles: Floats, weights: Floats, means: Floats, steps: int = _STEPS) -> Floats:
-    """The means that fuzzy K-means comes to from some others."""
+def _converged_means(poles: Floats, weights: Floats, means: Floats, steps: int = _STEPS) -> Floats:
+    """Return the means (m, 3) to which fuzzy K-means converges from other means."""
     products = (poles[:, :, None] * poles[:, None, :]).reshape(-1, 9)
     for _ in range(steps):
-        squared = _shares(poles, means) ** 2 * weights[:, None]
+        squared = _memberships(poles, means) ** 2 * weights[:, None]
         new = np.linalg.eigh((squared.T @ products).reshape(-1, 3, 3))[1][:, :, -1]
-        moved = 1.0 - np.abs(np.einsum("mi,mi->m", new, means)).min()
+        change = 1.0 - np.abs(np.einsum("mi,mi->m", new, means)).min()
         means = new
-        if moved < _SETTLED:
+        if change < _CONVERGED:
             break
     return means
 
 
-def _started(poles: Floats, weights: Floats, sets: int, rng: np.random.Generator) -> Floats:
+def _initial_means(poles: Floats, weights: Floats, sets: int, rng: np.random.Generator) -> Floats:
     """The best of several starts far from each other (Arthur & Vassilvitskii 2007), on a sample of many joints."""
     if len(poles) > _SAMPLE:
-        some = rng.choice(len(poles), _SAMPLE, replace=False)
-        poles, weights = poles[some], weights[some]
+        sample = rng.choice(len(poles), _SAMPLE, replace=False)
+        poles, weights = poles[sample], weights[sample]
     tries = []
     for _ in range(_STARTS if sets > 1 else 1):
         means = poles[rng.choice(len(poles), p=weights / weights.sum())][None]
         while len(means) < sets:
-            far = _squares(poles, means).min(axis=1) * weights
-            means = np.concatenate([means, poles[rng.choice(len(poles), p=far / far.sum())][None]])
-        tries.append(_settled(poles, weights, means, _FIRST_STEPS))
+            squared_distances = _squared_sines(poles, means).min(axis=1) * weights
+            means = np.concatenate(
+                [
+                    means,
+                    poles[rng.choice(len(poles), p=squared_distances / squared_distances.sum())][
+                        None
+                    ],
+                ]
+            )
+        tries.append(_converged_means(poles, weights, means, _FIRST_STEPS))
     # Σ w u² d² = Σ w / Σ d⁻²
-    return min(tries, key=lambda means: float((weights / (1.0 / _squares(poles, means)).sum(axis=1)).sum()))
+    return min(
+        tries,
+        key=lambda means: float((weights / (1.0 / _squared_sines(poles, means)).sum(axis=1)).sum()),
+    )
 
 
 # -- joints of no set -------------------------------------------------------------------------------------------------
@@ -159,49 +178,70 @@ class _Mixture:
 
     means: Floats
     k: Floats
-    parts: Floats
-    none: float
+    fractions: Floats
+    no_set_fraction: float
 
-    def densities(self, poles: Floats, of: Ints) -> Floats:
+    def densities(self, poles: Floats, labels: Ints) -> Floats:
         """The density (n,) of each pole's own set on the hemisphere, times 2π and its part."""
-        k, gap = self.k[of], 1.0 - np.abs(np.einsum("ni,ni->n", poles, self.means[of]))
-        return np.asarray(self.parts[of] * k * np.exp(-k * gap) / -np.expm1(-k))
+        k, gap = self.k[labels], 1.0 - np.abs(np.einsum("ni,ni->n", poles, self.means[labels]))
+        return np.asarray(self.fractions[labels] * k * np.exp(-k * gap) / -np.expm1(-k))
 
 
-def _fitted(poles: Floats, weights: Floats, of: Ints, means: Floats) -> _Mixture:
+def _fitted_mixture(poles: Floats, weights: Floats, labels: Ints, means: Floats) -> _Mixture:
     """The likeliest mixture, each pole of its set or of none (expectation and maximisation, Dempster et al. 1977).
 
     It starts with the K of the half that lies nearest to each mean, K (1 - cos θ) = ln 2: joints of no set would hide
     in a K that they have lowered. The part of joints of no set is half a joint at least.
     """
-    whole, sets = float(weights.sum()), len(means)
-    gaps = 1.0 - np.abs(np.einsum("ni,ni->n", poles, means[of]))
-    half = np.array([float(np.median(gaps[of == k])) if (of == k).any() else 1.0 for k in range(sets)])
-    parts = np.asarray(np.bincount(of, weights, minlength=sets) * (1.0 - _PART_AT_FIRST) / whole, dtype=np.float64)
+    total_weight, sets = float(weights.sum()), len(means)
+    gaps = 1.0 - np.abs(np.einsum("ni,ni->n", poles, means[labels]))
+    half = np.array(
+        [float(np.median(gaps[labels == k])) if (labels == k).any() else 1.0 for k in range(sets)]
+    )
+    set_fractions = np.asarray(
+        np.bincount(labels, weights, minlength=sets)
+        * (1.0 - _INITIAL_NO_SET_FRACTION)
+        / total_weight,
+        dtype=np.float64,
+    )
     mixture = _Mixture(
-        means, np.minimum(math.log(2.0) / np.maximum(half, _SMALLEST), _LARGEST_K), parts, _PART_AT_FIRST
+        means,
+        np.minimum(math.log(2.0) / np.maximum(half, _MIN_SQUARED_SINE), _MAX_K),
+        set_fractions,
+        _INITIAL_NO_SET_FRACTION,
     )
     products = (poles[:, :, None] * poles[:, None, :]).reshape(-1, 9)
     for _ in range(_STEPS):
-        own = mixture.densities(poles, of)
-        sure = weights * own / (own + mixture.none)
-        size = np.bincount(of, sure, minlength=sets)
-        tensors = np.stack([np.bincount(of, sure * column, minlength=sets) for column in products.T], axis=-1)
+        set_densities = mixture.densities(poles, labels)
+        set_weights = weights * set_densities / (set_densities + mixture.no_set_fraction)
+        size = np.bincount(labels, set_weights, minlength=sets)
+        tensors = np.stack(
+            [np.bincount(labels, set_weights * column, minlength=sets) for column in products.T],
+            axis=-1,
+        )
         means = np.linalg.eigh(tensors.reshape(-1, 3, 3))[1][:, :, -1]
-        gaps = 1.0 - np.abs(np.einsum("ni,ni->n", poles, means[of]))
-        gap = np.bincount(of, sure * gaps, minlength=sets)
-        k = np.clip((size - 1.0) / np.maximum(gap, _SMALLEST), 1.0, _LARGEST_K)
-        new = _Mixture(means, k, size / whole, max(1.0 - float(size.sum()) / whole, 0.5 / whole))
-        settled = np.abs(np.log(new.k / mixture.k)).max() < _FITTED and abs(new.none - mixture.none) < _FITTED
+        gaps = 1.0 - np.abs(np.einsum("ni,ni->n", poles, means[labels]))
+        gap = np.bincount(labels, set_weights * gaps, minlength=sets)
+        k = np.clip((size - 1.0) / np.maximum(gap, _MIN_SQUARED_SINE), 1.0, _MAX_K)
+        new = _Mixture(
+            means,
+            k,
+            size / total_weight,
+            max(1.0 - float(size.sum()) / total_weight, 0.5 / total_weight),
+        )
+        has_converged = (
+            np.abs(np.log(new.k / mixture.k)).max() < _FIT_TOLERANCE
+            and abs(new.no_set_fraction - mixture.no_set_fraction) < _FIT_TOLERANCE
+        )
         mixture = new
-        if settled:
+        if has_converged:
             break
     return mixture
 
 
 def _bic(poles: Floats, weights: Floats, mixture: _Mixture) -> float:
-    """See above; densities are times 2π, as that of joints without any order is 1."""
-    total = np.full(len(poles), mixture.none)
+    """Return the BIC of a mixture (head of this file); densities are times 2π, that of uniform directions is 1."""
+    total = np.full(len(poles), mixture.no_set_fraction)
     for k in range(len(mixture.k)):
         total += mixture.densities(poles, np.full(len(poles), k))
     likelihood = float((weights * np.log(total)).sum())

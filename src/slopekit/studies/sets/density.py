@@ -15,11 +15,11 @@ import numpy as np
 from slopekit.core.arrays import Floats
 
 _SIGMA = 3.0
-_AT_ONCE = 4_000_000  # cosines
+_MAX_COSINES = 4_000_000  # cosines
 
 
-def density(at: Floats, poles: Floats, weights: Floats, joints: float) -> Floats:
-    """The density (m,) at unit vectors (m, 3), in standard deviations; none below 0.
+def density(directions: Floats, poles: Floats, weights: Floats, joints: float) -> Floats:
+    """Return Kamb's pole density (m,) in standard deviations, at least 0, at unit vectors `directions` (m, 3).
 
     Parameters
     ----------
@@ -29,13 +29,13 @@ def density(at: Floats, poles: Floats, weights: Floats, joints: float) -> Floats
     >>> density(up, np.repeat(up, 10, axis=0), np.ones(10), 10.0).round(2).tolist()
     [12.03]
     """
-    densities = np.zeros(len(at))
-    each = weights / weights.sum()
-    step = max(1, _AT_ONCE // max(1, len(poles)))
-    for begin in range(0, len(at), step):
+    densities = np.zeros(len(directions))
+    pole_weights = weights / weights.sum()
+    step = max(1, _MAX_COSINES // max(1, len(poles)))
+    for begin in range(0, len(directions), step):
         piece = slice(begin, begin + step)
-        cosine = np.abs(at[piece] @ poles.T)
+        cosine = np.abs(directions[piece] @ poles.T)
         f = 2.0 * (1.0 + joints / _SIGMA**2)
         unit = math.sqrt(joints * (f / 2.0 - 1.0) / f**2)
-        densities[piece] = (np.exp(f * (cosine - 1.0)) @ each * joints - 0.5) / unit
+        densities[piece] = (np.exp(f * (cosine - 1.0)) @ pole_weights * joints - 0.5) / unit
     return np.maximum(densities, 0.0)

@@ -10,8 +10,8 @@ from slopekit.core.arrays import Floats
 from slopekit.core.orientation import number
 from slopekit.design.survey import MeasuredJoint
 
-_FEW = 2
-_ALONG = 0.26  # cosine between line and normal below which a line meets a set hardly: 15° and less from the set
+_MIN_LENGTHS = 2
+_MIN_COSINE = 0.26  # cosine between line and normal below which a line meets a set hardly: 15° and less from the set
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Lengths:
     how: str
 
 
-def lengths_of(values: Floats, how: str, confidence: float) -> Lengths:
+def lengths_of(values: Floats, description: str, confidence: float) -> Lengths:
     """The statistics of lengths (n,), at least one.
 
     >>> found = lengths_of(np.array([1.0, 2.0, 3.0]), "as measured", 0.95)
@@ -46,10 +46,24 @@ def lengths_of(values: Floats, how: str, confidence: float) -> Lengths:
     from scipy.special import stdtrit
 
     count, mean = len(values), float(values.mean())
-    sd = float(values.std(ddof=1)) if count >= _FEW else math.nan
-    reach = float(stdtrit(count - 1, 0.5 + confidence / 2.0)) * sd / math.sqrt(count) if count >= _FEW else math.nan
-    low = max(0.0, mean - reach) if count >= _FEW else math.nan
-    return Lengths(count, mean, sd, float(values.min()), float(values.max()), low, mean + reach, confidence, how)
+    sd = float(values.std(ddof=1)) if count >= _MIN_LENGTHS else math.nan
+    half_width = (
+        float(stdtrit(count - 1, 0.5 + confidence / 2.0)) * sd / math.sqrt(count)
+        if count >= _MIN_LENGTHS
+        else math.nan
+    )
+    low = max(0.0, mean - half_width) if count >= _MIN_LENGTHS else math.nan
+    return Lengths(
+        count,
+        mean,
+        sd,
+        float(values.min()),
+        float(values.max()),
+        low,
+        mean + half_width,
+        confidence,
+        description,
+    )
 
 
 def spacings_of(
@@ -60,17 +74,19 @@ def spacings_of(
     A column `spacing` is taken as it is: square to the joints. Else the distances between the positions along a
     scanline times the cosine between it and the normal of the mean plane (Terzaghi 1965; Priest & Hudson 1976).
     """
-    own = [joint.spacing_m for joint in joints if joint.spacing_m is not None]
-    if own:
-        return lengths_of(np.array(own), "column spacing, normal to the joints", confidence)
-    at = np.sort([joint.position_m for joint in joints if joint.position_m is not None])
-    if line is None or len(at) < _FEW:
+    measured_spacings = [joint.spacing_m for joint in joints if joint.spacing_m is not None]
+    if measured_spacings:
+        return lengths_of(
+            np.array(measured_spacings), "column spacing, normal to the joints", confidence
+        )
+    positions = np.sort([joint.position_m for joint in joints if joint.position_m is not None])
+    if line is None or len(positions) < _MIN_LENGTHS:
         return None
     cosine = abs(float(mean @ line))
-    how = f"along the scanline, times {cosine:.3f}" + (
-        "; the line runs nearly along the set" if cosine < _ALONG else ""
+    description = f"along the scanline, times {cosine:.3f}" + (
+        "; the line runs nearly along the set" if cosine < _MIN_COSINE else ""
     )
-    spacings: Lengths = lengths_of(np.diff(at) * cosine, how, confidence)
+    spacings: Lengths = lengths_of(np.diff(positions) * cosine, description, confidence)
     return spacings if spacings.mean_m > 0.0 else None
 
 
@@ -89,9 +105,15 @@ def whole_traces(joints: Sequence[MeasuredJoint]) -> tuple[int | None, float | N
     Lengths whose ends are hidden are at least so long. With exponential lengths, n of them whole, the likeliest mean
     is Σ l / n (Epstein & Sobel 1953, J. Am. Stat. Assoc. 48, 486-502 (m)). None where nothing is said, none is whole.
     """
-    said = [(joint.trace_m, joint.ends) for joint in joints if joint.trace_m is not None and joint.ends is not None]
-    whole = sum(ends == 2 for _, ends in said)
-    return whole if said else None, sum(trace for trace, _ in said) / whole if whole else None
+    traces = [
+        (joint.trace_m, joint.ends)
+        for joint in joints
+        if joint.trace_m is not None and joint.ends is not None
+    ]
+    n_whole = sum(ends == 2 for _, ends in traces)
+    return n_whole if traces else None, sum(
+        trace for trace, _ in traces
+    ) / n_whole if n_whole else None
 
 
 def metres(value: float) -> str:

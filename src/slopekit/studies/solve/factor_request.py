@@ -1,4 +1,4 @@
-"""What the factor of a design is at values of one number, by either method: on arrays where the kind takes them."""
+"""Factors of safety of a design at values of one of its numbers, by either method, on arrays where possible."""
 
 import math
 import re
@@ -18,23 +18,39 @@ from slopekit.studies.evaluation.vectorised import Vectorised
 from slopekit.studies.keys import Key, values_of
 from slopekit.studies.points import Method, Point, factor_at, point_of, status_of
 from slopekit.studies.protocol import Advance
-from slopekit.studies.roots import RootSearch, Sample, level_at, places
-from slopekit.studies.running import ALONE, Crew, run_all
+from slopekit.studies.roots import RootSearch, Sample, level_at, refined_grid
+from slopekit.studies.running import ALONE, ExecutorOptions, run_all
 
-#: Places of the grid evenly over the range, and how near to the present value; where PRE-IE alone answers.
-FINE, ROUGH = (33, 2e-3), (9, 0.2)
-_LOAD = re.compile(r"loads\.seismic\.k|loads\.forces\.\d+\.force")  # what the path of many blocks may drive
-SAME = 2e-3
-"""A step that other node pairs make in the factor of PRE-IE: no jump."""
-#: How finely PRE-IE is looked at, and where its factor takes long, as `RootSearch` has it.
-_PRE_IE = {"resolution": 1e-10, "near": 1e-11, "same": SAME, "jump": 1e-5, "edge": 1e-3}
-_ALONE = {"resolution": 1e-8, "near": 2e-8, "same": SAME, "jump": 1e-5, "edge": 1e-4, "reach": math.inf}
-_SAME_LEVEL = 1e-6  # what arrays and a run make of the same design
+#: Number of even places and relative distance of the places nearest to the present value (`refined_grid`): the grid
+#: of the closed form, and the coarse one where PRE-IE alone answers.
+FINE_GRID, COARSE_GRID = (33, 2e-3), (9, 0.2)
+_LOAD_KEYS = re.compile(
+    r"loads\.seismic\.k|loads\.forces\.\d+\.force"
+)  # loads along which the equilibrium of many blocks can be traced
+NODE_PAIR_STEP = 2e-3
+"""Largest step of PRE-IE's factor from other node pairs, which is no jump (relative)."""
+#: Options of `RootSearch` for PRE-IE beside the closed form, and for PRE-IE alone, whose factor takes long.
+_PRE_IE_PRECISION = {
+    "resolution": 1e-10,
+    "near": 1e-11,
+    "level_tolerance": NODE_PAIR_STEP,
+    "jump": 1e-5,
+    "edge": 1e-3,
+}
+_PRE_IE_ONLY_PRECISION = {
+    "resolution": 1e-8,
+    "near": 2e-8,
+    "level_tolerance": NODE_PAIR_STEP,
+    "jump": 1e-5,
+    "edge": 1e-4,
+    "reach": math.inf,
+}
+_SAME_LEVEL = 1e-6  # largest difference of level between arrays and a run of the same design
 Samples: TypeAlias = list[Sample[Point]]
 
 
 def level_of(factor: float, target: float) -> float:
-    """How far a factor lies above a target: -1 at 0, 0 at the target, 1 at infinity; smooth in between.
+    """Return how far a factor lies above a target: -1 at 0, 0 at the target, 1 at infinity; smooth in between.
 
     >>> level_of(3.0, 1.0), level_of(math.inf, 1.0)
     (0.5, 1.0)
@@ -42,18 +58,20 @@ def level_of(factor: float, target: float) -> float:
     return 1.0 if math.isinf(factor) else (factor - target) / (factor + target)
 
 
-def level_sample(at: float, point: Point, method: Method, target: float) -> Sample[Point]:
-    """What a method says at a value, by the level of its factor above a target."""
+def level_sample(value: float, point: Point, method: Method, target: float) -> Sample[Point]:
+    """Return the sample of a root search at a value: the level of the factor by one method above a target."""
     factor = factor_at(point, method)
-    return Sample(at, None if factor is None else level_of(factor, target), status_of(point, method), point)
+    return Sample(
+        value, None if factor is None else level_of(factor, target), status_of(point, method), point
+    )
 
 
 @dataclass(frozen=True)
 class FactorRequest:
-    """A number of a design between two values, the factor that is wanted, and what was found at values so far.
+    """The search for the value of one number of a design that gives a target factor, and the points evaluated so far.
 
-    `points` are those of designs of their own by both methods; `columns` take values on arrays, None where none do.
-    `forces` act on the design beside those of its file.
+    `points` holds the points analysed one by one with both methods; `columns` evaluates values on arrays, None where
+    the kind of design has none. `forces` act on the design beside those of its file.
     """
 
     design: Design
@@ -61,83 +79,108 @@ class FactorRequest:
     low: float
     high: float
     target: float
-    crew: Crew
+    crew: ExecutorOptions
     advance: Advance
     points: dict[float, Point] = field(default_factory=dict)
     columns: Vectorised | None = None
     forces: tuple[Force, ...] = ()
 
     def search(self, method: Method) -> RootSearch[Point]:
-        """One by a method, none sampled yet."""
-        precision = {} if method == "closed_form" else _PRE_IE if self.design.HAS_CLOSED_FORM else _ALONE
+        """Return a new root search for the target by one method, without samples."""
+        precision = (
+            {}
+            if method == "closed_form"
+            else _PRE_IE_PRECISION
+            if self.design.HAS_CLOSED_FORM
+            else _PRE_IE_ONLY_PRECISION
+        )
         return RootSearch(partial(self.samples, method), self.high - self.low, **precision)
 
     @property
     def drives_blocks(self) -> bool:
-        """Whether it is a load on many blocks, which their path may drive."""
-        return _LOAD.fullmatch(self.key.path) is not None and kind_of(self.design).MOVES_MANY
+        """Whether the number is a load on many blocks, along which their equilibrium can be traced."""
+        return _LOAD_KEYS.fullmatch(self.key.path) is not None and kind_of(self.design).MOVES_MANY
 
     @property
     def on_arrays(self) -> Vectorised | None:
-        """The columns of its values, where the kind of the design takes them."""
-        grid = np.array(self.grid(*FINE))[:, None]
+        """The evaluation of all values on arrays, None where the kind of the design has none."""
+        grid = np.array(self.grid(*FINE_GRID))[:, None]
         return array_columns(self.design, [self.key], grid)
 
     def samples(self, method: Method, values: Sequence[float]) -> Samples:
-        """What a method says at values: all at once on arrays, else as many at a time as the crew is."""
-        pre_ie, found = method == "pre_ie", dict[float, Point]()
+        """Return the samples of a method at values: all at once on arrays, else as many at a time as the crew is."""
+        pre_ie, evaluated = method == "pre_ie", dict[float, Point]()
         if self.columns is not None:
             columns = replace(self.columns, forces=self.forces)
             points = points_on_arrays(columns, [self.key], np.array(values)[:, None], pre_ie)
-            found = {value: point for value, point in zip(values, points, strict=True) if point is not None}
+            evaluated = {
+                value: point
+                for value, point in zip(values, points, strict=True)
+                if point is not None
+            }
             self.advance(1)
-        rest = [value for value in values if value not in found]
-        tasks = [values_of(self.design, [self.key], [value]) for value in rest]
+        remaining = [value for value in values if value not in evaluated]
+        tasks = [values_of(self.design, [self.key], [value]) for value in remaining]
         crew = self.crew if len(tasks) > 1 and pre_ie else ALONE
-        work = partial(point_of, self.design, pre_ie=pre_ie, also=partial(under_forces, self.forces))
-        alone = dict(zip(rest, run_all(work, tasks, crew, advance=self.advance, at_once=1), strict=True))
+        analyse_point = partial(
+            point_of, self.design, pre_ie=pre_ie, adjust=partial(with_forces, self.forces)
+        )
+        analysed = dict(
+            zip(
+                remaining,
+                run_all(analyse_point, tasks, crew, advance=self.advance, at_once=1),
+                strict=True,
+            )
+        )
         if pre_ie:
-            self.points.update(alone)
-        found |= alone
-        return [level_sample(value, found[value], method, self.target) for value in values]
+            self.points.update(analysed)
+        evaluated |= analysed
+        return [level_sample(value, evaluated[value], method, self.target) for value in values]
 
     def both(self, value: float) -> Point:
-        """What both methods say at a value, as a design of its own."""
+        """Return the point at a value by both methods, analysed one by one, not on arrays."""
         if value not in self.points:
             replace(self, columns=None).samples("pre_ie", [value])
         return self.points[value]
 
     def confirms(self, method: Method, search: RootSearch[Point]) -> bool:
-        """Whether designs of their own say what a search has at its crossings, its least and its greatest."""
+        """Return whether runs of single designs confirm the levels of a search at its crossings and its extremes."""
         by_level = sorted(search.defined, key=level_at)
-        samples = [*by_level[:1], *by_level[-1:], *(crossing.best for crossing in search.crossings())]
-        alone = [level_sample(sample.at, self.both(sample.at), method, self.target) for sample in samples]
+        samples = [
+            *by_level[:1],
+            *by_level[-1:],
+            *(crossing.best for crossing in search.crossings()),
+        ]
+        analysed = [
+            level_sample(sample.place, self.both(sample.place), method, self.target)
+            for sample in samples
+        ]
         return all(
-            abs((one.level or 0.0) - (other.level or 0.0)) <= _SAME_LEVEL
-            for one, other in zip(samples, alone, strict=True)
+            abs((sample.level or 0.0) - (check.level or 0.0)) <= _SAME_LEVEL
+            for sample, check in zip(samples, analysed, strict=True)
         )
 
-    def before(self) -> Point:
-        """The design as it is."""
-        known = None if self.key.value is None else self.points.get(self.key.value)
-        if known is not None and factor_at(known, "pre_ie") is not None:
-            return known  # else what was left of the work may have been too little
+    def current_point(self) -> Point:
+        """Return the point of the design as it is."""
+        point = None if self.key.value is None else self.points.get(self.key.value)
+        if point is not None and factor_at(point, "pre_ie") is not None:
+            return point  # else the limit on the work may have ended it too early
         return point_of(self.design, {})
 
     def grid(self, even: int, close: float) -> list[float]:
-        """Values between the two, as `places` has them."""
-        return places(self.low, self.high, self.key.value, even=even, close=close)
+        """Return values between the two ends, as `refined_grid` spaces them."""
+        return refined_grid(self.low, self.high, self.key.value, even=even, close=close)
 
 
-def under_forces(forces: tuple[Force, ...], design: Design) -> Design:
-    """Return a design with more forces than those of its file."""
+def with_forces(forces: tuple[Force, ...], design: Design) -> Design:
+    """Return a design with further forces beside those of its file."""
     return replace(design, forces=(*design.forces, *forces))
 
 
-def factor_notices(asked: FactorRequest, value: float, there: Point) -> Iterator[Notice]:
-    """What a run says of the factor at a value; of a load the value is named: a load's own numbers are loads."""
-    for notice in there.notes:
-        if _LOAD.fullmatch(asked.key.path):
-            where = f"of the factor of safety at {asked.key.path} = {asked.key.shown(value, 4)}: "
-            notice = Notice(notice.code, where + notice.message)
+def factor_notices(request: FactorRequest, value: float, point: Point) -> Iterator[Notice]:
+    """Yield the notices of a run at a value; for a load the value is named, as these notices speak of loads too."""
+    for notice in point.notes:
+        if _LOAD_KEYS.fullmatch(request.key.path):
+            place = f"of the factor of safety at {request.key.path} = {request.key.value_text(value, 4)}: "
+            notice = Notice(notice.code, place + notice.message)
         yield notice

@@ -34,8 +34,15 @@ QUANTITIES: Mapping[str, str] = {
 }
 #: Quantities that are factors of safety.
 FACTORS = (
-    "limit", "closed_form", "static_bound", "all_pairs_failed", "forces_only", "fellenius", "janbu", "bishop",
-)  # fmt: skip
+    "limit",
+    "closed_form",
+    "static_bound",
+    "all_pairs_failed",
+    "forces_only",
+    "fellenius",
+    "janbu",
+    "bishop",
+)
 #: Sources that are the project's own lists and code, written apart from slopekit.
 OWN_SOURCES = ("cases", "prototype", "lem", "exact", "conic")
 
@@ -66,14 +73,14 @@ class Reference:
     not_judged: str = field(default="", metadata={"json": None})
 
     @property
-    def own(self) -> bool:
+    def is_own_source(self) -> bool:
         """Whether the value comes from the project's own lists or code."""
         return self.source in OWN_SOURCES
 
     @property
     def printed(self) -> str | None:
         """The value as somebody else printed it."""
-        return None if self.own else self.published
+        return None if self.is_own_source else self.published
 
     @property
     def is_factor(self) -> bool:
@@ -111,19 +118,25 @@ def half_unit(text: str) -> float:
 @cache
 def document() -> tuple[Mapping[str, str], tuple[ReferenceCase, ...]]:
     """Sources and cases of the shipped file."""
-    document = json.loads(files("slopekit.studies.suite").joinpath("verification.json").read_text(encoding="utf-8"))
+    document = json.loads(
+        files("slopekit.studies.suite").joinpath("verification.json").read_text(encoding="utf-8")
+    )
     return document["sources"], tuple(_case(entry) for entry in document["cases"])
 
 
 def _case(entry: Mapping[str, Any]) -> ReferenceCase:
-    own = {"source": entry["source"], "confidence": entry["confidence"]}
+    source_fields = {"source": entry["source"], "confidence": entry["confidence"]}
     return ReferenceCase(
-        id=entry["id"], title=entry["title"], design=entry["design"], status=entry.get("status"),
-        references=tuple(Reference(**(own | row)) for row in entry["rows"]), **own,
-    )  # fmt: skip
+        id=entry["id"],
+        title=entry["title"],
+        design=entry["design"],
+        status=entry.get("status"),
+        references=tuple(Reference(**(source_fields | row)) for row in entry["rows"]),
+        **source_fields,
+    )
 
 
-def chosen(only: str | Iterable[str] | None) -> tuple[ReferenceCase, ...]:
+def selected_cases(only: str | Iterable[str] | None) -> tuple[ReferenceCase, ...]:
     """The cases that a choice names (ids, sources, kinds), in the order of the suite; all of them for None.
 
     Raises
@@ -135,16 +148,25 @@ def chosen(only: str | Iterable[str] | None) -> tuple[ReferenceCase, ...]:
     if only is None:
         return cases
     names = [only] if isinstance(only, str) else list(only)
-    known = {case.id for case in cases} | set(sources) | {case.kind for case in cases}
+    known_names = {case.id for case in cases} | set(sources) | {case.kind for case in cases}
     faults = Faults()
     for name in names:
-        if name not in known:
-            advice = did_you_mean(name, sorted(known), f"There are the sources {', '.join(sources)}.", cutoff=0.4)
-            faults.add("E197", f"{name} is no case, source or kind of the suite", f"only = {name}", advice)
+        if name not in known_names:
+            advice = did_you_mean(
+                name,
+                sorted(known_names),
+                f"There are the sources {', '.join(sources)}.",
+                cutoff=0.4,
+            )
+            faults.add(
+                "E197", f"{name} is no case, source or kind of the suite", f"only = {name}", advice
+            )
     faults.refuse()
     if not names:
         fail("E197", "no case is chosen", "only = ()", "Leave it out to run them all.")
     return tuple(
-        case for case in cases
-        if {case.id, case.kind, case.source, *(one.source for one in case.references)} & set(names)
-    )  # fmt: skip
+        case
+        for case in cases
+        if {case.id, case.kind, case.source, *(reference.source for reference in case.references)}
+        & set(names)
+    )

@@ -19,7 +19,13 @@ from slopekit.design.reading.files import load
 from slopekit.kinds import analyse, kind_of
 from slopekit.result import METHODS, Result
 from slopekit.studies.protocol import DESK, StudyOutcome, Workplace, documented, timed
-from slopekit.studies.suite.references import Reference, ReferenceCase, chosen, document, half_unit
+from slopekit.studies.suite.references import (
+    Reference,
+    ReferenceCase,
+    document,
+    half_unit,
+    selected_cases,
+)
 
 #: A limit above its static bound by more than this part is no limit: rounding of two programs.
 BOUND_SLACK = 1e-6
@@ -56,16 +62,20 @@ class Row:
     @property
     def id(self) -> str:
         """The case, the quantity, and what it is meant for."""
-        of = "" if self.reference.of is None else f"@{self.reference.of:g}"
-        return f"{self.case.id}: {self.reference.quantity}{of}"
+        condition = "" if self.reference.of is None else f"@{self.reference.of:g}"
+        return f"{self.case.id}: {self.reference.quantity}{condition}"
 
     def to_dict(self) -> dict[str, Any]:
         """The row as JSON values; what is measured in time stands in a block of its own."""
         case = self.case
         record = {
-            "case": case.id, "kind": case.kind, "title": case.title, **record_of(self.reference), **record_of(self),
+            "case": case.id,
+            "kind": case.kind,
+            "title": case.title,
+            **record_of(self.reference),
+            **record_of(self),
             "timing_s": {"total": self.seconds, "closed_form": self.closed_form_seconds},
-        }  # fmt: skip
+        }
         return record | {name: record[name] or None for name in ("formula", "why", "reason")}
 
 
@@ -117,13 +127,18 @@ class Verification(StudyOutcome):
 
 #: Where a result has a quantity; others are computed, or asked of the closed form.
 _PATHS = {
-    "status": "status", "forces_only": "comparisons.forces_only", "volume_m3": "geometry.volume_m3",
-    "weight_kn": "forces.weight", **{name: f"methods.{name}" for name in METHODS},
-    **{name: f"fos.{name}" for name in ("limit", "closed_form", "static_bound", "all_pairs_failed")},
-}  # fmt: skip
+    "status": "status",
+    "forces_only": "comparisons.forces_only",
+    "volume_m3": "geometry.volume_m3",
+    "weight_kn": "forces.weight",
+    **{name: f"methods.{name}" for name in METHODS},
+    **{
+        name: f"fos.{name}" for name in ("limit", "closed_form", "static_bound", "all_pairs_failed")
+    },
+}
 _AXES = {"displacement_x_mm": 0, "displacement_z_mm": 2}
 #: What one design gave: a result, or the words of what went wrong, and the seconds it took.
-_Analysed: TypeAlias = tuple[Result | None, str, float]
+_CaseAnalysis: TypeAlias = tuple[Result | None, str, float]
 
 
 @timed
@@ -142,25 +157,25 @@ def suite(only: str | Iterable[str] | None = None, *, desk: Workplace = DESK) ->
     0
     """
     sources, _ = document()
-    cases = chosen(only)
-    outcomes: dict[str, _Analysed] = {}
+    cases = selected_cases(only)
+    outcomes: dict[str, _CaseAnalysis] = {}
     rows: list[Row] = []
     with desk.bar("cases", len(cases)) as advance:
         for case in cases:
             key = json.dumps(case.design, sort_keys=True)
             if key not in outcomes:
-                outcomes[key] = _analysed(case.design)
+                outcomes[key] = _case_analysis(case.design)
             rows += [_row(case, reference, outcomes[key]) for reference in case.references]
             advance(1)
     quoted = {row.reference.source for row in rows} | {case.source for case in cases}
-    named = {key: text for key, text in sources.items() if key in quoted}
-    return Verification(tuple(rows), named)
+    quoted_sources = {key: text for key, text in sources.items() if key in quoted}
+    return Verification(tuple(rows), quoted_sources)
 
 
 # -- a case -----------------------------------------------------------------------------------------------------------
 
 
-def _analysed(mapping: Mapping[str, Any]) -> _Analysed:
+def _case_analysis(mapping: Mapping[str, Any]) -> _CaseAnalysis:
     """A design's result; a design that is refused or breaks is a failed row with its words, never a crash."""
     started = time.perf_counter()
     try:
@@ -170,27 +185,47 @@ def _analysed(mapping: Mapping[str, Any]) -> _Analysed:
     return result, "", time.perf_counter() - started
 
 
-def _row(case: ReferenceCase, reference: Reference, outcome: _Analysed) -> Row:
+def _row(case: ReferenceCase, reference: Reference, outcome: _CaseAnalysis) -> Row:
     """A row, judged: the status and the bound hold for every row of a case, whatever its quantity."""
     result, trouble, seconds = outcome
     if result is None:
         return Row(
-            case, reference, None, "", None, None, None, None, False, f"no analysis: {trouble}",
-            seconds, None,
-        )  # fmt: skip
+            case,
+            reference,
+            None,
+            "",
+            None,
+            None,
+            None,
+            None,
+            False,
+            f"no analysis: {trouble}",
+            seconds,
+            None,
+        )
     fos = result.fos
     value = _value(result, reference)
     error = _error(value, reference)
-    wrong = _wrong(case, result) + _misses(value, error, reference)
+    wrong = _result_faults(case, result) + _reference_faults(value, error, reference)
     ok = False if wrong else None if reference.not_judged else True
     reason = "; ".join(wrong) if wrong else reference.not_judged
     return Row(
-        case, reference, value, result.status, fos.closed_form, fos.limit, fos.static_bound, error, ok, reason,
-        seconds, result.timing_s.get("closed_form"),
-    )  # fmt: skip
+        case,
+        reference,
+        value,
+        result.status,
+        fos.closed_form,
+        fos.limit,
+        fos.static_bound,
+        error,
+        ok,
+        reason,
+        seconds,
+        result.timing_s.get("closed_form"),
+    )
 
 
-def _wrong(case: ReferenceCase, result: Result) -> list[str]:
+def _result_faults(case: ReferenceCase, result: Result) -> list[str]:
     """What is wrong with the result as a whole, apart from the number of the row."""
     wrong = []
     if result.status == "not_converged":
@@ -205,7 +240,9 @@ def _wrong(case: ReferenceCase, result: Result) -> list[str]:
     return wrong
 
 
-def _misses(value: float | str | None, error: float | None, reference: Reference) -> list[str]:
+def _reference_faults(
+    value: float | str | None, error: float | None, reference: Reference
+) -> list[str]:
     """How a value misses its reference; nothing for rows that are not judged."""
     if reference.not_judged:
         return []
@@ -225,26 +262,36 @@ def _misses(value: float | str | None, error: float | None, reference: Reference
 
 def _error(value: float | str | None, reference: Reference) -> float | None:
     """Relative error against the exact value where there is one, else the published; absolute where that is 0."""
-    if value is None or isinstance(value, str) or (reference.exact is None and reference.published is None):
+    if (
+        value is None
+        or isinstance(value, str)
+        or (reference.exact is None and reference.published is None)
+    ):
         return None
-    wanted = reference.exact if reference.exact is not None else float(str(reference.published))
-    return value - wanted if wanted == 0.0 else (value - wanted) / abs(wanted)
+    expected = reference.exact if reference.exact is not None else float(str(reference.published))
+    return value - expected if expected == 0.0 else (value - expected) / abs(expected)
 
 
 def _value(result: Result, reference: Reference) -> float | str | None:
     """What slopekit gives for a quantity."""
-    quantity, of = reference.quantity, reference.of
+    quantity, condition = reference.quantity, reference.of
     if quantity in _PATHS:
         value: float | str | None = value_at(_PATHS[quantity].split("."), result)
         return value
-    if quantity == "critical_friction_deg":  # c = 0 and one φ: strength divided by F is friction of tan φ / F
+    if (
+        quantity == "critical_friction_deg"
+    ):  # c = 0 and one φ: strength divided by F is friction of tan φ / F
         factor = result.fos.limit
-        return None if not factor else math.degrees(math.atan(math.tan(math.radians(of or 0.0)) / factor))
-    step = next((step for step in result.series if step.factor == of), None)
+        return (
+            None
+            if not factor
+            else math.degrees(math.atan(math.tan(math.radians(condition or 0.0)) / factor))
+        )
+    step = next((step for step in result.series if step.factor == condition), None)
     if quantity == "failed_pairs":
         return None if step is None else float(step.failed_pairs)
     if quantity in _AXES:
-        moved = None if step is None else step.movement
-        return None if moved is None else 1e3 * float(moved.displacement[_AXES[quantity]])
+        movement = None if step is None else step.movement
+        return None if movement is None else 1e3 * float(movement.displacement[_AXES[quantity]])
     kind = kind_of(result.design)
-    return kind.closed_form(result.design, kind.cut(result.design)).figure(quantity, of)
+    return kind.closed_form(result.design, kind.cut(result.design)).figure(quantity, condition)

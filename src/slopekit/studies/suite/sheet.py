@@ -15,16 +15,25 @@ MARKS = {True: "yes", False: "NO", None: "-"}
 
 def sheet_of(verification: Verification) -> Sheet:
     """Source by source the cases and their rows, then what is wrong and the counts."""
-    return Sheet(f"slopekit {__version__}   verification", (
-        *(Section("SOURCE", _cases(f"{source}: {verification.sources[source]}", rows))
-          for source, rows in by_source(verification)),
-        Section("OUTSIDE", [f"{row.id}: {row.reason}" for row in verification.failed]),
-        Section("COUNTED", [
-            line_of(verification),
-            "rows with - are not judged, their JSON says why (-o FOLDER)",
-        ]),
-        Section("TIME", [f"{verification.seconds:.1f} s"]),
-    ), {"verification.csv": Table(_COLUMNS, verification.rows)})  # fmt: skip
+    return Sheet(
+        f"slopekit {__version__}   verification",
+        (
+            *(
+                Section("SOURCE", _cases(f"{source}: {verification.sources[source]}", rows))
+                for source, rows in by_source(verification)
+            ),
+            Section("OUTSIDE", [f"{row.id}: {row.reason}" for row in verification.failed]),
+            Section(
+                "COUNTED",
+                [
+                    line_of(verification),
+                    "rows with - are not judged, their JSON says why (-o FOLDER)",
+                ],
+            ),
+            Section("TIME", [f"{verification.seconds:.1f} s"]),
+        ),
+        {"verification.csv": Table(_COLUMNS, verification.rows)},
+    )
 
 
 def line_of(verification: Verification) -> str:
@@ -58,8 +67,10 @@ def by_source(verification: Verification) -> Iterator[tuple[str, list[Row]]]:
 
 def quantity(row: Row) -> str:
     """What is compared, in words."""
-    of = row.reference.of
-    return QUANTITIES[row.reference.quantity].format(of="" if of is None else f"{of:g}")
+    condition = row.reference.of
+    return QUANTITIES[row.reference.quantity].format(
+        of="" if condition is None else f"{condition:g}"
+    )
 
 
 def against(row: Row) -> float | str | None:
@@ -77,7 +88,9 @@ def value_text(value: float | str | None) -> str:
 def error_text(row: Row) -> str:
     if row.error is None:
         return ""
-    return f"{row.error:+.1e}" if abs(row.error) >= _SMALL else f"< {_SMALL:.0e}".replace("e-0", "e-")
+    return (
+        f"{row.error:+.1e}" if abs(row.error) >= _SMALL else f"< {_SMALL:.0e}".replace("e-0", "e-")
+    )
 
 
 #: On a terminal.

@@ -21,9 +21,15 @@ from slopekit.core.errors import Notice
 from slopekit.core.orientation import Line
 from slopekit.design.common import Design
 from slopekit.design.parts import ON_FACTOR, Bolt
-from slopekit.kinds import also_falls_short, dilates, factors_of, peak_only, slips_of_size
+from slopekit.kinds import (
+    dilates,
+    factors_of,
+    implausible_sizes,
+    peak_strength_notice,
+    whole_wedge_notice,
+)
 from slopekit.notices import common_notices
-from slopekit.studies.points import Method, Point, rules_left_out, said_at
+from slopekit.studies.points import Method, Point, rules_left_out, run_notices
 from slopekit.studies.protocol import DESK, ADesign, Option, Workplace, study
 from slopekit.studies.support.pattern import Layout, centre_of, layout
 from slopekit.studies.support.records import (
@@ -32,10 +38,10 @@ from slopekit.studies.support.records import (
     BoltCase,
     Support,
     SupportOptions,
+    as_written,
     built_force,
-    enough,
+    meets_target,
     read_options,
-    written,
 )
 from slopekit.studies.support.search import (
     Need,
@@ -47,17 +53,21 @@ from slopekit.studies.support.search import (
     site_of,
 )
 
-_AIM = 2e-8  # of the target: the first guess lies above it by this, so that rounding leaves none below it
+_GOAL_MARGIN = (
+    2e-8  # relative; the first guess aims above the target, so that rounding leaves none below
+)
 _NO_STRENGTH = Notice("E322", "the joints have no strength: a load can only balance the block")
-_WANTED = 1.5  # where nobody says another factor of safety
-_LAYOUTS = 3  # of heads, each for the force that the one before asks for
+_DEFAULT_TARGET = 1.5  # factor of safety without an acceptance rule
+_MOST_LAYOUTS = 3  # layouts of heads, each for the force that PRE-IE needs with the one before
 _CLOSE_M = 1.0  # bolts that stand closer share the rock they hold
 
 
 @study
 def support(
     design: ADesign,
-    fos: Annotated[Any, Option("The factor of safety that is wanted [what acceptance asks for, else 1.5].")] = None,
+    fos: Annotated[
+        Any, Option("The factor of safety that is wanted [what acceptance asks for, else 1.5].")
+    ] = None,
     *,
     acts: Annotated[str | None, Option("active (a load) or passive (strength) [both].")] = None,
     toward: Annotated[
@@ -68,7 +78,10 @@ def support(
         ),
     ] = None,
     plunge: Annotated[
-        Any, Option("Plunges that can be drilled, positive downward: -5,15 [0,30].", metavar="LEAST,MOST")
+        Any,
+        Option(
+            "Plunges that can be drilled, positive downward: -5,15 [0,30].", metavar="LEAST,MOST"
+        ),
     ] = None,
     bolt_capacity: Annotated[Any, Option("Of one bolt [200 kN].")] = 200.0,
     spacing: Annotated[Any, Option("Of the heads on the face [what the force asks for].")] = None,
@@ -107,63 +120,97 @@ def support(
     >>> bolts = sk.support(sk.load(wedge), 1.7, acts="active", bolt_capacity="1 MN").cases[0]
     >>> round(bolts.force), round(bolts.closed_form.answer.factor, 6), round(bolts.pre_ie.answer.factor, 6)
     (169428, 1.7, 1.7)
-    """  # fmt: skip
-    wanted = (design.accepted_fos or _WANTED) if fos is None else fos
+    """
+    target = (design.accepted_fos or _DEFAULT_TARGET) if fos is None else fos
     options = read_options(
-        fos=wanted, acts=acts, toward=toward, plunge=plunge, bolt_capacity=bolt_capacity, spacing=spacing, bond=bond,
-        length=length, named=desk.named,
-    )  # fmt: skip
+        fos=target,
+        acts=acts,
+        toward=toward,
+        plunge=plunge,
+        bolt_capacity=bolt_capacity,
+        spacing=spacing,
+        bond=bond,
+        length=length,
+        option_name=desk.named,
+    )
     if options.toward is None and options.plunge is None:
         options = replace(options, plunge=DRILLABLE_DEG)
     site = site_of(design)
     search = _Search(site, options)
-    stands = enough(options.target, search.bare, search.bare_limit, search.dilates)
-    cases = () if stands else tuple(search.case(acts) for acts in options.acts)
+    is_met = meets_target(options.target, search.bare, search.bare_limit, search.dilates)
+    cases = () if is_met else tuple(search.case(acts) for acts in options.acts)
     return Support(
-        design, options.target, options, search.bare, search.bare_limit, cases, None if stands else search.pressure(),
-        site.unit, tuple(_said(site, cases, options.target)), search.dilates,
-    )  # fmt: skip
+        design,
+        options.target,
+        options,
+        search.bare,
+        search.bare_limit,
+        cases,
+        None if is_met else search.pressure(),
+        site.unit,
+        tuple(_support_notices(site, cases, options.target)),
+        search.dilates,
+    )
 
 
-def _said(site: Site, cases: Sequence[BoltCase], target: float) -> Iterator[Notice]:
-    """What is to be known of the design, and what runs of it would say, as it stands and with the bolts."""
+def _support_notices(site: Site, cases: Sequence[BoltCase], target: float) -> Iterator[Notice]:
+    """Yield the notices on the design, and those of its runs as it stands and with the bolts."""
     design = site.design
-    of_inputs = (*common_notices(design, design.joint_strengths), *slips_of_size(design))
-    yield from of_inputs
-    yield from peak_only(design, "bolts are for the factor")
+    input_notices = (*common_notices(design, design.joint_strengths), *implausible_sizes(design))
+    yield from input_notices
+    yield from peak_strength_notice(design, "bolts are for the factor")
     yield from rules_left_out(design, ON_FACTOR)
     bare = factors_of(design)
-    built = {f"with the {case.acts} bolts": case.factors for case in cases if case.factors is not None}
+    built = {
+        f"with the {case.acts} bolts": case.factors for case in cases if case.factors is not None
+    }
     if not built:
-        yield from also_falls_short(bare.also, target, "as it stands")
+        yield from whole_wedge_notice(bare.also, target, "as it stands")
     points = [Point(bare), *map(Point, built.values())]
-    yield from said_at(points, ["as it stands", *built].__getitem__, of_inputs, "designs")
+    yield from run_notices(points, ["as it stands", *built].__getitem__, input_notices, "designs")
 
 
 class _Search:
-    """The bolts, and the pressure, that give one design one factor of safety."""
+    """The search for the bolts, and the pressure, that give a design its target factor of safety."""
 
     def __init__(self, site: Site, options: SupportOptions) -> None:
         self.site, self.options, self.target = site, options, options.target
         factors = factors_of(site.design)
-        self.bare, self.bare_limit = method_answer(factors, "closed_form"), method_answer(factors, "pre_ie")
+        self.bare, self.bare_limit = (
+            method_answer(factors, "closed_form"),
+            method_answer(factors, "pre_ie"),
+        )
         self.dilates = dilates(site.design)
         strengths = site.design.joint_strengths
-        self.has_strength = any(one.cohesion_kpa or one.friction_angle_deg for one in strengths)
-        self.goal = self.target * (1.0 + _AIM)  # of the forces alone, for a direction and a first guess
-        if self.bare.reaches(self.target):  # PRE-IE has not: ask them for as much more as it lacks
-            lacks = self.target / self.bare_limit.search_level if self.bare_limit.search_level > 0.0 else 2.0
-            self.goal *= max(lacks, 1.0 + 1e-6) * (self.bare.factor or self.target) / self.target
+        self.has_strength = any(
+            strength.cohesion_kpa or strength.friction_angle_deg for strength in strengths
+        )
+        self.goal = self.target * (
+            1.0 + _GOAL_MARGIN
+        )  # factor of the closed form, for a direction and a first guess
+        if self.bare.reaches(
+            self.target
+        ):  # PRE-IE does not reach it: raise the goal by what it lacks
+            missing_ratio = (
+                self.target / self.bare_limit.search_level
+                if self.bare_limit.search_level > 0.0
+                else 2.0
+            )
+            self.goal *= (
+                max(missing_ratio, 1.0 + 1e-6) * (self.bare.factor or self.target) / self.target
+            )
 
     def case(self, acts: Acts) -> BoltCase:
-        """Bolts that act one way: direction, force, heads, lengths, and the design solved again with them."""
+        """Return active or passive bolts: direction, force, heads, lengths, and the factors of the design with them."""
         site, options = self.site, self.options
         if not self.has_strength:
-            return self._lacking(BoltCase(acts, None, Need(None, self.bare, notice=_NO_STRENGTH)))
+            return self._without_bolts(
+                BoltCase(acts, None, Need(None, self.bare, notice=_NO_STRENGTH))
+            )
         toward = options.toward or best_direction(site, self.goal, options.plunge or DRILLABLE_DEG)
         if toward is None:
             low, high = options.plunge or DRILLABLE_DEG
-            return self._lacking(
+            return self._without_bolts(
                 BoltCase(
                     acts,
                     None,
@@ -171,7 +218,8 @@ class _Search:
                         None,
                         self.bare,
                         notice=Notice(
-                            "E322", f"no direction into the face that plunges {low:g} to {high:g}° reaches the target"
+                            "E322",
+                            f"no direction into the face that plunges {low:g} to {high:g}° reaches the target",
                         ),
                     ),
                 )
@@ -181,84 +229,113 @@ class _Search:
         closed = self._need("closed_form", site.with_bolts(Bolt(guess, toward, acts)), key, guess)
         case = BoltCase(acts, toward, closed, existing=site.design.bolts)
         if closed.force is None:
-            return self._lacking(case)
-        wanted = closed.force or guess
-        for _ in range(_LAYOUTS):
-            laid = layout(site, site.across(toward.vector()), wanted, options.capacity, options.spacing)
-            if isinstance(laid, Notice):
-                return self._lacking(replace(case, notices=(laid,)))
+            return self._without_bolts(case)
+        design_force = closed.force or guess
+        for _ in range(_MOST_LAYOUTS):
+            bolt_layout = layout(
+                site, site.across(toward.vector()), design_force, options.capacity, options.spacing
+            )
+            if isinstance(bolt_layout, Notice):
+                return self._without_bolts(replace(case, notices=(bolt_layout,)))
             # parallel bolts of one force are one through the middle of their heads
-            pulled = site.with_bolts(Bolt(wanted, toward, acts, site.place(laid.middle_m)))
-            limit = self._need("pre_ie", pulled, key, wanted)
-            case = replace(case, pre_ie=limit, layout=laid, force=self._larger(closed, limit))
+            bolted = site.with_bolts(
+                Bolt(design_force, toward, acts, site.place(bolt_layout.middle_m))
+            )
+            limit = self._need("pre_ie", bolted, key, design_force)
+            case = replace(
+                case, pre_ie=limit, layout=bolt_layout, force=self._governing_force(closed, limit)
+            )
             if case.force is None:
-                return self._lacking(case)
-            if case.force * self._slice_m(laid) <= options.capacity * len(laid) * (1.0 + 1e-6):
-                return self._built(case, toward, laid, case.force)
-            wanted = case.force
+                return self._without_bolts(case)
+            if case.force * self._slice_m(bolt_layout) <= options.capacity * len(bolt_layout) * (
+                1.0 + 1e-6
+            ):
+                return self._with_built_bolts(case, toward, bolt_layout, case.force)
+            design_force = case.force
         too_much = (
-            f"{wanted:.6g} {site.unit} are more than the bolts can take: with more of them the moments ask for more"
+            f"{design_force:.6g} {site.unit} are more than the bolts can take: with more of "
+            "them the moments ask for more"
         )
-        return self._lacking(replace(case, notices=(Notice("E328", too_much),)))
+        return self._without_bolts(replace(case, notices=(Notice("E328", too_much),)))
 
-    def _slice_m(self, laid: Layout) -> float:
-        """The length of slope that a bolt's force in the design stands for: in a section the spacing along it."""
-        return laid.across_m if self.site.in_section else 1.0
+    def _slice_m(self, layout: Layout) -> float:
+        """Return the length of slope (m) that one bolt holds in a section, its spacing along the slope; else 1."""
+        return layout.across_m if self.site.in_section else 1.0
 
-    def _built(self, case: BoltCase, toward: Line, laid: Layout, force: float) -> BoltCase:
-        """A case with its bolts as they are built, and what the design comes to when it is solved again with them."""
-        options, slice_m = self.options, self._slice_m(laid)
-        each = built_force(force * slice_m / len(laid), options.capacity)
-        needed = laid.sound_m + options.bond
+    def _with_built_bolts(
+        self, case: BoltCase, toward: Line, layout: Layout, force: float
+    ) -> BoltCase:
+        """Return a case with its bolts as they are built, and the factors of the design with them."""
+        options, slice_m = self.options, self._slice_m(layout)
+        bolt_force = built_force(force * slice_m / len(layout), options.capacity)
+        needed = layout.sound_m + options.bond
         lengths = np.ceil(needed * 10.0 - 1e-9) / 10.0
-        apart, notices = min([laid.across_m] + [laid.up_m] * (laid.rows > 1)), list[Notice]()
-        if apart < _CLOSE_M and (len(laid) > 1 or self.site.in_section):
-            message = f"bolts stand {apart:.2g} m apart: closer than {_CLOSE_M:g} m they hold the same rock"
-            notices.append(Notice("W311", f"{message}; stronger bolts (--bolt-capacity) stand farther apart"))
-        if options.length is not None:
-            lengths = np.full(len(laid), options.length)
-        short = int((lengths < needed * (1.0 - 1e-12)).sum())
-        case = replace(case, layout=laid, each=each, lengths=lengths)
-        if short:
-            message = f"{short} of {len(laid)} bolts are too short at {options.length:g} m"
-            notices.append(Notice("E212", f"{message}: the longest needs {needed.max():.4g} m"))
-            return self._lacking(replace(case, notices=tuple(notices)))
-        bolts = tuple(
-            written(Bolt(each / slice_m, toward, case.acts, (east, north, up), length))
-            for (east, north, up), length in zip(laid.heads_m.tolist(), lengths.tolist(), strict=True)
+        least_m, notices = (
+            min([layout.across_m] + [layout.up_m] * (layout.rows > 1)),
+            list[Notice](),
         )
-        return replace(case, bolts=bolts, notices=tuple(notices)).solved_in(self.site.design, self.target)
+        if least_m < _CLOSE_M and (len(layout) > 1 or self.site.in_section):
+            message = f"bolts stand {least_m:.2g} m apart: closer than {_CLOSE_M:g} m they hold the same rock"
+            notices.append(
+                Notice("W311", f"{message}; stronger bolts (--bolt-capacity) stand farther apart")
+            )
+        if options.length is not None:
+            lengths = np.full(len(layout), options.length)
+        short = int((lengths < needed * (1.0 - 1e-12)).sum())
+        case = replace(case, layout=layout, each=bolt_force, lengths=lengths)
+        if short:
+            message = f"{short} of {len(layout)} bolts are too short at {options.length:g} m"
+            notices.append(Notice("E212", f"{message}: the longest needs {needed.max():.4g} m"))
+            return self._without_bolts(replace(case, notices=tuple(notices)))
+        bolts = tuple(
+            as_written(Bolt(bolt_force / slice_m, toward, case.acts, (east, north, up), length))
+            for (east, north, up), length in zip(
+                layout.heads_m.tolist(), lengths.tolist(), strict=True
+            )
+        )
+        return replace(case, bolts=bolts, notices=tuple(notices)).solved_in(
+            self.site.design, self.target
+        )
 
-    def _lacking(self, case: BoltCase) -> BoltCase:
-        """A case without bolts to build, and why."""
-        codes = ", ".join(dict.fromkeys(notice.code for notice in case.all_notices if notice.code.startswith("E")))
+    def _without_bolts(self, case: BoltCase) -> BoltCase:
+        """Return a case without bolts to build, with the reason."""
+        codes = ", ".join(
+            dict.fromkeys(notice.code for notice in case.all_notices if notice.code.startswith("E"))
+        )
         lacks = f"NOT REACHED, FoS {self.target:g}: no bolts give it ({codes}), without them {self.bare_limit.in_words}"
         return replace(case, lacks=lacks)
 
     def pressure(self) -> float | None:
-        """An even pressure on the face, kPa, that both methods need."""
+        """Return the even pressure on the face, kPa, that both methods need; None where it is not enough."""
         site = self.site
         guess = self._guess(site.inward)
-        pressed, key = site.pressed(guess, centre_of(site.face)), f"loads.forces.{len(site.design.forces)}.force"
+        pressed, key = (
+            site.pressed(guess, centre_of(site.face)),
+            f"loads.forces.{len(site.design.forces)}.force",
+        )
         closed = self._need("closed_form", pressed, key, guess)
         if closed.force is None or not self.has_strength:
             return None
         limit = self._need("pre_ie", pressed, key, closed.force or guess)
-        force = self._larger(closed, limit)
+        force = self._governing_force(closed, limit)
         return None if force is None else force / site.area
 
     def _guess(self, direction: Floats) -> float:
-        """The least force along a unit vector (3,) by the closed form, the weight where none reaches the target."""
-        return float(np.nan_to_num(least_forces(self.site, self.goal, direction[None]), posinf=self.site.weight)[0])
+        """Return the least force (kN) along a unit vector (3,) by the closed form, the weight where none is enough."""
+        return float(
+            np.nan_to_num(
+                least_forces(self.site, self.goal, direction[None]), posinf=self.site.weight
+            )[0]
+        )
 
-    def _larger(self, closed: Need, limit: Need) -> float | None:
-        """What both methods need, of dilating joints PRE-IE; None where one of them cannot reach the target."""
+    def _governing_force(self, closed: Need, limit: Need) -> float | None:
+        """Return the larger need of both methods, of dilating joints PRE-IE's; None where one has no such force."""
         if closed.force is None or limit.force is None:
             return None
         return limit.force if self.dilates else max(closed.force, limit.force)
 
     def _need(self, method: Method, design: Design, key: str, guess: float) -> Need:
-        """The least force at a key of a design by a method, and what stands against it."""
+        """Return the least force at a key of a design by one method, with a notice where there is none or it jumps."""
         bare, pre_ie = self.bare_limit if method == "pre_ie" else self.bare, method == "pre_ie"
         if bare.reaches(self.target):
             return Need(0.0, bare)
@@ -266,13 +343,20 @@ class _Search:
         level = need.answer.search_level
         if need.force is None:
             best = f"at best FoS {level:.4g} at {need.best:.4g} {self.site.unit}"
-            why = "moments turn the block" if need.answer.moments_govern else "its limit lies below the closed form's"
-            said = Notice("E329", f"PRE-IE does not reach the target with the heads on the face: {why}, {best}")
+            cause = (
+                "moments turn the block"
+                if need.answer.moments_govern
+                else "its limit lies below the closed form's"
+            )
+            notice = Notice(
+                "E329",
+                f"PRE-IE does not reach the target with the heads on the face: {cause}, {best}",
+            )
             if not pre_ie:
                 if level <= bare.search_level * (1.0 + 1e-9):
                     best = "it drives the block as much as it holds it, or the movement does not draw passive bolts out"
-                said = Notice("E322", f"no force that way reaches the target: {best}")
-            return replace(need, notice=said)
+                notice = Notice("E322", f"no force that way reaches the target: {best}")
+            return replace(need, notice=notice)
         if need.below is None:
             return need
         message = f"FoS jumps over the target at {need.force:.6g} {self.site.unit}, from {need.below:.4g} to "

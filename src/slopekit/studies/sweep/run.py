@@ -1,4 +1,4 @@
-"""A design at many values of one or two of its numbers, by both methods; no point is dropped.
+"""Evaluate a design at many values of one or two of its numbers, by both methods; no point is dropped.
 
 >>> import slopekit as sk
 >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
@@ -20,7 +20,7 @@ from slopekit.core.orientation import number
 from slopekit.core.sheet import Column
 from slopekit.design.common import Design
 from slopekit.design.parts import ON_FACTOR
-from slopekit.kinds import notices_of_inputs, peak_only
+from slopekit.kinds import notices_of_inputs, peak_strength_notice
 from slopekit.studies.evaluation.columns import ColumnRows
 from slopekit.studies.evaluation.rows import chosen_methods, evaluated
 from slopekit.studies.keys import Key, key_of
@@ -28,12 +28,12 @@ from slopekit.studies.points import (
     Line,
     Method,
     Point,
-    asked_of,
     checked_target,
     code_without_blocks,
+    evaluated_methods,
     factor_at,
+    governing_factor,
     lines_of,
-    lower_of,
     notices_of_points,
     rules_left_out,
     status_of,
@@ -54,20 +54,23 @@ from slopekit.studies.protocol import (
 from slopekit.studies.ranges import MOST, how_written, parse_values
 from slopekit.studies.running import checked_crew
 
-_LEVELS = (*ON_FACTOR, "fos.closed_form")  # names of the rules whose levels are looked for
+_LEVEL_RULES = (
+    *ON_FACTOR,
+    "fos.closed_form",
+)  # acceptance rules on a factor, whose crossings are sought
 
 
 @dataclass(frozen=True, repr=False)
 class Sweep(StudyOutcome):
-    """A design at many values.
+    """The outcome of a sweep: a design at many values of one or two of its numbers.
 
     Attributes
     ----------
-    keys : one or two; values : of each
+    keys : the one or two numbers that change; values : of each key
     points : for each value of the second key, those of the first
     methods : both, or closed-form
-    levels : what the factor is held against: (level, words)
-    of_inputs : what is said of keys and design: means taken, likely slips
+    levels : factors of safety whose crossings are sought: (level, words)
+    of_inputs : notices on the keys and the design: means taken, implausible inputs
     """
 
     name: ClassVar[str] = "sweep"
@@ -81,7 +84,7 @@ class Sweep(StudyOutcome):
 
     @property
     def charts(self) -> tuple[str, ...]:
-        """A curve, or contours."""
+        """The name of the chart: a curve of one key, contours of two."""
         return ("curve" if len(self.keys) == 1 else "contour",)
 
     @property
@@ -91,34 +94,34 @@ class Sweep(StudyOutcome):
 
     @property
     def asked(self) -> tuple[Method, ...]:
-        """The methods that were asked and are there, the one that counts first."""
-        return asked_of(self.methods, self.points)
+        """The methods evaluated, the governing one first."""
+        return evaluated_methods(self.methods, self.points)
 
     def status(self, point: Point) -> str:
-        """The status of a point by the method that counts, or the code of why there is no block."""
+        """Return the status of a point by the governing method, or the code of why there is no block."""
         return status_of(point, self.asked[0])
 
     def lines(self) -> list[Line]:
-        """For each value of the second key (None without one) the points by the first, in rising order."""
+        """Return, for each value of the second key (None without one), the points in rising order of the first."""
         return lines_of(self.points, *self.values)
 
     @property
     def margin(self) -> float | None:
-        """The least factor."""
+        """The least factor of safety of all points, None where there is none."""
         return min(self._factors, default=None)
 
     @property
     def largest(self) -> float | None:
-        """The largest factor."""
+        """The largest factor of safety of all points, None where there is none."""
         return max(self._factors, default=None)
 
     @property
     def _factors(self) -> list[float]:
-        every = (lower_of(point, self.asked[0]) for point in self.points)
-        return [factor for factor in every if factor is not None]
+        lowest_factors = (governing_factor(point, self.asked[0]) for point in self.points)
+        return [factor for factor in lowest_factors if factor is not None]
 
     def case_columns(self) -> list[Column[Any]]:
-        """The least and the largest factor."""
+        """Return the columns of the load case table: the least and the largest factor."""
         return [
             Column("least FoS", "margin", "fos_least", show=".4f", width=12),
             Column("largest FoS", "largest", "fos_largest", show=".4f", width=14),
@@ -128,54 +131,72 @@ class Sweep(StudyOutcome):
     def changes(self) -> list[dict[str, Any]]:
         """Changes of status between neighbouring values of the first key; `line`: the value of the second, or None."""
         return [
-            {"line": line, "between": (a, b), "statuses": (self.status(one), self.status(other))}
+            {
+                "line": line,
+                "between": (a, b),
+                "statuses": (self.status(lower_point), self.status(upper_point)),
+            }
             for line, points in self.lines()
-            for (a, one), (b, other) in pairwise(points)
-            if self.status(one) != self.status(other)
+            for (a, lower_point), (b, upper_point) in pairwise(points)
+            if self.status(lower_point) != self.status(upper_point)
         ]
 
     @property
     def critical(self) -> list[dict[str, Any]]:
-        """Where the factors pass the levels, between two neighbouring values of the first key.
+        """Crossings of the levels by the factors, each between two neighbouring values of the first key.
 
-        `fos`, `what`: the level, and what it is in words; `line` as of `changes`; `between` the neighbours; `at`
-        interpolated in a straight line, None where that says nothing; `how`: interpolated, at a point, across a change
-        of status, or to where there is no number.
+        `fos`, `what`: the level, and its words; `line` as in `changes`; `between`: the neighbours; `at`: the value by
+        linear interpolation, None where a factor is not finite; `how`: interpolated, at a point, across a change of
+        status, or to where there is no number.
         """
         return [
             crossing
-            for (level, what), method in product(self.levels, self.asked)
+            for (level, description), method in product(self.levels, self.asked)
             for line, points in self.lines()
-            for crossing in self._passes(level, what, method, line, points)
+            for crossing in self._level_crossings(level, description, method, line, points)
         ]
 
-    def _passes(
-        self, level: float, what: str, method: Method, line: float | None, points: list[tuple[float, Point]]
+    def _level_crossings(
+        self,
+        level: float,
+        description: str,
+        method: Method,
+        line: float | None,
+        points: list[tuple[float, Point]],
     ) -> Iterator[dict[str, Any]]:
-        of = {"fos": level, "what": what, "method": method, "line": line}
-        for (a, one), (b, other) in pairwise(points):
-            low, high = factor_at(one, method), factor_at(other, method)
-            if low is None or high is None or low == level or not min(low, high) < level <= max(low, high):
+        record = {"fos": level, "what": description, "method": method, "line": line}
+        for (a, lower_point), (b, upper_point) in pairwise(points):
+            low, high = factor_at(lower_point, method), factor_at(upper_point, method)
+            if (
+                low is None
+                or high is None
+                or low == level
+                or not min(low, high) < level <= max(low, high)
+            ):
                 continue
-            at, how = None, "to where there is no number"
+            value, basis = None, "to where there is no number"
             if high == level:
-                at, how = b, "at a point"
+                value, basis = b, "at a point"
             elif math.isfinite(low + high) and low > 0.0 and high > 0.0:
-                at = a + (b - a) * (level - low) / (high - low)
-                how = "interpolated" if self.status(one) == self.status(other) else "across a change of status"
-            yield of | {"between": (a, b), "at": at, "how": how}
+                value = a + (b - a) * (level - low) / (high - low)
+                basis = (
+                    "interpolated"
+                    if self.status(lower_point) == self.status(upper_point)
+                    else "across a change of status"
+                )
+            yield record | {"between": (a, b), "at": value, "how": basis}
         first, point = points[0]
         if factor_at(point, method) == level:
-            yield of | {"between": (first, first), "at": first, "how": "at a point"}
+            yield record | {"between": (first, first), "at": first, "how": "at a point"}
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many points there are of each status, or code where there is no block, the most frequent first."""
+        """The number of points of each status, or of each code where there is no block, the most frequent first."""
         return dict(Counter(self.status(point) for point in self.points).most_common())
 
     @property
     def disagree(self) -> int:
-        """Points at which the methods disagree, or PRE-IE did not converge."""
+        """The number of points at which the methods disagree or PRE-IE did not converge."""
         return sum(point.is_in_doubt for point in self.points)
 
     @property
@@ -189,17 +210,21 @@ class Sweep(StudyOutcome):
 
     @property
     def warnings(self) -> tuple[Notice, ...]:
-        """What a reader must know: points without a number, and what is said of the inputs."""
+        """The notices of the sweep: points without a factor, those of single runs, and those on the inputs."""
         levels = [level for level, _ in self.levels]
-        return tuple(notices_of_points(self.points, self.where, self.asked[0], levels, self.of_inputs))
+        return tuple(
+            notices_of_points(
+                self.points, self.place_in_words, self.asked[0], levels, self.of_inputs
+            )
+        )
 
-    def where(self, number: int) -> str:
-        """The place of a point, in words."""
+    def place_in_words(self, number: int) -> str:
+        """Return the values of the keys at a point in words."""
         place = zip(self.keys, self.places[number], strict=True)
-        return "at " + ", ".join(f"{key.path} = {key.shown(value, 6)}" for key, value in place)
+        return "at " + ", ".join(f"{key.path} = {key.value_text(value, 6)}" for key, value in place)
 
     def to_dict(self) -> dict[str, Any]:
-        """The sweep as JSON values."""
+        """Return the sweep as JSON values."""
         return {
             **self.head(self.design),
             "keys": [
@@ -207,7 +232,7 @@ class Sweep(StudyOutcome):
                 for key, values in zip(self.keys, self.values, strict=True)
             ],
             "methods": self.methods,
-            "levels": [{"fos": level, "what": what} for level, what in self.levels],
+            "levels": [{"fos": level, "what": description} for level, description in self.levels],
             "points": [
                 {"values": list(place)} | point.to_dict()
                 for place, point in zip(self.places, self.points, strict=True)
@@ -218,11 +243,11 @@ class Sweep(StudyOutcome):
             "critical": json_of(self.critical),
             "timing_s": {"total": self.seconds},
             **self.words(),
-        }  # fmt: skip
+        }
 
 
-def given_keys(texts: Sequence[str], _argument: str) -> dict[str, str]:
-    """Paths and what follows their equals signs."""
+def read_key_arguments(texts: Sequence[str], _argument: str) -> dict[str, str]:
+    """Return the paths of `KEY=VALUES` arguments with the texts of their values."""
     faults, by_path = Faults(), dict[str, str]()
     for text in texts:
         path, equals, values = text.partition("=")
@@ -237,8 +262,13 @@ def given_keys(texts: Sequence[str], _argument: str) -> dict[str, str]:
 
 
 #: `KEY=VALUES ...` of a command.
-KEYS = Argument("KEY=from:to:how many, KEY=from:to:+step, KEY=a,b,c; one key or two. With --tornado KEY=lo:hi.",
-                "KEY=VALUES", given_keys, many=True, called="keys")  # fmt: skip
+KEYS = Argument(
+    "KEY=from:to:how many, KEY=from:to:+step, KEY=a,b,c; one key or two. With --tornado KEY=lo:hi.",
+    "KEY=VALUES",
+    read_key_arguments,
+    many=True,
+    called="keys",
+)
 
 
 @study
@@ -247,7 +277,9 @@ def sweep(
     keys: Annotated[Mapping[str, Any], KEYS],
     *,
     closed_form: ClosedFormAlone = False,
-    fos: Annotated[float | None, Option("A factor of safety: where it is passed is said.", number_of)] = None,
+    fos: Annotated[
+        float | None, Option("A factor of safety: where it is passed is said.", number_of)
+    ] = None,
     jobs: Jobs = 1,
     scheduler: Scheduler = None,
     desk: Workplace = DESK,
@@ -277,29 +309,45 @@ def sweep(
     [1.5574, 1.006]
     """
     crew = checked_crew(jobs, scheduler)
-    one_or_two(keys)
+    check_key_count(keys)
     methods = chosen_methods(design, closed_form)
-    faults, axes, said = Faults(), list[tuple[Key, tuple[float, ...]]](), list[Notice]()
-    for path, given in keys.items():
-        with faults.kept():
+    faults, axes, input_notices = Faults(), list[tuple[Key, tuple[float, ...]]](), list[Notice]()
+    for path, text in keys.items():
+        with faults.collecting():
             key = key_of(design, path)
-            axes.append((key, parse_values(key, given)))
+            axes.append((key, parse_values(key, text)))
     count = math.prod(len(values) for _, values in axes)
     if count > MOST:
         faults.add("E312", f"{count} points are too many for one sweep (most: {MOST})")
     faults.refuse()
     if len({key.path for key, _ in axes}) < len(axes):
         fail("E313", f"{axes[0][0].path} is given twice", "", "Name two different keys.")
-    own, values = tuple(key for key, _ in axes), tuple(of for _, of in axes)
-    said += notices_of_inputs(design, [key.path for key in own])
-    said += (*peak_only(design, "factors are those"), *rules_left_out(design, _LEVELS))
-    swept = Sweep(design, own, values, (), methods, levels_of(design, fos), of_inputs=tuple(said))
+    swept_keys, values = (
+        tuple(key for key, _ in axes),
+        tuple(axis_values for _, axis_values in axes),
+    )
+    input_notices += notices_of_inputs(design, [key.path for key in swept_keys])
+    input_notices += (
+        *peak_strength_notice(design, "factors are those"),
+        *rules_left_out(design, _LEVEL_RULES),
+    )
+    swept = Sweep(
+        design,
+        swept_keys,
+        values,
+        (),
+        methods,
+        levels_of(design, fos),
+        of_inputs=tuple(input_notices),
+    )
     pre_ie = methods != "closed-form"
-    outcomes = evaluated(ColumnRows(design, own, swept.places, pre_ie), "sweep", crew, desk, pre_ie)
+    outcomes = evaluated(
+        ColumnRows(design, swept_keys, swept.places, pre_ie), "sweep", crew, desk, pre_ie
+    )
     return replace(swept, points=tuple(outcomes.points))
 
 
-def one_or_two(keys: Mapping[str, object]) -> None:
+def check_key_count(keys: Mapping[str, object]) -> None:
     """Refuse no keys, text in their place, or more than two: E313."""
     if isinstance(keys, str):
         fail(
@@ -320,7 +368,7 @@ def one_or_two(keys: Mapping[str, object]) -> None:
 
 
 def levels_of(design: Design, fos: float | None) -> tuple[tuple[float, str], ...]:
-    """What a factor is held against: 1, the acceptance rules, and what is wanted.
+    """Return the levels whose crossings are sought, in order: 1, those of the acceptance rules, and the target.
 
     Raises
     ------
@@ -329,7 +377,7 @@ def levels_of(design: Design, fos: float | None) -> tuple[tuple[float, str], ...
     """
     levels = {1.0: "FoS 1"}
     for rule in design.rules:
-        if rule.name in _LEVELS:
+        if rule.name in _LEVEL_RULES:
             levels.setdefault(rule.value, f"acceptance, {rule}")
     if fos is not None:
         checked_target(fos, "Write --fos 1.5")

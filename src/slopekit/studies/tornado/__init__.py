@@ -1,4 +1,4 @@
-"""What each number of a design does to its factor of safety, one at a time."""
+"""Rank the numbers of a design by their effect on its factor of safety, changed one at a time."""
 
 from slopekit.studies.tornado.run import RULE, Tornado, TornadoBar, tornado
 

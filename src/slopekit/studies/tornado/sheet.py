@@ -1,4 +1,4 @@
-"""The sheet of a tornado: its bars as a table, the one that does most first."""
+"""The sheet of a tornado study: its bars as a table, the one with the largest swing first."""
 
 import math
 
@@ -12,38 +12,58 @@ _VALUE = 12  # characters of a value with its unit
 
 
 def sheet_of(study: Tornado) -> Sheet:
-    """The sheet of a tornado."""
-    moved = [bar for bar in study.bars if bar.swings[study.asked[0]] != 0.0]
-    still = [bar.key.path for bar in study.bars if bar.swings[study.asked[0]] == 0.0]
-    return study_sheet(study.design, "tornado", (
-        Section("RULE", [RULE]),
-        Section("NOW", [_now(study)]),
-        Section("BARS", [_bars(study, moved) if moved else "no number changes the factor of safety"]),
-        Section("NO EFFECT", [", ".join(still)] if still else []),
-        Section("LEFT OUT", _left_out(study)),
-        Section("TIME", [f"{study.seconds:.2f} s"]),
-        Section("NOTE", [str(notice) for notice in study.warnings]),
-    ))  # fmt: skip
+    """Return the sheet of a tornado study."""
+    effective = [bar for bar in study.bars if bar.swings[study.asked[0]] != 0.0]
+    without_effect = [bar.key.path for bar in study.bars if bar.swings[study.asked[0]] == 0.0]
+    return study_sheet(
+        study.design,
+        "tornado",
+        (
+            Section("RULE", [RULE]),
+            Section("NOW", [_present_state(study)]),
+            Section(
+                "BARS",
+                [
+                    _bars(study, effective)
+                    if effective
+                    else "no number changes the factor of safety"
+                ],
+            ),
+            Section("NO EFFECT", [", ".join(without_effect)] if without_effect else []),
+            Section("LEFT OUT", _left_out(study)),
+            Section("TIME", [f"{study.seconds:.2f} s"]),
+            Section("NOTE", [str(notice) for notice in study.warnings]),
+        ),
+    )
 
 
 def line_of(study: Tornado) -> str:
-    """The three that do most on one line."""
+    """Return the three numbers with the largest swing on one line."""
     first = study.asked[0]
     most = [f"{bar.key.path} {_swing(bar.swings[first])}" for bar in study.bars[:3]]
-    agree = [] if len(study.asked) < 2 else [f"{study.disagree} disagree" if study.disagree else "agree"]
+    agree = (
+        []
+        if len(study.asked) < 2
+        else [f"{study.disagree} disagree" if study.disagree else "agree"]
+    )
     return "  ".join([*most, *agree, *dict.fromkeys(notice.code for notice in study.warnings)])
 
 
-def _now(study: Tornado) -> str:
+def _present_state(study: Tornado) -> str:
     if study.base.factors is None:
         return f"no block: {study.base.code} {study.base.message}"
-    shown = [f"{cell(factor_at(study.base, method))} {METHODS[method]}" for method in study.asked]
-    return "   ".join([status_words(study.design, status_of(study.base, study.asked[0])), *shown,
-                       check_word(study.base)]).rstrip()  # fmt: skip
+    factors = [f"{cell(factor_at(study.base, method))} {METHODS[method]}" for method in study.asked]
+    return "   ".join(
+        [
+            status_words(study.design, status_of(study.base, study.asked[0])),
+            *factors,
+            check_word(study.base),
+        ]
+    ).rstrip()
 
 
-def _bars(study: Tornado, moved: list[TornadoBar]) -> Table[TornadoBar]:
-    main, *others = study.asked
+def _bars(study: Tornado, bars: list[TornadoBar]) -> Table[TornadoBar]:
+    main, *other_methods = study.asked
     columns: list[Column[TornadoBar]] = [
         Column(
             "key",
@@ -53,27 +73,40 @@ def _bars(study: Tornado, moved: list[TornadoBar]) -> Table[TornadoBar]:
             show=lambda path: path if len(path) <= 27 else "…" + path[-26:],
         ),
         Column(
-            "from", lambda bar: bar.key.reduced(bar.low), "low", width=_VALUE, text=lambda bar: _number(bar, bar.low)
+            "from",
+            lambda bar: bar.key.reduced(bar.low),
+            "low",
+            width=_VALUE,
+            text=lambda bar: _number(bar, bar.low),
         ),
         Column(
-            "to", lambda bar: bar.key.reduced(bar.high), "high", width=_VALUE, text=lambda bar: _number(bar, bar.high)
+            "to",
+            lambda bar: bar.key.reduced(bar.high),
+            "high",
+            width=_VALUE,
+            text=lambda bar: _number(bar, bar.high),
         ),
         Column("", lambda bar: _end(bar.at_low, main), "fos_low", show=_end_text, width=8),
-        Column("FoS there", lambda bar: _end(bar.at_high, main), "fos_high", show=_end_text, width=9),
+        Column(
+            "FoS there", lambda bar: _end(bar.at_high, main), "fos_high", show=_end_text, width=9
+        ),
         Column("swing", f"swings.{main}", "swing", show=_swing, width=9),
-        *(Column(METHODS[method], f"swings.{method}", f"swing_{method}", show=_swing, width=12) for method in others),
+        *(
+            Column(METHODS[method], f"swings.{method}", f"swing_{method}", show=_swing, width=12)
+            for method in other_methods
+        ),
     ]
-    return Table(columns, moved)
+    return Table(columns, bars)
 
 
 def _number(bar: TornadoBar, value: float) -> str:
-    """A value with its unit, in as many digits as its column has room for."""
-    texts = [bar.key.shown(value, digits).replace("e+0", "e") for digits in (5, 4, 3)]
+    """Return a value with its unit, in as many digits as fit its column."""
+    texts = [bar.key.value_text(value, digits).replace("e+0", "e") for digits in (5, 4, 3)]
     return next((text for text in texts if len(text) < _VALUE), texts[-1])
 
 
 def _end(point: Point, method: Method) -> float | str:
-    """The factor at an end, or the status of why there is none."""
+    """Return the factor at an end, or the status where there is none."""
     factor = factor_at(point, method)
     return factor if factor is not None and is_number(factor) else status_of(point, method)[:8]
 
@@ -83,7 +116,7 @@ def _end_text(end: float | str) -> str:
 
 
 def _swing(swing: float | None) -> str:
-    """How far the factor moves; a dash where an end has no answer."""
+    """Return the swing of the factor in words; a dash where an end has no factor."""
     if swing is None:
         return "-"
     return "∞" if math.isinf(swing) else f"{swing:.4f}" if swing < 1e3 else f"{swing:.4g}"
@@ -91,6 +124,6 @@ def _swing(swing: float | None) -> str:
 
 def _left_out(study: Tornado) -> list[str]:
     by_reason: dict[str, list[str]] = {}
-    for path, why in study.left_out:
-        by_reason.setdefault(why, []).append(path)
-    return [f"{why}: {listed(paths)}" for why, paths in by_reason.items()]
+    for path, reason in study.left_out:
+        by_reason.setdefault(reason, []).append(path)
+    return [f"{reason}: {listed(paths)}" for reason, paths in by_reason.items()]

@@ -62,9 +62,9 @@ def great_circle(plane: Plane, count: int = 181) -> Floats:
     """Vectors (count, 3) from one end of the strike down the dip to the other: evenly spaced in the plane."""
     dip, direction = math.radians(plane.dip_deg), math.radians(plane.dip_direction_deg)
     along = np.array([-math.cos(direction), math.sin(direction), 0.0])
-    down = np.array([
-        math.sin(direction) * math.cos(dip), math.cos(direction) * math.cos(dip), -math.sin(dip)
-    ])  # fmt: skip
+    down = np.array(
+        [math.sin(direction) * math.cos(dip), math.cos(direction) * math.cos(dip), -math.sin(dip)]
+    )
     pitch = np.linspace(0.0, math.pi, count)[:, None]
     return np.asarray(np.cos(pitch) * along + np.sin(pitch) * down)
 
@@ -74,10 +74,10 @@ def small_circle(axis: Floats, angle_deg: float, count: int = 361) -> list[Float
 
     What the cone has above the horizon stands for the opposite directions, and is an arc of its own.
     """
-    turned = cone(axis, angle_deg, np.linspace(0.0, 2.0 * math.pi, count))
-    heights = turned[:, 2]
+    circle = cone(axis, angle_deg, np.linspace(0.0, 2.0 * math.pi, count))
+    heights = circle[:, 2]
     if (heights <= _TINY).all() or (heights >= -_TINY).all():
-        return [lower(turned)]
+        return [lower(circle)]
     # height = A cos t + B: it is level at ± acos(-B / A), as `cone` starts at the top
     top, bottom = float(heights[0]), float(heights[count // 2])
     middle, swing = (top + bottom) / 2.0, (top - bottom) / 2.0
@@ -96,7 +96,9 @@ def cone(axis: Floats, angle_deg: float, turns: Floats) -> Floats:
     steep = steep / size if size > 1e-9 else np.array([0.0, 1.0, 0.0])
     side = np.cross(axis, steep)
     angle, turn = math.radians(angle_deg), turns[:, None]
-    return np.asarray(math.cos(angle) * axis + math.sin(angle) * (np.cos(turn) * steep + np.sin(turn) * side))
+    return np.asarray(
+        math.cos(angle) * axis + math.sin(angle) * (np.cos(turn) * steep + np.sin(turn) * side)
+    )
 
 
 def daylight_envelope(face: Plane, count: int = 181) -> Floats:
@@ -106,10 +108,15 @@ def daylight_envelope(face: Plane, count: int = 181) -> Floats:
     starts and ends at the middle of the net.
     """
     dip = math.radians(face.dip_deg)
-    off = math.pi / 2.0 * np.sin(np.linspace(-math.pi / 2.0, math.pi / 2.0, count))  # dense where it leaves the middle
-    apparent = np.arctan2(math.sin(dip) * np.maximum(np.cos(off), 0.0), math.cos(dip))
-    toward = math.radians(face.dip_direction_deg) + off
-    return -np.stack([np.sin(apparent) * np.sin(toward), np.sin(apparent) * np.cos(toward), np.cos(apparent)], axis=-1)
+    azimuth_offset = (
+        math.pi / 2.0 * np.sin(np.linspace(-math.pi / 2.0, math.pi / 2.0, count))
+    )  # dense where it leaves the middle
+    apparent = np.arctan2(math.sin(dip) * np.maximum(np.cos(azimuth_offset), 0.0), math.cos(dip))
+    toward = math.radians(face.dip_direction_deg) + azimuth_offset
+    return -np.stack(
+        [np.sin(apparent) * np.sin(toward), np.sin(apparent) * np.cos(toward), np.cos(apparent)],
+        axis=-1,
+    )
 
 
 @cache
@@ -137,7 +144,9 @@ class Stereonet:
         self.axes.plot(ends * np.sin(ticks), ends * np.cos(ticks), color="black", zorder=_RIM)
         for k, text in enumerate("NESW"):
             x, y = math.sin(k * math.pi / 2.0), math.cos(k * math.pi / 2.0)
-            self.axes.annotate(text, (1.08 * x, 1.08 * y), ha="center", va="center", fontsize="large")
+            self.axes.annotate(
+                text, (1.08 * x, 1.08 * y), ha="center", va="center", fontsize="large"
+            )
         self.axes.plot([0.0], [0.0], marker="+", color="black", zorder=_RIM)
         self.axes.set(aspect="equal", xlim=FRAME, ylim=FRAME)
         self.axes.axis("off")
@@ -150,8 +159,8 @@ class Stereonet:
     def cone_circle(self, axis: Floats, angle_deg: float, **style: Any) -> None:
         """The small circle of a cone about a downward axis; one entry in the legend."""
         label = style.pop("label", None)
-        for k, part in enumerate(small_circle(axis, angle_deg)):
-            self.arc(part, label=label if k == 0 else None, **style)
+        for k, arc_vectors in enumerate(small_circle(axis, angle_deg)):
+            self.arc(arc_vectors, label=label if k == 0 else None, **style)
 
     def steeper_than(self, plunge_deg: float, **style: Any) -> None:
         """The circle of the lines of one plunge: what lies within is steeper."""
@@ -161,21 +170,30 @@ class Stereonet:
         """Lateral limits on both sides of a trend, from the middle to the rim; none at 90° and more."""
         if within_deg >= 90.0:
             return
-        for off, label in ((-within_deg, f"lateral limits ±{number(within_deg)}°"), (within_deg, None)):
-            toward = math.radians(trend_deg + off)
-            self.axes.plot([0.0, math.sin(toward)], [0.0, math.cos(toward)], color=GREY, linestyle="--", label=label,
-                           zorder=LINES)  # fmt: skip
+        for azimuth_offset, label in (
+            (-within_deg, f"lateral limits ±{number(within_deg)}°"),
+            (within_deg, None),
+        ):
+            toward = math.radians(trend_deg + azimuth_offset)
+            self.axes.plot(
+                [0.0, math.sin(toward)],
+                [0.0, math.cos(toward)],
+                color=GREY,
+                linestyle="--",
+                label=label,
+                zorder=LINES,
+            )
 
     def points(self, vectors: Floats, **style: Any) -> None:
         """Lines (n, 3) as points; where many stand so close that they cover each other, one for all of them."""
         if not len(vectors):
             return
-        at = project(vectors)
-        if len(at) > 2000:
-            cell = np.round(at * _DOTS).astype(np.int64) @ np.array([4 * _DOTS, 1])
-            at = at[np.unique(cell, return_index=True)[1]]
-        usual = {"markersize": 4 if len(at) <= _SMALL else 2, "zorder": MANY}
-        self.axes.plot(*at.T, linestyle="none", **usual | style)
+        positions = project(vectors)
+        if len(positions) > 2000:
+            cell = np.round(positions * _DOTS).astype(np.int64) @ np.array([4 * _DOTS, 1])
+            positions = positions[np.unique(cell, return_index=True)[1]]
+        usual = {"markersize": 4 if len(positions) <= _SMALL else 2, "zorder": MANY}
+        self.axes.plot(*positions.T, linestyle="none", **usual | style)
 
     def shade(self, zone: Bools, colour: str, label: str) -> None:
         """A zone, given for each cell within the rim, as a coloured area."""
@@ -187,7 +205,13 @@ class Stereonet:
         image = np.zeros((*inside.shape, 4))
         image[..., :3] = to_rgba(colour)[:3]
         image[inside, 3] = zone
-        self.axes.imshow(image, extent=(-1.0, 1.0, -1.0, 1.0), origin="lower", interpolation="nearest", zorder=0.5)
+        self.axes.imshow(
+            image,
+            extent=(-1.0, 1.0, -1.0, 1.0),
+            origin="lower",
+            interpolation="nearest",
+            zorder=0.5,
+        )
         self.axes.fill([], [], color=colour, linewidth=0.0, label=label)
         self.axes.set(xlim=FRAME, ylim=FRAME)
 
@@ -198,7 +222,9 @@ def arrange(figure: Any, panels: Sequence[Any], across: int, title: str) -> None
     columns = [2 if max(map(len, entries), default=0) <= _SHORT else 1 for entries in labels]
     lines = max(-(-len(entries) // count) for entries, count in zip(labels, columns, strict=True))
     title = "\n".join(textwrap.fill(line, across * _WIDE) for line in title.split("\n"))
-    height = len(panels) // across * (_NET + _ENTRY * (lines + 1)) + _ENTRY * (title.count("\n") + 1)
+    height = len(panels) // across * (_NET + _ENTRY * (lines + 1)) + _ENTRY * (
+        title.count("\n") + 1
+    )
     figure.set_size_inches(across * _NET, height)
     figure.suptitle(title)
     for axes, count in zip(panels, columns, strict=True):
@@ -206,14 +232,16 @@ def arrange(figure: Any, panels: Sequence[Any], across: int, title: str) -> None
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=count)
 
 
-def poles_by_set(on: Stereonet, poles: Floats, sets: Sequence[str], named: Sequence[str]) -> dict[str, tuple[str, str]]:
+def poles_by_set(
+    net: Stereonet, poles: Floats, sets: Sequence[str], set_names: Sequence[str]
+) -> dict[str, tuple[str, str]]:
     """Draw poles (n, 3), each set with a colour and a marker of its own; these by the name of the set."""
-    own = np.array(sets)
-    marks = dict.fromkeys([*named, ""], (GREY, "o")) | dict(
-        zip(named, zip(COLOURS, MARKERS, strict=True), strict=False)
+    set_of_pole = np.array(sets)
+    marks = dict.fromkeys([*set_names, ""], (GREY, "o")) | dict(
+        zip(set_names, zip(COLOURS, MARKERS, strict=True), strict=False)
     )
-    for name in (*named, ""):
-        some, (colour, marker) = poles[own == name], marks[name]
-        said = f"set {short(name, 18)}" if name else "of no set" if named else "poles"
-        on.points(some, marker=marker, color=colour, label=f"{said} ({len(some)})")
+    for name in (*set_names, ""):
+        set_poles, (colour, marker) = poles[set_of_pole == name], marks[name]
+        label = f"set {short(name, 18)}" if name else "of no set" if set_names else "poles"
+        net.points(set_poles, marker=marker, color=colour, label=f"{label} ({len(set_poles)})")
     return marks

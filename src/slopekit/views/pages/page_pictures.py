@@ -16,9 +16,14 @@ from slopekit.views.solid.scenes import SCENES
 
 #: Pictures of a result in the order of the page, those of blocks for many blocks only.
 _OF_RESULT = (
-    "scene", "elevation", "stereonet", "tractions", "mechanism", "factors",
+    "scene",
+    "elevation",
+    "stereonet",
+    "tractions",
+    "mechanism",
+    "factors",
     "reduction",
-)  # fmt: skip
+)
 _TYPES = {".png": "image/png", ".svg": "image/svg+xml"}
 _LARGEST_SVG = 110_000  # bytes; beyond that a PNG is smaller and as legible
 _COLOURS = 96  # of a scene: shades of few materials
@@ -33,34 +38,50 @@ def still_pictures(document: Mapping[str, Any]) -> tuple[list[dict[str, Any]], l
     """
     offered = offers(document)
     is_result = "fos" in document and "study" not in document
-    names = [what for what in _OF_RESULT if what in offered] if is_result else list(offered)
+    names = (
+        [picture for picture in _OF_RESULT if picture in offered] if is_result else list(offered)
+    )
     if document.get("assembly") is not None:
-        names = _of_many(names, counted_rows(document))
-    asked = [(what, offered[what], "") for what in names]
-    if document.get("kind") == "kinematic":  # a net for each test: four in one have no legible letter on a phone
-        asked = [(what, f"{test} {'sliding' if test in ('planar', 'wedge') else 'toppling'}", test)
-                 for what, _, _ in asked for test in NETS_OF]  # fmt: skip
+        names = _informative_pictures(names, counted_rows(document))
+    requests = [(picture, offered[picture], "") for picture in names]
+    if (
+        document.get("kind") == "kinematic"
+    ):  # a net for each test: four in one have no legible letter on a phone
+        requests = [
+            (picture, f"{test} {'sliding' if test in ('planar', 'wedge') else 'toppling'}", test)
+            for picture, _, _ in requests
+            for test in NETS_OF
+        ]
     pictures: list[dict[str, Any]] = []
     missing: dict[str, list[str]] = {}
-    for what, caption, test in asked:
+    for picture, caption, test in requests:
         try:
-            uri = page_picture(document, what, test or None)
-            pictures.append({"what": what, "caption": caption, "uri": uri, "is_chart": what not in SCENES})
+            uri = page_picture(document, picture, test or None)
+            pictures.append(
+                {"what": picture, "caption": caption, "uri": uri, "is_chart": picture not in SCENES}
+            )
         except DesignError as error:
             fault = error.faults[0]
-            missing.setdefault(f"{fault.code} {fault.message}", []).append(what)
-    return pictures, [f"{', '.join(dict.fromkeys(whats))}: {why}" for why, whats in missing.items()]
+            missing.setdefault(f"{fault.code} {fault.message}", []).append(picture)
+    return pictures, [
+        f"{', '.join(dict.fromkeys(picture_names))}: {reason}"
+        for reason, picture_names in missing.items()
+    ]
 
 
-def _of_many(names: list[str], mechanisms: Sequence[Mapping[str, Any]]) -> list[str]:
+def _informative_pictures(names: list[str], mechanisms: Sequence[Mapping[str, Any]]) -> list[str]:
     """Without pictures that would show one colour: factors say something where several differ."""
-    factors = [row["fos"] for row in mechanisms if row["fos"] is not None and row["status"] != "not_converged"]
+    factors = [
+        row["fos"]
+        for row in mechanisms
+        if row["fos"] is not None and row["status"] != "not_converged"
+    ]
     differ = bool(factors) and max(factors) > 1.02 * factors[0]
     shows = {"tractions": False, "factors": differ}
-    return [what for what in names if shows.get(what, True)]
+    return [picture for picture in names if shows.get(picture, True)]
 
 
-def page_picture(document: Mapping[str, Any], what: str, test: str | None = None) -> str:
+def page_picture(document: Mapping[str, Any], picture: str, test: str | None = None) -> str:
     """A picture of a document as a data URI.
 
     Raises
@@ -69,13 +90,13 @@ def page_picture(document: Mapping[str, Any], what: str, test: str | None = None
         As `slopekit.views.plots.draw`.
     """
     with tempfile.TemporaryDirectory() as folder:
-        drawing = Path(folder) / f"{what}.svg"
-        if what not in SCENES:
-            draw(document, what, drawing, test=test)
+        drawing = Path(folder) / f"{picture}.svg"
+        if picture not in SCENES:
+            draw(document, picture, drawing, test=test)
             image = light_svg(drawing.read_text(encoding="utf-8")).encode("utf-8")
-        if what in SCENES or len(image) > _LARGEST_SVG:
+        if picture in SCENES or len(image) > _LARGEST_SVG:
             drawing = drawing.with_suffix(".png")
-            draw(document, what, drawing, test=test)
+            draw(document, picture, drawing, test=test)
             image = light_png(drawing.read_bytes())
     return f"data:{_TYPES[drawing.suffix]};base64,{base64.b64encode(image).decode()}"
 
@@ -86,7 +107,9 @@ def light_svg(text: str) -> str:
     >>> light_svg('<path d="M 1.234567 -0.5 L 3 40.996001"/><use x="7.128000" transform="scale(0.015625)"/>')
     '<path d="M 1.23 -0.5 L 3 41"/><use x="7.13" transform="scale(0.015625)"/>'
     """
-    return _PATH.sub(lambda own: _DIGITS.sub(lambda one: f"{round(float(one[0]), 2):g}", own[0]), text)
+    return _PATH.sub(
+        lambda path: _DIGITS.sub(lambda number: f"{round(float(number[0]), 2):g}", path[0]), text
+    )
 
 
 def light_png(data: bytes) -> bytes:

@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.block_scene import Shapes
+from slopekit.block_scene import Shapes, prism
 from slopekit.bolts import revolved
 from slopekit.core.arrays import Bools, Floats, Ints, cross
 
 Colour = tuple[int, int, int]
-_MANY = 3000  # balls: beyond that they are rough
-_ROOM = 0.28  # about a block, of its largest extent: the rock that is drawn
-_SAME = 1e-7  # of the size: a point this near to a plane lies on it
+_MOST_SMOOTH_BALLS = 3000  # balls: beyond that they are rough
+_ROCK_MARGIN = 0.28  # about a block, of its largest extent: the rock that is drawn
+_COPLANAR_TOLERANCE = 1e-7  # of the size: a point this near to a plane lies on it
 ROCK: Colour = (201, 199, 194)
 BLOCK: Colour = (222, 165, 105)
 STANDS: Colour = (236, 226, 207)
@@ -26,21 +26,50 @@ FALLS: Colour = (150, 40, 80)
 UNSETTLED: Colour = (196, 150, 196)
 #: Joints, in the order of the result; loads; contact modes; how blocks move. Told apart without red and green.
 JOINTS: tuple[Colour, ...] = (
-    (66, 114, 176), (146, 84, 156), (72, 152, 84), (42, 163, 163), (191, 91, 91), (228, 145, 47), (122, 106, 0),
-)  # fmt: skip
+    (66, 114, 176),
+    (146, 84, 156),
+    (72, 152, 84),
+    (42, 163, 163),
+    (191, 91, 91),
+    (228, 145, 47),
+    (122, 106, 0),
+)
 LOADS: tuple[Colour, ...] = (
-    (60, 60, 60), (206, 92, 24), (23, 150, 130), (188, 140, 20), (214, 96, 148), (120, 70, 50), (110, 130, 40),
-)  # fmt: skip
-MODE_COLOURS: Mapping[str, Colour] = {"stick": (49, 99, 149), "slip": (224, 122, 31), "open": (150, 150, 150)}
+    (60, 60, 60),
+    (206, 92, 24),
+    (23, 150, 130),
+    (188, 140, 20),
+    (214, 96, 148),
+    (120, 70, 50),
+    (110, 130, 40),
+)
+MODE_COLOURS: Mapping[str, Colour] = {
+    "stick": (49, 99, 149),
+    "slip": (224, 122, 31),
+    "open": (150, 150, 150),
+}
 MOTION_COLOURS: Mapping[str, Colour] = {
-    "slides": (224, 122, 31), "topples": (150, 40, 80), "rotates": (128, 110, 190), "falls": (90, 90, 90),
+    "slides": (224, 122, 31),
+    "topples": (150, 40, 80),
+    "rotates": (128, 110, 190),
+    "falls": (90, 90, 90),
     "lifts": (42, 163, 163),
-}  # fmt: skip
+}
 # from dark to light, even steps to the eye (viridis, ten of its colours)
-_SCALE = np.array([
-    (68, 1, 84), (72, 40, 120), (62, 74, 137), (49, 104, 142), (38, 130, 142), (31, 158, 137), (53, 183, 121),
-    (109, 205, 89), (180, 222, 44), (253, 231, 37),
-])  # fmt: skip
+_SCALE = np.array(
+    [
+        (68, 1, 84),
+        (72, 40, 120),
+        (62, 74, 137),
+        (49, 104, 142),
+        (38, 130, 142),
+        (31, 158, 137),
+        (53, 183, 121),
+        (109, 205, 89),
+        (180, 222, 44),
+        (253, 231, 37),
+    ]
+)
 
 
 @dataclass(frozen=True)
@@ -65,9 +94,14 @@ class Layer:
 
 
 def layer(
-    name: str, body: tuple[Floats, Ints], colour: Colour, opacity: float = 1.0, outlined: bool = False, front: int = 0,
+    name: str,
+    body: tuple[Floats, Ints],
+    colour: Colour,
+    opacity: float = 1.0,
+    outlined: bool = False,
+    front: int = 0,
     shortest: float = 0.0,
-) -> Layer:  # fmt: skip
+) -> Layer:
     """A layer of one colour."""
     vertices, triangles = body
     colours = np.tile(np.array(colour), (len(triangles), 1))
@@ -75,7 +109,12 @@ def layer(
 
 
 def blocks_layer(
-    name: str, shapes: Shapes, chosen: Bools, colours: Ints, offset: Floats | None = None, opacity: float = 1.0
+    name: str,
+    shapes: Shapes,
+    chosen: Bools,
+    colours: Ints,
+    offset: Floats | None = None,
+    opacity: float = 1.0,
 ) -> Layer:
     """Some blocks, outlined, each vertex where `offset` takes it, or in place.
 
@@ -84,41 +123,51 @@ def blocks_layer(
     chosen : (n,) blocks; colours : (n, 3); offset : (v, 3) m of every vertex of the solids
     """
     solids = shapes.solids
-    own = chosen[solids.block]
-    used, index = np.unique(solids.triangles[own], return_inverse=True)
+    is_chosen = chosen[solids.block]
+    used, index = np.unique(solids.triangles[is_chosen], return_inverse=True)
     vertices = solids.vertices[used] if offset is None else (solids.vertices + offset)[used]
-    return Layer(name, vertices, index.reshape(-1, 3), colours[solids.block[own]], opacity, outlined=True)
+    return Layer(
+        name,
+        vertices,
+        index.reshape(-1, 3),
+        colours[solids.block[is_chosen]],
+        opacity,
+        outlined=True,
+    )
 
 
 def block_of_vertex(shapes: Shapes) -> Ints:
     """The block of each vertex of the solids, (v,)."""
-    of = np.zeros(len(shapes.solids.vertices), dtype=np.int64)
-    of[shapes.solids.triangles.ravel()] = np.repeat(shapes.solids.block, 3)
-    return of
+    vertex_block = np.zeros(len(shapes.solids.vertices), dtype=np.int64)
+    vertex_block[shapes.solids.triangles.ravel()] = np.repeat(shapes.solids.block, 3)
+    return vertex_block
 
 
-def rigid(shapes: Shapes, motion: Floats, points: Floats, of: Ints) -> Floats:
-    """How rigid motions (n, 6) of the blocks move points (p, 3) of the blocks `of` (p,); -1 moves nothing.
+def rigid_displacement(shapes: Shapes, motion: Floats, points: Floats, point_block: Ints) -> Floats:
+    """How rigid motions (n, 6) of the blocks move points (p, 3) of the blocks `point_block` (p,); -1 moves nothing.
 
     Rotations are carried out in full (Rodrigues), so that magnified blocks keep their shape.
     """
-    moved = np.zeros_like(points)
-    own = np.flatnonzero(of >= 0)
-    move, turn = motion[of[own], :3], motion[of[own], 3:]
-    arms = points[own] - shapes.centroids[of[own]]
-    angle = np.sqrt((turn * turn).sum(axis=1))
-    axis = turn / np.where(angle > 0.0, angle, 1.0)[:, None]
+    displacement = np.zeros_like(points)
+    on_block = np.flatnonzero(point_block >= 0)
+    translation, rotation_vector = (
+        motion[point_block[on_block], :3],
+        motion[point_block[on_block], 3:],
+    )
+    arms = points[on_block] - shapes.centroids[point_block[on_block]]
+    angle = np.sqrt((rotation_vector * rotation_vector).sum(axis=1))
+    axis = rotation_vector / np.where(angle > 0.0, angle, 1.0)[:, None]
     about = cross(axis, arms)
-    turned = np.sin(angle)[:, None] * about + (1.0 - np.cos(angle))[:, None] * cross(axis, about)
-    moved[own] = move + turned
-    return moved
+    rotation = np.sin(angle)[:, None] * about + (1.0 - np.cos(angle))[:, None] * cross(axis, about)
+    displacement[on_block] = translation + rotation
+    return displacement
 
 
 def spheres(centres: Floats, radius: float) -> tuple[Floats, Ints]:
     """Balls of one radius as vertices and triangles, rougher where there are many."""
     from trimesh.creation import icosphere
 
-    ball = icosphere(subdivisions=1 if len(centres) <= _MANY else 0)
+    ball = icosphere(subdivisions=1 if len(centres) <= _MOST_SMOOTH_BALLS else 0)
     count, size = len(centres), len(ball.vertices)
     points = (centres[:, None, :] + radius * ball.vertices).reshape(-1, 3)
     return points, (np.arange(count)[:, None, None] * size + ball.faces).reshape(-1, 3)
@@ -132,12 +181,12 @@ def arrows(starts: Floats, vectors: Floats, width: float) -> tuple[Floats, Ints]
     starts, vectors : (k, 3) m; width : m across the shafts of the longest (short ones are thinner)
     """
     lengths = np.sqrt((vectors * vectors).sum(axis=1))
-    kept = lengths > 0.0
-    length, starts = lengths[kept], starts[kept]
+    has_length = lengths > 0.0
+    length, starts = lengths[has_length], starts[has_length]
     thick = np.minimum(width, 0.12 * length)
     neck = np.maximum(length - 3.6 * thick, 0.55 * length)
     along = np.stack([np.zeros_like(neck), neck, neck], axis=1)
-    return revolved(starts, starts + vectors[kept], along, np.outer(thick, [0.5, 0.5, 1.3]))
+    return revolved(starts, starts + vectors[has_length], along, np.outer(thick, [0.5, 0.5, 1.3]))
 
 
 # -- the rock about one block -----------------------------------------------------------------------------------------
@@ -151,32 +200,34 @@ def free_triangles(shapes: Shapes) -> Bools:
         return ~np.isin(solids.face, joints)
     middle = solids.vertices.mean(axis=0)
     size = float(np.ptp(solids.vertices, axis=0).max())
-    corners, normals = solids.vertices[solids.triangles] - middle, _areas(shapes)
+    corners, normals = solids.vertices[solids.triangles] - middle, _double_area_vectors(shapes)
     lengths = np.sqrt((normals * normals).sum(axis=1))
     free: Bools = lengths > 1e-12 * size * size
     normals = normals / np.where(free, lengths, 1.0)[:, None]
     for k in range(len(contacts)):
         polygon = contacts.corners[contacts.first[k] : contacts.first[k + 1]] - middle
-        normal = _vector_area(polygon)
-        on = np.abs((corners - polygon[0]) @ normal).max(axis=1) < _SAME * size
-        free &= ~(on & (np.abs(normals @ normal) > 0.999))
+        normal = _unit_normal(polygon)
+        on_contact = (
+            np.abs((corners - polygon[0]) @ normal).max(axis=1) < _COPLANAR_TOLERANCE * size
+        )
+        free &= ~(on_contact & (np.abs(normals @ normal) > 0.999))
     return free
 
 
 def free_normal(shapes: Shapes) -> Floats:
     """Out of the slope: the mean outward normal of the free faces, (3,) unit."""
-    total = _areas(shapes)[free_triangles(shapes)].sum(axis=0)
+    total = _double_area_vectors(shapes)[free_triangles(shapes)].sum(axis=0)
     size = math.sqrt(float(total @ total))
     return total / size if size > 0.0 else np.array([0.0, 0.0, 1.0])
 
 
-def _areas(shapes: Shapes) -> Floats:
+def _double_area_vectors(shapes: Shapes) -> Floats:
     """Twice the areas of the triangles of the solids as vectors (t, 3) out of them."""
     corners = shapes.solids.vertices[shapes.solids.triangles]
     return cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
 
-def _vector_area(polygon: Floats) -> Floats:
+def _unit_normal(polygon: Floats) -> Floats:
     normal = cross(polygon[1:-1] - polygon[0], polygon[2:] - polygon[0]).sum(axis=0)
     unit: Floats = normal / math.sqrt(float(normal @ normal))
     return unit
@@ -192,45 +243,52 @@ def rock_around(shapes: Shapes) -> tuple[Floats, Ints] | None:
     free = free_triangles(shapes)
     if not free.any():
         return None
-    vertices, _ = shapes.solids.of(0)
+    vertices, _ = shapes.solids.block_surface(0)
     middle = vertices.mean(axis=0)
     low, high = vertices.min(axis=0) - middle, vertices.max(axis=0) - middle
-    reach = _ROOM * float((high - low).max())
+    reach = _ROCK_MARGIN * float((high - low).max())
     low, high = low - reach, high + np.array([reach, reach, 0.3 * reach])
     body = Manifold.cube(tuple(high - low)).translate(tuple(low))
-    corners, normals = shapes.solids.vertices[shapes.solids.triangles[free, 0]] - middle, _areas(shapes)[free]
+    corners, normals = (
+        shapes.solids.vertices[shapes.solids.triangles[free, 0]] - middle,
+        _double_area_vectors(shapes)[free],
+    )
     normals = normals / np.sqrt((normals * normals).sum(axis=1))[:, None]
     for outward, corner in zip(normals, corners, strict=True):
         body = body.trim_by_plane(tuple(-outward), float(-outward @ corner))
     # the place of the block stays open a little beyond its free faces: faces that coincide would leave a film
-    ends = normals[(normals @ normals.T < -1.0 + _SAME).any(axis=1)]  # of a section
-    ways = [np.zeros(3), free_normal(shapes), *np.unique(np.round(ends, 6), axis=0)]
-    both = np.concatenate([vertices - middle + 0.01 * float((high - low).max()) * way for way in ways])
-    return _about(body - Manifold.hull_points(both), middle)
+    ends = normals[(normals @ normals.T < -1.0 + _COPLANAR_TOLERANCE).any(axis=1)]  # of a section
+    offsets = [np.zeros(3), free_normal(shapes), *np.unique(np.round(ends, 6), axis=0)]
+    swept_vertices = np.concatenate(
+        [vertices - middle + 0.01 * float((high - low).max()) * offset for offset in offsets]
+    )
+    return _mesh_of_body(body - Manifold.hull_points(swept_vertices), middle)
 
 
-def _solid(vertices: Floats, triangles: Ints) -> Any:
+def _body_of_mesh(vertices: Floats, triangles: Ints) -> Any:
     """A closed mesh as a body of manifold3d."""
     from manifold3d import Manifold, Mesh64
 
-    return Manifold(Mesh64(np.array(vertices, order="C"), np.array(triangles, dtype=np.uint64, order="C")))
+    return Manifold(
+        Mesh64(np.array(vertices, order="C"), np.array(triangles, dtype=np.uint64, order="C"))
+    )
 
 
-def _about(body: Any, middle: Floats) -> tuple[Floats, Ints] | None:
+def _mesh_of_body(body: Any, middle: Floats) -> tuple[Floats, Ints] | None:
     """The mesh of a body moved by `middle`, None where nothing is left of it."""
     mesh = body.to_mesh64()
     if len(mesh.tri_verts) == 0:
         return None
-    return np.asarray(mesh.vert_properties)[:, :3] + middle, np.asarray(mesh.tri_verts, dtype=np.int64)
+    return np.asarray(mesh.vert_properties)[:, :3] + middle, np.asarray(
+        mesh.tri_verts, dtype=np.int64
+    )
 
 
 def ground_below(shapes: Shapes, profile: Sequence[Sequence[float]]) -> tuple[Floats, Ints] | None:
     """The ground below a profile (x, z) about a mass on a curved surface, with the place of the mass left open."""
     from manifold3d import Manifold
 
-    from slopekit.block_scene import prism
-
-    vertices, triangles = shapes.solids.of(0)
+    vertices, triangles = shapes.solids.block_surface(0)
     middle = vertices.mean(axis=0)
     low, high = vertices.min(axis=0) - middle, vertices.max(axis=0) - middle
     reach = 0.25 * float((high - low).max())
@@ -239,14 +297,24 @@ def ground_below(shapes: Shapes, profile: Sequence[Sequence[float]]) -> tuple[Fl
     line = line if line[0, 0] < line[-1, 0] else line[::-1]
     begin, end = min(float(low[0]), float(line[0, 0])), max(float(high[0]), float(line[-1, 0]))
     bottom = min(float(low[2]), float(line[:, 1].min()) - reach)
-    outline = np.array([[begin, bottom], [end, bottom], [end, line[-1, 1]], *line[::-1], [begin, line[0, 1]]])
+    outline = np.array(
+        [[begin, bottom], [end, bottom], [end, line[-1, 1]], *line[::-1], [begin, line[0, 1]]]
+    )
     width = 2.0 * float(max(-low[1], high[1]))
-    box = Manifold.cube((high[0] - low[0], width, 2.0 * (high[2] - low[2]))).translate((low[0], -width / 2.0, low[2]))
-    body = _solid(*prism(outline, width)) ^ box
-    inner = _about(body - _solid(vertices - middle, triangles), np.zeros(3))
+    box = Manifold.cube((high[0] - low[0], width, 2.0 * (high[2] - low[2]))).translate(
+        (low[0], -width / 2.0, low[2])
+    )
+    body = _body_of_mesh(*prism(outline, width)) ^ box
+    inner = _mesh_of_body(body - _body_of_mesh(vertices - middle, triangles), np.zeros(3))
     # once more, a little out of the slope: faces that coincide would leave a film
-    out = 0.004 * float((high - low).max()) * free_normal(shapes)
-    return None if inner is None else _about(_solid(*inner) - _solid(vertices - middle + out, triangles), middle)
+    clearance = 0.004 * float((high - low).max()) * free_normal(shapes)
+    return (
+        None
+        if inner is None
+        else _mesh_of_body(
+            _body_of_mesh(*inner) - _body_of_mesh(vertices - middle + clearance, triangles), middle
+        )
+    )
 
 
 @dataclass(frozen=True)
@@ -260,11 +328,13 @@ class Bar:
     def colours(self, values: Floats) -> Ints:
         """Colours (n, 3) of values (n,), those beyond the ends as the ends."""
         span = self.high - self.low
-        part = np.clip((values - self.low) / span if span > 0.0 else np.zeros_like(values), 0.0, 1.0)
-        place = part * (len(_SCALE) - 1)
-        lower = np.minimum(place.astype(np.int64), len(_SCALE) - 2)
-        share = (place - lower)[:, None]
-        mixed = _SCALE[lower] * (1.0 - share) + _SCALE[lower + 1] * share
+        fraction = np.clip(
+            (values - self.low) / span if span > 0.0 else np.zeros_like(values), 0.0, 1.0
+        )
+        position = fraction * (len(_SCALE) - 1)
+        lower = np.minimum(position.astype(np.int64), len(_SCALE) - 2)
+        weight = (position - lower)[:, None]
+        mixed = _SCALE[lower] * (1.0 - weight) + _SCALE[lower + 1] * weight
         rounded: Ints = np.rint(mixed).astype(np.int64)
         return rounded
 
@@ -289,9 +359,9 @@ class Picture:
     notes: tuple[str, ...] = ()
     bar: Bar | None = None
     labels: tuple[tuple[Floats, str], ...] = ()
-    beside: bool = False
+    has_label_lines: bool = False
 
     @property
     def points(self) -> Floats:
         """The corners (n, 3) of all that is seen, m."""
-        return np.concatenate([part.vertices[part.triangles.ravel()] for part in self.layers])
+        return np.concatenate([layer.vertices[layer.triangles.ravel()] for layer in self.layers])

@@ -30,8 +30,13 @@ from slopekit.views.solid.stage import Stage
 Legend = list[tuple[str, Colour, float]]
 _MOST_ARROWS = 400
 _MOST_LABELS, _FEW_LABELS = 60, 12
-_RIBBON, _BEFORE = 8e-3, 0.2  # of the size: how wide contacts of a section are drawn; of that: how far before it
-_LIFTED = 2e-3  # of the size: how far the coloured joints lie before the blocks they belong to
+_RIBBON, _RIBBON_OFFSET = (
+    8e-3,
+    0.2,
+)  # of the size: how wide contacts of a section are drawn; of that: how far before it
+_JOINT_OFFSET = (
+    2e-3  # of the size: how far the coloured joints lie before the blocks they belong to
+)
 _ROD = 4e-3 / 0.024  # radius of rods, of the width of their plates
 
 
@@ -49,66 +54,91 @@ class Scenery:
         self.layers += self.stage.rock(opacity)
 
     def blocks(
-        self, name: str, chosen: Bools, said: str = "", *, offset: Floats | None = None, opacity: float = 1.0,
-        colours: Ints | None = None, shade: float = 0.0,
-    ) -> None:  # fmt: skip
+        self,
+        name: str,
+        chosen: Bools,
+        legend_text: str = "",
+        *,
+        offset: Floats | None = None,
+        opacity: float = 1.0,
+        colours: Ints | None = None,
+        shade: float = 0.0,
+    ) -> None:
         """Blocks `chosen` (n,), each vertex moved by `offset` (v, 3) m; in `colours` (n, 3) or those of the stage.
 
-        The legend has what is `said` of them, in the colour of blocks that move, as dark as they are or as `shade`.
+        The legend shows `legend_text` in the colour of moving blocks, as dark as they are or as `shade`.
         """
         stage = self.stage
         colours = stage.block_colours() if colours is None else colours
         self.layers.append(blocks_layer(name, stage.scene.shapes, chosen, colours, offset, opacity))
-        if said:
-            self.legend.append((said, BLOCK, shade or opacity))
+        if legend_text:
+            self.legend.append((legend_text, BLOCK, shade or opacity))
 
     def add(
         self,
         name: str,
         body: tuple[Floats, Ints],
         colour: Colour,
-        said: str = "",
+        legend_text: str = "",
         *,
         opacity: float = 1.0,
         front: int = 0,
     ) -> None:
         """A body, its vertices and triangles, in one colour, and what the legend says of it."""
         self.layers.append(layer(name, body, colour, opacity, front=front))
-        if said:
-            self.legend.append((said, colour, opacity))
+        if legend_text:
+            self.legend.append((legend_text, colour, opacity))
 
-    def bolts(self, moved: Floats | None = None, rods_said: str = "") -> None:
+    def bolts(self, block_offset: Floats | None = None, rods_note: str = "") -> None:
         """Bolts as rods with plates, in front of what they lie in, in the legend or with a note of their own.
 
         Parameters
         ----------
-        moved : (n, 3) m by which each block is drawn elsewhere: a bolt goes with the block of its head
-        rods_said : the note, in place of what the legend says of each sort
+        block_offset : (n, 3) m by which each block is drawn elsewhere: a bolt goes with the block of its head
+        rods_note : the note, in place of what the legend says of each sort
         """
-        bolts, bare = self.stage.scene.bolts, without_head(schedule(self.stage.document))
+        bolts, headless_note = self.stage.scene.bolts, without_head(schedule(self.stage.document))
         if bolts is not None:
             width = self.stage.plate_width
-            away = np.zeros((1, 3)) if moved is None else np.append(moved, np.zeros((1, 3)), axis=0)[bolts.block]
-            heads, ends = bolts.heads_m + away, bolts.ends_m + away
+            bolt_offset = (
+                np.zeros((1, 3))
+                if block_offset is None
+                else np.append(block_offset, np.zeros((1, 3)), axis=0)[bolts.block]
+            )
+            heads, ends = bolts.heads_m + bolt_offset, bolts.ends_m + bolt_offset
             for acts, colour, chosen in (
-                ("active", ACTIVE_BOLT, ~bolts.passive), ("passive", PASSIVE_BOLT, bolts.passive),
-            ):  # fmt: skip
+                ("active", ACTIVE_BOLT, ~bolts.passive),
+                ("passive", PASSIVE_BOLT, bolts.passive),
+            ):
                 if chosen.any():
                     count = int(chosen.sum())
-                    said = f"{count} {acts} bolt{'s' * (count > 1)}, {forces_in_words(bolts.force_kn[chosen].tolist())}"
+                    legend_text = (
+                        f"{count} {acts} bolt{'s' * (count > 1)}, "
+                        f"{forces_in_words(bolts.force_kn[chosen].tolist())}"
+                    )
                     body = rods(heads[chosen], ends[chosen], _ROD * width)
                     self.add(f"bolts, {acts}: rods", body, colour, front=1)
                     body = plates(heads[chosen], bolts.plates[chosen], width)
-                    self.add(f"bolts, {acts}: plates", body, colour, "" if rods_said else said, front=1)
+                    self.add(
+                        f"bolts, {acts}: plates",
+                        body,
+                        colour,
+                        "" if rods_note else legend_text,
+                        front=1,
+                    )
         open_ended = bolts is not None and bool(np.isnan(bolts.length_m).any())
-        self.notes += [rods_said] if rods_said and bolts is not None and len(bolts) else []
-        self.notes += [bare] if bare else []
-        self.notes += ["bolts without a length are drawn to where they leave their block"] if open_ended else []
+        self.notes += [rods_note] if rods_note and bolts is not None and len(bolts) else []
+        self.notes += [headless_note] if headless_note else []
+        self.notes += (
+            ["bolts without a length are drawn to where they leave their block"]
+            if open_ended
+            else []
+        )
 
     def block_legend(self, rock: bool) -> Legend:
         """What the colours of `Stage.block_colours` mean."""
         legend: Legend = []
-        if self.stage.alone:
+        if self.stage.has_single_block:
             legend.append((self.stage.scene.shapes.names[0], BLOCK, 1.0))
         else:
             first, free = int((self.stage.scene.order == 1).sum()), int(self.stage.free.sum())
@@ -117,43 +147,58 @@ class Scenery:
             rock = bool(self.stage.scene.shapes.fixed.any())
         return [*legend, ("bedrock", ROCK, 1.0)] if rock else legend
 
-    def names(self, moved: Floats | None = None, only: Bools | None = None) -> list[tuple[Floats, str]]:
-        """Names of blocks at their centroids, which `moved` (n, 3) takes with them, where there are few enough to read.
+    def names(
+        self, block_offset: Floats | None = None, restricted_to: Bools | None = None
+    ) -> list[tuple[Floats, str]]:
+        """Return the names of blocks at their centroids plus `block_offset` (n, 3) m, if few enough to read.
 
         In a section every block is seen; in space a name could stand on another block: only those that move have one.
         """
-        chosen = self.stage.free & (np.ones_like(self.stage.free) if only is None else only)
+        chosen = self.stage.free & (
+            np.ones_like(self.stage.free) if restricted_to is None else restricted_to
+        )
         if not self.stage.in_section:
             chosen &= self.stage.scene.order > 0
-        if self.stage.alone or int(chosen.sum()) > (_MOST_LABELS if self.stage.in_section else _FEW_LABELS):
+        if self.stage.has_single_block or int(chosen.sum()) > (
+            _MOST_LABELS if self.stage.in_section else _FEW_LABELS
+        ):
             return []
         shapes = self.stage.scene.shapes
-        at = shapes.centroids if moved is None else shapes.centroids + moved
-        return [(at[k], shapes.names[k]) for k in np.flatnonzero(chosen).tolist()]
+        positions = shapes.centroids if block_offset is None else shapes.centroids + block_offset
+        return [(positions[k], shapes.names[k]) for k in np.flatnonzero(chosen).tolist()]
 
     def measures(self) -> str:
         """Volume and height in words."""
         geometry = self.stage.document.get("geometry") or {}
         volume, height = geometry.get("volume_m3"), geometry.get("total_height_m")
-        parts = [] if volume is None else [f"volume {short(volume)} m³"]
-        parts += [] if height is None else [f"total height {short(height)} m"]
+        phrases = [] if volume is None else [f"volume {short(volume)} m³"]
+        phrases += [] if height is None else [f"total height {short(height)} m"]
         if self.stage.document.get("assembly") is not None:
             count = int(self.stage.free.sum())
-            parts.append(f"{count} {'block' if count == 1 else 'blocks'} that may move")
+            phrases.append(f"{count} {'block' if count == 1 else 'blocks'} that may move")
         elif geometry.get("thickness_m"):
-            parts.append(f"a slice of {geometry['thickness_m']:g} m")
-        return ", ".join(parts)
+            phrases.append(f"a slice of {geometry['thickness_m']:g} m")
+        return ", ".join(phrases)
 
     def load_names(self) -> list[str]:
         """The loads by name, bolts with the numbers that the design lists them by."""
-        called = []
+        load_names = []
         for name in self.stage.scene.loads.names:
             bolt = bolt_of_load(self.stage.document, name)
-            called.append(name if bolt is None else f"{bolt[0]} bolt {bolt[1]}{''.join(name.partition(',')[1:])}")
-        return called
+            load_names.append(
+                name
+                if bolt is None
+                else f"{bolt[0]} bolt {bolt[1]}{''.join(name.partition(',')[1:])}"
+            )
+        return load_names
 
     def picture(
-        self, what: str, *, bar: Bar | None = None, labels: Sequence[tuple[Floats, str]] | None = None, answer: str = ""
+        self,
+        subject: str,
+        *,
+        bar: Bar | None = None,
+        labels: Sequence[tuple[Floats, str]] | None = None,
+        answer: str = "",
     ) -> Picture:
         """The picture with its title, the first digits of the input's hash, the answer of its result or another.
 
@@ -161,27 +206,34 @@ class Scenery:
         """
         stage = self.stage
         digest = str(stage.document.get("input_sha256") or "")[:6]
-        title = f"{stage.title or stage.kind} — {what}" + (f"  (sha {digest})" if digest else "")
+        title = f"{stage.title or stage.kind} — {subject}" + (f"  (sha {digest})" if digest else "")
         return Picture(
-            title, answer or stage.answer, tuple(self.layers), tuple(self.legend), stage.eye, tuple(self.notes), bar,
-            tuple(self.names() if labels is None else labels), not stage.in_section,
-        )  # fmt: skip
+            title,
+            answer or stage.answer,
+            tuple(self.layers),
+            tuple(self.legend),
+            stage.eye,
+            tuple(self.notes),
+            bar,
+            tuple(self.names() if labels is None else labels),
+            not stage.in_section,
+        )
 
 
-def widened(stage: Stage, joint: int, by: float) -> tuple[Floats, Ints]:
+def widened_joint(stage: Stage, joint: int, factor: float) -> tuple[Floats, Ints]:
     """A joint of one block as a plane wider than the block."""
     contacts = stage.scene.shapes.contacts
     corners = contacts.corners.copy()
     for k in np.flatnonzero(contacts.joint == joint).tolist():
-        at = slice(int(contacts.first[k]), int(contacts.first[k + 1]))
-        middle = corners[at].mean(axis=0)
-        corners[at] = middle + by * (corners[at] - middle)
+        polygon = slice(int(contacts.first[k]), int(contacts.first[k + 1]))
+        middle = corners[polygon].mean(axis=0)
+        corners[polygon] = middle + factor * (corners[polygon] - middle)
     triangles, panel = triangles_of(contacts)
     return corners, triangles[contacts.joint[panel] == joint]
 
 
-def joint_faces(stage: Stage, moved: Floats) -> Iterator[tuple[int, tuple[Floats, Ints]]]:
-    """The contacts of each joint on the faces of their two blocks, each where `moved` (n, 3) takes the block."""
+def joint_faces(stage: Stage, block_offset: Floats) -> Iterator[tuple[int, tuple[Floats, Ints]]]:
+    """The contacts of each joint on the faces of their two blocks, each where `block_offset` (n, 3) takes the block."""
     shapes = stage.scene.shapes
     contacts = shapes.contacts
     if len(contacts) == 0:
@@ -191,97 +243,136 @@ def joint_faces(stage: Stage, moved: Floats) -> Iterator[tuple[int, tuple[Floats
     normal, (a, b, c) = np.zeros_like(middle), (contacts.corners[triangles[:, k]] for k in range(3))
     np.add.at(normal, panel, cross(b - a, c - a))
     toward = shapes.centroids[contacts.plus] - middle
-    normal = normal * np.where((normal * toward).sum(axis=1) < 0.0, -1.0, 1.0)[:, None]  # into the plus block
+    normal = (
+        normal * np.where((normal * toward).sum(axis=1) < 0.0, -1.0, 1.0)[:, None]
+    )  # into the plus block
     normal = normal / np.maximum(np.sqrt((normal * normal).sum(axis=1)), 1e-300)[:, None]
-    lift = _LIFTED * stage.size * normal
-    moved = np.concatenate([moved, np.zeros((1, 3))])  # bedrock, -1, stays
+    lift = _JOINT_OFFSET * stage.size * normal
+    block_offset = np.concatenate([block_offset, np.zeros((1, 3))])  # bedrock, -1, stays
     for joint in np.unique(contacts.joint).tolist():
-        own, of_joint = np.flatnonzero(contacts.joint == joint), triangles[contacts.joint[panel] == joint]
-        sides = [moved[contacts.plus] - lift, moved[contacts.minus] + lift]
-        bodies = [(contacts.corners + np.repeat(side, counts, axis=0), of_joint) for side in sides]
+        joint_contacts, joint_triangles = (
+            np.flatnonzero(contacts.joint == joint),
+            triangles[contacts.joint[panel] == joint],
+        )
+        sides = [block_offset[contacts.plus] - lift, block_offset[contacts.minus] + lift]
+        bodies = [
+            (contacts.corners + np.repeat(side, counts, axis=0), joint_triangles) for side in sides
+        ]
         if stage.in_section:
-            sides = [moved[contacts.plus], moved[contacts.minus]]
-            wide = _RIBBON * stage.size * normal
-            bodies += [_ribbons(contacts, own, side[own], sign * wide[own])
-                       for side, sign in zip(sides, (1.0, -1.0), strict=True)]  # fmt: skip
+            sides = [block_offset[contacts.plus], block_offset[contacts.minus]]
+            ribbon_width = _RIBBON * stage.size * normal
+            bodies += [
+                _ribbons(
+                    contacts,
+                    joint_contacts,
+                    side[joint_contacts],
+                    sign * ribbon_width[joint_contacts],
+                )
+                for side, sign in zip(sides, (1.0, -1.0), strict=True)
+            ]
         yield joint, joined(bodies)[:2]
 
 
-def _ribbons(contacts: Contacts, own: Ints, moved: Floats, wide: Floats) -> tuple[Floats, Ints]:
+def _ribbons(
+    contacts: Contacts, joint_contacts: Ints, offset: Floats, wide: Floats
+) -> tuple[Floats, Ints]:
     """Contacts of a section as ribbons on the side of their block, `wide` (k, 3) m: edge-on they could not be seen."""
-    first = contacts.first[own]
-    ends = np.stack([contacts.corners[first], contacts.corners[first + 1]], axis=1) + moved[:, None, :]
-    ends[:, :, 1] -= _BEFORE * np.abs(wide).max()
+    first = contacts.first[joint_contacts]
+    ends = (
+        np.stack([contacts.corners[first], contacts.corners[first + 1]], axis=1)
+        + offset[:, None, :]
+    )
+    ends[:, :, 1] -= _RIBBON_OFFSET * np.abs(wide).max()
     quads = np.concatenate([ends, ends[:, ::-1] + wide[:, None, :]], axis=1)
     fan = np.array([[0, 1, 2], [0, 2, 3]])
-    return quads.reshape(-1, 3), (4 * np.arange(len(own))[:, None, None] + fan).reshape(-1, 3)
+    return quads.reshape(-1, 3), (4 * np.arange(len(joint_contacts))[:, None, None] + fan).reshape(
+        -1, 3
+    )
 
 
-def spread(size: Floats) -> Ints:
+def drawn_arrows(size: Floats) -> Ints:
     """Those of the arrows (n,) with a size that may be drawn: all, or every second, third ... of them."""
     arrows = np.flatnonzero(size > 0.0)
     return arrows[:: max(1, -(-len(arrows) // _MOST_ARROWS))]
 
 
-def spacing(areas: Floats) -> float:
+def pair_spacing(areas: Floats) -> float:
     """How far apart node pairs are that control such areas (n,) in m²: m."""
     return math.sqrt(float(np.median(areas))) if len(areas) else 1.0
 
 
-def resultants(stage: Stage, shown: Bools) -> tuple[Floats, Floats, Ints]:
+def resultants(stage: Stage, chosen: Bools) -> tuple[Floats, Floats, Ints]:
     """Forces of the joints on the blocks at the limit: points (k, 3) m, forces (k, 3) kN, joints (k,).
 
-    One for each contact of the blocks `shown` (n,), through the mean of its node pairs weighted by their forces.
+    One for each contact of the blocks `chosen` (n,), through the mean of its node pairs weighted by their forces.
     """
     pairs = stage.scene.pairs
     force = pairs.normal_kn[:, None] * pairs.normals + pairs.shear_kn
-    parts = []
-    for side, other, sign in ((pairs.plus, pairs.minus, 1.0), (pairs.minus, pairs.plus, -1.0)):
-        own = np.flatnonzero(np.append(shown, False)[side])
-        contact = np.stack([side[own], other[own], pairs.joint[own]], axis=1)
-        parts.append((contact, sign * force[own], pairs.points_m[own], pairs.normal_kn[own]))
-    contact, forces, points, weight = (np.concatenate([part[k] for part in parts]) for k in range(4))
+    sides = []
+    for side, opposite, sign in ((pairs.plus, pairs.minus, 1.0), (pairs.minus, pairs.plus, -1.0)):
+        on_chosen = np.flatnonzero(np.append(chosen, False)[side])
+        contact = np.stack([side[on_chosen], opposite[on_chosen], pairs.joint[on_chosen]], axis=1)
+        sides.append(
+            (
+                contact,
+                sign * force[on_chosen],
+                pairs.points_m[on_chosen],
+                pairs.normal_kn[on_chosen],
+            )
+        )
+    contact, forces, points, weight = (
+        np.concatenate([side[k] for side in sides]) for k in range(4)
+    )
     if len(contact) == 0:
         return np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, dtype=np.int64)
-    _, first, of = np.unique(contact, axis=0, return_index=True, return_inverse=True)
-    of = of.ravel()
+    _, first, contact_index = np.unique(contact, axis=0, return_index=True, return_inverse=True)
+    contact_index = contact_index.ravel()
     weight = np.maximum(weight, 0.0) + 1e-9 * max(float(np.abs(weight).max()), 1e-300)
-    total = np.bincount(of, weight)
+    total = np.bincount(contact_index, weight)
 
     def summed(values: Floats) -> Floats:
-        return np.stack([np.bincount(of, values[:, k]) for k in range(3)], axis=1)
+        return np.stack([np.bincount(contact_index, values[:, k]) for k in range(3)], axis=1)
 
     return summed(points * weight[:, None]) / total[:, None], summed(forces), contact[first, 2]
 
 
 def bolt_colour(name: str) -> Colour | None:
     """The colour of a load that is a bolt."""
-    return ACTIVE_BOLT if name.startswith("active bolt") else PASSIVE_BOLT if name.startswith("passive bolt") else None
+    return (
+        ACTIVE_BOLT
+        if name.startswith("active bolt")
+        else PASSIVE_BOLT
+        if name.startswith("passive bolt")
+        else None
+    )
 
 
-def kinds_of_loads(names: Sequence[str]) -> list[tuple[str, list[int]]]:
+def grouped_loads(names: Sequence[str]) -> list[tuple[str, list[int]]]:
     """Which loads stand in one line of the legend: the words before their sizes, and their indices.
 
-    >>> kinds_of_loads(["weight", "active bolt 1", "active bolt 2"])
+    >>> grouped_loads(["weight", "active bolt 1", "active bolt 2"])
     [('weight', [0]), ('2 active bolts', [1, 2])]
     """
     lines: dict[str, list[int]] = {}
     for k, name in enumerate(names):
         match = NUMBERED.match(name)
         lines.setdefault(f"{match[1]}s{match[3] or ''}" if match else name, []).append(k)
-    return [(names[own[0]] if len(own) == 1 else f"{len(own)} {kind}", own) for kind, own in lines.items()]
+    return [
+        (names[indices[0]] if len(indices) == 1 else f"{len(indices)} {kind}", indices)
+        for kind, indices in lines.items()
+    ]
 
 
-def amounts(name: str, parts: Sequence[Floats]) -> str:
+def loads_summary(name: str, load_sizes: Sequence[Floats]) -> str:
     """Loads of one line of the legend: the size of one, or what several have alike."""
-    if len(parts) == 1:
-        return amount(name, parts[0])
-    largest = [float(part.max(initial=0.0)) for part in parts]
+    if len(load_sizes) == 1:
+        return load_summary(name, load_sizes[0])
+    largest = [float(sizes.max(initial=0.0)) for sizes in load_sizes]
     low, high = kilonewtons(min(largest)), kilonewtons(max(largest))
     return f"{name}: {high} each" if low == high else f"{name}: {low} to {high}"
 
 
-def amount(name: str, sizes: Floats) -> str:
+def load_summary(name: str, sizes: Floats) -> str:
     """A load in the legend: its size, or the sizes of several."""
     if len(sizes) == 1:
         return f"{name}: {kilonewtons(float(sizes[0]))}"
@@ -297,10 +388,10 @@ def kilonewtons(force: float) -> str:
     return f"{force:,.0f} kN" if force >= 1000.0 else f"{force:.4g} kN"
 
 
-def nice(value: float) -> float:
+def rounded_down_125(value: float) -> float:
     """The largest of 1, 2 and 5 times a power of ten that is not above a value.
 
-    >>> nice(2345.0), nice(0.8)
+    >>> rounded_down_125(2345.0), rounded_down_125(0.8)
     (2000.0, 0.5)
     """
     power = 10.0 ** math.floor(math.log10(value))
@@ -316,14 +407,16 @@ def millimetres(metres: float) -> str:
     return f"{metres * 1e3:.3g} mm"
 
 
-def counted(how: Mapping[str, str], named: Sequence[str], chosen: Bools) -> Iterator[tuple[str, int]]:
+def movement_counts(
+    movement_of_block: Mapping[str, str], block_names: Sequence[str], chosen: Bools
+) -> Iterator[tuple[str, int]]:
     """The ways in which chosen blocks move, with how many do."""
-    movements = [how.get(named[k], "") for k in np.flatnonzero(chosen).tolist()]
-    for way in dict.fromkeys(movements):
-        yield way, movements.count(way)
+    movements = [movement_of_block.get(block_names[k], "") for k in np.flatnonzero(chosen).tolist()]
+    for movement in dict.fromkeys(movements):
+        yield movement, movements.count(movement)
 
 
-def ends(values: Floats) -> tuple[float, float]:
+def colour_bar_range(values: Floats) -> tuple[float, float]:
     """The ends of a colour bar for values."""
     low, high = float(values.min()), float(values.max())
     return (low, high) if high > low * (1.0 + 1e-9) else (0.95 * low, 1.05 * low)

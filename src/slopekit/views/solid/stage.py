@@ -14,7 +14,7 @@ from slopekit.core.sheet import factor_text
 from slopekit.exchange.source import ExportSource, export_source
 from slopekit.findings import counted_rows
 from slopekit.kinds import known_kind
-from slopekit.result import JUDGED
+from slopekit.result import RULE_QUANTITIES
 from slopekit.views.solid.layers import (
     BLOCK,
     JOINTS,
@@ -32,14 +32,14 @@ from slopekit.views.solid.layers import (
 _LETTERS = 72  # of a title
 _BALANCED = 0.01  # of the largest load on a block
 _PLATE = 0.024  # of the size: width of plates of bolts that stand far enough apart
-_CROWDED = 0.4  # of the distance to the nearest head: the most that a plate takes
+_PLATE_SPACING = 0.4  # of the distance to the nearest head: the most that a plate takes
 
 
 class Stage(ExportSource):
     """The document of a result with its scene."""
 
     @classmethod
-    def of(cls, document: Mapping[str, Any]) -> "Stage":
+    def from_document(cls, document: Mapping[str, Any]) -> "Stage":
         """The stage of a document.
 
         Raises
@@ -55,7 +55,7 @@ class Stage(ExportSource):
         return str(self.document.get("kind", ""))
 
     @property
-    def alone(self) -> bool:
+    def has_single_block(self) -> bool:
         """Whether there is one block and the bedrock."""
         return len(self.scene.shapes.names) == 1
 
@@ -65,7 +65,7 @@ class Stage(ExportSource):
         return ~self.scene.shapes.fixed
 
     @cached_property
-    def of_vertex(self) -> Ints:
+    def vertex_block(self) -> Ints:
         """The block of each vertex, (v,)."""
         return block_of_vertex(self.scene.shapes)
 
@@ -73,33 +73,33 @@ class Stage(ExportSource):
     def size(self) -> float:
         """The largest extent of the blocks that can move, m."""
         vertices = self.scene.shapes.solids.vertices
-        own = self.free[self.of_vertex]
-        return float(np.ptp(vertices[own] if own.any() else vertices, axis=0).max())
+        is_free = self.free[self.vertex_block]
+        return float(np.ptp(vertices[is_free] if is_free.any() else vertices, axis=0).max())
 
     @cached_property
     def sizes(self) -> Floats:
         """The extent of each block, (n,) m."""
         count, vertices = len(self.scene.shapes.names), self.scene.shapes.solids.vertices
         low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
-        np.minimum.at(low, self.of_vertex, vertices)
-        np.maximum.at(high, self.of_vertex, vertices)
+        np.minimum.at(low, self.vertex_block, vertices)
+        np.maximum.at(high, self.vertex_block, vertices)
         extents: Floats = np.where(np.isfinite(high - low), high - low, 0.0).max(axis=1)
         return extents
 
     @property
     def in_section(self) -> bool:
         """Whether everything repeats along the strike, and one slice shows it all."""
-        if self._given("geometry", "thickness_m") is None or not self.free.any():
+        if self._document_value("geometry", "thickness_m") is None or not self.free.any():
             return False
         y = self.scene.shapes.centroids[self.free, 1]
         return not np.ptp(y) > 1e-9 * self.size  # columns may stand in several rows
 
-    def _given(self, part: str, key: str) -> Any:
-        section = self.document.get(part)
+    def _document_value(self, section_name: str, key: str) -> Any:
+        section = self.document.get(section_name)
         return section.get(key) if isinstance(section, Mapping) else None
 
     @cached_property
-    def touched(self) -> Bools:
+    def has_node_pairs(self) -> Bools:
         """Blocks that node pairs lie on, (n,)."""
         is_touched = np.zeros(len(self.scene.shapes.names) + 1, dtype=bool)
         is_touched[self.scene.pairs.plus] = is_touched[self.scene.pairs.minus] = True
@@ -110,23 +110,29 @@ class Stage(ExportSource):
         """Blocks whose loads and contact forces are all known: they cancel. (n,)"""
         scene = self.scene
         count = len(scene.shapes.names)
-        left, load = np.zeros((count + 1, 3)), np.zeros(count + 1)
+        unbalanced_kn, load = np.zeros((count + 1, 3)), np.zeros(count + 1)
         force = scene.pairs.normal_kn[:, None] * scene.pairs.normals + scene.pairs.shear_kn
-        np.add.at(left, scene.pairs.plus, force)
-        np.subtract.at(left, scene.pairs.minus, force)
-        np.add.at(left, scene.loads.block, scene.loads.force_kn)
+        np.add.at(unbalanced_kn, scene.pairs.plus, force)
+        np.subtract.at(unbalanced_kn, scene.pairs.minus, force)
+        np.add.at(unbalanced_kn, scene.loads.block, scene.loads.force_kn)
         np.maximum.at(load, scene.loads.block, np.sqrt((scene.loads.force_kn**2).sum(axis=1)))
-        off = np.sqrt((left * left).sum(axis=1))
-        known: Bools = self.free & self.touched & (off[:-1] < _BALANCED * np.maximum(load[:-1], 1e-300))
-        return known
+        unbalanced_size = np.sqrt((unbalanced_kn * unbalanced_kn).sum(axis=1))
+        balanced: Bools = (
+            self.free
+            & self.has_node_pairs
+            & (unbalanced_size[:-1] < _BALANCED * np.maximum(load[:-1], 1e-300))
+        )
+        return balanced
 
-    def neighbourhood(self, shown: Bools) -> float:
+    def neighbourhood(self, chosen: Bools) -> float:
         """A length (m) that arrows and node pairs are drawn by: the extent of blocks shown (n,), or a few of them."""
-        own = shown & (self.sizes > 0.0)
-        if self.alone or not own.any():
+        has_extent = chosen & (self.sizes > 0.0)
+        if self.has_single_block or not has_extent.any():
             return self.size
-        extent = np.ptp(self.scene.shapes.solids.vertices[own[self.of_vertex]], axis=0).max()
-        return min(float(extent), 2.5 * float(np.median(self.sizes[own])))
+        extent = np.ptp(
+            self.scene.shapes.solids.vertices[has_extent[self.vertex_block]], axis=0
+        ).max()
+        return min(float(extent), 2.5 * float(np.median(self.sizes[has_extent])))
 
     @cached_property
     def plate_width(self) -> float:
@@ -134,19 +140,19 @@ class Stage(ExportSource):
         if self.scene.bolts is None:
             return 0.0
         size = min(self.size, self.neighbourhood(self.free))
-        return min(_PLATE * size, _CROWDED * nearest(self.scene.known_bolts.heads_m))
+        return min(_PLATE * size, _PLATE_SPACING * nearest(self.scene.known_bolts.heads_m))
 
     @cached_property
-    def apart(self) -> Floats:
+    def explosion_vectors(self) -> Floats:
         """Which way and how far each block is from the others, (n, 3) m: a lone one out of the slope by its size."""
         shapes = self.scene.shapes
-        if self.alone:
+        if self.has_single_block:
             return np.array([self.size * free_normal(shapes)])
-        own = shapes.fixed if shapes.fixed.any() else self.free
-        away: Floats = shapes.centroids - shapes.centroids[own].mean(axis=0)
+        is_reference = shapes.fixed if shapes.fixed.any() else self.free
+        vectors: Floats = shapes.centroids - shapes.centroids[is_reference].mean(axis=0)
         if self.in_section:
-            away[shapes.fixed] = 0.0
-        return away
+            vectors[shapes.fixed] = 0.0
+        return vectors
 
     # -- how the blocks fail ------------------------------------------------------------------------------------------
 
@@ -158,32 +164,40 @@ class Stage(ExportSource):
     @cached_property
     def without_strength(self) -> Bools:
         """Blocks that fail whatever the strength: they move in a mechanism that has no factor, (n,)."""
-        return self._of_mechanisms(lambda one: one.get("fos") is None and one.get("status") != "not_converged")
+        return self._blocks_in_mechanisms(
+            lambda mechanism: (
+                mechanism.get("fos") is None and mechanism.get("status") != "not_converged"
+            )
+        )
 
     @cached_property
     def unsettled(self) -> Bools:
         """Blocks of mechanisms that did not settle, (n,)."""
-        return self._of_mechanisms(lambda one: one.get("status") == "not_converged")
+        return self._blocks_in_mechanisms(
+            lambda mechanism: mechanism.get("status") == "not_converged"
+        )
 
-    def _of_mechanisms(self, wanted: Callable[[Mapping[str, Any]], bool]) -> Bools:
-        numbers = [k for k, one in enumerate(self.mechanisms, 1) if wanted(one)]
+    def _blocks_in_mechanisms(self, condition: Callable[[Mapping[str, Any]], bool]) -> Bools:
+        numbers = [k for k, mechanism in enumerate(self.mechanisms, 1) if condition(mechanism)]
         return np.isin(self.scene.order, numbers)
 
-    def ways(self, step: int) -> dict[str, str]:
+    def movements(self, step: int) -> dict[str, str]:
         """How the blocks of a mechanism move, by name."""
         if not 0 < step <= len(self.mechanisms):
             return {}
-        return dict(zip(self.mechanisms[step - 1]["blocks"], self.mechanisms[step - 1]["how"], strict=True))
+        return dict(
+            zip(self.mechanisms[step - 1]["blocks"], self.mechanisms[step - 1]["how"], strict=True)
+        )
 
     # -- where it is seen from ----------------------------------------------------------------------------------------
 
     @cached_property
-    def out(self) -> Floats:
+    def outward(self) -> Floats:
         """(3,) unit and level: out of the slope."""
-        face = self._given("inputs", "face")
+        face = self._document_value("inputs", "face")
         if isinstance(face, str):
             return Line(parse_plane(face, "face").dip_direction_deg, 0.0).vector()
-        profile = self._given("inputs", "profile_m")
+        profile = self._document_value("inputs", "profile_m")
         if profile:
             ends = sorted(profile)
             return np.array([1.0 if ends[-1][1] <= ends[0][1] else -1.0, 0.0, 0.0])
@@ -199,11 +213,15 @@ class Stage(ExportSource):
     def eye(self) -> Floats:
         """(3,) unit, toward the eye: before the slope, or beside a section."""
         if self.in_section:
-            along = cross(np.array([0.0, 0.0, 1.0]), self.out)
-            if not isinstance(self._given("inputs", "face"), str):
+            along = cross(np.array([0.0, 0.0, 1.0]), self.outward)
+            if not isinstance(self._document_value("inputs", "face"), str):
                 along = np.array([0.0, 1.0, 0.0])  # x to the right, z up
-            return _seen(-along, 12.0 if along @ cross(np.array([0.0, 0.0, 1.0]), self.out) > 0 else -12.0, 9.0)
-        return _seen(self.out, 32.0, 27.0)
+            return _raised_direction(
+                -along,
+                12.0 if along @ cross(np.array([0.0, 0.0, 1.0]), self.outward) > 0 else -12.0,
+                9.0,
+            )
+        return _raised_direction(self.outward, 32.0, 27.0)
 
     # -- words --------------------------------------------------------------------------------------------------------
 
@@ -216,60 +234,90 @@ class Stage(ExportSource):
     @property
     def answer(self) -> str:
         """Status, factor and check: never a bare factor of safety."""
-        document, fos, leading = self.document, self.document.get("fos") or {}, self.document.get("leading") or {}
+        document, fos, leading = (
+            self.document,
+            self.document.get("fos") or {},
+            self.document.get("leading") or {},
+        )
         limit, closed, lowest, searched = (
             fos.get(name) for name in ("limit", "closed_form", "lowest", "all_pairs_failed")
         )
-        name, agree, accepted = str(leading.get("name")), document.get("agree"), document.get("accepted")
+        name, agree, accepted = (
+            str(leading.get("name")),
+            document.get("agree"),
+            document.get("accepted"),
+        )
         compared = {True: "agree", False: "DO NOT AGREE", None: "not compared"}[agree]
-        said = [
+        statements = [
             (str(document.get("status_text", "")), True),
-            (f"FoS {factor_text(leading.get('fos'))} ({JUDGED.get(name)}, judged by ACCEPT)", name in JUDGED),
+            (
+                f"FoS {factor_text(leading.get('fos'))} ({RULE_QUANTITIES.get(name)}, judged by ACCEPT)",
+                name in RULE_QUANTITIES,
+            ),
             ("no factor of safety", limit is None),
             (f"FoS {factor_text(limit)} ({'limit' if leading else 'PRE-IE'})", limit is not None),
-            (f"lowest estimate {factor_text(lowest)}",
-             name != "lowest" and lowest is not None and limit is not None and lowest <= 0.99 * limit),
-            (f"all pairs failed {factor_text(searched)}", searched is not None and name != "all_pairs_failed"),
+            (
+                f"lowest estimate {factor_text(lowest)}",
+                name != "lowest"
+                and lowest is not None
+                and limit is not None
+                and lowest <= 0.99 * limit,
+            ),
+            (
+                f"all pairs failed {factor_text(searched)}",
+                searched is not None and name != "all_pairs_failed",
+            ),
             (f"closed form {factor_text(closed)}", closed is not None),
-            ("no closed form to compare with" if closed is None and agree is None else compared,
-             document.get("status") != "not_converged"),
+            (
+                "no closed form to compare with" if closed is None and agree is None else compared,
+                document.get("status") != "not_converged",
+            ),
             ("moments govern", bool(document.get("moments_govern")) and limit is not None),
             (f"acceptance {'met' if accepted else 'NOT MET'}", accepted is not None),
-        ]  # fmt: skip
-        return " · ".join(text for text, is_said in said if is_said)
+        ]
+        return " · ".join(text for text, applies in statements if applies)
 
     # -- what stands about the blocks ---------------------------------------------------------------------------------
 
     def rock(self, opacity: float = 1.0) -> list[Layer]:
         """The bedrock: that of the model, or what lies about its one block."""
         shapes = self.scene.shapes
-        if not self.alone:
+        if not self.has_single_block:
             if not shapes.fixed.any():
                 return []
             colours = np.tile(np.array(ROCK), (len(shapes.names), 1))
             return [blocks_layer("bedrock", shapes, shapes.fixed, colours, opacity=opacity)]
         body, shortest = None, 0.0
         if self.is_curved:
-            profile = self._given("inputs", "profile_m")
+            profile = self._document_value("inputs", "profile_m")
             body, shortest = ground_below(shapes, profile) if profile else None, 0.03 * self.size
         elif self.document.get("assembly") is None:
             body = rock_around(shapes)
-        return [] if body is None else [layer("rock", body, ROCK, opacity, outlined=True, shortest=shortest)]
+        return (
+            []
+            if body is None
+            else [layer("rock", body, ROCK, opacity, outlined=True, shortest=shortest)]
+        )
 
     def block_colours(self) -> Ints:
         """Blocks that move in the first mechanism, and the others, (n, 3)."""
         colours = np.tile(np.array(STANDS), (len(self.scene.shapes.names), 1))
         colours[self.scene.order == 1] = BLOCK
-        if self.alone:
+        if self.has_single_block:
             colours[:] = BLOCK
         return colours
 
     def joint_names(self) -> list[str]:
         """Joints as the legend has them: with their orientation where the design gives one."""
-        from slopekit.views.charts.orientation_charts import orientations_of  # few pictures name joints
+        from slopekit.views.charts.orientation_charts import (
+            orientations_of,
+        )  # few pictures name joints
 
         planes = orientations_of(self.document).joints
-        return [f"{name} {planes[name]}" if name in planes else name for name in self.scene.shapes.joints]
+        return [
+            f"{name} {planes[name]}" if name in planes else name
+            for name in self.scene.shapes.joints
+        ]
 
 
 def joint_colour(joint: int) -> tuple[int, int, int]:
@@ -277,10 +325,12 @@ def joint_colour(joint: int) -> tuple[int, int, int]:
     return JOINTS[joint % len(JOINTS)]
 
 
-def _seen(before: Floats, turned_deg: float, above_deg: float) -> Floats:
+def _raised_direction(initial: Floats, azimuth_deg: float, elevation_deg: float) -> Floats:
     """A direction turned about the vertical and raised."""
-    turn, rise = math.radians(turned_deg), math.radians(above_deg)
-    x, y = float(before[0]), float(before[1])
-    level = np.array([x * math.cos(turn) - y * math.sin(turn), x * math.sin(turn) + y * math.cos(turn), 0.0])
+    turn, rise = math.radians(azimuth_deg), math.radians(elevation_deg)
+    x, y = float(initial[0]), float(initial[1])
+    level = np.array(
+        [x * math.cos(turn) - y * math.sin(turn), x * math.sin(turn) + y * math.cos(turn), 0.0]
+    )
     direction: Floats = math.cos(rise) * level + np.array([0.0, 0.0, math.sin(rise)])
     return direction

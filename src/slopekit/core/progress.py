@@ -1,10 +1,10 @@
 """What a long analysis is at, for whoever looks on: a line on a terminal, or nobody; and how long it takes.
 
 >>> heard = []
->>> with onlooker(lambda stage, value, head: heard.append((stage, value))):
-...     say("upper bound")
-...     say("path: strength divided by", 1.5)
->>> say("nobody looks on")
+>>> with listening(lambda stage, value, head: heard.append((stage, value))):
+...     report_stage("upper bound")
+...     report_stage("path: strength divided by", 1.5)
+>>> report_stage("nobody looks on")
 >>> heard
 [('upper bound', None), ('path: strength divided by', 1.5)]
 """
@@ -15,12 +15,12 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 
 #: Told of a stage, a figure of it, and whether it is one of the whole (what comes after is part of it).
-Onlooker = Callable[[str, float | None, bool], None]
+ProgressListener = Callable[[str, float | None, bool], None]
 
-_ONLOOKER: ContextVar[Onlooker | None] = ContextVar("onlooker", default=None)
+_ONLOOKER: ContextVar[ProgressListener | None] = ContextVar("onlooker", default=None)
 
 
-def say(stage: str, value: float | None = None, head: bool = False) -> None:
+def report_stage(stage: str, value: float | None = None, head: bool = False) -> None:
     """Tell who looks on what is done next; without anybody this takes a tenth of a microsecond."""
     onlooker = _ONLOOKER.get()
     if onlooker is not None:
@@ -28,9 +28,9 @@ def say(stage: str, value: float | None = None, head: bool = False) -> None:
 
 
 @contextmanager
-def onlooker(told: Onlooker) -> Iterator[None]:
+def listening(listener: ProgressListener) -> Iterator[None]:
     """Have someone told of every stage within."""
-    token = _ONLOOKER.set(told)
+    token = _ONLOOKER.set(listener)
     try:
         yield
     finally:
@@ -38,25 +38,27 @@ def onlooker(told: Onlooker) -> Iterator[None]:
 
 
 @contextmanager
-def told_times(unit: float, of: str) -> Iterator[None]:
+def scaled_values(unit: float, suffix: str) -> Iterator[None]:
     """What is told within of stages that end with some words has its figure multiplied.
 
     >>> heard = []
-    >>> with onlooker(lambda stage, value, head: heard.append(value)), told_times(2.0, "divided by"):
-    ...     say("path, strength divided by", 1.5)
-    ...     say("path, load times", 1.5)
+    >>> with listening(lambda stage, value, head: heard.append(value)), scaled_values(2.0, "divided by"):
+    ...     report_stage("path, strength divided by", 1.5)
+    ...     report_stage("path, load times", 1.5)
     >>> heard
     [3.0, 1.5]
     """
-    told = _ONLOOKER.get()
-    if told is None:
+    listener = _ONLOOKER.get()
+    if listener is None:
         yield
         return
 
-    def times(stage: str, value: float | None, head: bool) -> None:
-        told(stage, unit * value if value is not None and stage.endswith(of) else value, head)
+    def scaled(stage: str, value: float | None, head: bool) -> None:
+        listener(
+            stage, unit * value if value is not None and stage.endswith(suffix) else value, head
+        )
 
-    with onlooker(times):
+    with listening(scaled):
         yield
 
 
@@ -69,7 +71,7 @@ class Clock:
 
     @contextmanager
     def __call__(self, stage: str) -> Iterator[None]:
-        say(stage.replace("_", " "), head=True)
+        report_stage(stage.replace("_", " "), head=True)
         began = time.perf_counter()
         yield
         self.times[stage] = self.times.get(stage, 0.0) + time.perf_counter() - began

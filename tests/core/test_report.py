@@ -72,21 +72,31 @@ def test_a_sheet_folds_at_a_hundred_columns_and_escapes_html() -> None:
 
 def test_a_table_writes_what_it_holds_and_shows_what_fits() -> None:
     table = Table(
-        (Column("name", itemgetter(0), "name", width=-6),
-         Column("length", itemgetter(1), "length_m", "m", ".1f", 8, ".3f"),
-         Column("", itemgetter(1), "exact")),
-        [("a", 1.23456), ("b", None)], shown=[("a", 1.23456)], rest="1 more",
-    )  # fmt: skip
+        (
+            Column("name", itemgetter(0), "name", width=-6),
+            Column("length", itemgetter(1), "length_m", "m", ".1f", 8, ".3f"),
+            Column("", itemgetter(1), "exact"),
+        ),
+        [("a", 1.23456), ("b", None)],
+        shown=[("a", 1.23456)],
+        rest="1 more",
+    )
     assert table.lines() == ["name    length", "a          1.2", "1 more"]
     assert table.csv() == "name,length_m,exact\na,1.235,1.23456\nb,,\n"
-    assert table.records() == [{"name": "a", "length_m": 1.23456, "exact": 1.23456},
-                               {"name": "b", "length_m": None, "exact": None}]  # fmt: skip
+    assert table.records() == [
+        {"name": "a", "length_m": 1.23456, "exact": 1.23456},
+        {"name": "b", "length_m": None, "exact": None},
+    ]
     assert table.to_dict()["rows"] == [["a", 1.23456]]
 
 
 def test_heads_in_a_notebook_have_their_unit() -> None:
     forces = Table(
-        [Column("force", lambda row: row, "force_kn", "kN"), Column("Z / m", lambda row: row, "z_m", "m")], [1.0]
+        [
+            Column("force", lambda row: row, "force_kn", "kN"),
+            Column("Z / m", lambda row: row, "z_m", "m"),
+        ],
+        [1.0],
     )
     page = Sheet("a head", (Section("FORCES", [forces]),))._repr_html_()
     assert "<th>force / kN</th><th>Z / m</th>" in page

@@ -5,11 +5,13 @@ from collections.abc import Mapping
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from slopekit.core.errors import DesignError, Fault
+
 if TYPE_CHECKING:
     from slopekit.core.sheet import Column, Sheet, Table
 
 
-class Shown:
+class Report:
     """Has a sheet, and shows it: `print(r)` writes it, a notebook draws it, `r.to_frame()` gives its leading table."""
 
     __slots__ = ()
@@ -42,7 +44,7 @@ class Shown:
         return self.name, self.text_name or self.name
 
     @property
-    def parts(self) -> "Mapping[str, Shown]":
+    def parts(self) -> "Mapping[str, Report]":
         """What it is made of where that has files of its own, by the names of their folders."""
         return {}
 
@@ -83,7 +85,9 @@ class Shown:
         by_name = {name.partition(".")[0]: table for name, table in sheet.tables.items()}
         for section in sheet.sections:
             for entry in section.content:
-                if not isinstance(entry, Table) or any(entry is one for one in by_name.values()):
+                if not isinstance(entry, Table) or any(
+                    entry is table for table in by_name.values()
+                ):
                     continue
                 if any(column.key for column in entry.columns):
                     name = label = section.label.lower().replace(" ", "_")
@@ -103,12 +107,12 @@ class Shown:
         try:
             pandas = import_module("pandas")
         except ImportError:
-            from slopekit.core.errors import DesignError, Fault
-
             message = "data frames need pandas, which is not installed"
             raise DesignError([Fault("E140", message, "", "pip install pandas")]) from None
         return {
-            name: pandas.DataFrame(table.records(), columns=[column.key for column in table.columns if column.key])
+            name: pandas.DataFrame(
+                table.records(), columns=[column.key for column in table.columns if column.key]
+            )
             for name, table in self.tables().items()
         }
 
@@ -122,7 +126,14 @@ class Shown:
         """
         frames = self.to_frames()
         if not frames:
-            from slopekit.core.errors import DesignError, Fault
-
-            raise DesignError([Fault("E273", f"{type(self).__name__} has no table", "", "to_dict() has all of it.")])
+            raise DesignError(
+                [
+                    Fault(
+                        "E273",
+                        f"{type(self).__name__} has no table",
+                        "",
+                        "to_dict() has all of it.",
+                    )
+                ]
+            )
         return next(iter(frames.values()))
