@@ -28,7 +28,7 @@ _ZLIB_LEVEL = 4  # of zlib: beyond it costs more time than it saves room
 
 @dataclass(frozen=True)
 class Sizes:
-    """How large it is what fails, m.
+    """The size of what fails, in m.
 
     Attributes
     ----------

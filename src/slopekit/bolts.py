@@ -64,12 +64,12 @@ def _block_crossing(
     size: float,
     design_block: int,
 ) -> tuple[int, Floats | None, float]:
-    """What a bolt passes through: its block (-1: none), the normal (3,) where it enters, how far off it leaves, m.
+    """Return the block that a bolt crosses (-1: none), the normal (3,) where it enters, and the exit distance, m.
 
     Parameters
     ----------
-    corners : (t, 3, 3) and normals : (t, 3) of the triangles of the blocks `owner` (t,); own : the block that is
-        known to be its own, -1 for none; size : m
+    corners : (t, 3, 3) and normals : (t, 3) of the triangles of the blocks `owner` (t,)
+    design_block : the block that the design names for the bolt, -1 for none; size : m
     """
     distances, crossed = line_triangle_intersections(head, direction, corners)
     is_entry = (normals[crossed] @ direction) < 0.0

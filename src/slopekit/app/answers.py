@@ -1,4 +1,4 @@
-"""What stands on the page of a design: its numbers with status, check and what governs, its net, its scene, its faults.
+"""The answers that the app's page shows of a design: numbers, status, check, sensitivities, net, scene, faults.
 
 >>> from slopekit.app.session import Session, opened_template
 >>> answer, result = analysed_answer(Session(opened_template("wedge")).moment)

@@ -139,7 +139,7 @@ def tree(design: Design) -> Document:
 
 
 def text_at(document: Document, path: str) -> str | None:
-    """What the file has at a path, an angle of an orientation by its own path; None where nothing stands there.
+    """Return the text of the file at a path, an angle of an orientation by its own path; None where there is none.
 
     >>> from slopekit.design.reading.nodes import document_from
     >>> text_at(document_from({"joints": {"J1": {"plane": "045/115"}}}), "joints.J1.plane.dip")

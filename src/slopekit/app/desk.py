@@ -1,4 +1,4 @@
-"""Who is connected and what they share: one design, the thread that analyses it, the pages that are open.
+"""The pages that are open and the state they share: one design, and the thread that analyses it.
 
 A change is taken at once; a thread analyses it, and while it does only the newest request waits.
 """
@@ -344,7 +344,7 @@ class Link:
     def answering(
         self, message: Message
     ) -> Callable[[Mapping[str, Any]], Coroutine[Any, Any, None]]:
-        """Return what answers a message with a body, for `Desk.apart`."""
+        """Return the coroutine function that answers a message with a body, for `Desk.run_in_thread`."""
 
         async def answer(body: Mapping[str, Any]) -> None:
             self.answer(message, body)

@@ -1,4 +1,4 @@
-"""What is handed over: the page, DXF, JSON, the design, and the command line that gives the same numbers.
+"""Files to download from the app: page, DXF, JSON, design, and the command line that gives the same numbers.
 
 >>> from slopekit.app.session import Session, opened_template
 >>> session = Session(opened_template("wedge"))
@@ -87,7 +87,7 @@ def command_of(session: Session) -> str:
 
 
 def note_of(session: Session) -> str:
-    """What has to be done, or known, before the command line gives these numbers; empty where it is nothing.
+    """Return what the user must do before the command line gives these numbers; empty where nothing.
 
     Raises
     ------
@@ -124,7 +124,7 @@ def _template(session: Session) -> Path | None:
 
 
 def settings(session: Session) -> list[str]:
-    """What `--set` is given so that the file becomes the design."""
+    """Return the values of `--set` that turn the file into the design."""
     opened_root, root = session.opened.document.root, session.moment.document.root
     return [f"{path}={_value(root.find(path))}" for path in differing_paths(opened_root, root)]
 

@@ -1,4 +1,4 @@
-"""What takes longer than a moment: a bench, a curve, a probability, bolts; in a process of its own, which cancel ends.
+"""Jobs of the app, in a process that cancelling ends: analyses of benches, curves, probabilities, bolts.
 
 The process is started anew (spawn: on every system the same) and waits for the next job, so that a job does not pay for
 loading. One job runs at a time. What comes of it is text, JSON, made over there.
@@ -44,7 +44,7 @@ def run_job(job: str, moment: Moment, options: Mapping[str, Any], tell: Tell) ->
 
     Parameters
     ----------
-    job : one of `WHAT`; options : as the page gives them; tell : of its progress
+    job : one of `JOBS`; options : as the page gives them; tell : called with its progress
 
     Raises
     ------
@@ -73,7 +73,7 @@ def _analyse(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Result:
 
 
 def _progress_context(tell: Tell) -> Workplace:
-    """Where a study shows its progress."""
+    """Return the context by which a study of the app reports its progress."""
 
     @contextlib.contextmanager
     def bar(label: str, total: int) -> Iterator[Advance]:

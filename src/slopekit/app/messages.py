@@ -1,4 +1,4 @@
-"""What comes over the app's socket and goes back: JSON of bounded size, refused by faults where it is none."""
+"""Messages of the app's socket: JSON of bounded size; anything else is refused by a fault."""
 
 import json
 from collections.abc import Mapping
@@ -103,7 +103,7 @@ def written(message: Mapping[str, Any]) -> str:
 
 
 def json_of_numpy(value: Any) -> Any:
-    """What JSON has of a value of NumPy. Raises TypeError for anything else."""
+    """Return a value of NumPy as a JSON value. Raises TypeError for anything else."""
     if hasattr(value, "tolist"):
         return value.tolist()
     raise TypeError(f"{type(value).__name__} is no JSON")

@@ -184,7 +184,7 @@ def _removals(
 
 
 def _end(item: Any) -> int:
-    """Where a value ends in the text: a block with its last value, not with the comments behind it."""
+    """Return the index at which a value ends in the text: a block with its last value, without comments after it."""
     if isinstance(item.value, str) or item.flow_style or not item.value:
         return int(item.end_mark.index)
     last = item.value[-1]
@@ -228,7 +228,7 @@ def _applied(text: str, edits: list[_Edit]) -> str:
 
 @dataclass(frozen=True)
 class SavedChange:
-    """What a save would write: where to, the text, the difference from what was opened, how many lines are new."""
+    """The change that a save would write: file, text, difference from the opened text, number of new lines."""
 
     target: Path | None
     text: str
@@ -238,7 +238,7 @@ class SavedChange:
 
 
 def change_of(session: Session, file: str | None = None) -> SavedChange:
-    """What a save of a session would write.
+    """Return the change that a save of a session would write.
 
     Parameters
     ----------
@@ -390,7 +390,7 @@ def _write(target: Path, content: bytes, new: bool) -> None:
 
 
 def state_folder() -> Path:
-    """Where the user's state is kept: by the system's own rule."""
+    """Return the folder of the user's state, by the rule of the operating system."""
     if sys.platform == "win32":
         base = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
     elif sys.platform == "darwin":
@@ -414,7 +414,7 @@ class Autosave:
 
     @property
     def file(self) -> Path:
-        """Where it is kept."""
+        """The file of this autosave."""
         return self.folder / f"{self.number}.json"
 
     def keep(self, session: Session, file: Path | None = None) -> None:

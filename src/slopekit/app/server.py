@@ -1,7 +1,7 @@
 """The server of the app: one user, this machine alone, a token in the address.
 
-Who may ask and what is served stands here; `desk` has what the pages share, `verbs` what they may ask, `messages` how
-it is written.
+This module has the checks of requests, the messages that pages may send (`VERBS`) and the files that are served; `desk`
+has the state that pages share, `messages` the format.
 """
 
 import asyncio
@@ -76,7 +76,7 @@ def _open(link: Link, message: Message) -> None:
 
 
 def _reading(desk: Desk, message: Message) -> Callable[[], Opened]:
-    """What reads the design that a message opens: in a thread."""
+    """Return the function that reads the design of an `open` message, to be called in a thread."""
     if "template" in message:
         return partial(opened_template, text_of(message, "template"))
     if "yaml" in message:
@@ -355,7 +355,7 @@ class Guard:
             )
 
     def refused(self, scope: Scope) -> str:
-        """Why a request is refused; empty where it is not."""
+        """Return why a request is refused; empty where it is not."""
         headers = [(name.lower(), value) for name, value in scope["headers"]]
         hosts = [value.decode("latin-1") for name, value in headers if name == b"host"]
         allowed = [f"{name}:{self.port()}" for name in _NAMES]

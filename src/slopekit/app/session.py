@@ -225,7 +225,7 @@ class Session:
         }
 
     def _text_of(self, path: str, key: Key) -> str:
-        """What stands in the box of a number: of what cannot be read as one, what was written."""
+        """Return the text of a number's box; text that cannot be read as a number stands as written."""
         written = controls.text_at(self.moment.document, path)
         if written and self.moment.faults and not _NUMBER.match(written):
             return written
@@ -239,7 +239,7 @@ class Session:
         Raises
         ------
         DesignError
-            Where the values fit nowhere: nothing is changed then. What is no sound design is, with `now.faults`.
+            Where the values fit nowhere: nothing is changed then. An unsound design is kept, with `moment.faults`.
         """
         document = self.moment.document
         for path, value in values.items():

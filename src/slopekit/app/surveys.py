@@ -184,7 +184,7 @@ def read_dropped_survey(
 def _ask_without_bad_rows(
     name: str, text: str, columns: str | None, error: DesignError
 ) -> DroppedSurvey:
-    """The faults of a survey and whether to go on without its bad rows, where these are few enough to be left out.
+    """Return a survey with its faults and the question whether to go on without its bad rows, where these are few.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What the commands share: options, reading a design, folders, faults as text or JSON."""
+"""Parts that all commands share: options, reading a design, folders, faults as text or JSON."""
 
 import os
 import re

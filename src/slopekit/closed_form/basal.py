@@ -157,8 +157,9 @@ def basal_wedges(wedges: BasalWedgeArrays) -> ClosedFormWedges:
 
 
 class _ConvexBlock(NamedTuple):
-    """The planes' inward normals, three of (k, m), and of the block areas (k, m), volume, height, depth of the crack;
-    code: why there is none, else 0.
+    """Inward normals of the planes, three of (k, m), and areas (k, m), volume, height and crack depth of the block.
+
+    code : why there is no block, else 0
     """
 
     inward: Vector

@@ -256,7 +256,7 @@ def _solve(columns: Columns, outcome: Codes, numbers: Floats) -> None:
 
 
 class PlanesCut(NamedTuple):
-    """What the planes' normals say, (k, m) of k planes or lines.
+    """Geometry that follows from the normals of the planes of wedges, (k, m) of k planes or lines.
 
     `lines` are cross products of normals: the traces of J1 and J2 on the face, the line of intersection, the crest;
     `squares` of their lengths, `length` that of the line of intersection; `climbs` are n_upper · line of the first
@@ -285,7 +285,7 @@ class PlanesCut(NamedTuple):
 
 
 def planes_cut(columns: Columns, count: int) -> PlanesCut:
-    """What the normals of the planes of wedges say."""
+    """Return the geometry that follows from the normals of the planes of wedges."""
     names = _PLANES if "crack_dip_deg" in columns else _PLANES[:_CRACK]
     angles = np.empty((2, len(names), count))
     for plane, (dip, direction) in enumerate(names):

@@ -1,1 +1,1 @@
-"""What every floor stands on: the sheet, and dataclasses as JSON."""
+"""The lowest layer: sheets, units, orientations, faults, and dataclasses as JSON."""

@@ -1,4 +1,4 @@
-"""What the functions of a script are given: counted, named and tested before they begin, by their own signatures.
+"""Checks of the arguments of public functions, by their signatures, before the functions begin.
 
 A parameter whose type is made of plain ones (numbers, texts, paths, mappings, classes) takes nothing else; one that is
 `Any` is tested by the function. A number may be a text, "5%", where the option of the command reads it so. What no

@@ -181,7 +181,7 @@ class Faults(list[Fault]):
             self += error.faults
 
     def of(self, read: Callable[P, T], *args: P.args, **more: P.kwargs) -> T | None:
-        """What `read` returns of these; None where it raises, its faults kept."""
+        """Return what `read` returns for these arguments; None where it raises, its faults collected."""
         try:
             return read(*args, **more)
         except DesignError as error:

@@ -1,4 +1,4 @@
-"""What is installed beside slopekit's own needs."""
+"""Optional packages (extras): whether they are installed, and the fault that names them."""
 
 from importlib.util import find_spec
 

@@ -1,4 +1,4 @@
-"""How a command line gives the parameters of a function: said on the function, once, for the command and for Python.
+"""Declarations of command line options, written once on the parameters of a function.
 
 A parameter with an `Option` or an `Argument` in its type is one of the command (`slopekit.cli.study_command`); the
 docstring lists them as they say themselves.
@@ -82,7 +82,7 @@ def _silent(_done: int) -> None:
 
 @dataclass(frozen=True)
 class Workplace:
-    """Where a study works: the folder of its results, None without one; how progress is shown.
+    """The context in which a study runs: the folder of its results, None without one, and its progress display.
 
     Once results are written what `when_written` has is called: what was kept for an interruption goes.
     """
@@ -98,7 +98,7 @@ DESK = Workplace()
 
 
 def declared_option(parameter: inspect.Parameter) -> Option | Argument | None:
-    """How a command line gives a parameter; None where it does not."""
+    """Return the command line declaration of a parameter; None where it has none."""
     return next(
         (
             declaration

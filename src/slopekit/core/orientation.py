@@ -410,7 +410,7 @@ def _not_a_plane(value: object, name: str, where: str) -> Fault:
 
 
 def _spelling_advice(text: str) -> str:
-    """What to type for a plane whose two angles are told apart by something else than a slash; empty where unclear.
+    """Return what to type for a plane whose two angles are not separated by a slash; empty where unclear.
 
     >>> _spelling_advice("45-115"), _spelling_advice("45,5/115"), _spelling_advice("45SE"), _spelling_advice("115 45")
     ('Write 45/115.', 'Write 45.5/115.', 'Write 45/135.', 'Write 45/115: the dip comes first.')
@@ -440,7 +440,7 @@ def _spelling_advice(text: str) -> str:
 
 
 def _quadrant_advice(text: str) -> str:
-    """What to type for a bearing in quadrants and a dip of which nothing says to which side: `S45E/45`, `45/S45E`."""
+    """Return what to type for a bearing in quadrants with a dip of unknown side: `S45E/45`, `45/S45E`."""
     quadrant = r"([NSns]\s*\d+(?:\.\d+)?\s*[EWew])"
     match = re.match(rf"^\s*{quadrant}[\s/,;]+(\d+(?:\.\d+)?)\s*$", text)
     bearing_text, dip_text = match.groups() if match is not None else ("", "")
@@ -480,7 +480,7 @@ def parse_face(value: object, name: str, where: str = "") -> Plane:
 
 
 def _face_fault(fault: Fault, value: object, name: str) -> Fault:
-    """What is wrong with a face, with an advice that keeps its rock on the same side."""
+    """Return the fault of a face, with an advice that keeps its rock on the same side."""
     angles = (
         value.split("/")
         if isinstance(value, str)

@@ -1,4 +1,4 @@
-"""What a long analysis is at, for whoever looks on: a line on a terminal, or nobody; and how long it takes.
+"""Progress of a long analysis for a listener, such as a line on a terminal, and its times.
 
 >>> heard = []
 >>> with listening(lambda stage, value, head: heard.append((stage, value))):
@@ -39,7 +39,7 @@ def listening(listener: ProgressListener) -> Iterator[None]:
 
 @contextmanager
 def scaled_values(unit: float, suffix: str) -> Iterator[None]:
-    """What is told within of stages that end with some words has its figure multiplied.
+    """Multiply the values of the stages reported within whose names end with a suffix.
 
     >>> heard = []
     >>> with listening(lambda stage, value, head: heard.append(value)), scaled_values(2.0, "divided by"):

@@ -1,4 +1,4 @@
-"""What results and outcomes of studies have in common: each shows itself, in a terminal, a notebook, a data frame."""
+"""The base of results and study outcomes: text, JSON, notebook and data frame from one sheet."""
 
 from abc import abstractmethod
 from collections.abc import Mapping
@@ -22,7 +22,7 @@ class Report:
     @property
     @abstractmethod
     def sheet(self) -> "Sheet":
-        """What it says of itself: sections of entries and tables."""
+        """The sheet: sections of entries and tables."""
 
     @property
     @abstractmethod
@@ -31,30 +31,30 @@ class Report:
 
     @abstractmethod
     def to_dict(self) -> dict[str, Any]:
-        """What it says of itself as JSON values."""
+        """Return the outcome as JSON values."""
 
     @property
     @abstractmethod
     def exit_code(self) -> int:
-        """What a command ends with: 0 done, 1 a criterion is not met, 2 to 4 as those of every command."""
+        """The exit code of a command: 0 done, 1 a criterion is not met, 2 to 4 as those of every command."""
 
     @property
     def file_names(self) -> tuple[str, str]:
-        """Of its JSON and its text, without endings."""
+        """The names of its JSON and text files, without endings."""
         return self.name, self.text_name or self.name
 
     @property
     def parts(self) -> "Mapping[str, Report]":
-        """What it is made of where that has files of its own, by the names of their folders."""
+        """The outcomes of its load cases, each with files of its own, by the names of their folders."""
         return {}
 
     @property
     def margin(self) -> float | None:
-        """How good it is, less is worse: among load cases the least governs. None where nothing says so."""
+        """The margin by which the least favourable load case is found (less is worse); None where there is none."""
         return None
 
     def case_columns(self) -> "list[Column[Any]]":
-        """What a table over load cases has of each, beside its line."""
+        """The columns that a table over load cases has beside the line of each case."""
         return []
 
     @classmethod

@@ -221,7 +221,7 @@ class Table(Generic[Row]):
         return (self.rows[start : start + _AT_ONCE] for start in range(0, len(self.rows), _AT_ONCE))
 
     def to_dict(self) -> dict[str, Any]:
-        """What a person is shown as JSON values: heads with units, cells as numbers and as they are shown."""
+        """Return the table as JSON values: heads with units, cells as numbers and as text."""
         columns = [
             column for column in self.columns if (column.width or column.title) and not column.timed
         ]
@@ -298,7 +298,7 @@ def _entry_json(entry: Entry) -> Any:
 
 @dataclass(frozen=True)
 class Sheet:
-    """What a result or a study says of itself.
+    """The sheet of a result or a study: sections of entries and tables.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What engineers call the keys, options and parameters of slopekit: one table for files, commands and Python."""
+"""Synonyms of keys, options and parameters: one table for files, commands and Python."""
 
 import re
 from collections.abc import Iterable, Mapping

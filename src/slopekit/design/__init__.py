@@ -1,1 +1,1 @@
-"""What a user writes, checked and turned into numbers."""
+"""Designs: what a user writes, checked and turned into numbers."""

@@ -67,7 +67,7 @@ class Written:
 
 @dataclass(frozen=True)
 class Export:
-    """What `export` wrote, and what a reader must know of it."""
+    """The files that `export` wrote, and notices on them."""
 
     written: tuple[Written, ...]
     warnings: tuple[Notice, ...] = ()
@@ -182,7 +182,7 @@ def _refuse_unwritable(folder: Path) -> None:
 
 
 def _notices(source: ExportSource) -> Iterator[Notice]:
-    """What the files do not say themselves: W376 flat triangles for a curved body."""
+    """Iterate over notices on limits of the files: W376 flat triangles for a curved body."""
     true = float((source.document.get("geometry") or {}).get("volume_m3") or 0.0)
     if source.is_curved and true > 0.0:
         flat = sum(body.volume for body in block_bodies(source.scene))

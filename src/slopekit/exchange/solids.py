@@ -190,7 +190,7 @@ def _painted(colour: tuple[int, int, int, int]) -> Any:
 
 
 def _block_extras(scene: BlockScene, k: int) -> dict[str, Any]:
-    """What is known of a block, as glTF extras."""
+    """Return the properties of a block as glTF extras."""
     factor = float(scene.factor[k])
     return {
         "fixed": bool(scene.shapes.fixed[k]),

@@ -1,4 +1,4 @@
-"""Where what is exported comes from: a result, its JSON as a dict, or the file that holds it."""
+"""Sources of an export: a result, its JSON as a dict, or the file that holds it."""
 
 import os
 import re
@@ -37,7 +37,7 @@ ExportInput: TypeAlias = "Result | Cases[Any] | Mapping[str, Any] | str | os.Pat
 
 
 def sources_of(result: ExportInput, case: str | None = None) -> dict[str, ExportSource]:
-    """What `export_source` makes, of each load case by its name or of the one that is named; without cases by no name.
+    """Return the export source of each load case, or of the one that is named, by name (empty without cases).
 
     Raises
     ------
@@ -87,7 +87,7 @@ NUMBERED = re.compile(r"^(active bolt|passive bolt|force) (\d+)(,.*)?$")
 
 
 def bolt_of_load(document: Mapping[str, Any], name: str) -> tuple[str, int] | None:
-    """How the bolt acts that a load of a scene is, and its number as the design lists it; None for other loads.
+    """Return how a bolt acts and its number in the design, from the name of its load; None for other loads.
 
     A scene numbers active and passive bolts each for themselves, and those of many blocks that are active after the
     forces.

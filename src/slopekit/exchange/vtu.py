@@ -43,7 +43,7 @@ def write_vtu(path: Path, source: ExportSource) -> Files:
     return files, "float64"
 
 
-# -- the four files- --------------------------------------------------------------------------------------------------
+# -- the four files ---------------------------------------------------------------------------------------------------
 
 
 def _blocks(scene: BlockScene) -> bytes:

@@ -1,4 +1,4 @@
-"""Where a line meets triangles: what a bolt passes through."""
+"""Intersections of lines with triangles, for the blocks that a bolt passes through."""
 
 import numpy as np
 

@@ -84,7 +84,7 @@ class LocalSlope:
 
     @cached_property
     def extents(self) -> Floats:
-        """Of each block along the axes, (n, 3) m."""
+        """The extents of each block along the axes, (n, 3) m."""
         corners = self.solids.corners()
         extents: Floats = np.fmax.reduce(corners, axis=1) - np.fmin.reduce(corners, axis=1)
         return extents

@@ -1,4 +1,4 @@
-"""What a strength law is, and the straight lines that the solvers take in its place.
+"""The protocol of a strength law, and the straight lines that the solvers take in its place.
 
 A law gives the shear strength τ(σ) of a joint at the effective normal traction σ (kPa, compression positive). The
 factor of safety divides τ, never the parameters of the law: JRC 8 at F = 2 is half the strength, not JRC 4.

@@ -1,1 +1,1 @@
-"""What is done with many analyses of a design: checks, sweeps, samples. Each study is a noun and a verb."""
+"""Studies, which analyse a design many times: checks, sweeps, samples. Each study is a noun and a verb."""

@@ -1,5 +1,6 @@
-"""Quantiles of random variables, from standard normals or tail probabilities, exact in both tails; and the probability
-of values that no design has: cohesion below 0, a friction angle of 90° and more.
+"""Quantiles of random variables, from standard normals or tail probabilities, exact in both tails.
+
+Also the probability of values that no design has: cohesion below 0, a friction angle of 90° and more.
 
 A tail probability p is that of the nearer end, with its side: 1 - p is never formed where p is tiny.
 """

@@ -423,7 +423,7 @@ class BothMethods:
 
     @property
     def looked_at(self) -> int:
-        """The number of designs with a verdict of PRE-IE."""
+        """The number of designs that form a block: agreeing, disagreeing and not compared."""
         return self.agree + self.disagree + self.not_compared
 
     def in_words(self) -> list[str]:

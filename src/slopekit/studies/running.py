@@ -194,7 +194,7 @@ def _array_to_json(array: NDArray[Any]) -> dict[str, str]:
 
 
 def _array_from_json(values: dict[str, Any]) -> Any:
-    """Return the array that `_text_of` made such values of, other values as they are."""
+    """Return the array of values that `_array_to_json` made; other values as they are."""
     if "base64" not in values:
         return values
     return np.frombuffer(base64.b64decode(values["base64"], validate=True), values["array"])

@@ -1,1 +1,1 @@
-"""What a person reads."""
+"""Views: pages, charts, scenes and texts for people."""

@@ -1,4 +1,4 @@
-"""What `slopekit doctor` says: versions, what can be drawn and read, and a self test against known answers."""
+"""The report of `slopekit doctor`: versions, what can be drawn and read, and a self test against known answers."""
 
 import importlib
 import os

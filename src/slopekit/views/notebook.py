@@ -1,4 +1,4 @@
-"""What results, studies and pictures look like in a notebook."""
+"""Results, studies and pictures as HTML of a notebook."""
 
 import os
 from base64 import b64encode
@@ -22,7 +22,7 @@ class Drawing(_PlatformPath):
 
     @property
     def path(self) -> Path:
-        """Where it was written."""
+        """The file of the picture."""
         return Path(self)
 
     def _repr_html_(self) -> str:

@@ -98,7 +98,7 @@ _OF_SURVEYS = {"kinematic": "survey_charts.draw_kinematic", "sets": "survey_char
 
 
 def offers(document: Document) -> dict[str, str]:
-    """What a document can give: the words, and what each picture shows."""
+    """Return the pictures that a document can give: name and what each shows."""
     is_of_scene = isinstance(document.get("scene"), Mapping)
     scene = document["scene"] if is_of_scene else {}
     study, keys = document.get("study"), document.get("keys")

@@ -3,13 +3,13 @@
 import csv
 import re
 import warnings
+import zlib
 from bisect import bisect
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from io import BytesIO
 from typing import Any, NoReturn
 from zipfile import BadZipFile
-from zlib import error as ZlibError
 
 from slopekit.core.degrees import decimal_degrees
 from slopekit.core.orientation import number
@@ -119,7 +119,7 @@ def _with_unit(heading: str, unit: str) -> str:
 #: Exceptions of zipfile, the XML parser and openpyxl for a workbook that is broken, incomplete or encrypted.
 _BROKEN = (
     BadZipFile,
-    ZlibError,
+    zlib.error,
     EOFError,
     RuntimeError,
     LookupError,

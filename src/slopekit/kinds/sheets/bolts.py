@@ -111,7 +111,7 @@ def _millimetre_or_dash(value: float | None) -> str:
 
 
 def schedule_entries(bolts: Sequence[ScheduledBolt]) -> list[Entry]:
-    """What the sheet has of the bolts: the schedule and what has to be said of it; empty without a head."""
+    """Return the entries of the bolts: schedule and remarks; empty without bolt heads."""
     if not any(bolt.head_m for bolt in bolts):
         return []
     return [
@@ -121,7 +121,7 @@ def schedule_entries(bolts: Sequence[ScheduledBolt]) -> list[Entry]:
 
 
 def per_slice(bolts: Sequence[ScheduledBolt]) -> str:
-    """What forces in a section are, in words; "" in space."""
+    """Return the words that say to what width of a section forces belong; "" in space."""
     slices = [bolt.slice_m for bolt in bolts if bolt.slice_m is not None]
     return f"a section: forces are those on {slices[0]:g} m of slope" if slices else ""
 

@@ -13,7 +13,7 @@ _MOST_JOINTS = 6  # joints of the sheet
 
 
 def elastic_entries(result: Result, blocks: ElasticBlocks) -> list[Entry]:
-    """What the deformation of the rock does, in a few lines."""
+    """Return the entries on the effect of rock deformation."""
     return [
         _limit(blocks),
         _rock(blocks),
@@ -61,17 +61,20 @@ def _rock(blocks: ElasticBlocks) -> str:
     return f"{rock}; rigid bedrock"
 
 
+#: The name of a joint and its state on elastic blocks.
+_JointRow = tuple[str, OnElasticJoint]
+
+
 def _joints(result: Result, blocks: ElasticBlocks) -> Table[tuple[str, OnElasticJoint]]:
     """Normal tractions of each joint."""
-    Row = tuple[str, OnElasticJoint]
 
-    def end(attribute: str, k: int) -> Callable[[Row], float]:
+    def end(attribute: str, k: int) -> Callable[[_JointRow], float]:
         return lambda row: float(getattr(row[1], attribute)[k])
 
     def kpa(value: float) -> str:
         return short(value if abs(value) >= 0.05 else 0.0)
 
-    columns: list[Column[Row]] = [
+    columns: list[Column[_JointRow]] = [
         Column("on (kPa, %)", itemgetter(0), "joint", show=result.design.in_own_names, width=-14),
         Column("σ' from", end("elastic_kpa", 0), "elastic_from_kpa", "kPa", kpa, 14),
         Column("to", end("elastic_kpa", 1), "elastic_to_kpa", "kPa", kpa, 12),

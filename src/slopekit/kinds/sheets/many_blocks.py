@@ -66,7 +66,7 @@ _MOST_ROWS, _FIRST_ROWS, _LAST_ROWS = 40, 20, 10
 
 
 def sections(result: Result, findings: Findings) -> Iterator[Section]:
-    """What moves, in what order, the table of columns and what was checked."""
+    """Iterate over the sections of many blocks: mechanisms in order, table of columns, checks."""
     first = findings.first
     yield Section("MOVES", (), details=_moves(result, first))
     remaining = [findings.standing] if findings.standing else []
@@ -109,7 +109,7 @@ def _joined(status: str, words: str) -> str:
 
 
 def _motions(mechanism: Mechanism, order: Mapping[str, int]) -> str:
-    """How many blocks move in which way, and which: the most frequent way first."""
+    """Return how many blocks move in which way, and which; the most frequent way first."""
     names_by_motion: dict[str, list[str]] = {}
     for name, motion in zip(mechanism.blocks, mechanism.how, strict=True):
         names_by_motion.setdefault(motion, []).append(name)
@@ -121,7 +121,7 @@ def _motions(mechanism: Mechanism, order: Mapping[str, int]) -> str:
 
 
 def limit_in_words(result: Result) -> str:
-    """What the headline is: of many blocks the limit of the elastic path, or where it was last at rest."""
+    """Return the words that say what the factor is: the limit of the elastic path, or its last state at rest."""
     findings = result.findings
     if findings is None:
         return "PRE-IE"
@@ -238,7 +238,7 @@ def _mean_stress(interface: GoverningInterface) -> float | None:
 
 
 def _pairs(by_mode: Mapping[str, int]) -> list[str]:
-    """How many node pairs stick, slip and are open, of all."""
+    """Return how many node pairs stick, slip and are open, of all."""
     if not by_mode:
         return []
     verbs = {"stick": "stick", "slip": "slip", "open": "are open"}
@@ -251,7 +251,7 @@ def _pairs(by_mode: Mapping[str, int]) -> list[str]:
 
 
 def _chips(findings: Findings) -> list[Entry]:
-    """What fails and is too light to count: before the first mechanism, and after it."""
+    """Return the entries on chips, too light to count: before the first mechanism, and after it."""
     chips, first = [row for row in findings.mechanisms if row.role == "chip"], len(findings.chips)
     stages = ((chips[:first], "first"), (chips[first:], "after the first mechanism"))
     return [_too_light(rows, stage) for rows, stage in stages if rows]
@@ -364,7 +364,7 @@ def _percent(fraction: float) -> str:
 def path_in_words(
     basis: str, ratio: float | None, fos: float | None = None, change: float = 0.0
 ) -> str:
-    """What a factor of many blocks is.
+    """Return the words that say how a factor of many blocks was found.
 
     Parameters
     ----------

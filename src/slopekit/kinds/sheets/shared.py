@@ -341,7 +341,7 @@ def mechanisms(result: Result) -> list[Entry]:
 
 
 def curved_strength(result: Result) -> list[str]:
-    """Where strength is curved: the line of each joint at its mean normal traction, and what the mean leaves out."""
+    """Return the entries on curved strength: the line of each joint at its mean normal traction, and its error."""
     entries = []
     for name, line in result.limit_state.curved_strength.items():
         low, high = line["range_kpa"]
@@ -359,7 +359,7 @@ def why_no_sensitivity(result: Result) -> str:
 
 
 def governs(result: Result) -> list[Entry]:
-    """What changes the factor of safety most, by the closed form."""
+    """Return the entries on what changes the factor of safety most, by the closed form."""
     if not result.comparisons.governs:
         return []
     if reason := why_no_sensitivity(result):

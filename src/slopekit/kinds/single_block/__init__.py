@@ -1,1 +1,1 @@
-"""What the kinds of one block share: from what is cut and loaded to the limit, its checks and its result."""
+"""Parts that the kinds of one block share: from the loaded block to limit, checks and result."""

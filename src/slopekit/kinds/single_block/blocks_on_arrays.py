@@ -30,7 +30,7 @@ _ALONG_SLOPE = 1e-9  # of the strongest: a bolt with less in a section runs alon
 
 @dataclass(frozen=True)
 class LimitsOfMany:
-    """What PRE-IE says of n designs: `status` (n,) or the code of why there is no block, `limit` and `forces` (n,).
+    """PRE-IE limits of n designs: `status` (n,) or the code of why there is no block, `limit` and `forces` (n,).
 
     `limit` is the factor of safety, `forces` that of the forces alone; not a number where there is none. `rows` (b,)
     are the numbers of those that form blocks, and `limits` is all that PRE-IE says of these, None of none. `has_bolts`

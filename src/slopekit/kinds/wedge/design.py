@@ -119,7 +119,7 @@ class Basal:
 
 @dataclass(frozen=True)
 class SizeLimits:
-    """How large a wedge may be, m and m³; None, or no joints, without a limit. See `kinds.wedge.limits`."""
+    """Upper limits of the size of a wedge, m and m³; None, or no joints, without a limit. See `kinds.wedge.limits`."""
 
     trace_length_m: tuple[float | None, ...] = number(
         "trace_length",

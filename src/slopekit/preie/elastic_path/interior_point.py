@@ -149,7 +149,7 @@ class _Law:
 
 @dataclass
 class _Residuals:
-    """What is off at a point: (m,), (m, 2), (m, 3), (N,); what is left of the products, what ẑ lags by, the energy."""
+    """Residuals of a point: (m,), (m, 2), (m, 3), (N,); remaining products, the lag of ẑ, the energy."""
 
     normal: Floats
     slip: Floats
@@ -196,7 +196,7 @@ class _Residuals:
 
     @property
     def rounding(self) -> float:
-        """What the law is rounded by, in parts of the elastic energy."""
+        """The rounding of the law of the joints, in parts of the elastic energy."""
         return max(self.products, self.lag) / self.energy
 
 

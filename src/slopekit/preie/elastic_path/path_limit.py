@@ -27,7 +27,7 @@ _MAX_DIRECTION_UPDATES = 12  # how often directions of slip in space follow the 
 
 
 class PathOutcome(StrEnum):
-    """How an elastic path ended."""
+    """The end of an elastic path."""
 
     LIMIT = "limit state"
     SETTLED = "the running forces stopped changing"

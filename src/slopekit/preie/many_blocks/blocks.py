@@ -389,7 +389,7 @@ def first_limit(model: AssemblyModel, bound: StaticBound) -> PathLimit | None:
 
 
 def _weaker(path_end: PathLimit, unit: float) -> PathLimit:
-    """What a path found, its λ that of a strength so many times as high."""
+    """Return the end of a path with its λ rescaled to a strength so many times as high."""
     peak = None if path_end.peak is None else (path_end.peak[0] / unit, path_end.peak[1] / unit)
     return replace(
         path_end,

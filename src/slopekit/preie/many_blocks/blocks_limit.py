@@ -1,4 +1,4 @@
-"""What the limit of many blocks is: its factor, how sure it is, and what it was found with."""
+"""The limit of many blocks: its factor, what it rests on, and how it was found."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -13,7 +13,7 @@ Span = tuple[float | None, float | None]
 
 
 class Basis(StrEnum):
-    """How sure a factor is."""
+    """What a factor of many blocks rests on."""
 
     LIMIT = "limit state, exact for its contact modes"
     SETTLED = "limit of the elastic path, settled"
@@ -24,7 +24,7 @@ class Basis(StrEnum):
 
 @dataclass(frozen=True, kw_only=True)
 class LimitSearch:
-    """How the limit of an assembly was looked for.
+    """How the limit of an assembly was found: work, steps, groups.
 
     Attributes
     ----------

@@ -1,1 +1,1 @@
-"""What is solved, as arrays: one block or many, their node pairs, loads, bolts and strengths."""
+"""The models that the solvers take, as arrays: blocks, node pairs, loads, bolts, strengths."""

@@ -44,11 +44,11 @@ class JointStrengths:
         return self.friction
 
     def strength_change(self, slopes: Floats, pressed: Floats) -> Floats:
-        """What changes of the normal forces (m,) are worth, (g,)."""
+        """Return the change of strength (g,) for changes of the normal forces (m,)."""
         return slopes * self.summed(pressed)
 
     def rows(self, slopes: Floats, pressing: Floats) -> Floats:
-        """What motions of the contact are worth that press node pairs by rows (m, u): (g, u)."""
+        """Return the change of strength (g, u) per motion of the contact that presses node pairs by rows (m, u)."""
         return slopes[:, None] * np.add.reduceat(pressing, self._first)
 
 
@@ -97,11 +97,11 @@ class CurvedStrengths(JointStrengths):
         return slopes
 
     def strength_change(self, slopes: Floats, pressed: Floats) -> Floats:
-        """What changes of the normal forces (m,) are worth, (g,)."""
+        """Return the change of strength (g,) for changes of the normal forces (m,)."""
         return self.summed(slopes * pressed)
 
     def rows(self, slopes: Floats, pressing: Floats) -> Floats:
-        """What motions of the contact are worth that press node pairs by rows (m, u): (g, u)."""
+        """Return the change of strength (g, u) per motion of the contact that presses node pairs by rows (m, u)."""
         return np.add.reduceat(slopes[:, None] * pressing, self._first)
 
 

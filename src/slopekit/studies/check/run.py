@@ -99,21 +99,21 @@ class Check(StudyOutcome):
 
     @property
     def accepted(self) -> bool | None:
-        """As of its result."""
+        """Whether the result meets its acceptance; None without one."""
         return self.result.accepted
 
     @property
     def warnings(self) -> tuple[Notice, ...]:
-        """Those of its result."""
+        """Notices of the result."""
         return self.result.warnings
 
     @property
     def margin(self) -> float | None:
-        """As of its result."""
+        """The margin of the result, by which load cases are ranked."""
         return self.result.margin
 
     def case_columns(self) -> list[Column[Any]]:
-        """Those of its result, and whether it is consistent."""
+        """The columns of the result, and whether it is consistent."""
 
         def of_result(column: Column[Any]) -> Column[Any]:
             return replace(column, of=lambda checked: column.of(checked.result))

@@ -381,7 +381,7 @@ def planes_of_poles(poles: Floats) -> Planes:
 def zones_of_poles(
     poles: Floats, face: Plane, friction_deg: float, lateral_deg: float, lateral_toppling_deg: float
 ) -> dict[str, Bools]:
-    """Where joints with these downward poles (n, 3) could move: (n,) for each of `JOINT_MODES`."""
+    """Return whether joints with downward poles (n, 3) could move: (n,) for each of `JOINT_MODES`."""
     planes = planes_of_poles(poles)
     none = np.zeros(0)
     no_lines = Lines(
@@ -394,7 +394,7 @@ def zones_of_poles(
 def zones_of_lines(
     down: Floats, face: Plane, friction_deg: float, lateral_deg: float, lateral_toppling_deg: float
 ) -> dict[str, Bools]:
-    """Where lines of intersection (n, 3), downward, could be the way of a wedge or the edge of a column: (n,) each.
+    """Return whether downward lines of intersection (n, 3) could guide a wedge or edge a column: (n,) each.
 
     wedge_primary, wedge_secondary_of_dips, direct, oblique: what depends on the line alone. Whether a wedge slides in
     the secondary zone depends on its joints.

@@ -86,7 +86,7 @@ class Kinematic(StudyOutcome):
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many joints and lines of intersection, by what could happen to them."""
+        """Numbers of joints and lines of intersection by failure mode."""
         return self.modes.counts()
 
     @property
@@ -161,7 +161,7 @@ class Kinematic(StudyOutcome):
         return digest(exact)
 
     def inputs(self) -> dict[str, Any]:
-        """What was given beside the joints, as JSON values."""
+        """The inputs beside the joints, as JSON values."""
         return {
             "face": str(self.face),
             "friction_deg": range_of(self.friction_deg, self.measured),

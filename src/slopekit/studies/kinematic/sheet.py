@@ -99,7 +99,7 @@ def line_of(analysis: Kinematic) -> str:
 
 
 def _sampling_remark(analysis: Kinematic) -> list[str]:
-    """What counts of lines mean where pairs were drawn: twice the standard error of a share of a half is 0.1 %."""
+    """Return a remark where pairs were sampled: twice the standard error of a share of a half is 0.1 %."""
     if not analysis.is_sample:
         return []
     accuracy = "" if analysis.joints.has_quantities else "; their shares are within 0.1 % (95 %)"

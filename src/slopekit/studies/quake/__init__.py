@@ -1,4 +1,4 @@
-"""What an earthquake does to a slope: the yield coefficient and how far the block slides."""
+"""Earthquakes: the yield coefficient of a slope and the displacement of its block."""
 
 from slopekit.studies.quake.run import Quake, Shaken, quake
 

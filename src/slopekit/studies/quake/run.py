@@ -1,4 +1,4 @@
-"""How far a slope slides in earthquakes: yield coefficient by both methods, sliding integrated exactly.
+"""Displacements in earthquakes: yield coefficient by both methods, sliding integrated exactly.
 
 >>> import slopekit as sk
 >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
@@ -96,12 +96,12 @@ class Shaken:
 
     @property
     def mean_m(self) -> float:
-        """Of both polarities."""
+        """The mean displacement of both polarities, m."""
         return 0.5 * (self.as_recorded_m + self.reversed_m)
 
     @property
     def larger_m(self) -> float:
-        """Of both polarities."""
+        """The larger displacement of both polarities, m."""
         return max(self.as_recorded_m, self.reversed_m)
 
 
@@ -183,7 +183,7 @@ class Quake(StudyOutcome):
 
     @property
     def one_way(self) -> dict[str, Any]:
-        """How far the rigid block that slides one way goes: as `leading`."""
+        """Displacements of the rigid block that slides one way, as `leading`."""
         return _displacement(
             "one_way",
             [record_result.mean_m for record_result in self.shaken],
@@ -192,7 +192,7 @@ class Quake(StudyOutcome):
 
     @property
     def leading(self) -> dict[str, Any]:
-        """How far the block goes by the `model` that was asked for: six degrees of freedom where it was, else one way.
+        """Displacements by the requested `model`: six degrees of freedom, else one-way sliding.
 
         `median_m`, `p16_m`, `p84_m` over the records of the mean of both polarities, and `largest_m`: None where the
         model has no answer, the percentiles where there are fewer than seven records.

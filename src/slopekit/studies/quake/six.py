@@ -367,7 +367,7 @@ def _unsupported(reason: str) -> DesignError:
 
 
 def _spatial_motion(response: Shake, block: ShakenBlock, block_cut: Cut) -> tuple[Floats, Floats]:
-    """How the centroid moves, m east, north, up, and how the block turns about these axes, degrees: (m, 3) each."""
+    """Return displacement of the centroid, m east, north, up, and rotation about these axes, degrees: (m, 3) each."""
     translation, rotation = np.zeros((len(response.times), 3)), np.zeros((len(response.times), 3))
     section = block.translations == 2
     translation[:, [0, 2] if section else [0, 1, 2]] = response.motion[:, : block.translations]

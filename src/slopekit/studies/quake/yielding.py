@@ -198,7 +198,7 @@ def yields_of(static: Design, crew: ExecutorOptions, advance: Advance) -> tuple[
 
 
 def _yield_by(request: FactorRequest, solution: Solution, method: Method) -> Yield | None:
-    """The yield coefficient by one method; None where it says nothing of the design."""
+    """Return the yield coefficient by one method; None where the method does not apply to the design."""
     static_factor, answers = factor_at(solution.before, method), solution.pre_ie
     if static_factor is None or (method == "closed_form" and not solution.before.has_closed_form):
         return None
@@ -264,7 +264,7 @@ def _root(request: FactorRequest, method: Method, start: float) -> float | None:
 
 
 def _gain(request: FactorRequest, method: Method, k: float) -> Gain | str:
-    """How fast the block gains on the ground at a yield coefficient, or why that is not known."""
+    """Return how fast the block gains on the ground at a yield coefficient, or why that is not known."""
     static, advance, kind = request.design, request.advance, kind_of(request.design)
     dilates = any(strength.dilation_deg for strength in static.joint_strengths)
     if kind.MOVES_MANY:

@@ -1,4 +1,4 @@
-"""How dense poles lie on the hemisphere: Kamb's method, smoothed.
+"""The density of poles on the hemisphere, by Kamb's method, smoothed.
 
 Kamb (1959, J. Geophys. Res. 64, 1891-1909) with exponential smoothing as by Vollmer (1995, Computers & Geosciences 21,
 31-49): with n poles and f = 2 (1 + n/σ²),

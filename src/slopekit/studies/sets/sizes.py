@@ -100,7 +100,7 @@ def traces_of(joints: Sequence[MeasuredJoint], confidence: float) -> Lengths | N
 
 
 def whole_traces(joints: Sequence[MeasuredJoint]) -> tuple[int | None, float | None]:
-    """Of the traces whose ends are said, how many show both, and the mean of lengths of which the others are cut off.
+    """Return the number of traces with both ends visible, and the mean length corrected for the censored ones.
 
     Lengths whose ends are hidden are at least so long. With exponential lengths, n of them whole, the likeliest mean
     is Σ l / n (Epstein & Sobel 1953, J. Am. Stat. Assoc. 48, 486-502 (m)). None where nothing is said, none is whole.

@@ -150,7 +150,7 @@ class Solution(StudyOutcome):
 
     @property
     def reason(self) -> Fault | None:
-        """Why there is no such value, None where there is one."""
+        """The fault that says why there is no such value; None where there is one."""
         return self.pre_ie.reason
 
     @property

@@ -226,7 +226,7 @@ def _row(case: ReferenceCase, reference: Reference, outcome: _CaseAnalysis) -> R
 
 
 def _result_faults(case: ReferenceCase, result: Result) -> list[str]:
-    """What is wrong with the result as a whole, apart from the number of the row."""
+    """Return the faults of a result as a whole, apart from the number of the row."""
     wrong = []
     if result.status == "not_converged":
         wrong.append("the analysis did not converge")
@@ -243,7 +243,7 @@ def _result_faults(case: ReferenceCase, result: Result) -> list[str]:
 def _reference_faults(
     value: float | str | None, error: float | None, reference: Reference
 ) -> list[str]:
-    """How a value misses its reference; nothing for rows that are not judged."""
+    """Return the faults of a value that misses its reference; none for rows that are not judged."""
     if reference.not_judged:
         return []
     if isinstance(value, str):
@@ -273,7 +273,7 @@ def _error(value: float | str | None, reference: Reference) -> float | None:
 
 
 def _value(result: Result, reference: Reference) -> float | str | None:
-    """What slopekit gives for a quantity."""
+    """Return slopekit's value of a quantity."""
     quantity, condition = reference.quantity, reference.of
     if quantity in _PATHS:
         value: float | str | None = value_at(_PATHS[quantity].split("."), result)

@@ -66,7 +66,7 @@ def by_source(verification: Verification) -> Iterator[tuple[str, list[Row]]]:
 
 
 def quantity(row: Row) -> str:
-    """What is compared, in words."""
+    """Return the name of the quantity that is compared."""
     condition = row.reference.of
     return QUANTITIES[row.reference.quantity].format(
         of="" if condition is None else f"{condition:g}"
@@ -74,7 +74,7 @@ def quantity(row: Row) -> str:
 
 
 def against(row: Row) -> float | str | None:
-    """What the error is against: the exact value where there is one, else the published one."""
+    """Return the value that the error refers to: the exact one where there is one, else the published one."""
     return row.reference.published if row.reference.exact is None else row.reference.exact
 
 

@@ -1,4 +1,4 @@
-"""What all charts share (matplotlib): the style, colours, labelled lines, names in short, files. Extra: `plot`."""
+"""Parts that all charts share (matplotlib): style, colours, labelled lines, short names, files. Extra: `plot`."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager

@@ -65,7 +65,7 @@ class Oriented:
 
 
 def orientations_of(document: Document) -> Oriented:
-    """What a document says of orientations; of many there is none, or no joint with a direction."""
+    """Return the orientations of a document; empty where it has none, or no joint with a direction."""
     inputs: Any = document.get("inputs")
     inputs = inputs if isinstance(inputs, Mapping) else {}
     joints: dict[str, Plane] = {}
@@ -148,7 +148,7 @@ def draw_orientations(figure: Any, document: Document) -> None:
 
 
 def _sliding_zone(net: Stereonet, orientations: Oriented, face: Plane) -> None:
-    """Where lines of intersection slide out; of a joint alone, where its pole means that."""
+    """Draw the zone of sliding: lines of intersection, or poles of a single joint, that slide out of the face."""
     least = orientations.frictions[0]
     steeper = f"daylight, steeper than φ {number(least)}°{', the least' if len(orientations.frictions) > 1 else ''}"
     if not orientations.is_planar:

@@ -130,7 +130,7 @@ def cells() -> tuple[Floats, Bools]:
 
 
 class Stereonet:
-    """What is drawn on a net: the axes of matplotlib that have it."""
+    """A stereonet on the axes of matplotlib."""
 
     def __init__(self, axes: Any) -> None:
         self.axes = axes

@@ -355,7 +355,7 @@ def _plottable(factors: Iterable[float | None]) -> Floats:
 
 
 def _mark_labels(point: Point, method: Method) -> list[str]:
-    """What is marked of a point: keys of `_MARKS`."""
+    """Return the keys of `_MARKS` that apply to a point."""
     factor, labels = factor_at(point, method), list[str]()
     if point.factors is None:
         labels.append("no block, or bad input")
@@ -378,7 +378,7 @@ def _draw_marks(axes: Any, places: Sequence[tuple[float, float, Point]], method:
 
 
 def _key_words(document: Document, key: Document, most: int = 60) -> str:
-    """What a key is, `friction angle of weak`; the key itself of a kind that is not known here."""
+    """Return a key in words, `friction angle of weak`; the key itself for unknown kinds."""
     kind = str(document.get("kind"))
     return short(words_of(record_of(kind), key["key"]) if kind in KINDS else key["key"], most)
 
@@ -444,7 +444,7 @@ def _inside(value: float | None, values: Sequence[float]) -> bool:
 def _bar_end(
     point: Point, method: Method, base: float, edges: tuple[float, float]
 ) -> tuple[float, str]:
-    """Where an end of a bar lies, and why it has no number: it runs to an edge of the chart then."""
+    """Return the end of a bar and, where it has no number, why: the bar runs to an edge of the chart then."""
     factor, status = factor_at(point, method), status_of(point, method)
     if factor is not None and 0.0 < factor < math.inf:
         return factor, ""

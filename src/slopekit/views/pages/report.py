@@ -181,7 +181,7 @@ def _short_name(document: Mapping[str, Any]) -> str:
 
 
 def _project(documents: Sequence[Mapping[str, Any]], inputs: Mapping[str, str]) -> dict[str, str]:
-    """What the head says: what was given, else what the first design says that says anything."""
+    """Return the project data of the head: those given, else those of the first design that has any."""
     unknown = [key for key in inputs if key not in PROJECT]
     if unknown:
         advice = f"Known: {', '.join(PROJECT)}."
@@ -202,7 +202,7 @@ def _project(documents: Sequence[Mapping[str, Any]], inputs: Mapping[str, str]) 
 
 
 def _article(document: Mapping[str, Any], name: str, sheet: Any) -> dict[str, Any]:
-    """What the page says of one document, by its sheet without what stands on the page already."""
+    """Return the article of one document: its sheet without what stands on the page already."""
     is_result = "fos" in document and "status" in document and "study" not in document
     if not isinstance(sheet, Mapping):
         _refuse(document, name, is_result)
@@ -252,7 +252,7 @@ def _view(document: Mapping[str, Any], notices: list[Notice]) -> str:
 
 
 def _study(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, Any]:
-    """What the page says of a study: its line, then its sheet as it stands in the JSON."""
+    """Return the content of a study's article: its line, then its sheet."""
     for key in ("slopekit", "study", "line"):
         if not isinstance(document[key], str):
             raise TypeError(f"{key} is no text")
@@ -271,7 +271,7 @@ def _study(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, A
 
 
 def _common_content(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, Any]:
-    """What the page says of results and studies alike: their sheet by sections, notices, where they come from."""
+    """Return the content that results and studies share: sheet by sections, notices, source."""
     sections = {label: list(section_entries(entries)) for label, entries in sheet.items()}
     return {
         "version": document["slopekit"],
@@ -295,7 +295,7 @@ def _heading(label: str) -> str:
 
 
 def _result(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, Any]:
-    """What the page says of a result: its answer, its sheet, its inputs."""
+    """Return the content of a result's article: its answer, its sheet, its inputs."""
     for key in ("title", "slopekit", "input_sha256"):
         if not isinstance(document[key], str):
             raise TypeError(f"{key} is no text")

@@ -1,4 +1,4 @@
-"""What a result means, at the head of its page: the answer, and the check of the two methods."""
+"""The words at the head of a result's page: the answer, and the check of the two methods."""
 
 import math
 from collections.abc import Mapping
@@ -65,7 +65,7 @@ def answer(document: Mapping[str, Any], status: list[str]) -> dict[str, Any]:
 
 
 def _check_badge(document: Mapping[str, Any]) -> tuple[str, str]:
-    """What came of the check of the two methods. The status goes first: without convergence nothing was compared."""
+    """Return the badge of the check of the two methods; without convergence nothing was compared."""
     agree = document["agree"]
     if document["status"] == "not_converged":
         return "did not converge: no number", "bad"
@@ -81,7 +81,7 @@ def _check_badge(document: Mapping[str, Any]) -> tuple[str, str]:
 
 
 def limit_of(document: Mapping[str, Any]) -> str:
-    """What the limit is, in words."""
+    """Return the words that say what the limit is."""
     assembly = document.get("assembly")
     if not assembly:
         return "PRE-IE"

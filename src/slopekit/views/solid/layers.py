@@ -1,4 +1,4 @@
-"""What scenes are made of: coloured triangles in layers, plain arrays that PNG, GLB and windows draw alike."""
+"""Layers of a scene: coloured triangles as plain arrays, which PNG, GLB and windows draw alike."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -144,7 +144,7 @@ def block_of_vertex(shapes: Shapes) -> Ints:
 
 
 def rigid_displacement(shapes: Shapes, motion: Floats, points: Floats, point_block: Ints) -> Floats:
-    """How rigid motions (n, 6) of the blocks move points (p, 3) of the blocks `point_block` (p,); -1 moves nothing.
+    """Return the displacements of points (p, 3) of blocks `point_block` (p,) under rigid motions (n, 6); -1: none.
 
     Rotations are carried out in full (Rodrigues), so that magnified blocks keep their shape.
     """
@@ -348,7 +348,7 @@ class Picture:
     title, subtitle : above it; notes : beneath it
     layers : what is seen; legend : (text, colour, opacity)
     eye : (3,) unit, from the scene toward the eye; bar : of what is coloured by value
-    labels : (point (3,), text); beside : they stand beside their points, with a line there
+    labels : (point (3,), text); has_label_lines : they stand beside their points, with a line to each
     """
 
     title: str

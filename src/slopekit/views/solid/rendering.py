@@ -89,7 +89,7 @@ class Camera:
         return cls(right, up, eye, middle, (high * aspect, high))
 
     def seen(self, point: Floats) -> tuple[float, float]:
-        """Where a point comes to lie: m to the right of the middle of the frame, and above it."""
+        """Return the place of a point in the picture: m to the right of the middle of the frame, and above it."""
         return float((point - self.middle) @ self.right), float((point - self.middle) @ self.up)
 
 

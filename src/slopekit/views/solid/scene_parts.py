@@ -136,7 +136,7 @@ class Scenery:
         )
 
     def block_legend(self, rock: bool) -> Legend:
-        """What the colours of `Stage.block_colours` mean."""
+        """Return the legend of `Stage.block_colours`."""
         legend: Legend = []
         if self.stage.has_single_block:
             legend.append((self.stage.scene.shapes.names[0], BLOCK, 1.0))
@@ -291,13 +291,13 @@ def _ribbons(
 
 
 def drawn_arrows(size: Floats) -> Ints:
-    """Those of the arrows (n,) with a size that may be drawn: all, or every second, third ... of them."""
+    """Return the indices of the arrows (n,) to draw: all with a size, or every second, third ... of them."""
     arrows = np.flatnonzero(size > 0.0)
     return arrows[:: max(1, -(-len(arrows) // _MOST_ARROWS))]
 
 
 def pair_spacing(areas: Floats) -> float:
-    """How far apart node pairs are that control such areas (n,) in m²: m."""
+    """Return the spacing of node pairs with control areas (n,) in m²: m."""
     return math.sqrt(float(np.median(areas))) if len(areas) else 1.0
 
 

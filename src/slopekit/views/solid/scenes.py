@@ -129,7 +129,7 @@ def dimension_lines(stage: Stage, measures: Sequence[_Dimension]) -> list[Layer]
 
 
 def _crest_of_columns(stage: Stage) -> float | None:
-    """How far into the slope from the foot of C1 the crest is, of columns: their bases reach behind their tops."""
+    """Return the distance of the crest from the foot of C1 into the slope, of columns."""
     inputs = stage.document.get("inputs") or {}
     height, face = inputs.get("slope_height_m"), inputs.get("slope_face_deg")
     return None if height is None or face is None else height / math.tan(math.radians(face))
@@ -163,7 +163,7 @@ def draw(document: Mapping[str, Any], scene: str, path: Path, step: int = 1) -> 
 
     Parameters
     ----------
-    document : the JSON of a result; what : a key of `SCENES`
+    document : the JSON of a result; scene : a key of `SCENES`
     step : the mechanism (1 is the first)
 
     Raises

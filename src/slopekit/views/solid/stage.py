@@ -1,4 +1,4 @@
-"""What all scenes of one result share: the blocks with their sizes, the rock about them, where they are seen from."""
+"""The stage of a result's scenes: blocks with their sizes, the rock about them, the viewpoint."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -107,7 +107,7 @@ class Stage(ExportSource):
 
     @cached_property
     def balanced(self) -> Bools:
-        """Blocks whose loads and contact forces are all known: they cancel. (n,)"""
+        """Whether all loads and contact forces of each block (n,) are known, so that they cancel."""
         scene = self.scene
         count = len(scene.shapes.names)
         unbalanced_kn, load = np.zeros((count + 1, 3)), np.zeros(count + 1)
@@ -136,7 +136,7 @@ class Stage(ExportSource):
 
     @cached_property
     def plate_width(self) -> float:
-        """How wide plates are drawn, m: so that they are seen and do not touch; 0 without bolts."""
+        """The width of drawn plates, m: visible, and not touching; 0 without bolts."""
         if self.scene.bolts is None:
             return 0.0
         size = min(self.size, self.neighbourhood(self.free))
@@ -182,7 +182,7 @@ class Stage(ExportSource):
         return np.isin(self.scene.order, numbers)
 
     def movements(self, step: int) -> dict[str, str]:
-        """How the blocks of a mechanism move, by name."""
+        """Return how the blocks of a mechanism move, by name."""
         if not 0 < step <= len(self.mechanisms):
             return {}
         return dict(
@@ -227,7 +227,7 @@ class Stage(ExportSource):
 
     @property
     def title(self) -> str:
-        """What was analysed."""
+        """The title of the analysis."""
         title = str(self.document.get("title") or "")
         return title if len(title) <= _LETTERS else title[: _LETTERS - 1] + "…"
 

@@ -35,7 +35,7 @@ _EXPLOSION = 0.7  # of its distance from the others: how far the exploded view m
 
 
 def viewer_data(document: Mapping[str, Any]) -> dict[str, Any]:
-    """What the view draws, as JSON values; arrays are `{"type": ..., "base64": ...}`, little-endian, C order.
+    """Return the data of the viewer as JSON values; arrays are `{"type": ..., "base64": ...}`, little-endian, C order.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def viewer_data(document: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def data_of(stage: Stage) -> dict[str, Any]:
-    """The same of a stage, whose scene need not have been packed."""
+    """Return the data of the viewer for a stage."""
     scene = _with_rock(stage)
     rock = len(scene.shapes.names) - len(
         stage.scene.shapes.names
@@ -281,7 +281,7 @@ def _split_by_block(solids: Solids) -> tuple[Floats, Ints, Ints]:
 
 
 def _velocities(points: Floats, centroids: Floats, velocity: Floats, block: Ints) -> Floats:
-    """What points (n, 3) of blocks (n,) move by: u + ω × (x - c), small rotations."""
+    """Return the displacements of points (n, 3) of blocks (n,): u + ω × (x - c), small rotations."""
     if not len(points):
         return np.zeros((0, 3))
     return velocity[block, :3] + np.cross(velocity[block, 3:], points - centroids[block])
