@@ -1712,8 +1712,8 @@ MUTATIONS = (
         (
             "a bracket in the load",
             "preie/many_blocks/blocks.py",
-            "path_end.outcome, Outcome.SLIDES if path_end.parameter else Outcome.NOT_CONVERGED\n",
-            "path_end.outcome, Outcome.SLIDES if path_end.is_limit else Outcome.NO_REST\n",
+            "(Outcome.SLIDES, factor) if path_end.parameter else (Outcome.NOT_CONVERGED, None)",
+            "(Outcome.SLIDES, factor) if path_end.is_limit else (Outcome.NO_REST, None)",
             _GAIN,
         ),
     ),

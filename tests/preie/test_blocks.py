@@ -22,8 +22,9 @@ from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome, resul
 from slopekit.preie.many_blocks import blocks
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
-from slopekit.preie.many_blocks.ravelling import finer_model, ravel
+from slopekit.preie.many_blocks.ravelling import SolvedComponent, finer_model, ravel
 from slopekit.preie.outcome import Outcome
+from slopekit.preie.solvers.work_limit import WorkSpentError
 from tests.closed_form.blocks import two_blocks
 from tests.preie import assembly_oracle
 from tests.preie.block_scenes import (
@@ -155,6 +156,20 @@ def test_what_has_a_static_bound_does_not_stand_at_any_strength(monkeypatch) -> 
     assert found.outcome is Outcome.NOT_CONVERGED
     assert found.factor is None
     assert found.static_bound is not None
+
+
+def test_a_load_whose_path_gives_up_has_neither_multiplier_nor_factor(monkeypatch) -> None:
+    """Its 1/λ was taken for the multiplier where finer node pairs of a component gave up."""
+
+    def gives_up(*_: object) -> PathLimit:
+        raise WorkSpentError(None)
+
+    model = stack(1, 20.0, 6.0).model(35.0)
+    monkeypatch.setattr(blocks, "trace_limit", gives_up)
+    limit = blocks.load_limit(model, model.load, 0.8)
+    assert (limit.outcome, limit.multiplier, limit.factor) == (Outcome.NOT_CONVERGED, None, None)
+    indices = np.arange(len(model.load))
+    assert SolvedComponent(model, limit, indices, model.patch).rank < 0.0
 
 
 @pytest.mark.parametrize("scene", [stack(1, width=5.0), wall(2, 2), wall(4, 4)])

@@ -330,7 +330,7 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> BlocksLi
     """Return the multiplier of a load (n, u), on top of the model's own, at which its strength times λ just holds.
 
     The limit of the elastic path in the load: its own loads come on first, then the ramp. The limit that is returned
-    has the factor 1/λ.
+    has the factor 1/λ; one that did not converge has neither factor nor multiplier.
     """
     permanent, grows = model.load.ravel(), ramp.ravel()
     first = FIRST_LOAD * float(np.abs(permanent).max()) / float(np.abs(grows).max())
@@ -343,16 +343,20 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> BlocksLi
             path_end = result_of(
                 bed, PathOutcome.GAVE_UP, None, None, none, none, bed.forces(none, first)
             )
-    outcomes = {PathOutcome.STANDS: Outcome.NO_DRIVING_FORCE, PathOutcome.NO_REST: Outcome.NO_REST}
-    outcome = outcomes.get(
-        path_end.outcome, Outcome.SLIDES if path_end.parameter else Outcome.NOT_CONVERGED
+    factor = 1.0 / reduction
+    outcome, known_factor = {
+        PathOutcome.STANDS: (Outcome.NO_DRIVING_FORCE, factor),
+        PathOutcome.NO_REST: (Outcome.NO_REST, factor),
+    }.get(
+        path_end.outcome,
+        (Outcome.SLIDES, factor) if path_end.parameter else (Outcome.NOT_CONVERGED, None),
     )
     basis = {PathOutcome.LIMIT: Basis.LIMIT, PathOutcome.SETTLED: Basis.SETTLED}.get(
         path_end.outcome, Basis.PEAK
     )
     return BlocksLimit(
         outcome,
-        1.0 / reduction,
+        known_factor,
         basis,
         0.0,
         frozen(path_end.motion.reshape(model.load.shape)),
