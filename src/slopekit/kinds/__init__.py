@@ -160,7 +160,7 @@ def implausible_inputs(design: Design, varied: Sequence[str] = ()) -> list[Notic
 
 
 def notices_of_inputs(design: Design, varied: Sequence[str] = ()) -> tuple[Notice, ...]:
-    """Return the notices of a study about the inputs: example values (W379), means (W320), and `likely_slips`."""
+    """Return the notices of a study about the inputs: example values (W379), means (W320), `implausible_inputs`."""
     return (
         *defaulted_inputs(design, varied),
         *mean_value_notices(design, varied),

@@ -123,7 +123,7 @@ class BartonBandis:
         return self.jrc * ratio ** (-0.02 * self.jrc), self.jcs_kpa * ratio ** (-0.03 * self.jrc)
 
     def resistance(self, normal: Floats) -> Floats:
-        """τ (n,) kPa.
+        """Return the shear strength τ, (n,) kPa.
 
         >>> BartonBandis(16.9, 96e3, 29.0).resistance(np.array([1440.0])).round()
         array([2477.])
@@ -131,7 +131,7 @@ class BartonBandis:
         return np.maximum(normal, 0.0) * np.tan(self._angle(normal)[0])
 
     def slope(self, normal: Floats) -> Floats:
-        """Tan φ - JRC / (ln 10 cos² φ), and tan φ alone where the angle is cut off, (n,)."""
+        """Return dτ/dσ = tan φ - JRC / (ln 10 cos² φ), or tan φ where the angle is cut off, (n,)."""
         angle, curved = self._angle(normal)
         falls = np.radians(self.scaled[0]) / math.log(10.0)
         return np.tan(angle) - np.where(curved, falls / np.cos(angle) ** 2, 0.0)

@@ -66,7 +66,7 @@ class Bilinear:
         return np.tan(np.radians(self.phi_deg + self.i_deg)), np.tan(np.radians(self.phi_deg))
 
     def resistance(self, normal: Floats) -> Floats:
-        """τ (n,) kPa.
+        """Return the shear strength τ, (n,) kPa.
 
         >>> Bilinear(0.0, 45.0, 300.0).resistance(np.array([100.0, 300.0, 900.0])).round(9)
         array([100., 300., 300.])
@@ -78,7 +78,7 @@ class Bilinear:
         )
 
     def slope(self, normal: Floats) -> Floats:
-        """Tan(φ + i) below σ_t, tan φ above, (n,)."""
+        """Return dτ/dσ: tan(φ + i) below σ_t, tan φ above, (n,)."""
         steep, flat = self._slopes
         return np.where(normal <= self.sigma_t_kpa, steep, flat)
 

@@ -102,7 +102,7 @@ class Bridged:
         ) * rock
 
     def resistance(self, normal: Floats) -> Floats:
-        """τ (n,) kPa."""
+        """Return the shear strength τ, (n,) kPa."""
         cohesion, tangent = self._line
         return line(cohesion, tangent, np.maximum(normal, 0.0))
 

@@ -43,7 +43,7 @@ class MohrCoulomb:
     )
 
     def resistance(self, normal: Floats) -> Floats:
-        """τ (n,) kPa."""
+        """Return the shear strength τ = c + σ tan φ, (n,) kPa."""
         return line(
             self.cohesion_kpa,
             math.tan(math.radians(self.friction_angle_deg)),
@@ -51,16 +51,16 @@ class MohrCoulomb:
         )
 
     def slope(self, normal: Floats) -> Floats:
-        """Tan φ, (n,)."""
+        """Return dτ/dσ = tan φ, (n,)."""
         return np.full_like(normal, math.tan(math.radians(self.friction_angle_deg)))
 
     def reduced(self, factor: float) -> "MohrCoulomb":
-        """C / F and tan φ / F, which is the line over F."""
+        """Return the law with c / F and tan φ / F, which is the line divided by F."""
         tangent = math.tan(math.radians(self.friction_angle_deg)) / factor
         return MohrCoulomb(self.cohesion_kpa / factor, math.degrees(math.atan(tangent)))
 
     def in_words(self) -> str:
-        """C and φ."""
+        """Return c and φ in words."""
         return f"c {self.cohesion_kpa:.6g} kPa  φ {self.friction_angle_deg:.6g}°"
 
 

@@ -58,7 +58,7 @@ class PowerCurve:
         return MohrCoulomb(self.d_kpa, math.degrees(math.atan(self.a))) if self.b == 1.0 else None
 
     def resistance(self, normal: Floats) -> Floats:
-        """τ (n,) kPa.
+        """Return the shear strength τ = a σ^b + d, (n,) kPa.
 
         >>> PowerCurve(2.0, 0.5, 3.0).resistance(np.array([0.0, 100.0]))
         array([ 3., 23.])
@@ -66,11 +66,11 @@ class PowerCurve:
         return self.a * np.maximum(normal, 0.0) ** self.b + self.d_kpa
 
     def slope(self, normal: Floats) -> Floats:
-        """A b σ^(b - 1), (n,)."""
+        """Return dτ/dσ = a b σ^(b - 1), (n,)."""
         return self.a * self.b * normal ** (self.b - 1.0)
 
     def reduced(self, factor: float) -> "PowerCurve":
-        """Both a and d over the factor."""
+        """Return the law with a and d divided by the factor."""
         return PowerCurve(self.a / factor, self.b, self.d_kpa / factor)
 
     def in_words(self) -> str:

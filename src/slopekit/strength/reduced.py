@@ -16,15 +16,15 @@ class Reduced:
     factor: float
 
     def resistance(self, normal: Floats) -> Floats:
-        """τ / F (n,) kPa."""
+        """Return the reduced shear strength τ / F, (n,) kPa."""
         return self.law.resistance(normal) / self.factor
 
     def slope(self, normal: Floats) -> Floats:
-        """The slope over F, (n,)."""
+        """Return dτ/dσ / F, (n,)."""
         return self.law.slope(normal) / self.factor
 
     def reduced(self, factor: float) -> "Reduced":
-        """Reduced once more."""
+        """Return the law reduced by both factors."""
         return Reduced(self.law, self.factor * factor)
 
     def in_words(self) -> str:

@@ -56,7 +56,7 @@ class Wavy:
         return tangent
 
     def resistance(self, normal: Floats) -> Floats:
-        """τ (n,) kPa."""
+        """Return the shear strength τ, (n,) kPa."""
         return self.law.resistance(normal) + np.maximum(normal, 0.0) * self._tangent
 
     def slope(self, normal: Floats) -> Floats:

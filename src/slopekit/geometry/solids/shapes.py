@@ -23,7 +23,7 @@ class Cutter:
 
     Attributes
     ----------
-    vertices : (n, 3) m; triangles : (m, 3), outward; on : (m,) SLIP or END
+    vertices : (n, 3) m; triangles : (m, 3), outward; face_kinds : (m,) SLIP or END
     """
 
     vertices: Floats

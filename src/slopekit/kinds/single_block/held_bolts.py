@@ -72,7 +72,7 @@ def holding_bolts(
 
     Parameters
     ----------
-    head_offsets : (b,) as `stand_off` has it; None where heads stay where they are
+    head_offsets : (b,) as `head_offset` returns them; None where heads stay where they are
     """
     # lengths and directions that scatter are arrays, planes that do not are one for all
     reaches: list[Any] = [np.inf if bolt.length_m is None else bolt.length_m for bolt in bolts]

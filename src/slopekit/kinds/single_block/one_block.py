@@ -236,7 +236,7 @@ def _displacements(
 
 
 def _is_lost_before(pairs: "AllPairsFailed", limit: float | None) -> bool:
-    """Return whether equilibrium was lost on the elastic bed before the last pair failed: then there is no factor."""
+    """Return whether equilibrium was lost well below the limit, so that all pairs failed gives no factor."""
     return bool(
         pairs.factor
         and limit
@@ -286,7 +286,7 @@ def _curved(
 def _openings(
     solution: FoundLimit, interfaces: Sequence[Interface], origin: Floats, axes: Floats
 ) -> Mapping[str, Mapping[str, Any]]:
-    """Return where joints are pressed at the limit, by their names and in the user's coordinates."""
+    """Return the pressed share, force, resultant and widest opening of each joint, in the user's coordinates."""
 
     def place(point: Floats | None) -> Floats | None:
         return None if point is None else point @ axes + origin

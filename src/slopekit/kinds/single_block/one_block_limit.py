@@ -209,7 +209,7 @@ def rigid_movement(model: Model, displacement: Floats, axes: Floats) -> Movement
 
 
 def failure_mechanism(limit: Limit, model: Model, axes: Floats) -> Movement | None:
-    """Return the mechanism in true proportions: displacement of the centroid (m), rotation (rad), scaled to size 1."""
+    """Return the mechanism with a displacement of the centroid of size 1, and the rotation per m of it."""
     if (
         limit.outcome in (Outcome.NO_DRIVING_FORCE, Outcome.NOT_CONVERGED)
         or not limit.velocity.any()

@@ -237,7 +237,7 @@ def without_basal(
 
     Parameters
     ----------
-    strengths : of the joints; before : (b,) of the bolts, as `stand_off` returns them
+    strengths : of the joints; offsets : (b,) of the bolt heads, as `head_offset` returns them
     """
     basal = design.basal
     assert basal is not None

@@ -126,7 +126,7 @@ class ElasticContactModel:
             self._elastic_state = self._solve_elastic()
 
     def pressed_share(self, displacement: Floats, reduction: float) -> PressedShare | None:
-        """Return the share of the cohesion that acts; None where no contact has any.
+        """Return the share of the cohesion that acts; None where no contact has any, or its bonds are prescribed.
 
         Joints that dilate are pressed by as much as slip opens them.
         """
@@ -294,7 +294,7 @@ class ElasticContactModel:
 
         Parameters
         ----------
-        modes : a state whose contact modes (touching, slip, in a section its direction) are kept: all is linear
+        modes : a state whose contact modes (touching, slip and its direction) are kept, so that the forces are linear
         """
         self.evaluations += 1
         reduction, load = self.drive.strength_and_load(parameter)

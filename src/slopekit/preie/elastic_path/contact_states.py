@@ -29,7 +29,7 @@ class ContactState:
     normal : (m,); friction : (g, t); strength : (g,) r, before it is reduced
     touching : (m,); slips : (g,); direction : (g, t) of the slip; slip : (g,) its size
     unbalanced : (N,) R; largest : of all forces; rounding : unbalanced force that is none
-    pressed : the share of the cohesion that acts; None without cohesion
+    pressed : the share of the cohesion that acts; None without cohesion, or where bonds are prescribed
     """
 
     normal: Floats
@@ -85,7 +85,7 @@ class Drive:
         return parameter * ratio if self.ramp is None else parameter / ratio
 
     def parameter_ratio(self, bad: float, good: float) -> float:
-        """Return the ratio <= 1 between a worse and a good parameter, 1 where they are the same."""
+        """Return the ratio of a parameter to a good one: below 1 where it is worse, 1 where they are the same."""
         return bad / good if self.ramp is None else good / bad
 
 

@@ -130,7 +130,7 @@ def viscous_step(
 def _nonlinear_elimination(
     bed: ElasticContactModel, last_step: NewtonStep, previous: Floats, viscosity: float
 ) -> NewtonStep:
-    """Return Newton's method on all blocks, with unbalanced ones settled first while all others are held.
+    """Return a step of Newton's method on all blocks, the unbalanced ones settled first with all others held.
 
     Even rounds take the unbalanced blocks alone, odd rounds with their neighbours.
     """

@@ -36,9 +36,10 @@ _STRENGTH_LOSS = 1e-2  # below a limit's strength, where blocks at their limit h
 def equilibrium_at_strength(
     bed: ElasticContactModel, displacement: Floats, parameter: float
 ) -> Flow | None:
-    """Return all blocks at rest at one strength, from a displacement (N,); None where they do not rest.
+    """Return all blocks at rest at one strength, from a displacement (N,); None where no rest was found.
 
-    Thousands of blocks are solved by the interior-point method, from joints that stick.
+    Thousands of blocks are solved by the interior-point method, from joints that stick; of more than
+    `_INTERIOR_NEAR_UP_TO` unknowns nothing else is tried.
     """
     rest = interior_point_equilibrium(bed, parameter) if _is_large(bed) else None
     if rest is not None or bed.size > _INTERIOR_NEAR_UP_TO:
@@ -50,7 +51,7 @@ def equilibrium_at_strength(
 
 
 def _is_large(bed: ElasticContactModel) -> bool:
-    """Return whether the interior-point method is tried first: it has neither curved laws nor cohesion."""
+    """Return whether the interior-point method is tried first: it takes no curved laws and no pressed cohesion."""
     return (
         bed.tangents > 1
         and not bed.strengths.curved

@@ -27,7 +27,7 @@ _STRIDE, _NARROWEST = 0.05, 0.05 / 16.0  # of ln λ, the longest and the shortes
 def debonding_limit(model: AssemblyModel, limit: float) -> tuple[float, float | None] | None:
     """Return the last stable and the first unstable factor with progressive slip and debonding.
 
-    The second is None where the blocks come neither to rest nor to run; both where they rest at no strength to begin
+    The second is None where the blocks come neither to rest nor to run. None where they rest at no strength to begin
     with, or stand without any.
 
     Parameters

@@ -63,12 +63,13 @@ class Groups:
         self.solution: Solution | None = None
 
     def span(self, motion: Floats, top: float | None) -> Span | None:
-        """Return the range of the group's mechanism: what is held beside it can carry any force.
+        """Return the range of the group's mechanism, or None where the limit's motion is another.
+
+        The blocks held beside the group can carry any force.
 
         Parameters
         ----------
-        motion : (n, 6) of the limit that is asked about; None where the group that was found last moves otherwise
-        top : a factor that none exceeds
+        motion : (n, 6) of the limit whose range is asked for; top : a factor that none exceeds
         """
         if self.solution is None:
             return None

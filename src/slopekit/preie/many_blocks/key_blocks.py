@@ -32,7 +32,7 @@ def blocks_that_slide_alone(
 def sliding_direction(
     assembly: Assembly, loads: AssemblyLoads, strength: JointStrength, gone: Bools, block: int
 ) -> Floats:
-    """Return the unit vector (3,) along which a block slides that `slide_alone` has a factor of."""
+    """Return the unit vector (3,) along which a block of `blocks_that_slide_alone` slides."""
     _, faces = _faces(assembly, loads, strength, gone, np.array([block], dtype=np.int64))
     _, factors, directions = _slides(*faces)
     direction: Floats = directions[int(np.argmin(factors))]

@@ -119,4 +119,4 @@ def elastic_displacement(model: Model) -> Floats:
     """Return the displacement (u,) under the load with every pair bonded, springs of stiffness a in all directions."""
     stiffness = model.flat_rows.T @ (np.repeat(model.control_area, 3)[:, None] * model.flat_rows)
     # a sheet a thousand million times as long as thick has no stiffness against turning
-    return np.asarray(np.linalg.lstsq(stiffness, model.load)[0], dtype=np.float64)
+    return np.asarray(np.linalg.lstsq(stiffness, model.load, rcond=None)[0], dtype=np.float64)
