@@ -1714,7 +1714,7 @@ MUTATIONS = (
             "preie/many_blocks/blocks.py",
             "(Outcome.SLIDES, factor) if path_end.parameter else (Outcome.NOT_CONVERGED, None)",
             "(Outcome.SLIDES, factor) if path_end.is_limit else (Outcome.NO_REST, None)",
-            _GAIN,
+            (*_GAIN, "tests/preie/test_blocks.py"),
         ),
     ),
     *_group(

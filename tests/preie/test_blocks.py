@@ -172,6 +172,22 @@ def test_a_load_whose_path_gives_up_has_neither_multiplier_nor_factor(monkeypatc
     assert SolvedComponent(model, limit, indices, model.patch).rank < 0.0
 
 
+def test_a_load_whose_path_ends_in_a_bracket_has_its_last_rest(monkeypatch) -> None:
+    """The last load at rest is the multiplier, at the strength that was asked for; it is no limit state."""
+
+    def ends_in_a_bracket(bed: ElasticContactModel, start: float) -> PathLimit:
+        none = np.zeros(bed.size)
+        forces = bed.forces(none, start)
+        return result_of(bed, PathOutcome.BRACKET, 0.3, (0.3, 0.31), none, none, forces)
+
+    model = stack(1, 20.0, 6.0).model(35.0)
+    monkeypatch.setattr(blocks, "trace_limit", ends_in_a_bracket)
+    limit = blocks.load_limit(model, model.load, 0.8)
+    assert (limit.outcome, limit.basis) == (Outcome.SLIDES, Basis.PEAK)
+    assert (limit.multiplier, limit.factor) == (0.3, 1.25)
+    assert SolvedComponent(model, limit, np.arange(1), model.patch).rank == 0.3
+
+
 @pytest.mark.parametrize("scene", [stack(1, width=5.0), wall(2, 2), wall(4, 4)])
 def test_blocks_pulled_off_the_ground_are_lifted(scene) -> None:
     assert (
